@@ -21,7 +21,7 @@ from rolling.scene.file import read_scene
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, progress
-from rolling.terminal.files import FolderError, write_bytes
+from rolling.terminal.files import FolderError, make_below, write_bytes
 
 STUDY = "lee2025"
 LENGTHS = "correlation-length"  # sweep of the article's outlook
@@ -85,7 +85,7 @@ def _write(
     write_bytes(folder / "cases.csv", cases.drop(columns=CURVES).to_csv(index=False).encode())
     write_bytes(folder / "statements.csv", table.to_csv(index=False).encode())
     write_bytes(folder / TABLES, tables(table, cases, scene_files).encode())
-    (folder / FIGURES).mkdir(exist_ok=True)
+    make_below(folder, folder / FIGURES)
     for reading, name, figure in figures.gallery(readings, maps):
         content = io.BytesIO()
         figure.savefig(content, format="png", dpi=110)

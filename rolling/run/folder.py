@@ -20,6 +20,7 @@ from rolling.scene import file, identity
 from rolling.scene import sweep as sweeps
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value, run_name
+from rolling.scene.yaml_text import open_regular, read_regular
 from rolling.terminal import files
 from rolling.terminal.files import FolderError
 
@@ -38,6 +39,7 @@ SCENE, RESULT, SUMMARY, FAILED, PIECES = (
 MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so
 LOCK, PART_LOCK = ".lock", ".lock-{}-of-{}"
 LOCK_SECONDS = 2.0  # patience with the momentary look of `status`
+MOST_FAILURE = 1_000_000  # bytes of a failed.json
 MOST_NAMED = 20  # runs of a state that the status names
 STATES = ("done", "running", "waiting", "failed")
 
@@ -66,10 +68,11 @@ class RunFolder:
     def failure(self) -> str | None:
         """The reason of the last failure, or None."""
         try:
-            return str(json.loads((self.folder / FAILED).read_bytes())["reason"])
+            content = read_regular(self.folder / FAILED, MOST_FAILURE)
+            return str(json.loads(content)["reason"])
         except (FileNotFoundError, NotADirectoryError):
             return None
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return "unknown"
 
 
@@ -114,7 +117,7 @@ def stored_scene(folder: Path) -> Scene:
 def _is_marked(folder: Path) -> bool:
     """Return whether this program wrote the scene of a folder."""
     try:
-        with (folder / SCENE).open("rb") as stream:
+        with open_regular(folder / SCENE) as stream:
             return stream.read(len(MARK)) == MARK.encode()
     except OSError:
         return False
@@ -253,7 +256,8 @@ def _in_use(folder: Path, lock: Path) -> FolderError:
 def is_locked(path: Path) -> bool:
     """Return whether a process holds a lock file, without creating or keeping anything."""
     try:
-        lock = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0))
+        flags = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)  # or a pipe waits
+        lock = os.open(path, os.O_RDONLY | flags)
     except OSError:
         return False
     try:
@@ -278,7 +282,8 @@ def tidy(folder: Path, runs: Sequence[RunFolder], alone: bool) -> None:
     ------
     FolderError : the folder of a run or of the pieces is a link, which leads elsewhere.
     """
-    for place in (folder / PIECES, *(run.folder for run in runs if run.values)):
+    pieces = folder / PIECES
+    for place in (pieces, *pieces.glob("*"), *(run.folder for run in runs if run.values)):
         if place.is_symlink():
             raise FolderError(f"{place}: a link, but results are written into real folders only")
     for place in {*([folder] if alone else ()), *(run.folder for run in runs)}:

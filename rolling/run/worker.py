@@ -24,7 +24,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling.terminal.files import write_bytes
+from rolling.scene.yaml_text import read_regular
+from rolling.terminal.files import make_below, write_bytes
 
 if TYPE_CHECKING:
     from rolling.marches.piece import Piece
@@ -34,7 +35,11 @@ if TYPE_CHECKING:
 Arrays = dict[str, NDArray[Any]]
 
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
-_DAMAGED = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile, zlib.error)
+_MOST_PIECE = 2**30  # bytes of the file of a piece
+_DAMAGED = (
+    *(OSError, EOFError, ValueError, KeyError, MemoryError, SyntaxError, NotImplementedError),
+    *(zipfile.BadZipFile, zlib.error),
+)
 _threads = threading.local()  # of a worker of a cluster; each has a process that does its tasks
 # A process imports nothing from the working directory, and runs its libraries on one thread. Large
 # surfaces are no leak of memory.
@@ -80,7 +85,8 @@ def solve_piece(piece: Piece, pieces: Path | None) -> Arrays | Failure:
     if path is not None:
         content = io.BytesIO()
         np.savez(content, allow_pickle=False, **arrays)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        assert pieces is not None
+        make_below(pieces.parent, path.parent)
         write_bytes(path, content.getvalue())
     return arrays
 
@@ -88,7 +94,10 @@ def solve_piece(piece: Piece, pieces: Path | None) -> Arrays | Failure:
 def read_piece(path: Path) -> Arrays | None:
     """Read the file of a piece; return None for a missing or damaged file."""
     try:
-        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as stored:
+        content = io.BytesIO(read_regular(path, _MOST_PIECE))
+        with np.load(content, allow_pickle=False) as stored:
+            if any(member.compress_type for member in stored.zip.infolist()):  # by someone else
+                return None
             return {name: stored[name] for name in stored.files}
     except _DAMAGED:
         return None
