@@ -168,18 +168,6 @@ def test_edited_heights_are_not_taken_for_the_solved_ones(
     assert contents(out) == before
 
 
-@pytest.mark.parametrize("name", ["pieces", "seed=2"])
-def test_a_link_in_place_of_a_folder_is_not_followed(
-    name: str, seeds: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    assert run(seeds, out, "--part", "1/3") == 0
-    (out / name).symlink_to(elsewhere)
-    assert run(seeds, out) == 2
-    assert "a link" in capsys.readouterr().err and not [*elsewhere.iterdir()]
-
-
 # ---- files that are damaged
 
 
