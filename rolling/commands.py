@@ -99,6 +99,8 @@ def resound(
     if not stored:
         raise FolderError(f"{source}: no run in it is done, so there is no march to take")
     scene = file.resound(folders.stored_scene(source), overrides)
+    if (program := folders.made_by(stored[0].home)) != folders.this_program():
+        progress.line(f"{source}: marched by {program}, heard by {folders.this_program()}")
     folder = out or default_folder(scene)
     derived = partial(derive, report=report)
     failures = solve_folder(scene, folder, derived, sources=stored, workers=workers)

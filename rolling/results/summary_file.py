@@ -15,7 +15,10 @@ _NEEDED = (
     *("laeq_db", "level_db", "steady_level_db", "uncertainty_db", "source", "caveats", "surface"),
     *("third_octave_db", "levelling", "plastic_ratio", "steps", "step_ms"),
 )
-_MAPPINGS = ("surface", "uncertainty_db", "third_octave_db", "third_octave_a_db")
+_MAPPINGS = (
+    *("surface", "uncertainty_db", "third_octave_db", "third_octave_a_db"),
+    *("provenance", "packages", "listen", "error_estimate"),
+)
 _TEXTS = ("name", "source", "text")
 _NUMBER = re.compile(r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share)")
 
@@ -56,7 +59,7 @@ def _fits(key: str, value: Any) -> bool:
             for caveat in value
         )
     if key in _TEXTS:
-        return isinstance(value, str)
+        return isinstance(value, str | None)
     if isinstance(value, dict):
         if _NUMBER.fullmatch(key):
             return all(map(_is_number, value.values()))

@@ -21,7 +21,7 @@ from rolling.scene import sweep as sweeps
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value, run_name
 from rolling.scene.yaml_text import open_regular, read_regular
-from rolling.terminal import files
+from rolling.terminal import files, program
 from rolling.terminal.files import FolderError
 
 try:
@@ -58,6 +58,11 @@ class RunFolder:
     values: Mapping[str, Value]
     scene: Scene
     folder: Path
+
+    @property
+    def home(self) -> Path:
+        """The folder that holds scene.yaml: the folder of the sweep for a run of a sweep."""
+        return self.folder.parent if self.values else self.folder
 
     @property
     def is_done(self) -> bool:
@@ -165,15 +170,35 @@ def refuse_other(folder: Path, scene: Scene) -> bool:
         return False
     old, new = stored_scene(folder), seen_from(folder, scene)
     lines = identity.differences(old, new)
-    if not lines:
-        return True
-    if old.sweep and new.sweep and identity.contains(old, new):
-        return False
-    text = "".join(f"\n  {text}" for text in lines)
-    raise FolderError(
-        f"{folder}: holds runs of another scene; take another --out, such as"
-        f" {free_name(folder)}{text}"
-    )
+    if lines and not (old.sweep and new.sweep and identity.contains(old, new)):
+        text = "".join(f"\n  {text}" for text in lines)
+        raise FolderError(
+            f"{folder}: holds runs of another scene; take another --out, such as"
+            f" {free_name(folder)}{text}"
+        )
+    maker = made_by(folder)
+    if maker != this_program() and not all(run.is_done for run in runs_in(folder, new)):
+        raise FolderError(
+            f"{folder}: holds runs or pieces of {maker}, and this is {this_program()}; numbers of"
+            f" two programs are not mixed, so take another --out, such as {free_name(folder)}, or"
+            " delete the folder"
+        )
+    return not lines
+
+
+def this_program() -> str:
+    """Return version and sources of this program, as they stand in the scene of a run folder."""
+    own = program.identity()
+    return f"version {own.version}, sources {own.sources[: program.SHOWN]}"
+
+
+def made_by(folder: Path) -> str:
+    """Return version and sources of the program that began a run folder; this one for a new one."""
+    if not _is_marked(folder):
+        return this_program()
+    with open_regular(folder / SCENE) as stream:
+        line = stream.read(200).split(b"\n")[0]
+    return line.removeprefix(f"{MARK}, written by ".encode()).decode("utf-8", "replace")
 
 
 def free_name(folder: Path) -> Path:
@@ -186,7 +211,7 @@ def free_name(folder: Path) -> Path:
 
 def write_scene(folder: Path, scene: Scene) -> None:
     """Write the resolved scene of a run folder."""
-    head = f"{MARK}, written by version {rolling.__version__}\n"
+    head = f"{MARK}, written by {this_program()}\n"
     text = file.dump(seen_from(folder, scene))
     files.write_bytes(folder / SCENE, (head + text).encode())
 

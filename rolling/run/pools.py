@@ -251,20 +251,10 @@ class Cluster:
     def _refuse_other_programs(self) -> None:
         own = program.identity()
         answers = self._client.run(program.identity, on_error="return")
-        others = [
-            f"  {address}: {getattr(answer, 'version', answer)}, sources"
-            f" {getattr(answer, 'sources', 'unknown')[:12]}"
-            for address, answer in answers.items()
-            if getattr(answer, "sources", None) != own.sources
-        ]
+        others = [f"  {name}: {answer}" for name, answer in answers.items() if answer != own]
         if others or not answers:
             lines = "\n".join(others) or "  it has no worker"
-            raise SceneError(
-                [
-                    f"--cluster: {self.address}: all workers must run version {own.version},"
-                    f" sources {own.sources[:12]}\n{lines}"
-                ]
-            )
+            raise SceneError([f"--cluster: {self.address}: all workers must run {own}\n{lines}"])
 
     @property
     def slots(self) -> int:
@@ -277,7 +267,7 @@ class Cluster:
     def submit(self, task: Task) -> Future[Any]:
         """Hand a task to the scheduler, which gives it to another worker if one is killed."""
         content = pickle.dumps((task.function, task.arguments))
-        future: Future[Any] = self._executor.submit(worker.act, content, program.identity().sources)
+        future: Future[Any] = self._executor.submit(worker.act, content, program.identity())
         return future
 
     def rebuild(self) -> None:

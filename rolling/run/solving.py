@@ -170,6 +170,5 @@ def _solve(
 def _note_failure(run: RunFolder, reason: str) -> None:
     """Write why a run failed into its folder, if that can be written."""
     with suppress(OSError, FolderError):
-        home = run.folder.parent if run.values else run.folder
-        files.make_below(home, run.folder)
+        files.make_below(run.home, run.folder)
         files.write_json(run.folder / folders.FAILED, {"reason": reason})

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from rolling.scene.yaml_text import read_regular
 from rolling.terminal.files import make_below, write_bytes
+from rolling.terminal.program import Program, identity
 
 if TYPE_CHECKING:
     from rolling.marches.piece import Piece
@@ -118,7 +119,7 @@ def finish_run(run: RunFolder, label: str, result: Result) -> Failure | None:
     return None
 
 
-def act(task: bytes, digest: str) -> Any:
+def act(task: bytes, program: Program) -> Any:
     """Have a pickled task done by the process of this thread of a Dask worker.
 
     The process is one without Dask, whose profiler keeps the frames of all threads, and with them
@@ -126,13 +127,10 @@ def act(task: bytes, digest: str) -> Any:
 
     Raises
     ------
-    OtherProgramError : the sources of this worker have another digest.
+    OtherProgramError : this worker runs another program, or has other packages.
     """
-    from rolling.terminal import program
-
-    own = program.identity()
-    if own.sources != digest:
-        raise OtherProgramError(f"version {own.version}, sources {own.sources[:12]}")
+    if identity() != program:
+        raise OtherProgramError(str(identity()))
     if not hasattr(_threads, "process"):
         _threads.process = _process()
     try:

@@ -20,6 +20,8 @@ from scene_text import TINY
 
 from rolling import cli
 from rolling.run import folder as folders
+from rolling.run import worker
+from rolling.terminal import program
 
 pytest.importorskip("distributed", reason="a cluster needs Dask")
 
@@ -138,6 +140,12 @@ def test_a_worker_of_another_program_is_refused_by_name(
     said = capsys.readouterr().err
     assert "all workers must run version" in said and said.count("127.0.0.1") == 1
     assert not out.exists()
+
+
+@pytest.mark.parametrize("name", ["version", "sources", "packages"])
+def test_a_late_worker_of_another_program_does_nothing(name: str) -> None:
+    with pytest.raises(worker.OtherProgramError, match="version .* sources .* python .* numba"):
+        worker.act(b"", program.identity()._replace(**{name: "another"}))
 
 
 def test_a_lost_scheduler_ends_in_a_sentence_and_the_command_goes_on(
