@@ -99,6 +99,8 @@ def resound(
     if not stored:
         raise FolderError(f"{source}: no run in it is done, so there is no march to take")
     scene = file.resound(folders.stored_scene(source), overrides)
+    if (program := folders.made_by(stored[0].home)) != folders.this_program():
+        progress.line(f"{source}: marched by {program}, heard by {folders.this_program()}")
     folder = out or default_folder(scene)
     derived = partial(derive, report=report)
     failures = solve_folder(scene, folder, derived, sources=stored, workers=workers)
@@ -262,8 +264,11 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
 
     with progress.step("reading the runs, making their sound"):
         runs = open_runs(_done(folder))
+    if out is None:
+        out = folder / "figures"
+        files.make_below(folder, out)
     try:
-        return figures.plot_run(runs, names, form, out or folder / "figures")
+        return figures.plot_run(runs, names, form, out)
     except ValueError as error:
         raise FolderError(str(error)) from error
 
@@ -311,6 +316,7 @@ def tabulate(
         return paths
     from rolling import figures
 
+    files.make_below(folder, folder / "figures")
     subject = runs[0].scene.name
     return paths + figures.write_number_figures(
         solved.reset_index(), numbers or ["laeq_db"], axes, folder / "figures", subject

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from rolling.figures import contact, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
-from rolling.terminal.files import write_bytes
+from rolling.terminal.files import make_below, write_bytes
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -103,7 +103,7 @@ def single_picture(name: str, run: Run, among: Sequence[Run] = ()) -> Picture | 
 def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
     """Write the figures that compare runs into `folder/figures` as PNG, and return their paths."""
     target = folder / "figures"
-    target.mkdir(exist_ok=True)
+    make_below(folder, target)
     paths = []
     for drawn in comparing_pictures(runs):
         paths.append(target / f"{drawn.name}.png")

@@ -16,12 +16,13 @@ import pandas as pd
 from rolling.lee2025 import statements
 from rolling.lee2025.cases import CURVES, Maps, by_reading, case_of, finished_runs, frame, maps_of
 from rolling.lee2025.conditions import FAILS, HOLDS, IN_PART, NOT_RUN
+from rolling.run import folder as folders
 from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, progress
-from rolling.terminal.files import FolderError, write_bytes
+from rolling.terminal.files import FolderError, make_below, write_bytes
 
 STUDY = "lee2025"
 LENGTHS = "correlation-length"  # sweep of the article's outlook
@@ -53,12 +54,19 @@ def reproduce(
     if quick and not chosen:  # its fine surfaces would add a third to the time
         scene_files = [(name, file) for name, file in scene_files if name != LENGTHS]
     _refuse_foreign(folder)
+    cases = [folder / reading / file.stem for reading, file in scene_files]
+    if len(programs := {folders.made_by(case) for case in cases}) > 1:
+        raise FolderError(
+            f"{folder}: its cases are of {' and '.join(sorted(programs))}; numbers of two programs"
+            " are not mixed, so take another --out, or delete the older cases"
+        )
     rows: list[dict[str, Any]] = []
     maps: dict[str, Maps] = {}
     missing = 0
-    for reading, file in scene_files:
+    for case, (reading, file) in zip(cases, scene_files, strict=True):
         overrides = quick_overrides(read_scene(file)) if quick else []
-        runs = finished_runs(file, folder / reading / file.stem, workers, overrides)
+        make_below(folder, case)
+        runs = finished_runs(file, case, workers, overrides)
         missing += len(read_scene(file, overrides).runs()) - len(runs)
         rows += [case_of(reading, run) for run in runs]
         for run in runs:
@@ -85,7 +93,7 @@ def _write(
     write_bytes(folder / "cases.csv", cases.drop(columns=CURVES).to_csv(index=False).encode())
     write_bytes(folder / "statements.csv", table.to_csv(index=False).encode())
     write_bytes(folder / TABLES, tables(table, cases, scene_files).encode())
-    (folder / FIGURES).mkdir(exist_ok=True)
+    make_below(folder, folder / FIGURES)
     for reading, name, figure in figures.gallery(readings, maps):
         content = io.BytesIO()
         figure.savefig(content, format="png", dpi=110)

@@ -11,16 +11,25 @@ from __future__ import annotations
 import hashlib
 import io
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 
+from rolling.check import cost
 from rolling.marches.result import Result
-from rolling.results.result_arrays import FORMAT, TABLE, Group, fill, fixed_lengths, groups_of
+from rolling.results.result_arrays import (
+    FORMAT,
+    TABLE,
+    Facts,
+    Group,
+    fill,
+    fixed_lengths,
+    groups_of,
+)
 from rolling.scene.scene import Scene
+from rolling.scene.yaml_text import read_regular
 from rolling.terminal.files import FolderError
 
 if TYPE_CHECKING:
@@ -31,6 +40,7 @@ if TYPE_CHECKING:
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
 _LARGEST = 200  # bytes of all arrays per byte of a file: maps compress well, series hardly
+_MOST_TIMES, _MOST_BESIDE = 3, 100_000_000  # bytes of a file: the estimate for its scene and more
 _COORDINATES = ("time", "position_time")  # beside the values of the dimensions
 
 
@@ -73,30 +83,39 @@ def read_result(path: Path, scene: Scene) -> Result:
     FolderError : the file is missing, has changed since it was written, is of another version, or
         holds the result of another scene or surface.
     """
-    import xarray
-
-    content, result = _sealed(path), Result.empty(scene)
+    result = Result.empty(scene)
+    content = _sealed(path, scene)
     try:
         with h5py.File(io.BytesIO(content), "r") as file:
             _refuse_version(path, file)
-            if file.attrs["identity"] != result.identity:
+            if _facts(file).get("identity") != result.identity:
                 raise FolderError(f"{path}: solved for another scene or surface")
-            _refuse_shapes(file, result, len(content))
-        source = io.BytesIO(content)
-        with xarray.open_datatree(source, engine="h5netcdf", decode_cf=False) as nodes:
-            groups: dict[str, Group] = {}
-            for node in nodes.subtree:
-                data = node.to_dataset(inherit=False)
-                arrays = {str(name): values.values for name, values in data.variables.items()}
-                facts = {name: _plain(value) for name, value in data.attrs.items()}
-                groups[node.path.strip("/")] = arrays, facts
+            arrays = _arrays(file)
+            _refuse_shapes(arrays, result, len(content))
+            groups: dict[str, Group] = {"": ({}, _facts(file))}
+            groups |= {
+                name: ({}, _facts(node)) for name, node in file.items() if name not in arrays
+            }
+            for place in arrays.keys() & TABLE.keys():
+                group, _, name = place.rpartition("/")
+                groups[group][0][name] = arrays[place][()]
         fill(result, groups)
     except FolderError:
         raise
-    except Exception as error:  # h5py and xarray raise errors of any kind on hostile files
+    except Exception as error:  # h5py raises errors of any kind on hostile files
         text = " ".join(str(error).split()) or type(error).__name__
         raise FolderError(f"{path}: not a result of this program ({text})") from error
     return result
+
+
+def _facts(group: h5py.Group) -> Facts:
+    """Read the attributes of a group, each a text or a number."""
+    facts = {}
+    for name in group.attrs:
+        if math.prod(group.attrs.get_id(name).shape) != 1:  # a bomb of texts that share their bytes
+            raise ValueError(f"{group.name}: attribute {name}: not one text or number")
+        facts[name] = _plain(group.attrs[name])
+    return facts
 
 
 def _plain(value: Any) -> Any:
@@ -112,12 +131,12 @@ def _seal(content: bytes | memoryview) -> bytes:
     return _SEAL + hashlib.sha256(content).hexdigest().encode() + b"\n"
 
 
-def _sealed(path: Path) -> bytes:
-    """Read the bytes of a file whose digest holds."""
+def _sealed(path: Path, scene: Scene) -> bytes:
+    """Read the bytes of a file whose digest holds, and whose size suits its scene."""
     try:
-        content = path.read_bytes()
+        content = read_regular(path, round(_MOST_TIMES * cost.disk([scene]) + _MOST_BESIDE))
     except OSError as error:
-        raise FolderError(f"{path}: not readable ({error.strerror})") from error
+        raise FolderError(f"{path}: not readable ({error.strerror or error})") from error
     if content[-_SEAL_LENGTH:] != _seal(memoryview(content)[:-_SEAL_LENGTH]):
         raise FolderError(
             f"{path}: damaged, or of version 0.1.0: its SHA-256 does not hold (delete the file, and"
@@ -128,16 +147,17 @@ def _sealed(path: Path) -> bytes:
 
 def _refuse_version(path: Path, file: h5py.File) -> None:
     """Refuse a file of another format."""
-    own = _plain(file.attrs.get("format", 1))
+    facts = _facts(file)
+    own = facts.get("format", 1)
     if own != FORMAT:
-        program = file.attrs.get("program", "0.1.0")
+        program = facts.get("program", "0.1.0")
         raise FolderError(
             f"{path}: format {own}, which version {program} of the program reads; this version"
             f" reads format {FORMAT}"
         )
 
 
-def _refuse_shapes(file: h5py.File, result: Result, size: int) -> None:
+def _refuse_shapes(arrays: dict[str, h5py.Dataset], result: Result, size: int) -> None:
     """Refuse arrays that the table or the scene does not know, or that are too large for a file.
 
     Raises
@@ -145,16 +165,13 @@ def _refuse_shapes(file: h5py.File, result: Result, size: int) -> None:
     ValueError : the first fault, with its path.
     """
     fixed = fixed_lengths(result)
-    names = {name for dimensions, _, _ in TABLE.values() for name in dimensions.split()}
     lengths = {("", name): length for name, length in fixed.items()}
     total = 0
-    for path, data in _datasets(file):
+    for path, data in arrays.items():
         group, _, name = path.rpartition("/")
-        if path not in TABLE and name not in names:
-            raise ValueError(f"{path}: unknown")
         dimensions, _, kind = TABLE.get(path, (name, "", "f4"))  # a dimension without values
-        if data.dtype.str[1:] != kind or data.is_virtual or data.external:
-            raise ValueError(f"{path}: got {data.dtype} or another file, allowed: {kind}")
+        if data.dtype.str[1:] != kind or not _is_own(data):
+            raise ValueError(f"{path}: got {data.dtype} or another storage, allowed: {kind}")
         for dimension, length in zip(dimensions.split(), data.shape, strict=True):
             key = ("" if dimension in fixed else group, dimension)
             if lengths.setdefault(key, length) != length:
@@ -164,17 +181,36 @@ def _refuse_shapes(file: h5py.File, result: Result, size: int) -> None:
         raise ValueError(f"arrays of {total} bytes in a file of {size} bytes")
 
 
-def _datasets(file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
-    """Return all arrays of a file, whose groups hold nothing but arrays, and no links elsewhere."""
-    groups = [file]
-    for group in groups:  # which grows
-        for name in group:
-            path = f"{group.name}/{name}".lstrip("/")
-            linked = isinstance(group.get(name, getlink=True), h5py.HardLink)
-            node = group[name] if linked else None
-            if isinstance(node, h5py.Group) and group is file and "/" not in path:
-                groups.append(node)
-            elif isinstance(node, h5py.Dataset):
-                yield path, node
+def _is_own(data: h5py.Dataset) -> bool:
+    """Return whether an array is stored as this program stores it."""
+    creation, chunks = data.id.get_create_plist(), data.chunks or data.shape
+    filters = [creation.get_filter(k)[0] for k in range(creation.get_nfilters())]
+    return (
+        not (data.is_virtual or data.external)
+        and {*filters} <= {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}
+        and (not data.size or np.less_equal(chunks, data.shape).all())
+    )
+
+
+def _arrays(file: h5py.File) -> dict[str, h5py.Dataset]:
+    """Return all arrays of a file by path; its groups hold nothing but arrays of the table.
+
+    Raises
+    ------
+    ValueError : a link leads elsewhere, or an array or a group is unknown.
+    """
+    known = {name for dimensions, _, _ in TABLE.values() for name in dimensions.split()}
+    groups = {path.rpartition("/")[0] for path in TABLE}
+    arrays, nodes = {}, [("", file)]
+    for group, node in nodes:  # which grows
+        for name in node:
+            path = f"{group}/{name}".lstrip("/")
+            linked = isinstance(node.get(name, getlink=True), h5py.HardLink)
+            inner = node[name] if linked else None
+            if isinstance(inner, h5py.Group) and not group and name in groups:
+                nodes.append((name, inner))
+            elif isinstance(inner, h5py.Dataset) and (path in TABLE or name in known):
+                arrays[path] = inner
             else:
-                raise ValueError(f"{path}: neither an array nor a group of arrays")
+                raise ValueError(f"{path}: neither a known array nor a group of arrays")
+    return arrays

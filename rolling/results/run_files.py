@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,9 +12,10 @@ from acoustics.arrays import Array
 from rolling.results import result_file
 from rolling.results.run_result import Run, hear
 from rolling.results.summary import provenance
+from rolling.results.summary_file import read_summary
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
-from rolling.terminal.files import FolderError, write_bytes, write_json
+from rolling.terminal.files import make_below, write_bytes, write_json
 
 RESULT, SUMMARY, SIGNAL, LISTEN = "result.h5", "summary.json", "signal.wav", "listen.wav"
 EXTENDED = (
@@ -39,7 +39,7 @@ def write_run(run: Run) -> None:
         LISTEN: wav.listening(sound.pressure, gain, comment, title, loops=sound.loops),
         RESULT: result_file.write_result(run),
     }
-    run.folder.mkdir(parents=True, exist_ok=True)
+    make_below(run.home, run.folder)
     for name, content in contents.items():
         write_bytes(run.folder / name, content)
     write_json(
@@ -61,12 +61,7 @@ def read_run(folder: Path, scene: Scene, values: Mapping[str, Value], label: str
     FolderError : a file is missing or damaged, or the result is that of another scene or surface.
     SceneError : the heights of the scene cannot be read.
     """
-    path = folder / SUMMARY
-    try:
-        summary = json.loads(path.read_bytes())
-        _ = [summary[key] for key in ("laeq_db", "uncertainty_db", "caveats", "surface")]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise FolderError(f"{path}: not readable ({error})") from error
+    summary = read_summary(folder / SUMMARY)
     result = result_file.read_result(folder / RESULT, scene)
     return hear(label, values, folder, scene, result, summary)
 
@@ -86,6 +81,7 @@ def write_extended(run: Run, extended: Array) -> Path:
     )
     title = f"{run.scene.name}, {run.label}, extended"
     path = run.folder / "extended.wav"
+    make_below(run.home, run.folder)
     write_bytes(path, wav.listening(extended, gain, comment, title, loops=True))
     return path
 

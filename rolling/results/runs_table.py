@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ import numpy as np
 from acoustics.bands import BAND_NAMES
 from rolling.results.caveats import HEADLINE, REPEATS, STANDING, gathered
 from rolling.results.labels import Labelled, labels, printable
+from rolling.results.summary_file import read_summary
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,7 +34,7 @@ def stored_summary(run: Labelled) -> dict[str, Any] | None:
     summary: dict[str, Any] | None = getattr(run, "summary", None)
     path = run.folder / "summary.json"
     if summary is None and path.is_file():
-        summary = json.loads(path.read_bytes())
+        summary = read_summary(path)
     return summary
 
 

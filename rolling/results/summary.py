@@ -31,6 +31,7 @@ from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import scene_surface
+from rolling.terminal import program
 
 _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
 
@@ -89,6 +90,7 @@ def provenance(scene: Scene) -> dict[str, Any]:
     packages = (*_PACKAGES, "mosqito") if scene.sound.loudness else _PACKAGES
     return {
         "program": rolling.__version__,
+        "sources": program.identity().sources,
         "source": _commit(),
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in packages},

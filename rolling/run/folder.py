@@ -20,7 +20,8 @@ from rolling.scene import file, identity
 from rolling.scene import sweep as sweeps
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value, run_name
-from rolling.terminal import files
+from rolling.scene.yaml_text import open_regular, read_regular
+from rolling.terminal import files, program
 from rolling.terminal.files import FolderError
 
 try:
@@ -38,6 +39,7 @@ SCENE, RESULT, SUMMARY, FAILED, PIECES = (
 MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so
 LOCK, PART_LOCK = ".lock", ".lock-{}-of-{}"
 LOCK_SECONDS = 2.0  # patience with the momentary look of `status`
+MOST_FAILURE = 1_000_000  # bytes of a failed.json
 MOST_NAMED = 20  # runs of a state that the status names
 STATES = ("done", "running", "waiting", "failed")
 
@@ -58,6 +60,11 @@ class RunFolder:
     folder: Path
 
     @property
+    def home(self) -> Path:
+        """The folder that holds scene.yaml: the folder of the sweep for a run of a sweep."""
+        return self.folder.parent if self.values else self.folder
+
+    @property
     def is_done(self) -> bool:
         """Whether the run is whole: its summary is written after its result."""
         return (self.folder / RESULT).is_file() and (self.folder / SUMMARY).is_file()
@@ -66,10 +73,11 @@ class RunFolder:
     def failure(self) -> str | None:
         """The reason of the last failure, or None."""
         try:
-            return str(json.loads((self.folder / FAILED).read_bytes())["reason"])
+            content = read_regular(self.folder / FAILED, MOST_FAILURE)
+            return str(json.loads(content)["reason"])
         except (FileNotFoundError, NotADirectoryError):
             return None
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return "unknown"
 
 
@@ -114,7 +122,7 @@ def stored_scene(folder: Path) -> Scene:
 def _is_marked(folder: Path) -> bool:
     """Return whether this program wrote the scene of a folder."""
     try:
-        with (folder / SCENE).open("rb") as stream:
+        with open_regular(folder / SCENE) as stream:
             return stream.read(len(MARK)) == MARK.encode()
     except OSError:
         return False
@@ -162,15 +170,35 @@ def refuse_other(folder: Path, scene: Scene) -> bool:
         return False
     old, new = stored_scene(folder), seen_from(folder, scene)
     lines = identity.differences(old, new)
-    if not lines:
-        return True
-    if old.sweep and new.sweep and identity.contains(old, new):
-        return False
-    text = "".join(f"\n  {text}" for text in lines)
-    raise FolderError(
-        f"{folder}: holds runs of another scene; take another --out, such as"
-        f" {free_name(folder)}{text}"
-    )
+    if lines and not (old.sweep and new.sweep and identity.contains(old, new)):
+        text = "".join(f"\n  {text}" for text in lines)
+        raise FolderError(
+            f"{folder}: holds runs of another scene; take another --out, such as"
+            f" {free_name(folder)}{text}"
+        )
+    maker = made_by(folder)
+    if maker != this_program() and not all(run.is_done for run in runs_in(folder, new)):
+        raise FolderError(
+            f"{folder}: holds runs or pieces of {maker}, and this is {this_program()}; numbers of"
+            f" two programs are not mixed, so take another --out, such as {free_name(folder)}, or"
+            " delete the folder"
+        )
+    return not lines
+
+
+def this_program() -> str:
+    """Return version and sources of this program, as they stand in the scene of a run folder."""
+    own = program.identity()
+    return f"version {own.version}, sources {own.sources[: program.SHOWN]}"
+
+
+def made_by(folder: Path) -> str:
+    """Return version and sources of the program that began a run folder; this one for a new one."""
+    if not _is_marked(folder):
+        return this_program()
+    with open_regular(folder / SCENE) as stream:
+        line = stream.read(200).split(b"\n")[0]
+    return line.removeprefix(f"{MARK}, written by ".encode()).decode("utf-8", "replace")
 
 
 def free_name(folder: Path) -> Path:
@@ -183,7 +211,7 @@ def free_name(folder: Path) -> Path:
 
 def write_scene(folder: Path, scene: Scene) -> None:
     """Write the resolved scene of a run folder."""
-    head = f"{MARK}, written by version {rolling.__version__}\n"
+    head = f"{MARK}, written by {this_program()}\n"
     text = file.dump(seen_from(folder, scene))
     files.write_bytes(folder / SCENE, (head + text).encode())
 
@@ -253,7 +281,8 @@ def _in_use(folder: Path, lock: Path) -> FolderError:
 def is_locked(path: Path) -> bool:
     """Return whether a process holds a lock file, without creating or keeping anything."""
     try:
-        lock = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0))
+        flags = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)  # or a pipe waits
+        lock = os.open(path, os.O_RDONLY | flags)
     except OSError:
         return False
     try:
@@ -278,7 +307,8 @@ def tidy(folder: Path, runs: Sequence[RunFolder], alone: bool) -> None:
     ------
     FolderError : the folder of a run or of the pieces is a link, which leads elsewhere.
     """
-    for place in (folder / PIECES, *(run.folder for run in runs if run.values)):
+    pieces = folder / PIECES
+    for place in (pieces, *pieces.glob("*"), *(run.folder for run in runs if run.values)):
         if place.is_symlink():
             raise FolderError(f"{place}: a link, but results are written into real folders only")
     for place in {*([folder] if alone else ()), *(run.folder for run in runs)}:

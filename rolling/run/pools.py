@@ -28,16 +28,6 @@ if TYPE_CHECKING:
     from rolling.marches.piece import Piece
     from rolling.scene.scene import Scene
 
-# A worker imports nothing from the working directory, and runs its libraries on one thread. Large
-# surfaces are no leak of memory.
-ENVIRONMENT = {
-    "PYTHONSAFEPATH": "1",
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "NUMBA_NUM_THREADS": "1",
-    "LOKY_MAX_MEMORY_LEAK_SIZE": "1e15",
-}
 CONNECT_SECONDS = 10.0
 COUNT_SECONDS = 5.0  # between two counts of the workers of a cluster
 PORT = 8786  # of a scheduler whose address names none
@@ -128,8 +118,8 @@ class ThisProcess:
 @contextmanager
 def _worker_environment() -> Iterator[None]:
     """Set the environment of processes that start in this context."""
-    before = {name: os.environ.get(name) for name in ENVIRONMENT}
-    os.environ.update(ENVIRONMENT)
+    before = {name: os.environ.get(name) for name in worker.ENVIRONMENT}
+    os.environ.update(worker.ENVIRONMENT)
     try:
         yield
     finally:
@@ -261,20 +251,10 @@ class Cluster:
     def _refuse_other_programs(self) -> None:
         own = program.identity()
         answers = self._client.run(program.identity, on_error="return")
-        others = [
-            f"  {address}: {getattr(answer, 'version', answer)}, sources"
-            f" {getattr(answer, 'sources', 'unknown')[:12]}"
-            for address, answer in answers.items()
-            if getattr(answer, "sources", None) != own.sources
-        ]
+        others = [f"  {name}: {answer}" for name, answer in answers.items() if answer != own]
         if others or not answers:
             lines = "\n".join(others) or "  it has no worker"
-            raise SceneError(
-                [
-                    f"--cluster: {self.address}: all workers must run version {own.version},"
-                    f" sources {own.sources[:12]}\n{lines}"
-                ]
-            )
+            raise SceneError([f"--cluster: {self.address}: all workers must run {own}\n{lines}"])
 
     @property
     def slots(self) -> int:
@@ -287,7 +267,7 @@ class Cluster:
     def submit(self, task: Task) -> Future[Any]:
         """Hand a task to the scheduler, which gives it to another worker if one is killed."""
         content = pickle.dumps((task.function, task.arguments))
-        future: Future[Any] = self._executor.submit(worker.act, content, program.identity().sources)
+        future: Future[Any] = self._executor.submit(worker.act, content, program.identity())
         return future
 
     def rebuild(self) -> None:

@@ -169,6 +169,6 @@ def _solve(
 
 def _note_failure(run: RunFolder, reason: str) -> None:
     """Write why a run failed into its folder, if that can be written."""
-    with suppress(OSError):
-        run.folder.mkdir(parents=True, exist_ok=True)
+    with suppress(OSError, FolderError):
+        files.make_below(run.home, run.folder)
         files.write_json(run.folder / folders.FAILED, {"reason": reason})

@@ -10,6 +10,7 @@ import io
 import os
 import pickle
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -23,7 +24,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling.terminal.files import write_bytes
+from rolling.scene.yaml_text import read_regular
+from rolling.terminal.files import make_below, write_bytes
+from rolling.terminal.program import Program, identity
 
 if TYPE_CHECKING:
     from rolling.marches.piece import Piece
@@ -33,8 +36,22 @@ if TYPE_CHECKING:
 Arrays = dict[str, NDArray[Any]]
 
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
-_DAMAGED = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile, zlib.error)
-_alone = threading.Lock()  # kernels and transforms keep state, so threads of a worker take turns
+_MOST_PIECE = 2**30  # bytes of the file of a piece
+_DAMAGED = (
+    *(OSError, EOFError, ValueError, KeyError, MemoryError, SyntaxError, NotImplementedError),
+    *(zipfile.BadZipFile, zlib.error),
+)
+_threads = threading.local()  # of a worker of a cluster; each has a process that does its tasks
+# A process imports nothing from the working directory, and runs its libraries on one thread. Large
+# surfaces are no leak of memory.
+ENVIRONMENT = {
+    "PYTHONSAFEPATH": "1",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "NUMBA_NUM_THREADS": "1",
+    "LOKY_MAX_MEMORY_LEAK_SIZE": "1e15",
+}
 
 
 @dataclass(frozen=True)
@@ -69,7 +86,8 @@ def solve_piece(piece: Piece, pieces: Path | None) -> Arrays | Failure:
     if path is not None:
         content = io.BytesIO()
         np.savez(content, allow_pickle=False, **arrays)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        assert pieces is not None
+        make_below(pieces.parent, path.parent)
         write_bytes(path, content.getvalue())
     return arrays
 
@@ -77,7 +95,10 @@ def solve_piece(piece: Piece, pieces: Path | None) -> Arrays | Failure:
 def read_piece(path: Path) -> Arrays | None:
     """Read the file of a piece; return None for a missing or damaged file."""
     try:
-        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as stored:
+        content = io.BytesIO(read_regular(path, _MOST_PIECE))
+        with np.load(content, allow_pickle=False) as stored:
+            if any(member.compress_type for member in stored.zip.infolist()):  # by someone else
+                return None
             return {name: stored[name] for name in stored.files}
     except _DAMAGED:
         return None
@@ -98,36 +119,69 @@ def finish_run(run: RunFolder, label: str, result: Result) -> Failure | None:
     return None
 
 
-def act(task: bytes, digest: str) -> Any:
-    """Carry out a pickled task in a worker of a cluster that runs the same program.
+def act(task: bytes, program: Program) -> Any:
+    """Have a pickled task done by the process of this thread of a Dask worker.
+
+    The process is one without Dask, whose profiler keeps the frames of all threads, and with them
+    HDF5 files open, so that the layout of result.h5 changes.
 
     Raises
     ------
-    OtherProgramError : the sources of this worker have another digest.
+    OtherProgramError : this worker runs another program, or has other packages.
     """
-    from rolling.terminal import program
+    if identity() != program:
+        raise OtherProgramError(str(identity()))
+    if not hasattr(_threads, "process"):
+        _threads.process = _process()
+    try:
+        _threads.process.stdin.write(task)
+        _threads.process.stdin.flush()
+        value = pickle.load(_threads.process.stdout)
+    except (OSError, EOFError):  # it was killed, and so is this worker, for the scheduler to see
+        os._exit(1)
+    if isinstance(value, Exception):
+        raise value
+    return value
 
-    own = program.identity()
-    if own.sources != digest:
-        raise OtherProgramError(f"version {own.version}, sources {own.sources[:12]}")
-    import dask
 
-    function, arguments = pickle.loads(task)
-    with _alone, dask.config.set(scheduler="synchronous"):  # or xarray asks the scheduler for locks
-        return function(*arguments)
+def _process() -> subprocess.Popen[bytes]:
+    """Start a process that does pickled tasks from its standard input, until that ends."""
+    package = str(Path(__file__).parents[2])
+    text = f"import sys; sys.path.append({package!r}); from rolling.run import worker; "
+    command = [sys.executable, "-P", "-c", f"{text}worker.serve({os.getpid()})"]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdin=pipe, stdout=pipe, env=os.environ | ENVIRONMENT)
 
 
-def begin(parent: int, compiles: Any) -> None:
-    """Prepare a local worker process, which ends with its parent and reports compilation."""
+def serve(parent: int) -> None:
+    """Do the pickled tasks of standard input, and write their pickled values or errors."""
+    begin(parent)
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # a print must not reach the answers
+    while True:
+        try:
+            function, arguments = pickle.load(sys.stdin.buffer)
+        except EOFError:
+            return
+        try:
+            value = function(*arguments)
+        except Exception as error:
+            value = error
+        pickle.dump(value, answers)
+        answers.flush()
+
+
+def begin(parent: int, compiles: Any = None) -> None:
+    """Prepare a worker process, which ends with its parent and reports compilation."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone acts on Ctrl-C
     if sys.platform.startswith("linux"):
         with suppress(OSError, AttributeError):  # without prctl the thread below remains
             ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
     threading.Thread(target=_end_with, args=(parent,), name="lifeline", daemon=True).start()
+    if compiles is not None:
+        from rolling.contact import compiling
 
-    from rolling.contact import compiling
-
-    compiling.tell_always(compiles.set)
+        compiling.tell_always(compiles.set)
 
 
 def _end_with(parent: int) -> None:

@@ -61,6 +61,15 @@ def open_regular(path: Path) -> io.FileIO:
     raise OSError(0, f"is {kind}")
 
 
+def read_regular(path: Path, most: int) -> bytes:
+    """Read a regular file of at most `most` bytes; raise OSError for any other."""
+    with io.BufferedReader(open_regular(path)) as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise OSError(0, f"is larger than {most:,} bytes")
+    return content
+
+
 def read_text(path: Path) -> str:
     """Read a regular file of UTF-8 text of at most MAX_BYTES; raise TextError where it is none."""
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import secrets
@@ -15,11 +16,25 @@ class FolderError(Exception):
     """Error of a folder or a file in it, with the way out."""
 
 
+def make_below(root: Path, folder: Path) -> None:
+    """Make a folder below a root folder; the root may be a link, the folders below it may not.
+
+    Raises
+    ------
+    FolderError : a link stands on the way, through which files would reach another place.
+    """
+    if folder.resolve() != root.resolve() / folder.relative_to(root):
+        raise FolderError(f"{folder}: a link, but results are written into real folders only")
+    if not folder.is_dir():
+        folder.mkdir(parents=True, exist_ok=True)
+        _sync(folder.parent)
+
+
 def write_bytes(path: Path, content: bytes | memoryview) -> None:
     """Write a file under a random name beside it, then rename it.
 
-    The file is therefore either whole or absent, and nobody can prepare a link of that name through
-    which the content would reach another file.
+    The file is therefore either whole or absent, after a power cut too, and nobody can prepare a
+    link of that name through which the content would reach another file.
 
     Raises
     ------
@@ -31,16 +46,34 @@ def write_bytes(path: Path, content: bytes | memoryview) -> None:
     try:
         descriptor = os.open(partial, flags, 0o666)
         try:
-            with os.fdopen(descriptor, "wb") as stream:
-                stream.write(content)
-                stream.flush()
-                os.fsync(stream.fileno())
+            try:
+                rest = memoryview(content)
+                while rest:
+                    rest = rest[os.write(descriptor, rest) :]
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
             partial.replace(path)
         except BaseException:  # includes Ctrl-C
             partial.unlink(missing_ok=True)
             raise
+        _sync(path.parent)
     except OSError as error:
         raise OSError(error.errno, error.strerror, str(path)) from error
+
+
+def _sync(folder: Path) -> None:
+    """Let the names in a folder outlast a power cut, where the system can."""
+    if os.name == "nt":
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno != errno.EINVAL:  # of a file system that cannot
+            raise
+    finally:
+        os.close(descriptor)
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -1,21 +1,30 @@
-"""Identity of this program: its version and the digest of its sources."""
+"""Identity of this program: its version, the digest of its sources, and its packages."""
 
 from __future__ import annotations
 
 import hashlib
+import platform
 from functools import cache
+from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
 import acoustics
 import rolling
 
+SHOWN = 12  # digits of a digest in texts
+_PACKAGES = ("numpy", "scipy", "numba")
+
 
 class Program(NamedTuple):
-    """Version of the program, and SHA-256 of all its modules by name and content."""
+    """Version, SHA-256 of all modules by name and content, and packages that change numbers."""
 
     version: str
     sources: str
+    packages: str = ""
+
+    def __str__(self) -> str:
+        return f"version {self.version}, sources {self.sources[:SHOWN]}, {self.packages}"
 
 
 @cache
@@ -29,4 +38,6 @@ def identity() -> Program:
             name = path.relative_to(folder.parent).as_posix()
             digest.update(f"{name}\0{len(content)}\0".encode())
             digest.update(content)
-    return Program(rolling.__version__, digest.hexdigest())
+    packages = [f"python {platform.python_version()}"]
+    packages += [f"{name} {metadata.version(name)}" for name in _PACKAGES]
+    return Program(rolling.__version__, digest.hexdigest(), ", ".join(packages))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import shutil
 import signal
@@ -14,8 +13,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import h5py
-import numpy as np
 import psutil
 import pytest
 from commands import PATIENCE, ROOT, SWEEP, contents, pieces, started, wait_for, words_of
@@ -23,6 +20,8 @@ from scene_text import TINY
 
 from rolling import cli
 from rolling.run import folder as folders
+from rolling.run import worker
+from rolling.terminal import program
 
 pytest.importorskip("distributed", reason="a cluster needs Dask")
 
@@ -87,24 +86,7 @@ def run(scene: Path, out: Path, cluster: DaskProcesses, *more: str) -> int:
     return cli.main(words_of(scene, out, "--cluster", str(cluster.file), *more))
 
 
-def numbers(out: Path) -> dict[str, bytes]:
-    """Return sounds, and arrays of results, as bytes.
-
-    The HDF5 library may lay out the same arrays in another order in a process of a cluster.
-    """
-    files = contents(out)
-    for path in [path for path in files if path.endswith(".h5")]:
-        with h5py.File(io.BytesIO(files.pop(path))) as stored:
-
-            def take(name: str, item: object, path: str = path) -> None:
-                if isinstance(item, h5py.Dataset):
-                    files[f"{path} {name}"] = np.asarray(item[()]).tobytes()
-
-            stored.visititems(take)
-    return files
-
-
-def test_a_killed_worker_changes_no_number(cluster: DaskProcesses, tmp_path: Path) -> None:
+def test_a_killed_worker_changes_no_byte(cluster: DaskProcesses, tmp_path: Path) -> None:
     scene, out, local = tmp_path / "scene.yaml", tmp_path / "out", tmp_path / "local"
     scene.write_text(SWEEP)
     assert cli.main(words_of(scene, local, "--workers", "1")) == 0
@@ -119,7 +101,7 @@ def test_a_killed_worker_changes_no_number(cluster: DaskProcesses, tmp_path: Pat
     killing.start()
     assert run(scene, out, cluster) == 0
     killing.join()
-    assert numbers(out) == numbers(local)
+    assert contents(out) == contents(local)
 
 
 def test_parts_of_a_sweep_run_on_a_cluster(cluster: DaskProcesses, tmp_path: Path) -> None:
@@ -158,6 +140,12 @@ def test_a_worker_of_another_program_is_refused_by_name(
     said = capsys.readouterr().err
     assert "all workers must run version" in said and said.count("127.0.0.1") == 1
     assert not out.exists()
+
+
+@pytest.mark.parametrize("name", ["version", "sources", "packages"])
+def test_a_late_worker_of_another_program_does_nothing(name: str) -> None:
+    with pytest.raises(worker.OtherProgramError, match="version .* sources .* python .* numba"):
+        worker.act(b"", program.identity()._replace(**{name: "another"}))
 
 
 def test_a_lost_scheduler_ends_in_a_sentence_and_the_command_goes_on(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import resource
 import signal
@@ -28,7 +29,7 @@ from scene_text import TINY
 from rolling import cli, open_run
 from rolling.run import folder as folders
 from rolling.run import worker
-from rolling.terminal import files
+from rolling.terminal import files, program
 from rolling.terminal.files import FolderError
 
 SEEDS = TINY + "sweep: {surface.seed: [1, 2, 3]}\n"
@@ -151,6 +152,46 @@ def test_another_scene_is_refused_with_its_differences(
     assert run(scene, out) == 0 and tree(out) == before
 
 
+def test_runs_of_another_program_are_not_added_to(
+    seeds: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The digest of the sources stands in the scene and in the provenance of each run."""
+    out = tmp_path / "out"
+    assert run(seeds, out, "--part", "1/3") == 0
+    stored, sources = out / "scene.yaml", program.identity().sources
+    summary = json.loads((out / "seed=1" / "summary.json").read_text())
+    assert summary["provenance"]["sources"] == sources
+    own = stored.read_text()
+    edited = own.replace(sources[:12], "0123456789ab")
+    assert edited != own
+    stored.write_text(edited)
+    before = tree(out)
+    for more in ([], ["--part", "2/3"], ["--set", "sweep.surface.seed=[1, 2, 3, 4]"]):
+        assert run(seeds, out, *more) == 2
+        said = capsys.readouterr().err
+        assert "sources 0123456789ab, and this is" in said and "take another --out" in said
+    assert tree(out) == before
+    stored.write_text(own)
+    assert run(seeds, out) == 0
+    stored.write_text(edited)
+    assert run(seeds, out) == 0  # all is done, and nothing is added
+    assert (
+        cli.main(
+            [
+                "resound",
+                str(out),
+                "--no-report",
+                "--set",
+                "sound.distance_m=2",
+                "--out",
+                str(tmp_path / "x"),
+            ]
+        )
+        == 0
+    )
+    assert "marched by version" in capsys.readouterr().err
+
+
 def test_edited_heights_are_not_taken_for_the_solved_ones(
     scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -166,18 +207,6 @@ def test_edited_heights_are_not_taken_for_the_solved_ones(
     assert run(scene, out) == 2
     assert "another scene or surface" in capsys.readouterr().err
     assert contents(out) == before
-
-
-@pytest.mark.parametrize("name", ["pieces", "seed=2"])
-def test_a_link_in_place_of_a_folder_is_not_followed(
-    name: str, seeds: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
-    elsewhere.mkdir()
-    assert run(seeds, out, "--part", "1/3") == 0
-    (out / name).symlink_to(elsewhere)
-    assert run(seeds, out) == 2
-    assert "a link" in capsys.readouterr().err and not [*elsewhere.iterdir()]
 
 
 # ---- files that are damaged

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -118,6 +120,17 @@ def stored_outside(file: h5py.File) -> None:
     file.create_dataset("approach", (count,), "f8", external=outside)
 
 
+def filtered(options: dict[str, object]) -> Spoil:
+    """Store an array through other filters, or in chunks that decompress to far more than it."""
+
+    def change(file: h5py.File) -> None:
+        values = file["approach"][()]
+        del file["approach"]
+        file.create_dataset("approach", data=values, **options)
+
+    return change
+
+
 def without(name: str) -> Spoil:
     return lambda file: file.__delitem__(name)
 
@@ -143,12 +156,16 @@ HOSTILE: list[tuple[str, Spoil]] = [
     ("deep", lambda file: file.create_group("sound/deep")),
     ("residual", linked("residual", h5py.SoftLink("/approach"))),
     ("residual", linked("residual", h5py.ExternalLink("other.h5", "/approach"))),
-    ("sound", lambda file: file.__setitem__("loop/sound", file["/"])),
+    ("loop", lambda file: file.__setitem__("loop/sound", file["/"])),
+    ("sound/step", lambda file: file["sound"].__setitem__("step", file["/"])),
+    ("another storage", filtered({"compression": "lzf"})),
+    ("another storage", filtered({"chunks": (10**6,), "maxshape": (None,), "compression": 9})),
+    ("attribute", lambda file: file.attrs.__setitem__("title", ["text " * 1000] * 1000)),
     ("approach", stored_outside),
     ("release_energy", without("release_energy")),
     ("not a result", without("snapshot/along")),
     ("distance_m", lambda file: file["snapshot"].attrs.__delitem__("distance_m")),
-    ("attribute", lambda file: file.attrs.__delitem__("identity")),
+    ("another scene", lambda file: file.attrs.__delitem__("identity")),
     ("solved for another scene", lambda file: file.attrs.__setitem__("identity", "0" * 64)),
     ("format 2, which version 0.2", lambda file: file.attrs.__setitem__("format", 2)),
 ]
@@ -187,13 +204,37 @@ def test_the_result_of_another_scene_is_refused(path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "content", [b"", b"[1]", b"{", b"{}", b"null", b"\xff", json.dumps({"laeq_db": 1}).encode()]
+    "content",
+    [
+        *(b"", b"[1]", b"{", b"{}", b"null", b"\xff", b'{"laeq_db": 1}', b"[" * 100_000),
+        *({"laeq_db": value} for value in ("loud", [1], math.nan, 1e999, 10**400, {"a": "b"})),
+        *({"caveats": value} for value in (None, {}, [1], [{"key": "k"}], [{"text": 1}])),
+        *({key: 1} for key in ("surface", "uncertainty_db", "third_octave_db", "source")),
+        *({"surface": {"ra": "rough"}}, {"uncertainty_db": {"laeq": []}}, {"steps": "many"}),
+    ],
+    ids=lambda content: str(content)[:20],
 )
-def test_a_damaged_summary_is_refused(content: bytes, path: Path) -> None:
-    (path.parent / "summary.json").write_bytes(content)
-    with pytest.raises(FolderError, match=r"summary\.json: ") as error:
-        read_run(path.parent, SCENE, {}, "run")
+def test_a_damaged_summary_is_refused(
+    content: bytes | dict[str, object], written: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "summary.json"
+    if isinstance(content, dict):
+        content = json.dumps(json.loads((written / path.name).read_bytes()) | content).encode()
+    path.write_bytes(content)
+    with pytest.raises(FolderError, match=r"summary\.json: not readable") as error:
+        read_run(tmp_path, SCENE, {}, "run")
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["result.h5", "summary.json"])
+def test_a_file_of_sixty_gigabytes_is_refused_unread(
+    name: str, written: Path, tmp_path: Path
+) -> None:
+    for other in ("result.h5", "summary.json"):
+        (tmp_path / other).write_bytes((written / other).read_bytes())
+    os.truncate(tmp_path / name, 60 * 2**30)  # sparse
+    with pytest.raises(FolderError, match=f"{name}.*is larger than"):
+        read_run(tmp_path, SCENE, {}, "run")
 
 
 @pytest.mark.parametrize("limit", [20_000, 150])

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 import os
+import shutil
+import signal
+import socket
 import subprocess
 import sys
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from commands import words_of
+from finished import run_of
+from scene_text import TINY
 
-from rolling.terminal.files import write_bytes
+from rolling import cli
+from rolling.marches.piece import contact_identity
+from rolling.results.run_files import write_run
+from rolling.scene.file import loads
+from rolling.terminal.files import FolderError, write_bytes
 
-SCENE = """\
-name: short
-sphere: {radius_mm: 5}
-plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
-surface:
-  {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 128,
-   seed: 1}
-rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.01}
-numerics: {tolerance: 1.0e-4}
-"""
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pipes and links on Windows")
 
 
 def test_a_link_at_a_temporary_name_does_not_lead_to_its_target(tmp_path: Path) -> None:
@@ -54,8 +57,127 @@ def test_a_written_file_has_the_permissions_of_the_umask(tmp_path: Path) -> None
     assert (tmp_path / "a").stat().st_mode & 0o777 == 0o640
 
 
+SEEDS = TINY + "sweep: {surface.seed: [1, 2]}\n"
+COMMANDS = (["status"], ["table"], ["plot"], ["extend"], ["report"], ["resound", "-q"])
+
+
+def place(kind: str, path: Path, victim: Path) -> None:
+    """Put something else than a file of its own at a path."""
+    path.unlink(missing_ok=True)
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "socket":
+        with socket.socket(socket.AF_UNIX) as server:
+            server.bind(os.path.relpath(path))  # whose length is limited
+    elif kind == "folder":
+        path.mkdir()
+    elif kind == "zeros":
+        path.symlink_to("/dev/zero")
+    elif kind == "link":
+        path.symlink_to(victim)
+    else:
+        path.hardlink_to(victim)
+
+
+@pytest.fixture(scope="module")
+def half(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder in which the first of two runs is done."""
+    folder = tmp_path_factory.mktemp("half")
+    (folder / "scene.yaml").write_text(SEEDS)
+    words = words_of(folder / "scene.yaml", folder / "out", "--workers", "1", "--part", "1/2")
+    assert cli.main(words) == 0
+    return folder
+
+
+@pytest.fixture
+def out(half: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Return a copy of the folder; a command that waits for a pipe ends after 60 s."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "victim").write_text("precious")
+    shutil.copytree(half, tmp_path, dirs_exist_ok=True)
+    before = signal.signal(signal.SIGALRM, lambda *_: pytest.fail("a command hangs"))
+    signal.alarm(60)
+    yield tmp_path / "out"
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+    assert (tmp_path / "victim").read_text() == "precious"
+
+
+KINDS = ("pipe", "socket", "folder", "zeros", "link", "hard link")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_scene_that_is_no_file_is_refused(kind: str, out: Path) -> None:
+    place(kind, out / "scene.yaml", out.parent / "victim")
+    for words in COMMANDS:
+        assert cli.main([*words, str(out)]) == 2
+    assert cli.main(words_of(out.parent / "scene.yaml", out, "--workers", "1")) == 2
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_whatever_stands_at_the_names_of_files_is_replaced_or_refused(
+    kind: str, out: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (out / "seed=2").mkdir()
+    names = ("result.h5", "summary.json", "signal.wav", "listen.wav", "failed.json")
+    for path in (
+        *(out / "seed=2" / name for name in names),
+        out / "runs.csv",
+        out / ".lock-1-of-2",
+    ):
+        place(kind, path, out.parent / "victim")
+    cli.main(["status", str(out)])
+    code = cli.main(words_of(out.parent / "scene.yaml", out, "--workers", "1"))
+    said = capsys.readouterr().err
+    assert code == (1 if kind == "folder" else 0), said  # a folder is not replaced
+    assert kind != "folder" or "Is a directory" in said
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", ["seed=1/summary.json", "seed=1/result.h5", ".lock"])
+def test_whatever_is_read_ends_in_a_sentence(kind: str, name: str, out: Path) -> None:
+    place(kind, out / name, out.parent / "victim")
+    assert all(cli.main([*words, str(out)]) in (0, 2) for words in COMMANDS[:4])
+
+
+@pytest.mark.parametrize("name", ["seed=2", "pieces", "pieces/identity", "seed=1/figures"])
+@pytest.mark.parametrize("dangling", [True, False])
+def test_no_folder_that_is_a_link_is_written(
+    name: str, dangling: bool, out: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    elsewhere, single = out.parent / "elsewhere", loads(TINY, ["surface.seed=2"])
+    path = out / name.replace("identity", contact_identity(single)[:16])
+    path.parent.mkdir(exist_ok=True)
+    path.symlink_to(elsewhere)
+    if not dangling:
+        elsewhere.mkdir()
+    if name == "seed=1/figures":
+        assert cli.main(["plot", str(out / "seed=1"), "--figure", "spectrum"]) == 2
+    else:
+        assert cli.main(words_of(out.parent / "scene.yaml", out, "--workers", "1")) == 2
+    assert "a link" in capsys.readouterr().err
+    assert not elsewhere.exists() if dangling else not [*elsewhere.iterdir()]
+
+
+def test_the_run_folder_itself_may_be_a_link(out: Path) -> None:
+    out.rename(out.parent / "real")
+    out.symlink_to("real")
+    assert cli.main(words_of(out.parent / "scene.yaml", out, "--workers", "1")) == 0
+
+
+def test_a_folder_that_becomes_a_link_is_not_written(tmp_path: Path) -> None:
+    """The check comes with each writing, not at the start of the command alone."""
+    run = replace(run_of(loads(TINY), tmp_path / "out" / "seed=1"), values={"surface.seed": 1})
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "out").mkdir()
+    run.folder.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(FolderError, match="a link"):
+        write_run(run)
+    assert not [*(tmp_path / "elsewhere").iterdir()]
+
+
 def test_workers_import_nothing_from_the_working_directory(tmp_path: Path) -> None:
-    (tmp_path / "scene.yaml").write_text(SCENE)
+    (tmp_path / "scene.yaml").write_text(SEEDS)
     for name in ("pickle", "numpy", "struct"):
         (tmp_path / f"{name}.py").write_text("open('hijacked', 'a').close(); raise SystemExit(1)")
     program = (
