@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from acoustics import extension, wav
+from acoustics.numbers import rounded
 from rolling.results import labels, runs_table
 from rolling.results.run_files import write_extended
 from rolling.results.run_result import Run
@@ -222,7 +223,7 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
         if round(seconds * wav.SAMPLE_RATE_HZ) <= len(run.sound.pressure):
             raise FolderError(
                 f"{run.folder}: --seconds: got {seconds:g}, the record itself is"
-                f" {run.sound.duration:.4g} s long; give more"
+                f" {rounded(run.sound.duration, 4)} s long; give more"
             )
     for run in runs:
         record, rate = run.sound.pressure, wav.SAMPLE_RATE_HZ

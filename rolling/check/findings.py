@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from html import escape
 from typing import TYPE_CHECKING, NamedTuple, overload
 
+from acoustics.numbers import rounded
 from rolling.check import (
     cost,
     error_cost,
@@ -252,9 +253,9 @@ def _march(scene: Scene) -> list[Finding]:
     rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
     result = [
         Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", _narrow(scene, rq)),
-        Finding("step_time", "time of a step", f"about {step_ms:.2g} ms on 1 core"),
+        Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core"),
         Finding("expected_time", "expected time", computing(seconds), None, seconds),
-        Finding("tolerance", "tolerance", f"{scene.tolerance:g}{rule}"),
+        Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}"),
     ]
     if scene.numerics.error_estimate:
         share = error_cost.cost_share(scene, cost.STEP_LAWS[cost.step_law(scene, rq)][1])
@@ -301,14 +302,14 @@ def _smooth_contact(scene: Scene) -> list[Finding]:
     nodes, coarse = radius / scene.spacing, None
     if nodes < MIN_HERTZ_NODES:
         coarse = (
-            f"{nodes:.2g} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose a"
-            f" surface.spacing_um of at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
+            f"{rounded(nodes)} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose"
+            f" a surface.spacing_um of at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
         )
     return [
         Finding("hertz_radius", "Hertz radius", si(radius, "m")),
         Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa")),
         *_hardness(scene, pressure),
-        Finding("hertz_nodes", "nodes per Hertz radius", f"{nodes:.3g}", coarse),
+        Finding("hertz_nodes", "nodes per Hertz radius", rounded(nodes, 3), coarse),
     ]
 
 
@@ -322,7 +323,7 @@ def _hardness(scene: Scene, pressure: float) -> list[Finding]:
     warning = None
     if scene.load >= capacity:
         warning = (
-            f"the load is {scene.load:g} N, hardness times one period of the surface is"
+            f"the load is {rounded(scene.load, 6)} N, hardness times one period of the surface is"
             f" {si(capacity, 'N')}: the run will be refused; lower rolling.load_n or enlarge the"
             " surface"
         )

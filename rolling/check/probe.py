@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from rolling.check import cost, error_cost
 from rolling.check.finding import Finding, clock, computing, si
 from rolling.contact import compiling
@@ -92,7 +93,7 @@ class Probe:
         if not count:
             return result
         seconds = scene.track.solved_steps * float(self.step_ms.mean()) * 1e-3
-        step = _ranged(self.step_ms, lambda ms: f"{ms:.2g} ms")
+        step = _ranged(self.step_ms, lambda ms: f"{rounded(ms)} ms")
         nodes = np.rint(self.window.mean(axis=0)), self.window.min(axis=0), self.window.max(axis=0)
         mean, least, most = (f"{along:.0f} x {across:.0f}" for along, across in nodes)
         window = f"{mean} nodes" + (f" ({least} to {most})" if least != most else "")
@@ -107,8 +108,8 @@ class Probe:
             whole = 100 * self.plastic_area.sum() / self.contact_area.sum()
             says = "stays elastic where solved"
             if whole:
-                range_ = f"{share.min():.2g} to {share.max():.2g} %"
-                says = f"yields on {whole:.2g} % of the contact ({range_})"
+                range_ = f"{rounded(share.min())} to {rounded(share.max())} %"
+                says = f"yields on {rounded(whole)} % of the contact ({range_})"
             result += [
                 Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
                 Finding("plastic_area", "plastic area", _ranged(self.plastic_area, _area)),
@@ -206,7 +207,8 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
         solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
         reason = ""
         if nodes > MAX_NODES:
-            reason = f"making {nodes:.3g} nodes would take long, the limit is {MAX_NODES:.3g}"
+            limit = rounded(MAX_NODES)
+            reason = f"making {rounded(nodes, 3)} nodes would take long, the limit is {limit}"
         elif solving > MAX_SECONDS:
             reason = f"it would take about {clock(solving)}, the limit is {clock(MAX_SECONDS)}"
         else:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
+from acoustics.numbers import rounded
 from rolling import __version__
 from rolling.results import caveats
 from rolling.results.caveats import Caveat
@@ -83,11 +84,6 @@ CITED_ARTICLE = (
 )
 
 
-def significant(value: float) -> str:
-    """Write a number with four digits, without an exponent up to a million."""
-    return f"{float(f'{value:.4g}'):g}"
-
-
 # ---- levels
 
 
@@ -143,7 +139,7 @@ def _cell(run: Run, column: Column) -> str:
     if column.uncertainty:
         return uncertain(value, run.summary["uncertainty_db"].get(column.uncertainty))
     number = value * column.factor
-    return f"{number:{column.form}}" if column.form else significant(number)
+    return f"{number:{column.form}}" if column.form else rounded(number, 4)
 
 
 def bands(runs: Sequence[Run]) -> list[tuple[str, bool, list[str]]]:
@@ -218,9 +214,11 @@ def events(run: Run) -> list[Fact]:
         "energy of an event": f"mean {joule(statistics.energy_mean)},"
         f" median {joule(statistics.energy_median)},"
         f" nine in ten below {joule(statistics.energy_p90)}",
-        "mean duration": f"{statistics.duration_mean:.3g} steps of {run.result.step * 1e6:g} µm",
+        "mean duration": f"{rounded(statistics.duration_mean, 3)} steps"
+        f" of {run.result.step * 1e6:g} µm",
         "maximum of a node in a step": joule(statistics.peak),
-        "top tenth of the events": f"{100 * statistics.top_tenth_share:.3g} % of the release",
+        "top tenth of the events": f"{rounded(100 * statistics.top_tenth_share, 3)} %"
+        " of the release",
     }
     return [(name, [("", value)]) for name, value in values.items()]
 

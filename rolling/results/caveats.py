@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from acoustics.bands import OFF_DB
+from acoustics.numbers import rounded
 from rolling.check import findings, resolution
 from rolling.marches.result import MovingRelease
 from rolling.results.run_errors import RunErrors
@@ -164,12 +165,16 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
         return texts
     lap = scene.track.lap_steps * scene.track.step
     period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
-    rate = f"{1 / period:.2g}" if 1 / period < 10 else f"{1 / period:.0f}"
+    rate = rounded(1 / period) if 1 / period < 10 else f"{1 / period:.0f}"
     heard = f"{rate} times a second: the pitch that is heard is the repetition, not the contact."
     if sound.loops and sound.duration < SHORT_S:
-        texts["short_loop"] = f"When it loops, the record of {sound.duration:.3g} s repeats {heard}"
+        texts["short_loop"] = (
+            f"When it loops, the record of {rounded(sound.duration, 3)} s repeats {heard}"
+        )
     elif period < min(SHORT_S, 0.999 * sound.duration):
-        texts["short_track"] = f"The track repeats in the record every {period:.3g} s, {heard}"
+        texts["short_track"] = (
+            f"The track repeats in the record every {rounded(period, 3)} s, {heard}"
+        )
     return texts
 
 
@@ -235,13 +240,14 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
     motion, loads = vibration.motion, vibration.law.load_n
     if motion.outside_share > 0:
         texts["force_outside"] = (
-            f"force law: the contact force leaves the marched loads of {loads[0]:.3g} to"
-            f" {loads[-1]:.3g} N for {100 * motion.outside_share:.2g} % of the time, and is"
-            " extrapolated there"
+            f"force law: the contact force leaves the marched loads of {rounded(loads[0], 3)} to"
+            f" {rounded(loads[-1], 3)} N for {rounded(100 * motion.outside_share)} % of the time,"
+            " and is extrapolated there"
         )
     if motion.flight_share > 0:
         impacts = f"{motion.impacts} impact{'' if motion.impacts == 1 else 's'}"
-        text = f"contact: lost for {100 * motion.flight_share:.2g} % of the time, with {impacts}"
+        lost = f"{rounded(100 * motion.flight_share)} % of the time"
+        text = f"contact: lost for {lost}, with {impacts}"
         if motion.flight_share == 1:
             text += ": the record is shorter than a flight; choose a longer one"
         texts["impacts"] = text
@@ -255,7 +261,7 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
     thickness = scene.plate.thickness_mm
     if thickness is not None and (bent := 1e3 * np.ptp(motion.plate_m) / thickness) > BENT:
         texts["plate_deflection"] = (
-            f"plate: it sinks and rises by {bent:.2g} of its thickness; thin-plate theory wants a"
-            f" deflection that is small against it, at most about {BENT:g}"
+            f"plate: it sinks and rises by {rounded(bent)} of its thickness; thin-plate theory"
+            f" wants a deflection that is small against it, at most about {BENT:g}"
         )
     return texts

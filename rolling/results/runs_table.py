@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.bands import BAND_NAMES
+from acoustics.numbers import rounded
 from rolling.results.caveats import HEADLINE, REPEATS, STANDING, gathered
 from rolling.results.labels import Labelled, labels, printable
 
@@ -196,8 +197,9 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     remarks = gathered(runs)
     beside = [caveat.line for caveat in remarks if caveat.key in HEADLINE]
     surfaces = dict.fromkeys(
-        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness"
-        f" {s['skewness']:.2f}, kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
+        f"surface: Ra {rounded(s['ra'] * 1e6, 4)} µm, Rq {rounded(s['rq'] * 1e6, 4)} µm, skewness"
+        f" {s['skewness']:.2f}, kurtosis {s['kurtosis']:.2f}, rms slope"
+        f" {rounded(s['rms_slope'], 3)}"
         for s in (summary["surface"] for _, summary in runs)
     )
     tilts = dict.fromkeys(
