@@ -225,21 +225,10 @@ def _step_length(scene: Scene) -> Finding:
 
 
 def record(scene: Scene) -> Finding:
-    """Count the third octaves whose level the length of the record makes certain."""
+    """Count the third octaves whose level the length of the record makes certain within 2 dB."""
     certain = bands.reliable(scene.duration)
-    warning = None
+    value = f"{certain.sum()} of {len(certain)}"
     if not certain.all():
-        short = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if not sure]
-        seconds = bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0])
-        longer = f"rolling.duration_s of at least {rounded_up(seconds)}"
-        if scene.rolling.distance_mm is not None:
-            rolled = seconds * scene.track.distance / scene.duration
-            longer = f"rolling.distance_mm of at least {rounded_up(1e3 * rolled)}"
-        warning = (
-            f"{len(short)} of {len(certain)} third octaves, up to {short[-1]} Hz, have a bandwidth"
-            f" times duration below {bands.LEAST_BT:g} and are uncertain by 2 dB or more: choose a"
-            f" {longer}"
-        )
-    return Finding(
-        "third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning
-    )
+        lowest = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if sure][:1]
+        value += f", from {lowest[0]} Hz on" if lowest else ", the record is very short"
+    return Finding("third_octaves", "third octaves within 2 dB", value)

@@ -170,8 +170,7 @@ def remarks(runs: Sequence[Run]) -> list[Caveat]:
 
 def headline(runs: Sequence[Run]) -> str:
     """Join the caveats that stand beside every level."""
-    kept = (*caveats.HEADLINE, "band_errors")
-    return " ".join(caveat.line for caveat in remarks(runs) if caveat.key in kept)
+    return " ".join(caveat.line for caveat in remarks(runs) if caveat.key in caveats.HEADLINE)
 
 
 def standing(runs: Sequence[Run]) -> list[Caveat]:
@@ -181,8 +180,8 @@ def standing(runs: Sequence[Run]) -> list[Caveat]:
 
 
 def warnings(runs: Sequence[Run]) -> list[Caveat]:
-    """List the warnings of the check, each kind once."""
-    return [caveat for caveat in remarks(runs) if caveat.key not in caveats.STANDING]
+    """List the warnings, the largest contribution to a level first, each kind once."""
+    return caveats.warnings([(run.label, run.summary) for run in runs])
 
 
 # ---- facts
