@@ -119,11 +119,12 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
     print(runs_table.levels_table(done[: defaults.FEW_RUNS] if many else done))
     if many:
         print(f"{len(done) - defaults.FEW_RUNS} more runs, a row each in {TABLE}")
-    print(f"\nlisten: {done[0].folder / 'listen.wav'}   all files: {folder}")
+    places = {"listen": done[0].folder / "listen.wav", "all files": folder}
     if len(runs) > 1:
-        print(f"a row per run: {folder / TABLE}")
+        places["a row per run"] = folder / TABLE
     if (folder / PAGE).is_file():
-        print(f"all on one page: {folder / PAGE}")
+        places["all on one page"] = folder / PAGE
+    print("", *(f"{name}: {labels.printable(str(at))}" for name, at in places.items()), sep="\n")
 
 
 def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:

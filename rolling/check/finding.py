@@ -8,6 +8,10 @@ from dataclasses import dataclass
 
 from acoustics.numbers import rounded
 from rolling.check import cost
+from rolling.scene.scene import Scene
+
+SURFACE = "surface_time"  # key of the finding whose time runs with the same surface share
+LEAST_SECONDS = 1.0  # shorter times for making a surface are not listed
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,18 @@ def computing(core_seconds: float) -> str:
     """Write the time that a computation of one core [s] takes on all cores."""
     cores = cost.cores()
     return f"about {clock(core_seconds / cores)} on {cores} core{'s' * (cores > 1)}"
+
+
+def surface_time(scene: Scene, slow: float = 1.0) -> list[Finding]:
+    """State the time to make a random surface, which every process does; nothing if it is short.
+
+    `slow` is the time that this machine took over the expected one.
+    """
+    seconds = slow * cost.cores() * sum(cost.surface_seconds(scene))
+    if seconds < LEAST_SECONDS:
+        return []
+    value = f"{computing(seconds)}, each of which makes it"
+    return [Finding(SURFACE, "making of the surface", value, None, seconds)]
 
 
 def rounded_down(value: float) -> str:

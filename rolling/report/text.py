@@ -15,10 +15,11 @@ from rolling.results import caveats
 from rolling.results.caveats import Caveat
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
-from rolling.results.runs_table import uncertain
+from rolling.results.runs_table import beside_text, level_name, uncertain, verdicts
 from rolling.scene import file
 
 NOTHING = "-"  # for a number that does not exist
+NOT_AVAILABLE = "not available"  # a power without a loss factor, or of a half-space
 Fact = tuple[str, list[tuple[str, str]]]  # quantity; labels of runs (empty: all runs) and value
 
 
@@ -40,7 +41,11 @@ class Column(NamedTuple):
 
 COLUMNS = (
     Column("level_db", "level", "LZeq", "dB"),
-    Column("laeq_db", "laeq", "LAeq", "dB"),
+    Column("laeq_db", "laeq", "LAeq", "dB(A)"),
+    Column(
+        "compact_source_level_db", "", "compact source of the same power", "dB(A)", 1.0, ".1f", True
+    ),
+    Column("vibration_estimate_laeq_db", "", "vibration, estimated", "dB(A)", 1.0, ".1f", True),
     Column("laeq_grid_error_db", "", "grid error of LAeq", "dB", 1.0, "+.2f", True),
     Column("laeq_solver_error_db", "", "solver error of LAeq", "dB", 1.0, "+.2f", True),
     Column("laeq_uncertainty_db", "", "u(LAeq) with grid and solver", "dB", 1.0, ".2f", True),
@@ -48,8 +53,9 @@ COLUMNS = (
     Column("las_max_db", "las_max", "LASmax", "dB"),
     Column("lz_peak_db", "lz_peak", "LZpeak", "dB"),
     Column("steady_level_db", "steady", "steady level", "dB re 1 pW/m²"),
-    Column("vibration_laeq_db", "", "LAeq of the vibration", "dB", on_request=True),
-    Column("release_laeq_db", "", "LAeq of the release", "dB", on_request=True),
+    Column("vibration_laeq_db", "", "LAeq of the vibration", "dB(A)", on_request=True),
+    Column("release_laeq_db", "", "level of the release", "dB(A)", on_request=True),
+    Column("release_over_vibration_db", "", "release over vibration", "dB", on_request=True),
     Column("equivalent_q", "", "q that equals them", "", 1.0, ".2g", True),
     Column("plate_power_level_db", "", "sound power of the plate", "dB re 1 pW", on_request=True),
     Column("ball_power_level_db", "", "sound power of the sphere", "dB re 1 pW", on_request=True),
@@ -93,7 +99,7 @@ def titles(runs: Sequence[Run]) -> str:
 
 
 def sentence(runs: Sequence[Run]) -> str:
-    """State the result in one sentence."""
+    """State the result in one sentence, with the level beside that of a single run."""
     sounding = [(level, run) for run in runs if (level := run.sound.levels.laeq_db) is not None]
     if not sounding:
         sources = " or ".join(dict.fromkeys(run.sound.source for run in runs))
@@ -104,15 +110,40 @@ def sentence(runs: Sequence[Run]) -> str:
     also = f" {silent} of {len(runs)} runs are silent." if silent else ""
     low_db, quietest = min(sounding, key=lambda pair: pair[0])
     high_db, loudest = max(sounding, key=lambda pair: pair[0])
+    name = level_head(runs)
     if len(sounding) == 1:
         laeq = uncertain(low_db, quietest.summary["uncertainty_db"]["laeq"])
-        return f"{quietest.label}: LAeq {laeq} dB re 20 µPa{at}.{also}"
+        beside = "; ".join(filter(None, [beside_text(quietest.summary), _compact(quietest)]))
+        beside = f" ({beside})" if beside else ""
+        return f"{quietest.label}: {name} {laeq} dB(A) re 20 µPa{at}{beside}.{also}"
+    name = name[0].upper() + name[1:]
     if high_db - low_db < 0.05:
-        return f"LAeq{at} is {low_db:.1f} dB in all {len(sounding)} runs that sound.{also}"
+        return f"{name}{at} is {low_db:.1f} dB(A) in all {len(sounding)} runs that sound.{also}"
     return (
-        f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB"
+        f"{name}{at} lies between {low_db:.1f} dB(A) ({quietest.label}) and {high_db:.1f} dB(A)"
         f" ({loudest.label}), {high_db - low_db:.1f} dB apart.{also}"
     )
+
+
+def _compact(run: Run) -> str:
+    """State the level of a compact source of the same power; empty without a vibration."""
+    if run.vibration is None or run.sound.source != "vibration":
+        return ""
+    level = run.summary.get("compact_source_level_db")
+    return (
+        f"a compact source of the same power: {NOT_AVAILABLE if level is None else f'{level:.1f}'}"
+    )
+
+
+def level_head(runs: Sequence[Run]) -> str:
+    """Name the level of runs: of the vibration, of the released power, or of both."""
+    names = dict.fromkeys(level_name(run.summary) for run in runs)
+    return " or ".join(names)
+
+
+def judged(runs: Sequence[Run]) -> list[tuple[str, str]]:
+    """Return words and reasons of the verdicts on the levels, each once with its runs."""
+    return verdicts([(run.label, run.summary) for run in runs])
 
 
 def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]:
@@ -125,7 +156,10 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
         for column in COLUMNS
         if not column.on_request or any(run.summary.get(column.key) is not None for run in runs)
     ]
-    heads = [column.head + (f" [{column.unit}]" if column.unit else "") for column in columns]
+    named = {"laeq_db": level_head(runs)}
+    heads = [named.get(column.key, column.head) for column in columns]
+    units = [f" [{column.unit}]" if column.unit else "" for column in columns]
+    heads = [head + unit for head, unit in zip(heads, units, strict=True)]
     return heads, [(run.label, [_cell(run, column) for column in columns]) for run in runs]
 
 

@@ -229,18 +229,19 @@ def levels_table(runs: Sequence[Labelled]) -> str:
     rows.append(["", *(head.split("|")[1] for head in heads)])
     rows += [[name, *(by_run.get(name, {}).get(head, "-") for head in heads)] for name in names]
     errors = [wrapped(line) for label, summary in solved if (line := error_line(label, summary))]
-    return "\n".join([columns(rows), "", *_verdicts(solved), *errors, *_remarks(solved)])
+    judged = [wrapped(f"{word}: {reason}") for word, reason in verdicts(solved)]
+    return "\n".join([columns(rows), "", *judged, *errors, *_remarks(solved)])
 
 
-def _verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
-    """Write the word of each verdict with its reason, and the runs that it belongs to."""
-    merged: dict[str, list[str]] = {}
+def verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, str]]:
+    """Return words and reasons of the verdicts, each once with the labels of its runs."""
+    merged: dict[tuple[str, str], list[str]] = {}
     for label, summary in runs:
-        if judged := summary.get("verdict"):
-            merged.setdefault(f"{judged['word']}: {judged['reason']}", []).append(label)
+        if verdict := summary.get("verdict"):
+            merged.setdefault((verdict["word"], verdict["reason"]), []).append(label)
     return [
-        wrapped(text if len(names) == len(runs) else f"{text} ({'; '.join(names)})")
-        for text, names in merged.items()
+        (word, reason if len(names) == len(runs) else f"{reason} ({'; '.join(names)})")
+        for (word, reason), names in merged.items()
     ]
 
 

@@ -15,7 +15,8 @@ import numpy as np
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
 from rolling.check import error_cost, long_steps, resolution
-from rolling.check.finding import Finding
+from rolling.check.finding import Finding, computing
+from rolling.check.findings import Findings
 from rolling.scene.scene import Scene
 
 WORDS = TRUST, INDICATIVE, DO_NOT_QUOTE = "trust", "indicative", "do not quote"
@@ -24,13 +25,12 @@ MOST_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which o
 MEASURED_DB = 25, 66  # release with q = 1 over the vibration, on eight scenes of docs/dynamics.md
 # Level of a half-space's pressure over the true one [dB], by frequency times distance [Hz m].
 _HALF_SPACE = ((100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5))
+_REFUSED = ("memory", "disk", "capacity", "positions")  # warnings of scenes that do not run
 # Warnings without decibels, by their key, with the word that they allow and the reason.
 _LIMITS = {
     "slope": (DO_NOT_QUOTE, "the surface is steeper than a half-space allows"),
     "contact_radius": (DO_NOT_QUOTE, "the contact is wider than a half-space allows"),
     "contact_thickness": (DO_NOT_QUOTE, "the contact is too wide for the thickness of the plate"),
-    "capacity": (DO_NOT_QUOTE, "the load exceeds the capacity of the surface"),
-    "positions": (DO_NOT_QUOTE, "positions of the track have no solution"),
     "window": (DO_NOT_QUOTE, "the contact is wider than the surface"),
     "force_ratio": (INDICATIVE, "the contact force may leave the marched loads"),
     "not_settled": (INDICATIVE, "the motion does not repeat from lap to lap"),
@@ -100,14 +100,35 @@ def expected(scene: Scene, findings: Sequence[Finding]) -> tuple[str, str]:
     return (parts[0].word, parts[0].text) if parts else (TRUST, "no limit is broken")
 
 
+def conclusion(scene: Scene, found: Findings) -> str:
+    """State in one sentence whether a scene runs, how long, and with which verdict at best."""
+    for run in found.runs:
+        for finding in run.findings:
+            if finding.warning and finding.key in _REFUSED:
+                return f"It does not run: {finding.quantity} ({finding.value})."
+    if found.excess:
+        return f"It does not run: {found.excess[0]}."
+    if scene.surface.kind == "smooth":
+        return f"It runs, in {computing(found.seconds)}; a smooth surface is silent."
+    runs = zip(scene.runs(), found.runs, strict=True)
+    words = [expected(run.scene, of_run.findings) for run, of_run in runs]
+    word, reason = max(words, key=lambda pair: WORDS.index(pair[0]))
+    best = "" if word == DO_NOT_QUOTE else "at best "
+    which = "" if len(words) == 1 else " of the worst run"
+    return (
+        f"It runs, in {computing(found.seconds)}; the expected verdict{which} is {best}{word}:"
+        f" {reason}."
+    )
+
+
 def contributions(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     """List the contributions to the uncertainty of LAeq, the worst first."""
     parts = [
         *_source(summary, scene),
         *_record(summary),
-        *_grid(summary, scene),
         *_motion(summary),
         *_limits(summary, scene),
+        *_grid(summary, scene),
     ]
     return sorted(parts, key=lambda part: part.rank, reverse=True)
 
