@@ -15,7 +15,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.bands import BANDWIDTH_HZ, third_octave_mean_square
-from acoustics.level import FAST_S, SLOW_S, SoundLevels
+from acoustics.level import FAST_S, SLOW_S, SoundLevels, a_weighted
 from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
 
@@ -23,6 +23,7 @@ _DB = 10.0 / math.log(10.0)
 # The lines below this frequency, or at least this many, give the density at 0 Hz.
 _NEAR_ZERO_HZ = 50.0
 _FEWEST_LINES = 4
+_STUDENT = 1.32  # 68 % of Student's distribution with two degrees of freedom lie within it
 
 
 @dataclass(frozen=True)
@@ -174,6 +175,51 @@ def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
     if mean <= 0.0 or not len(low):
         return None
     return _DB * math.sqrt(float(low.mean()) / 2.0) / mean
+
+
+def record_scatter_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
+    """Return the standard uncertainty of LAeq that the thirds of a record show, dB.
+
+    The mean squares of three thirds estimate the spread of their mean without a law for the noise.
+    Three values estimate a spread poorly, so it is widened by the factor 1.32 of Student's
+    distribution with two degrees of freedom, for the same probability of 68 %.
+
+    Parameters
+    ----------
+    pressure_pa : array (n,), Pa. Sound pressure; one lap of a record that repeats itself.
+    sample_rate_hz : float, Hz. Sample rate.
+
+    Returns
+    -------
+    float or None, dB
+        None for silence, and for a record of fewer than three samples.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics.uncertainty import record_scatter_db
+    >>> noise = np.random.default_rng(1).standard_normal(48000)
+    >>> record_scatter_db(noise, 48000) < 0.1
+    True
+    """
+    thirds = np.array_split(np.square(a_weighted(pressure_pa, sample_rate_hz)), 3)
+    if not len(thirds[-1]) or not np.any(pressure_pa):
+        return None
+    squares = np.array([third.mean() for third in thirds])
+    return _STUDENT * _DB * float(squares.std(ddof=1) / math.sqrt(3.0) / squares.mean())
+
+
+def widened(spreads: LevelUncertainty, laeq_db: float | None) -> LevelUncertainty:
+    """Return uncertainties that are widened by one factor, LAeq to at least a value [dB]."""
+    if laeq_db is None or not spreads.laeq_db or laeq_db <= spreads.laeq_db:
+        return spreads
+    factor = laeq_db / spreads.laeq_db
+
+    def wider(values: dict[str, float | None]) -> dict[str, float | None]:
+        return {name: value and factor * value for name, value in values.items()}
+
+    levels = {name: value for name, value in vars(spreads).items() if name != "third_octave_db"}
+    return LevelUncertainty(**wider(levels), third_octave_db=wider(spreads.third_octave_db))
 
 
 def _variance(part: Array, whole: Array, exponent: float) -> float:

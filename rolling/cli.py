@@ -202,7 +202,10 @@ def _check(given: argparse.Namespace) -> int:
         from rolling.check.findings import check_scene
     findings = check_scene(scene, solve=not given.fast)
     if not progress.is_quiet():
+        from rolling.results import verdict
+
         print(findings)
+        print(f"\n{streams.wrapped(verdict.conclusion(scene, findings), '')}")
     for warning in findings.warnings if progress.is_quiet() else ():
         print(f"warning: {warning}")
     return OK

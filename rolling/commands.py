@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from acoustics import extension, wav
+from acoustics.numbers import rounded
 from rolling.results import labels, runs_table
 from rolling.results.run_files import write_extended
 from rolling.results.run_result import Run
@@ -120,11 +121,12 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
     print(runs_table.levels_table(done[: defaults.FEW_RUNS] if many else done))
     if many:
         print(f"{len(done) - defaults.FEW_RUNS} more runs, a row each in {TABLE}")
-    print(f"\nlisten: {done[0].folder / 'listen.wav'}   all files: {folder}")
+    places = {"listen": done[0].folder / "listen.wav", "all files": folder}
     if len(runs) > 1:
-        print(f"a row per run: {folder / TABLE}")
+        places["a row per run"] = folder / TABLE
     if (folder / PAGE).is_file():
-        print(f"all on one page: {folder / PAGE}")
+        places["all on one page"] = folder / PAGE
+    print("", *(f"{name}: {labels.printable(str(at))}" for name, at in places.items()), sep="\n")
 
 
 def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
@@ -224,7 +226,7 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
         if round(seconds * wav.SAMPLE_RATE_HZ) <= len(run.sound.pressure):
             raise FolderError(
                 f"{run.folder}: --seconds: got {seconds:g}, the record itself is"
-                f" {run.sound.duration:.4g} s long; give more"
+                f" {rounded(run.sound.duration, 4)} s long; give more"
             )
     for run in runs:
         record, rate = run.sound.pressure, wav.SAMPLE_RATE_HZ

@@ -30,6 +30,9 @@ SMOOTH = 1e-9
 SLOPE_MARGIN = 1.05
 
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
+# Seconds per node and binary logarithm of the nodes: every worker makes a random surface and
+# prepares its edges or its 2 x 2 sub-cells; its statistics are taken once (1 to 20 million nodes).
+MAKING, EDGES, SUBCELL_HEIGHTS, STATISTICS = 5.5e-9, 2e-9, 9e-9, 5.5e-9
 # Bytes of the program alone, beside workers, and in a worker; per node of a rough surface and of
 # the window, and more of both per sub-cell; per step and per sample of a record while its sound
 # is made, and as long as runs are compared; per time step of a motion; per recovery event.
@@ -138,6 +141,17 @@ def step_ms(scene: Scene) -> float:
 def expected_seconds(scene: Scene) -> float:
     """Estimate the time [s] to march a scene once on one core; a height file is read."""
     return scene.track.solved_steps * step_ms(scene) * 1e-3
+
+
+def surface_seconds(scene: Scene) -> tuple[float, float]:
+    """Estimate the times [s] for a random surface in each worker, and then beside the workers."""
+    if not isinstance(scene.surface, Gaussian):
+        return 0.0, 0.0
+    nodes, edges = scene.track.n_along * scene.track.n_across, 0.0
+    if has_blended_edges(scene):
+        edges = EDGES if (r := subcells(scene)) == 1 else SUBCELL_HEIGHTS * (r / 2) ** 2
+    per_node = nodes * math.log2(nodes)
+    return per_node * (MAKING + edges), per_node * (MAKING + STATISTICS)
 
 
 # ---- memory and disk

@@ -6,7 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from acoustics.numbers import rounded
 from rolling.check import cost
+from rolling.scene.scene import Scene
+
+SURFACE = "surface_time"  # key of the finding whose time runs with the same surface share
+LEAST_SECONDS = 1.0  # shorter times for making a surface are not listed
 
 
 @dataclass(frozen=True)
@@ -37,15 +42,15 @@ def si(value: float, unit: str) -> str:
     prefixes = [("G", 1e9), ("M", 1e6), ("k", 1e3)] if unit != "m" else []
     for prefix, size in (*prefixes, ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
         if abs(value) >= 0.9995 * size:
-            return f"{float(f'{value / size:.3g}'):g} {prefix}{unit}"
-    return f"{value:.3g} {unit}"
+            return f"{rounded(value / size, 3)} {prefix}{unit}"
+    return f"{rounded(value, 3)} {unit}"
 
 
 def byte_size(value: float) -> str:
     """Write a size in bytes with two digits in TB or GB, or in whole MB."""
     for unit, size in (("TB", 1e12), ("GB", 1e9)):
         if value >= 0.995 * size:
-            return f"{float(f'{value / size:.2g}'):,g} {unit}"
+            return f"{float(rounded(value / size)):,.15g} {unit}"
     return f"{max(value / 1e6, 1):.0f} MB"
 
 
@@ -53,8 +58,8 @@ def clock(seconds: float) -> str:
     """Write a time [s] with two digits in hours, minutes or seconds."""
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2 * size:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{seconds:.2g} s"
+            return f"{rounded(seconds / size)} {unit}"
+    return f"{rounded(seconds)} s"
 
 
 def computing(core_seconds: float) -> str:
@@ -63,14 +68,26 @@ def computing(core_seconds: float) -> str:
     return f"about {clock(core_seconds / cores)} on {cores} core{'s' * (cores > 1)}"
 
 
+def surface_time(scene: Scene, slow: float = 1.0) -> list[Finding]:
+    """State the time to make a random surface, which every process does; nothing if it is short.
+
+    `slow` is the time that this machine took over the expected one.
+    """
+    seconds = slow * cost.cores() * sum(cost.surface_seconds(scene))
+    if seconds < LEAST_SECONDS:
+        return []
+    value = f"{computing(seconds)}, each of which makes it"
+    return [Finding(SURFACE, "making of the surface", value, None, seconds)]
+
+
 def rounded_down(value: float) -> str:
     """Write a number with two digits, rounded down, so that followed advice holds."""
-    return f"{_rounded(value, math.floor):g}"
+    return rounded(_rounded(value, math.floor), 6)
 
 
 def rounded_up(value: float) -> str:
     """Write a number with two digits, rounded up."""
-    return f"{_rounded(value, math.ceil):g}"
+    return rounded(_rounded(value, math.ceil), 6)
 
 
 def _rounded(value: float, towards: Callable[[float], int]) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from html import escape
 from typing import TYPE_CHECKING, NamedTuple, overload
 
+from acoustics.numbers import rounded
 from rolling.check import (
     cost,
     error_cost,
@@ -21,14 +22,24 @@ from rolling.check import (
     validity,
     vibration,
 )
-from rolling.check.finding import Finding, byte_size, computing, rounded_down, si
+from rolling.check.finding import (
+    SURFACE,
+    Finding,
+    byte_size,
+    computing,
+    rounded_down,
+    si,
+    surface_time,
+)
 from rolling.contact import closed_forms
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import run_name
+from rolling.surface import scene_surface
 from rolling.terminal import progress
+from rolling.terminal.streams import wrapped
 
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
@@ -56,11 +67,14 @@ class Findings(Sequence[Finding]):
         Time, memory and disk of all runs together; empty for a single run.
     excess : tuple of str
         Warnings where all runs together need too much memory or disk.
+    seconds : float, s
+        Time of all runs on one core.
     """
 
     runs: tuple[RunFindings, ...]
     of_all: tuple[tuple[str, str], ...] = ()
     excess: tuple[str, ...] = ()
+    seconds: float = 0.0
 
     @property
     def warnings(self) -> list[str]:
@@ -96,7 +110,7 @@ class Findings(Sequence[Finding]):
         blocks = [_columns(shared)]
         for k in range(1, len(by_run[0]), RUNS_ABREAST) if by_run[1:] else ():
             blocks.append(_columns([[row[0], *row[k : k + RUNS_ABREAST]] for row in by_run]))
-        warnings = "\n".join(f"warning: {line}" for line in self.warnings)
+        warnings = "\n".join(wrapped(f"warning: {line}") for line in self.warnings)
         return "\n\n".join(filter(None, [*blocks, warnings]))
 
     __repr__ = __str__  # the table at a prompt
@@ -171,17 +185,19 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
             RunFindings(run_name(run.values) or scene.name, findings(run.scene, probe))
             for run, probe in zip(runs, probes, strict=True)
         )
-    if len(runs) == 1:
-        return Findings(by_run)
-    marched, seconds = set[str](), 0.0
-    for run, of_run in zip(scenes, by_run, strict=True):
-        identity = digest(contact_keys(run))
+    done, seconds = set[object](), 0.0
+    for number, (run, of_run) in enumerate(zip(scenes, by_run, strict=True)):
+        own = {vibration.OWN_MARCH: number, SURFACE: scene_surface.identity(run)}
+        march = digest(contact_keys(run))
+        shared = {finding: own.get(finding.key, march) for finding in of_run.findings}
         seconds += sum(
             finding.seconds
-            for finding in of_run.findings
-            if identity not in marched or finding.key == vibration.OWN_MARCH
+            for finding, owner in shared.items()
+            if (finding.key == SURFACE, owner) not in done
         )
-        marched.add(identity)
+        done |= {(finding.key == SURFACE, owner) for finding, owner in shared.items()}
+    if len(runs) == 1:
+        return Findings(by_run, seconds=seconds)
     return Findings(
         by_run,
         (
@@ -190,6 +206,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
             ("disk of all", f"about {byte_size(cost.disk(scenes))}"),
         ),
         tuple(f"{key} of all: {fault}" for key, fault in _excess(scenes).items()),
+        seconds,
     )
 
 
@@ -252,10 +269,11 @@ def _march(scene: Scene) -> list[Finding]:
     rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
     result = [
         Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", _narrow(scene, rq)),
-        Finding("step_time", "time of a step", f"about {step_ms:.2g} ms on 1 core"),
+        Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core"),
         Finding("expected_time", "expected time", computing(seconds), None, seconds),
-        Finding("tolerance", "tolerance", f"{scene.tolerance:g}{rule}"),
+        Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}"),
     ]
+    result += surface_time(scene)
     if scene.numerics.error_estimate:
         share = error_cost.cost_share(scene, cost.STEP_LAWS[cost.step_law(scene, rq)][1])
         seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3
@@ -301,14 +319,14 @@ def _smooth_contact(scene: Scene) -> list[Finding]:
     nodes, coarse = radius / scene.spacing, None
     if nodes < MIN_HERTZ_NODES:
         coarse = (
-            f"{nodes:.2g} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose a"
-            f" surface.spacing_um of at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
+            f"{rounded(nodes)} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose"
+            f" a surface.spacing_um of at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
         )
     return [
         Finding("hertz_radius", "Hertz radius", si(radius, "m")),
         Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa")),
         *_hardness(scene, pressure),
-        Finding("hertz_nodes", "nodes per Hertz radius", f"{nodes:.3g}", coarse),
+        Finding("hertz_nodes", "nodes per Hertz radius", rounded(nodes, 3), coarse),
     ]
 
 
@@ -322,7 +340,7 @@ def _hardness(scene: Scene, pressure: float) -> list[Finding]:
     warning = None
     if scene.load >= capacity:
         warning = (
-            f"the load is {scene.load:g} N, hardness times one period of the surface is"
+            f"the load is {rounded(scene.load, 6)} N, hardness times one period of the surface is"
             f" {si(capacity, 'N')}: the run will be refused; lower rolling.load_n or enlarge the"
             " surface"
         )

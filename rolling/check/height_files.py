@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from acoustics.numbers import rounded
 from rolling.check import long_steps
 from rolling.check.finding import Finding, rounded_down, si
 from rolling.scene.scene import Scene
@@ -42,7 +43,7 @@ def tilt_text(levelling: Levelling) -> str:
         strict=True,
     )
     plane = ", ".join(
-        f"{slope * 1e3:.3g} um/mm {direction} ({si(slope * length, 'm')} over the file)"
+        f"{rounded(slope * 1e3, 3)} um/mm {direction} ({si(slope * length, 'm')} over the file)"
         for slope, length, direction in slopes
         if slope or not taken
     )
@@ -68,17 +69,17 @@ def _resolution(surface: SceneSurface) -> list[Finding]:
     elif round(nodes, 1) < MIN_CORRELATION_NODES:
         spacing = rounded_down(length / MIN_CORRELATION_NODES * 1e6)
         warnings.append(
-            f"{nodes:.2g} nodes per correlation length ({si(length, 'm')}, 1/e of the"
+            f"{rounded(nodes)} nodes per correlation length ({si(length, 'm')}, 1/e of the"
             f" autocorrelation), {least}: a finer measurement is needed, with a spacing of at most"
             f" {spacing} um"
         )
     if noise > MAX_NOISE and nodes >= 1:
         warnings.append(
-            f"{100 * noise:.2g} % of the variance of the heights changes from each node to the"
+            f"{rounded(100 * noise)} % of the variance of the heights changes from each node to the"
             " next: filter noise out, or take a finer measurement"
         )
     quantity, warning = "nodes per correlation length", "; ".join(warnings) or None
-    return [Finding("correlation_nodes", quantity, f"{nodes:.3g}", warning)]
+    return [Finding("correlation_nodes", quantity, rounded(nodes, 3), warning)]
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Finding:
@@ -93,8 +94,8 @@ def _seam(scene: Scene, levelling: Levelling) -> Finding:
         on_seam, record = si(share * scene.duration, "s"), si(scene.duration, "s")
         warning = (
             f"the file is no period of a surface. The contact is on that step for {on_seam} of the"
-            f" record's {record} ({100 * share:.2g} %); the sound of that time belongs to the cut,"
-            " and the record does not loop: roll over the middle of the file only"
+            f" record's {record} ({rounded(100 * share)} %); the sound of that time belongs to the"
+            " cut, and the record does not loop: roll over the middle of the file only"
             " (rolling.start_um, rolling.duration_s), or blend its end into its beginning"
         )
     return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
@@ -121,4 +122,6 @@ def _form(surface: SceneSurface) -> list[Finding]:
             f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights and"
             " pass for roughness: take tilt off with surface.level plane, the form before"
         )
-    return [Finding("form", "plane and parabola", f"{100 * share:.2g} % of the variance", warning)]
+    return [
+        Finding("form", "plane and parabola", f"{rounded(100 * share)} % of the variance", warning)
+    ]

@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from acoustics.numbers import rounded
 from rolling.contact import closed_forms
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -61,10 +62,11 @@ def _fault(scene: Scene, radius: float) -> str:
     if fitting:
         advice = f"{max(fitting):g}, or a smaller surface.spacing_um"
     else:
-        advice = f"a smaller surface.spacing_um, {longest * 1e6:.3g} at steps of one node"
+        advice = f"a smaller surface.spacing_um, {rounded(longest * 1e6, 3)} at steps of one node"
     return (
-        f"numerics.step_nodes: got {scene.numerics.step_nodes:g}, steps of {scene.step * 1e6:.4g}"
-        f" um, {scene.step / radius:.3g} times the contact radius of {radius * 1e6:.3g} um;"
-        f" allowed: steps of at most {MAX_RADII:g} times the radius, {longest * 1e6:.4g} um here;"
+        f"numerics.step_nodes: got {scene.numerics.step_nodes:g}, steps of"
+        f" {rounded(scene.step * 1e6, 4)} um, {rounded(scene.step / radius, 3)} times the contact"
+        f" radius of {rounded(radius * 1e6, 3)} um; allowed: steps of at most {MAX_RADII:g} times"
+        f" the radius, {rounded(longest * 1e6, 4)} um here;"
         f" nearest: {advice}"
     )

@@ -10,15 +10,16 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from rolling.check import cost, error_cost
-from rolling.check.finding import Finding, clock, computing, si
+from rolling.check.finding import Finding, clock, computing, si, surface_time
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
@@ -39,7 +40,6 @@ MAX_NODES = 10_000_000  # maximum for a generated surface, which takes about 4 s
 MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
 # If a sweep has more runs, or slow runs, only its first and last runs are solved.
 MAX_RUNS = 12
-NODE_SECONDS = 4e-7  # per node of a generated surface
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,8 @@ class Probe:
         Messages of the positions that failed.
     left_out : str
         Reason why no position was solved; empty where some were.
+    surface_s : float, s
+        Time in which the surface was made; hardly any where it was there already.
     """
 
     tried: int
@@ -72,6 +74,7 @@ class Probe:
     step_ms: Array
     failures: tuple[str, ...] = ()
     left_out: str = ""
+    surface_s: float = 0.0
 
     @classmethod
     def without(cls, reason: str) -> Probe:
@@ -92,10 +95,12 @@ class Probe:
         if not count:
             return result
         seconds = scene.track.solved_steps * float(self.step_ms.mean()) * 1e-3
-        step = _ranged(self.step_ms, lambda ms: f"{ms:.2g} ms")
+        step = _ranged(self.step_ms, lambda ms: f"{rounded(ms)} ms")
         nodes = np.rint(self.window.mean(axis=0)), self.window.min(axis=0), self.window.max(axis=0)
         mean, least, most = (f"{along:.0f} x {across:.0f}" for along, across in nodes)
         window = f"{mean} nodes" + (f" ({least} to {most})" if least != most else "")
+        if making := cost.surface_seconds(scene)[0]:
+            result += surface_time(scene, max(1.0, self.surface_s / making))
         result += [
             Finding("window", "window", window),
             Finding("step_time", "time of a step", f"{step} on 1 core"),
@@ -107,8 +112,8 @@ class Probe:
             whole = 100 * self.plastic_area.sum() / self.contact_area.sum()
             says = "stays elastic where solved"
             if whole:
-                range_ = f"{share.min():.2g} to {share.max():.2g} %"
-                says = f"yields on {whole:.2g} % of the contact ({range_})"
+                range_ = f"{rounded(share.min())} to {rounded(share.max())} %"
+                says = f"yields on {rounded(whole)} % of the contact ({range_})"
             result += [
                 Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
                 Finding("plastic_area", "plastic area", _ranged(self.plastic_area, _area)),
@@ -140,7 +145,11 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     bar = progress.bar(POSITIONS * len(chosen), "solving positions")
     with bar, compiling.told(progress.compiling):
         for k in chosen:
-            result[k] = probe(rolling_contact(scenes[k]), scenes[k].track.solved_steps, bar.update)
+            began = time.perf_counter()
+            contact = rolling_contact(scenes[k])
+            made = time.perf_counter() - began
+            solved = probe(contact, scenes[k].track.solved_steps, bar.update)
+            result[k] = replace(solved, surface_s=made)
     return result
 
 
@@ -206,12 +215,15 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
         solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
         reason = ""
         if nodes > MAX_NODES:
-            reason = f"making {nodes:.3g} nodes would take long, the limit is {MAX_NODES:.3g}"
+            reason = (
+                f"making {rounded(nodes / 1e6, 3)} million nodes would take long, the limit is"
+                f" {rounded(MAX_NODES / 1e6)} million"
+            )
         elif solving > MAX_SECONDS:
             reason = f"it would take about {clock(solving)}, the limit is {clock(MAX_SECONDS)}"
         else:
             key = scene_surface.identity(scene)
-            seconds += solving + NODE_SECONDS * nodes * (key not in made)
+            seconds += solving + cost.surface_seconds(scene)[0] * (key not in made)
             made.add(key)
         reasons.append(reason)
     if len(scenes) <= MAX_RUNS and seconds <= MAX_SECONDS:

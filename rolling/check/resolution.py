@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from acoustics import bands
+from acoustics.numbers import rounded
 from rolling.check import cost, long_steps
 from rolling.check.finding import Finding, rounded_down, rounded_up, si
 from rolling.contact import closed_forms
@@ -93,7 +94,7 @@ def _spacing(scene: Scene) -> list[Finding]:
         fine = spacing(scene, error, BANDS_DB)
         value += f"; third octaves within 1 dB up to 16 kHz take {fine:g} um"
     return [
-        Finding("correlation_nodes", "nodes per correlation length", f"{nodes:.3g}"),
+        Finding("correlation_nodes", "nodes per correlation length", rounded(nodes, 3)),
         Finding(KEY, "error of the grid", value, warning),
     ]
 
@@ -167,9 +168,9 @@ def _nyquist(scene: Scene) -> Finding:
         short_band = fastest < wanted
         return Finding("nyquist", "simulated Nyquist", high, short if short_band else None)
     short = (
-        f"for {100 * seconds / duration:.3g} % of the record ({si(seconds, 's')}) the simulated"
-        f" band ends below {end}, at {low} at the slowest: the bands above hold the sound of the"
-        f" faster stretches alone; {advice} for {100 - 100 * MIN_SHARE:g} % of the record"
+        f"for {rounded(100 * seconds / duration, 3)} % of the record ({si(seconds, 's')}) the"
+        f" simulated band ends below {end}, at {low} at the slowest: the bands above hold the sound"
+        f" of the faster stretches alone; {advice} for {100 - 100 * MIN_SHARE:g} % of the record"
     )
     short_band = seconds >= MIN_SHARE * duration
     value = f"{low} to {high}"
@@ -214,31 +215,20 @@ def _step_length(scene: Scene) -> Finding:
     if radii > long_steps.DOUBTFUL_RADII:
         lost = long_steps.lost_release(radii)
         warning = (
-            f"a step is {radii:.2g} contact radii of {si(radius, 'm')}, at most"
+            f"a step is {rounded(radii)} contact radii of {si(radius, 'm')}, at most"
             f" {long_steps.DOUBTFUL_RADII:g} are wanted: the mean release is up to about"
-            f" {100 * lost:.2g} % low, levels are off by up to"
-            f" {long_steps.LEVEL_ERROR_DB * radii:.2g} dB; choose a step of at most"
+            f" {rounded(100 * lost)} % low, levels are off by up to"
+            f" {rounded(long_steps.LEVEL_ERROR_DB * radii)} dB; choose a step of at most"
             f" {rounded_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um"
         )
-    return Finding("step_length", "step / contact radius", f"{radii:.2g}", warning)
+    return Finding("step_length", "step / contact radius", rounded(radii), warning)
 
 
 def record(scene: Scene) -> Finding:
-    """Count the third octaves whose level the length of the record makes certain."""
+    """Count the third octaves whose level the length of the record makes certain within 2 dB."""
     certain = bands.reliable(scene.duration)
-    warning = None
+    value = f"{certain.sum()} of {len(certain)}"
     if not certain.all():
-        short = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if not sure]
-        seconds = bands.LEAST_BT / float(bands.BANDWIDTH_HZ[0])
-        longer = f"rolling.duration_s of at least {rounded_up(seconds)}"
-        if scene.rolling.distance_mm is not None:
-            rolled = seconds * scene.track.distance / scene.duration
-            longer = f"rolling.distance_mm of at least {rounded_up(1e3 * rolled)}"
-        warning = (
-            f"{len(short)} of {len(certain)} third octaves, up to {short[-1]} Hz, have a bandwidth"
-            f" times duration below {bands.LEAST_BT:g} and are uncertain by 2 dB or more: choose a"
-            f" {longer}"
-        )
-    return Finding(
-        "third_octaves", "certain third octaves", f"{certain.sum()} of {len(certain)}", warning
-    )
+        lowest = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if sure][:1]
+        value += f", from {lowest[0]} Hz on" if lowest else ", the record is very short"
+    return Finding("third_octaves", "third octaves within 2 dB", value)

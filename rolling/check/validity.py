@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from acoustics.numbers import rounded
 from rolling.check import cost, long_steps, vibration
 from rolling.check.finding import Finding, si
 from rolling.check.resolution import HEARING
@@ -33,15 +34,17 @@ def _half_space(scene: Scene) -> list[Finding]:
         advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
         if isinstance(scene.surface, HeightFile):
             advice = "filter the shortest wavelengths out of the heights"
-        steep = f"the rms slope is {slope:.2g}, a half-space holds up to {MAX_SLOPE:g}: {advice}"
+        steep = (
+            f"the rms slope is {rounded(slope)}, a half-space holds up to {MAX_SLOPE:g}: {advice}"
+        )
     if share > MAX_CONTACT:
         wide = (
-            f"the contact radius is {share:.2g} of the sphere's, a half-space holds up to"
+            f"the contact radius is {rounded(share)} of the sphere's, a half-space holds up to"
             f" {MAX_CONTACT:g}: lower rolling.load_n or enlarge sphere.radius_mm"
         )
     return [
-        Finding("slope", "rms slope", f"{slope:.2g}", steep),
-        Finding("contact_radius", "contact radius / radius", f"{share:.2g}", wide),
+        Finding("slope", "rms slope", rounded(slope), steep),
+        Finding("contact_radius", "contact radius / radius", rounded(share), wide),
     ]
 
 
@@ -71,7 +74,8 @@ def _bouncing(scene: Scene) -> Finding:
         )
     warning = (
         f"a free ball {ball} would bounce on its contact at {si(frequency, 'Hz')}, inside hearing"
-        f" and the simulated band, and the load is held constant here: at {speed:.3g} m/s {part};"
+        f" and the simulated band, and the load is held constant here: at"
+        f" {rounded(speed, 3)} m/s {part};"
         " `dynamics: {}`, with both densities, lets the sphere bounce"
     )
     return Finding("resonance", "contact resonance", si(frequency, "Hz"), warning)

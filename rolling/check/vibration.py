@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from rolling.check import cost
 from rolling.check.finding import Finding, computing, rounded_down, rounded_up, si
 from rolling.check.resolution import HEARING
@@ -59,7 +60,7 @@ def bounce_hz(scene: Scene) -> float:
 def resonance(scene: Scene) -> Finding:
     """State resonance and damping of the sphere on contact and plate."""
     chain = of_scene.smooth_chain(scene)
-    quality = "undamped" if math.isinf(chain.quality) else f"Q {chain.quality:.2g}"
+    quality = "undamped" if math.isinf(chain.quality) else f"Q {rounded(chain.quality)}"
     return Finding("resonance", "contact resonance", f"{si(chain.resonance_hz, 'Hz')}, {quality}")
 
 
@@ -78,15 +79,16 @@ def _force(scene: Scene) -> Finding:
     warning = None
     if low < 0:
         warning = (
-            f"it fluctuates by about {ratio:.2g} of the load, and the sphere loses contact: impacts"
-            f" need a small step, and the forces leave the marched loads; {advice}"
+            f"it fluctuates by about {rounded(ratio)} of the load, and the sphere loses contact:"
+            f" impacts need a small step, and the forces leave the marched loads; {advice}"
         )
     elif low < least:  # a force above the highest load has lost contact, too
         warning = (
-            f"it falls to about {low:.2g} of the load, and loads are marched down to {least:.2g} of"
-            f" it: the force below may be extrapolated; {advice}"
+            f"it falls to about {rounded(low)} of the load, and loads are marched down to"
+            f" {rounded(least)} of it: the force below may be extrapolated; {advice}"
         )
-    value = f"about {max(low, 0):.3g} to {high:.3g}, rms {ratio:.2g} (from the statistics)"
+    extremes = f"{rounded(max(low, 0), 3)} to {rounded(high, 3)}"
+    value = f"about {extremes}, rms {rounded(ratio)} (from the statistics)"
     return Finding("force_ratio", "contact force over load", value, warning)
 
 
@@ -140,7 +142,7 @@ def _waves(scene: Scene) -> Finding:
         shortest = scene.surface.correlation_length_um * 1e-6
     if wave < shortest:
         warning = (
-            f"at {speed:.3g} m/s they are shorter than the correlation length of"
+            f"at {rounded(speed, 3)} m/s they are shorter than the correlation length of"
             f" {si(shortest, 'm')}, and the grid decides how much of them there is: compare a"
             " smaller surface.spacing_um, or choose a rolling.speed_m_s of at least"
             f" {rounded_up(shortest * frequency)}"
@@ -185,7 +187,7 @@ def _bending(scene: Scene) -> list[Finding]:
         )
     if distance < near:
         warnings["coincidence"] = (
-            f"the pressure on the axis holds from about {near:.2g} m for this plate: choose a"
+            f"the pressure on the axis holds from about {rounded(near)} m for this plate: choose a"
             f" sound.distance_m of at least {rounded_up(near)}"
         )
     if air > LOADED_HZ:
@@ -195,7 +197,7 @@ def _bending(scene: Scene) -> list[Finding]:
         )
     rows = [
         ("air_load", "air loads the plate below", si(air, "Hz")),
-        ("contact_thickness", "contact radius / thickness", f"{share:.2g}"),
+        ("contact_thickness", "contact radius / thickness", rounded(share)),
         ("bending", "thin-plate theory up to", si(limit, "Hz")),
         ("coincidence", "coincidence of the plate", si(plate.critical_hz, "Hz")),
     ]
@@ -217,11 +219,11 @@ def _marches(scene: Scene) -> list[Finding]:
     steps, warning = speed / (frequency * scene.step), None
     if steps < LEAST_STEPS:
         warning = (
-            f"{steps:.2g} steps in a period of the resonance, {LEAST_STEPS} are wanted: choose a"
-            f" smaller step or a rolling.speed_m_s of at least"
+            f"{rounded(steps)} steps in a period of the resonance, {LEAST_STEPS} are wanted: choose"
+            f" a smaller step or a rolling.speed_m_s of at least"
             f" {rounded_up(LEAST_STEPS * frequency * scene.step)}"
         )
-    value = f"one more march, {computing(seconds)}, {steps:.2g} steps in a period"
+    value = f"one more march, {computing(seconds)}, {rounded(steps)} steps in a period"
     if scene.dynamics.release is None:
         value += "; dynamics.release: false leaves it out"
     name = "release under the moving load"

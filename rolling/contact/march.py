@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from rolling.contact import _window_kernels, closed_forms, solver
 from rolling.contact.half_space import MOST_NODES, HalfSpace
 from rolling.contact.solver import Contact, ContactError, Previous, WarmStart
@@ -291,10 +292,10 @@ def _refuse_the_impossible(contact: RollingContact) -> None:
     area = contact.heights.size * contact.spacing**2
     if contact.load >= contact.hardness * area:
         raise ContactError(
-            f"a load of {contact.load:g} N is more than the surface can carry: hardness"
-            f" {contact.hardness:g} Pa times one period of {area:.4g} m2 is"
-            f" {contact.hardness * area:.4g} N; take a lower load, a harder plate or a larger"
-            " surface"
+            f"a load of {rounded(contact.load, 6)} N is more than the surface can carry: hardness"
+            f" {rounded(contact.hardness, 6)} Pa times one period of {rounded(area, 4)} m2 is"
+            f" {rounded(contact.hardness * area, 4)} N; take a lower load, a harder plate or a"
+            " larger surface"
         )
     # A rough or yielding contact is at least as wide as the smooth elastic contact.
     width = 2 * closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
@@ -315,7 +316,7 @@ def _refuse_wide(contact: RollingContact, along: float, across: float) -> None:
         period = nodes * contact.spacing
         if needed > period:
             raise ContactError(
-                f"contact is {needed * 1e6:.4g} um wide {way}, more than one period of the surface"
-                f" ({period * 1e6:.4g} um); raise {key} to more than {needed * 1e6:.4g} um of"
-                " surface"
+                f"contact is {rounded(needed * 1e6, 4)} um wide {way}, more than one period of the"
+                f" surface ({rounded(period * 1e6, 4)} um); raise {key} to more than"
+                f" {rounded(needed * 1e6, 4)} um of surface"
             )

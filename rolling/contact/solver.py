@@ -19,6 +19,7 @@ from math import inf, isfinite
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from rolling.contact import _condition_kernels, _window_kernels
 from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort, Goal
 from rolling.contact._system import Limits, Sets
@@ -132,11 +133,12 @@ def foundation(
 
     A stiffness of 4 E* / (pi a) fits a Hertz contact of radius a.
     """
-    total = load / spacing**2
+    total, area = load / spacing**2, gap.size * spacing**2
     if total > hardness * gap.size:
         raise ContactError(
-            f"a load of {load:g} N is more than the surface can carry: hardness {hardness:g} Pa"
-            f" times {gap.size * spacing**2:.4g} m2 is {hardness * gap.size * spacing**2:.4g} N"
+            f"a load of {rounded(load, 6)} N is more than the surface can carry: hardness"
+            f" {rounded(hardness, 6)} Pa times {rounded(area, 4)} m2"
+            f" is {rounded(hardness * area, 4)} N"
         )
     e = np.ascontiguousarray(gap, dtype=float).ravel()
     limits, free = (
@@ -337,12 +339,12 @@ class _Solve:
         highest = float(np.abs(self.gap).max())
         limit = ROUNDING * highest / u_max
         rounding = (
-            f"; gaps of up to {highest:.2g} m, rounded in double precision, need a tolerance of at"
-            f" least {limit:.2g} for a deflection of {u_max:.2g} m"
+            f"; gaps of up to {rounded(highest)} m, rounded in double precision, need a tolerance"
+            f" of at least {rounded(limit)} for a deflection of {rounded(u_max)} m"
         )
         return ContactError(
             f"the contact solve stopped after {effort.iterations} iterations at a residual of"
-            f" {worst / u_max:.2g}, {self.tolerance:.2g} was asked for (tried:"
+            f" {rounded(worst / u_max)}, {rounded(self.tolerance)} was asked for (tried:"
             f" preconditioned conjugate gradients, {effort.restarts} restarts,"
             f" {effort.plain_steps} plain gradient steps)"
             + (rounding if self.tolerance <= limit else "")

@@ -12,6 +12,7 @@ import pandas as pd
 from matplotlib.ticker import EngFormatter
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from acoustics.plots import COLOURS
 from rolling.figures.picture import axes_of, finish, finish_grid, listed, number
 from rolling.marches.observers import Snapshot
@@ -57,8 +58,8 @@ def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     highest = max(float(np.abs(heights).max()), 1e-3)  # the rounding of a smooth surface is hidden
     spread = heights - heights.mean()
     facts = [
-        f"Ra {np.abs(spread).mean():.4g} µm, Rq {spread.std():.4g} µm",
-        f"{len(heights) * spacing * 1e3:.4g} mm of track",
+        f"Ra {rounded(np.abs(spread).mean(), 4)} µm, Rq {rounded(spread.std(), 4)} µm",
+        f"{rounded(len(heights) * spacing * 1e3, 4)} mm of track",
         *([f"every {stride} nodes"] if stride > 1 else []),
     ]
     colours = matplotlib.colormaps["cividis"].resampled(_SHADES)
@@ -110,9 +111,9 @@ def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()
     ax.set_xlim(along - reach, along + reach)
     ax.set_ylim(across - reach, across + reach)
     ax.set_facecolor("black")
-    facts = [f"load {run.scene.load:g} N", f"sphere at {along:.4g} µm"]
+    facts = [f"load {rounded(run.scene.load, 6)} N", f"sphere at {rounded(along, 4)} µm"]
     if np.isfinite(run.scene.hardness):
-        facts.append(f"hardness {run.scene.hardness * 1e-9:.4g} GPa")
+        facts.append(f"hardness {rounded(run.scene.hardness * 1e-9, 4)} GPa")
     if len(compared) > 1:
         facts.append("same scales for all runs")
     return finish(ax, f"Contact pressure: {run.title}", facts)
@@ -199,7 +200,8 @@ def recovery_events(run: Run, ax: Axes | None = None) -> Axes:
     facts = [
         f"{statistics.count:,} events, {number(statistics.per_metre * 1e-3)} per mm",
         f"median {joule(statistics.energy_median)}, 90 % below {joule(statistics.energy_p90)}",
-        f"mean duration {statistics.duration_mean:.3g} steps of {run.result.step * 1e6:.3g} µm",
+        f"mean duration {rounded(statistics.duration_mean, 3)} steps of"
+        f" {rounded(run.result.step * 1e6, 3)} µm",
     ]
     return finish(ax, f"Recovery events: {run.title}", facts)
 

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
 
+from acoustics.numbers import rounded
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
 
@@ -90,7 +91,7 @@ def common(word: str, values: Sequence[float], unit: str = "") -> str:
 
 def number(value: float) -> str:
     """Write a number with three digits, or with all digits before the decimal point."""
-    return f"{value:,.0f}" if value >= 1000 else f"{value:.3g}"
+    return f"{value:,.0f}" if value >= 1000 else rounded(value, 3)
 
 
 def distance_and_duration(runs: Sequence[Run]) -> list[str]:

@@ -14,6 +14,7 @@ from acoustics import plots
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.level import P_REF_PA
+from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, DENSE, Lines, envelope, unit_prefix
 from acoustics.spectrum import Spectrogram, line_spectrum, welch
 from acoustics.spectrum import spectrogram as spectrogram_of
@@ -235,7 +236,7 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     mean, ax = sound.mean_power / watt, axes_of(ax)
     width = 0.5 if len(time) > DENSE else 1.5
     ax.plot(time / second, power / watt, color=COLOURS[0], linewidth=width, label="release power")
-    ax.axhline(mean, color=COLOURS[1], linestyle="--", label=f"mean {mean:.4g} {unit}W")
+    ax.axhline(mean, color=COLOURS[1], linestyle="--", label=f"mean {rounded(mean, 4)} {unit}W")
     room = 0.05 * (high - low) * mean or 1.0
     ax.set_ylim(low * mean - room, high * mean + room)
     ax.set_xlim(0.0, sound.duration / second)
@@ -247,7 +248,7 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
         moved = any(caveat["key"] == "moving_load_release" for caveat in run.summary["caveats"])
         facts.append(f"under the {'moving' if moved else 'constant'} load")
     if len(compared) > 1:
-        facts.append(f"axis from {low:.3g} to {high:.3g} of the mean for all runs")
+        facts.append(f"axis from {rounded(low, 3)} to {rounded(high, 3)} of the mean for all runs")
     if len(time) < len(sound.time):
         facts.append("minimum and maximum in each of 1,500 columns")
     return finish(finish_grid(ax), f"Release power: {run.title}", facts)
@@ -287,8 +288,8 @@ def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> 
     ax = plots.spectrogram(axes_of(ax), shown, run.sound.duration, limits)
     facts = [
         *distance_and_duration([run]),
-        f"{shown.window.capitalize()} frames of {shown.frame_s * 1e3:.3g} ms"
-        f" every {shown.hop_s * 1e3:.3g} ms",
+        f"{shown.window.capitalize()} frames of {rounded(shown.frame_s * 1e3, 3)} ms"
+        f" every {rounded(shown.hop_s * 1e3, 3)} ms",
         f"ENBW {number(shown.enbw_hz)} Hz",
         "rows of 1/12 octave",
     ]

@@ -13,6 +13,7 @@ from matplotlib.ticker import NullLocator
 
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
+from acoustics.numbers import rounded
 from acoustics.plots import bars, look_of, short_name
 from rolling.figures.picture import MOST_NAMED, axes_of, finish, finish_grid, picture
 from rolling.results import labels
@@ -101,7 +102,7 @@ def number_map(
         middle = np.nanmean(means)
         for (row, place), value in np.ndenumerate(means):
             colour = "black" if value > middle else "white"
-            text = f"{value:.3g}" if np.isfinite(value) else ""
+            text = rounded(value, 3) if np.isfinite(value) else ""
             ax.text(place, row, text, ha="center", va="center", color=colour)
     words = " and ".join(labels.named(key)[0] for key in keys)
     facts = [f"{len(frame)} runs", "mean over all other keys"]

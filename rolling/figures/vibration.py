@@ -9,6 +9,7 @@ import pandas as pd
 
 from acoustics import plots
 from acoustics.bands import BAND_NAMES, MID_HZ
+from acoustics.numbers import rounded
 from acoustics.plots import COLOURS
 from rolling.contact import closed_forms
 from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
@@ -140,8 +141,9 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     finish_grid(ax)
     facts = [
         f"load {vibration.load:g} N",
-        f"rms {vibration.rms_ratio:.3g}, from {ratio.min():.3g} to {ratio.max():.3g}",
-        f"in flight {100 * motion.flight_share:.2g} % of the time",
+        f"rms {rounded(vibration.rms_ratio, 3)},"
+        f" from {rounded(ratio.min(), 3)} to {rounded(ratio.max(), 3)}",
+        f"in flight {rounded(100 * motion.flight_share)} % of the time",
         f"{motion.impacts} impacts",
     ]
     return finish(ax, f"Contact force: {run.title}", facts)
@@ -201,8 +203,8 @@ def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
     ax.invert_xaxis()
     facts = [
         "third octaves, dB re 1 µm rms",
-        f"load {run.scene.load:g} N, constant",
-        f"dotted: Hertz radius {radius:.3g} µm",
+        f"load {rounded(run.scene.load, 6)} N, constant",
+        f"dotted: Hertz radius {rounded(radius, 3)} µm",
     ]
     return finish(ax, f"Contact filter: {run.title}", facts)
 
@@ -269,7 +271,7 @@ def mobilities(run: Run, ax: Axes | None = None) -> Axes:
     _curves(ax, table, names, "frequency [Hz]", "magnitude of the mobility [s/kg]")
     ax.axvline(chain.resonance_hz, color="0.4", linestyle=":", linewidth=1.0)
     ax.set_yscale("log")
-    quality = "undamped" if np.isinf(chain.quality) else f"Q {chain.quality:.3g}"
+    quality = "undamped" if np.isinf(chain.quality) else f"Q {rounded(chain.quality, 3)}"
     thickness = run.scene.plate.thickness_mm
     facts = [
         f"dotted: resonance of sphere and contact at {number(chain.resonance_hz)} Hz, {quality}",

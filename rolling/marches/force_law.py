@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
 from rolling.dynamics.force_law import HIGHEST, LOWEST, ForceLaw
@@ -52,7 +53,7 @@ def law_loads(scene: Scene, result: Result) -> Loads:
         return Loads(loads, lacking)
     for load in loads:
         if load in marches.faults:
-            raise ContactError(f"force law at {load:.4g} N: {marches.faults[load]}")
+            raise ContactError(f"force law at {rounded(load, 4)} N: {marches.faults[load]}")
     failed = False
     while not failed and (further := _beyond(scene, loads, *_extremes(scene, result, loads))):
         if lacking := [load for load in further if marches.missing(load)]:

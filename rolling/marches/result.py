@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from rolling.contact.recovery import join_events
 from rolling.marches.observers import (
     STATE_SERIES,
@@ -60,7 +61,7 @@ class LoadMarches:
         if not self.faults:
             return ""
         load = min(self.faults)
-        return f"{load:.4g} N: {self.faults[load]}"
+        return f"{rounded(load, 4)} N: {self.faults[load]}"
 
     def missing(self, load: float) -> list[tuple[int, int]]:
         """Return first and last position of the pieces that a load [N] lacks."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from acoustics.numbers import rounded
 from acoustics.radiation import RHO_C
-from rolling.report.text import NOTHING, significant
+from rolling.report.text import NOTHING
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
@@ -17,8 +18,8 @@ def assumptions(run: Run) -> dict[str, str]:
     slower = "" if sound.constant_speed else " at the maximum speed, less while it is slower"
     highest = min(sound.highest, sound.sample_rate / 2)
     record = {
-        "record": f"{sound.duration:.4g} s, {ends}",
-        "resolved up to": f"{highest / 1e3:.4g} kHz{slower}",
+        "record": f"{rounded(sound.duration, 4)} s, {ends}",
+        "resolved up to": f"{rounded(highest / 1e3, 4)} kHz{slower}",
     }
     return _source(run) | record | _bodies(run) | _contact(run)
 
@@ -39,7 +40,7 @@ def _source(run: Run) -> dict[str, str]:
         "radiated share q": f"{scene.sound.q:g}",
         "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
         "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
-        "sound pressure per intensity": f"{significant(factor)} Pa per W/m²"
+        "sound pressure per intensity": f"{rounded(factor, 4)} Pa per W/m²"
         if factor
         else "none: silent",
         "rule of that factor": rule,
@@ -53,21 +54,21 @@ def _bodies(run: Run) -> dict[str, str]:
     scene, plate, summary = run.scene, run.scene.plate, run.summary
     bending = "half-space"
     if plate.thickness_mm is not None:
-        critical = significant(summary["critical_hz"])
+        critical = rounded(summary["critical_hz"], 4)
         bending = f"infinite plate {plate.thickness_mm:g} mm thick, coincidence at {critical} Hz"
     quality, error = summary["resonance_q"], summary["force_law_error_n"]
-    damping = "undamped" if quality is None else f"Q {quality:.3g}"
+    damping = "undamped" if quality is None else f"Q {rounded(quality, 3)}"
     law = (
-        f"{summary['force_law_loads']} loads from {summary['force_law_min_n']:.3g} to"
-        f" {summary['force_law_max_n']:.3g} N"
+        f"{summary['force_law_loads']} loads from {rounded(summary['force_law_min_n'], 3)} to"
+        f" {rounded(summary['force_law_max_n'], 3)} N"
     )
     loss = plate.loss_factor
     return {
-        "vibrating bodies": f"sphere of {1e3 * summary['ball_mass_kg']:.3g} g"
+        "vibrating bodies": f"sphere of {rounded(1e3 * summary['ball_mass_kg'], 3)} g"
         f" ({scene.sphere.density_kg_m3:g} kg/m³), {bending}, {plate.density_kg_m3:g} kg/m³",
-        "resonance of the sphere on its contact": f"{significant(summary['resonance_hz'])} Hz,"
+        "resonance of the sphere on its contact": f"{rounded(summary['resonance_hz'], 4)} Hz,"
         f" {damping}",
-        "force law": law if error is None else f"{law}, rms error {error:.2g} N between them",
+        "force law": law if error is None else f"{law}, rms error {rounded(error)} N between them",
         "loss factor of bending waves": NOTHING if loss is None else f"{loss:g}",
     }
 
@@ -87,16 +88,16 @@ def _contact(run: Run) -> dict[str, str]:
         else "no hardness: purely elastic"
     )
     ends = scene.motion.slowest(duration), scene.motion.fastest(duration)
-    speeds = " to ".join(dict.fromkeys(f"{speed:.4g}" for speed in ends))
+    speeds = " to ".join(dict.fromkeys(rounded(speed, 4) for speed in ends))
     return {
-        "load": f"{scene.load:g} N, constant",
+        "load": f"{rounded(scene.load, 6)} N, constant",
         "speed": f"{speeds} m/s",
         "sphere": f"R {sphere.radius_mm:g} mm, {elastic}",
         "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g},"
         f" {hardness}, without memory",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
-        "solver": f"tolerance {scene.tolerance:g}, {scene.numerics.edges} edges,"
+        "solver": f"tolerance {rounded(scene.tolerance, 6)}, {scene.numerics.edges} edges,"
         f" {scene.numerics.precision} precision",
     }
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
+from acoustics.numbers import rounded
 from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
 from rolling.figures.vibration import hertz_radius
@@ -86,12 +87,12 @@ def _parts(run: Run) -> tuple[str, ...]:
     yields = f" that yields at {plate.hardness_gpa:g} GPa" if plate.hardness_gpa else ""
     speed = "changing speed"
     if run.sound.constant_speed:
-        speed = f"{scene.motion.fastest(run.sound.duration):.3g} m/s"
+        speed = f"{rounded(scene.motion.fastest(run.sound.duration), 3)} m/s"
     return (
         "an elastic" if scene.sphere.youngs_modulus_gpa else "a rigid",
         f"{2 * scene.sphere.radius_mm:g} mm",
         speed,
-        f"{scene.load:g} N",
+        f"{rounded(scene.load, 6)} N",
         f"a {plate.thickness_mm:g} mm thick plate" if plate.thickness_mm else "a plate",
         f"{plate.youngs_modulus_gpa:g} GPa{yields}",
         surface_words(scene),
@@ -178,21 +179,21 @@ def _shaken(run: Run) -> str:
         )
     return (
         f"The ball rings on its contact at {kilohertz(summary['resonance_hz'])}, where waves of the"
-        f" surface of {summary['resonance_wavelength_m'] * 1e6:.2g} µm shake it.{flies}"
+        f" surface of {rounded(summary['resonance_wavelength_m'] * 1e6)} µm shake it.{flies}"
     )
 
 
 def _rate(length: float, speed: float) -> str:
     """Write a length [m] with the time to pass it and the rate."""
     return (
-        f"{length * 1e6:.3g} µm, once in {length / speed * 1e3:.2g} ms"
+        f"{rounded(length * 1e6, 3)} µm, once in {rounded(length / speed * 1e3)} ms"
         f" ({kilohertz(speed / length)})"
     )
 
 
 def kilohertz(hertz: float) -> str:
     """Write a frequency with two digits."""
-    return f"{float(f'{hertz / 1e3:.2g}'):g} kHz"
+    return f"{rounded(hertz / 1e3)} kHz"
 
 
 def percent(share: float) -> str:

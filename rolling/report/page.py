@@ -17,6 +17,7 @@ from markupsafe import Markup
 
 from acoustics import wav
 from acoustics.bands import BAND_NAMES
+from acoustics.numbers import rounded
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
@@ -132,7 +133,7 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
     views = []
     for run, gain in zip(runs, gains(peaks, levels), strict=True):
         full_scale = gain["full_scale_pa"] or 1.0
-        comment = f"full scale = {full_scale:.6g} Pa"
+        comment = f"full scale = {rounded(full_scale, 6)} Pa"
         loops = run.sound.loops
         record = wav.listening(run.sound.pressure, 1 / full_scale, comment, run.label, 16, loops)
         # The page has maps that move, and each surface once.

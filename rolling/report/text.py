@@ -9,15 +9,17 @@ from typing import Any, NamedTuple
 from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
+from acoustics.numbers import rounded
 from rolling import __version__
 from rolling.results import caveats
 from rolling.results.caveats import Caveat
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
-from rolling.results.runs_table import uncertain
+from rolling.results.runs_table import beside_text, level_name, uncertain, verdicts
 from rolling.scene import file
 
 NOTHING = "-"  # for a number that does not exist
+NOT_AVAILABLE = "not available"  # a power without a loss factor, or of a half-space
 Fact = tuple[str, list[tuple[str, str]]]  # quantity; labels of runs (empty: all runs) and value
 
 
@@ -39,7 +41,11 @@ class Column(NamedTuple):
 
 COLUMNS = (
     Column("level_db", "level", "LZeq", "dB"),
-    Column("laeq_db", "laeq", "LAeq", "dB"),
+    Column("laeq_db", "laeq", "LAeq", "dB(A)"),
+    Column(
+        "compact_source_level_db", "", "compact source of the same power", "dB(A)", 1.0, ".1f", True
+    ),
+    Column("vibration_estimate_laeq_db", "", "vibration, estimated", "dB(A)", 1.0, ".1f", True),
     Column("laeq_grid_error_db", "", "grid error of LAeq", "dB", 1.0, "+.2f", True),
     Column("laeq_solver_error_db", "", "solver error of LAeq", "dB", 1.0, "+.2f", True),
     Column("laeq_uncertainty_db", "", "u(LAeq) with grid and solver", "dB", 1.0, ".2f", True),
@@ -47,8 +53,9 @@ COLUMNS = (
     Column("las_max_db", "las_max", "LASmax", "dB"),
     Column("lz_peak_db", "lz_peak", "LZpeak", "dB"),
     Column("steady_level_db", "steady", "steady level", "dB re 1 pW/m²"),
-    Column("vibration_laeq_db", "", "LAeq of the vibration", "dB", on_request=True),
-    Column("release_laeq_db", "", "LAeq of the release", "dB", on_request=True),
+    Column("vibration_laeq_db", "", "LAeq of the vibration", "dB(A)", on_request=True),
+    Column("release_laeq_db", "", "level of the release", "dB(A)", on_request=True),
+    Column("release_over_vibration_db", "", "release over vibration", "dB", on_request=True),
     Column("equivalent_q", "", "q that equals them", "", 1.0, ".2g", True),
     Column("plate_power_level_db", "", "sound power of the plate", "dB re 1 pW", on_request=True),
     Column("ball_power_level_db", "", "sound power of the sphere", "dB re 1 pW", on_request=True),
@@ -83,11 +90,6 @@ CITED_ARTICLE = (
 )
 
 
-def significant(value: float) -> str:
-    """Write a number with four digits, without an exponent up to a million."""
-    return f"{float(f'{value:.4g}'):g}"
-
-
 # ---- levels
 
 
@@ -97,7 +99,7 @@ def titles(runs: Sequence[Run]) -> str:
 
 
 def sentence(runs: Sequence[Run]) -> str:
-    """State the result in one sentence."""
+    """State the result in one sentence, with the level beside that of a single run."""
     sounding = [(level, run) for run in runs if (level := run.sound.levels.laeq_db) is not None]
     if not sounding:
         sources = " or ".join(dict.fromkeys(run.sound.source for run in runs))
@@ -108,15 +110,40 @@ def sentence(runs: Sequence[Run]) -> str:
     also = f" {silent} of {len(runs)} runs are silent." if silent else ""
     low_db, quietest = min(sounding, key=lambda pair: pair[0])
     high_db, loudest = max(sounding, key=lambda pair: pair[0])
+    name = level_head(runs)
     if len(sounding) == 1:
         laeq = uncertain(low_db, quietest.summary["uncertainty_db"]["laeq"])
-        return f"{quietest.label}: LAeq {laeq} dB re 20 µPa{at}.{also}"
+        beside = "; ".join(filter(None, [beside_text(quietest.summary), _compact(quietest)]))
+        beside = f" ({beside})" if beside else ""
+        return f"{quietest.label}: {name} {laeq} dB(A) re 20 µPa{at}{beside}.{also}"
+    name = name[0].upper() + name[1:]
     if high_db - low_db < 0.05:
-        return f"LAeq{at} is {low_db:.1f} dB in all {len(sounding)} runs that sound.{also}"
+        return f"{name}{at} is {low_db:.1f} dB(A) in all {len(sounding)} runs that sound.{also}"
     return (
-        f"LAeq{at} lies between {low_db:.1f} dB ({quietest.label}) and {high_db:.1f} dB"
+        f"{name}{at} lies between {low_db:.1f} dB(A) ({quietest.label}) and {high_db:.1f} dB(A)"
         f" ({loudest.label}), {high_db - low_db:.1f} dB apart.{also}"
     )
+
+
+def _compact(run: Run) -> str:
+    """State the level of a compact source of the same power; empty without a vibration."""
+    if run.vibration is None or run.sound.source != "vibration":
+        return ""
+    level = run.summary.get("compact_source_level_db")
+    return (
+        f"a compact source of the same power: {NOT_AVAILABLE if level is None else f'{level:.1f}'}"
+    )
+
+
+def level_head(runs: Sequence[Run]) -> str:
+    """Name the level of runs: of the vibration, of the released power, or of both."""
+    names = dict.fromkeys(level_name(run.summary) for run in runs)
+    return " or ".join(names)
+
+
+def judged(runs: Sequence[Run]) -> list[tuple[str, str]]:
+    """Return words and reasons of the verdicts on the levels, each once with its runs."""
+    return verdicts([(run.label, run.summary) for run in runs])
 
 
 def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]:
@@ -129,7 +156,10 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
         for column in COLUMNS
         if not column.on_request or any(run.summary.get(column.key) is not None for run in runs)
     ]
-    heads = [column.head + (f" [{column.unit}]" if column.unit else "") for column in columns]
+    named = {"laeq_db": level_head(runs)}
+    heads = [named.get(column.key, column.head) for column in columns]
+    units = [f" [{column.unit}]" if column.unit else "" for column in columns]
+    heads = [head + unit for head, unit in zip(heads, units, strict=True)]
     return heads, [(run.label, [_cell(run, column) for column in columns]) for run in runs]
 
 
@@ -143,7 +173,7 @@ def _cell(run: Run, column: Column) -> str:
     if column.uncertainty:
         return uncertain(value, run.summary["uncertainty_db"].get(column.uncertainty))
     number = value * column.factor
-    return f"{number:{column.form}}" if column.form else significant(number)
+    return f"{number:{column.form}}" if column.form else rounded(number, 4)
 
 
 def bands(runs: Sequence[Run]) -> list[tuple[str, bool, list[str]]]:
@@ -174,8 +204,7 @@ def remarks(runs: Sequence[Run]) -> list[Caveat]:
 
 def headline(runs: Sequence[Run]) -> str:
     """Join the caveats that stand beside every level."""
-    kept = (*caveats.HEADLINE, "band_errors")
-    return " ".join(caveat.line for caveat in remarks(runs) if caveat.key in kept)
+    return " ".join(caveat.line for caveat in remarks(runs) if caveat.key in caveats.HEADLINE)
 
 
 def standing(runs: Sequence[Run]) -> list[Caveat]:
@@ -185,8 +214,8 @@ def standing(runs: Sequence[Run]) -> list[Caveat]:
 
 
 def warnings(runs: Sequence[Run]) -> list[Caveat]:
-    """List the warnings of the check, each kind once."""
-    return [caveat for caveat in remarks(runs) if caveat.key not in caveats.STANDING]
+    """List the warnings, the largest contribution to a level first, each kind once."""
+    return caveats.warnings([(run.label, run.summary) for run in runs])
 
 
 # ---- facts
@@ -218,9 +247,11 @@ def events(run: Run) -> list[Fact]:
         "energy of an event": f"mean {joule(statistics.energy_mean)},"
         f" median {joule(statistics.energy_median)},"
         f" nine in ten below {joule(statistics.energy_p90)}",
-        "mean duration": f"{statistics.duration_mean:.3g} steps of {run.result.step * 1e6:g} µm",
+        "mean duration": f"{rounded(statistics.duration_mean, 3)} steps"
+        f" of {run.result.step * 1e6:g} µm",
         "maximum of a node in a step": joule(statistics.peak),
-        "top tenth of the events": f"{100 * statistics.top_tenth_share:.3g} % of the release",
+        "top tenth of the events": f"{rounded(100 * statistics.top_tenth_share, 3)} %"
+        " of the release",
     }
     return [(name, [("", value)]) for name, value in values.items()]
 

@@ -10,19 +10,23 @@ from typing import Any
 import numpy as np
 
 from acoustics.bands import OFF_DB
+from acoustics.numbers import rounded
 from rolling.check import findings, resolution
 from rolling.marches.result import MovingRelease
 from rolling.results.run_errors import RunErrors
+from rolling.results.verdict import MEASURED_DB, ranks
 from rolling.scene.scene import Scene
 from rolling.sound import solver_error
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_estimate import bodies_text
 from rolling.sound.vibration_sound import Vibration
 
 BENT = 0.1  # range of the plate's displacement over its thickness up to which it is small
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 WANTED_DB = 0.2  # standard error up to which an error estimate says enough
 # Caveats that stand beside every level, beside every player, and elsewhere; others are warnings.
-_BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", "on_axis", "infinite_plate")
+_BESIDE = ("vibration_estimate", "release_bound")
+_BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", *_BESIDE, "on_axis", "infinite_plate")
 HEADLINE = (*_BOUNDS, "unvalidated", "uncertainty")
 REPEATS = ("short_loop", "short_track")
 _LOADS = ("quasi_static", "constant_load_release", "moving_load_release")
@@ -65,14 +69,17 @@ def caveats(
     """
     knows_grid = _knows_grid(scene, errors)
     texts = (
-        _of_levels(scene, sound, errors)
+        _of_levels(scene, sound, errors, vibration)
+        | _beside(scene, sound)
         | _of_record(scene, sound)
         | _of_load(scene, moving)
         | {
             finding.key: f"{finding.quantity}: {finding.warning}"
             for finding in findings.findings(scene)
-            # A measured error of the grid stands for the rule's estimate.
-            if finding.warning and not (knows_grid and finding.key == resolution.KEY)
+            # A measured error of the grid, or a force, stands for its estimate before the run.
+            if finding.warning
+            and not (knows_grid and finding.key == resolution.KEY)
+            and not (vibration and finding.key == "force_ratio")
         }
         | _of_errors(scene, errors)
         | _of_vibration(scene, vibration)
@@ -103,7 +110,22 @@ def gathered(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[Caveat]:
     return merged
 
 
-def _of_levels(scene: Scene, sound: ContactSound, errors: RunErrors | None) -> dict[str, str]:
+def warnings(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[Caveat]:
+    """Merge the warnings of runs, by their share in the verdicts and then by their decibels.
+
+    runs : sequence of pairs. Label and summary of each run.
+    """
+    largest: dict[str, tuple[int, float]] = {}
+    for _, summary in runs:
+        for key, rank in ranks(summary).items():
+            largest[key] = max(rank, largest.get(key, rank))
+    merged = [caveat for caveat in gathered(runs) if caveat.key not in STANDING]
+    return sorted(merged, key=lambda caveat: largest.get(caveat.key, (-1, 0.0)), reverse=True)
+
+
+def _of_levels(
+    scene: Scene, sound: ContactSound, errors: RunErrors | None, vibration: Vibration | None
+) -> dict[str, str]:
     """Return the caveats of the levels; a silent run has none."""
     s, texts = scene.sound, dict[str, str]()
     if sound.steady_level is None and sound.levels.level_db is None:
@@ -122,13 +144,15 @@ def _of_levels(scene: Scene, sound: ContactSound, errors: RunErrors | None) -> d
             " out."
         )
     elif s.q == 1:
-        levels = "The steady level is" if fixed or sound.levels.level_db is None else "Levels are"
-        texts["upper_bound"] = (
-            f"{levels} an upper bound: all released energy counts as radiated (q = 1)."
-        )
+        bound = "an upper bound: all released energy counts as radiated"
+        above = f", {' to '.join(map(str, MEASURED_DB))} dB above the vibration (eight scenes)"
+        texts["upper_bound"] = f"Levels are levels of the released power (q = 1), {bound}{above}."
+        if fixed or sound.levels.level_db is None:
+            texts["upper_bound"] = f"The steady level is {bound} (q = 1)."
     else:
         texts["assumed_q"] = (
-            f"The scene assumes that {s.q:g} of the released energy is radiated (q)."
+            f"Levels are levels of the released power, {s.q:g} of which is assumed to be radiated"
+            f" (q = {s.q:g})."
         )
     if fixed and sound.source == "release":
         texts["fixed_gain"] = (
@@ -137,9 +161,12 @@ def _of_levels(scene: Scene, sound: ContactSound, errors: RunErrors | None) -> d
         )
     texts["unvalidated"] = "No level has been validated against a microphone."
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
+        noise = "taken as stationary Gaussian noise"
+        if sound.source == "vibration" and vibration and vibration.motion.flight_share:
+            noise = "from its scatter between thirds, because a record with impacts is no noise"
         texts["uncertainty"] = (
-            "± covers the record's length alone, taken as stationary Gaussian noise; it holds no"
-            " error of model, grid or solver."
+            f"± covers the record's length alone, {noise}; it holds no error of model, grid or"
+            " solver."
         )
         if errors is not None and errors.levels:
             law = ", solver and force law" if sound.source == "vibration" else " and solver"
@@ -148,6 +175,20 @@ def _of_levels(scene: Scene, sound: ContactSound, errors: RunErrors | None) -> d
                 " them."
             )
     return texts
+
+
+def _beside(scene: Scene, sound: ContactSound) -> dict[str, str]:
+    """Return the caveat of the level that stands beside that of the run."""
+    if sound.levels.laeq_db is None:
+        return {}
+    if scene.dynamics is None:
+        return {
+            "vibration_estimate": "The vibration is estimated by a linear chain of"
+            f" {bodies_text(scene)}, moved by the approach under the constant load."
+        }
+    if sound.source == "vibration":
+        return {"release_bound": "The release with q = 1 stands beside it, an upper bound."}
+    return {}
 
 
 def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
@@ -164,12 +205,16 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
         return texts
     lap = scene.track.lap_steps * scene.track.step
     period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
-    rate = f"{1 / period:.2g}" if 1 / period < 10 else f"{1 / period:.0f}"
+    rate = rounded(1 / period) if 1 / period < 10 else f"{1 / period:.0f}"
     heard = f"{rate} times a second: the pitch that is heard is the repetition, not the contact."
     if sound.loops and sound.duration < SHORT_S:
-        texts["short_loop"] = f"When it loops, the record of {sound.duration:.3g} s repeats {heard}"
+        texts["short_loop"] = (
+            f"When it loops, the record of {rounded(sound.duration, 3)} s repeats {heard}"
+        )
     elif period < min(SHORT_S, 0.999 * sound.duration):
-        texts["short_track"] = f"The track repeats in the record every {period:.3g} s, {heard}"
+        texts["short_track"] = (
+            f"The track repeats in the record every {rounded(period, 3)} s, {heard}"
+        )
     return texts
 
 
@@ -235,13 +280,14 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
     motion, loads = vibration.motion, vibration.law.load_n
     if motion.outside_share > 0:
         texts["force_outside"] = (
-            f"force law: the contact force leaves the marched loads of {loads[0]:.3g} to"
-            f" {loads[-1]:.3g} N for {100 * motion.outside_share:.2g} % of the time, and is"
-            " extrapolated there"
+            f"force law: the contact force leaves the marched loads of {rounded(loads[0], 3)} to"
+            f" {rounded(loads[-1], 3)} N for {rounded(100 * motion.outside_share)} % of the time,"
+            " and is extrapolated there"
         )
     if motion.flight_share > 0:
         impacts = f"{motion.impacts} impact{'' if motion.impacts == 1 else 's'}"
-        text = f"contact: lost for {100 * motion.flight_share:.2g} % of the time, with {impacts}"
+        lost = f"{rounded(100 * motion.flight_share)} % of the time"
+        text = f"contact: lost for {lost}, with {impacts}"
         if motion.flight_share == 1:
             text += ": the record is shorter than a flight; choose a longer one"
         texts["impacts"] = text
@@ -255,7 +301,7 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
     thickness = scene.plate.thickness_mm
     if thickness is not None and (bent := 1e3 * np.ptp(motion.plate_m) / thickness) > BENT:
         texts["plate_deflection"] = (
-            f"plate: it sinks and rises by {bent:.2g} of its thickness; thin-plate theory wants a"
-            f" deflection that is small against it, at most about {BENT:g}"
+            f"plate: it sinks and rises by {rounded(bent)} of its thickness; thin-plate theory"
+            f" wants a deflection that is small against it, at most about {BENT:g}"
         )
     return texts

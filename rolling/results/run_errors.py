@@ -15,6 +15,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, OFF_DB
+from acoustics.numbers import rounded
 from rolling.check import error_cost
 from rolling.marches import error_stretches
 from rolling.marches.result import Result
@@ -179,7 +180,9 @@ def _not_linear(vibration: Vibration | None) -> str:
     lost, rms = vibration.motion.flight_share > 0, vibration.rms_ratio
     if not lost and rms <= LINEAR:
         return ""
-    words = "contact is lost" if lost else f"the contact force fluctuates by {rms:.2g} of the load"
+    words = (
+        "contact is lost" if lost else f"the contact force fluctuates by {rounded(rms)} of the load"
+    )
     return f"{words}, and no linear chain carries an error of the approach to the sound then"
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from acoustics import wav
 from acoustics.arrays import Array
+from acoustics.uncertainty import widened
 from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, result_file, runs_table
 from rolling.results.run_errors import RunErrors, run_errors
-from rolling.results.summary import summarize
+from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
@@ -189,14 +190,21 @@ class Run:
 
     def __repr__(self) -> str:
         level = runs_table.level_text(self.summary, "laeq_db")
-        return f"<run {self.title}: LAeq {level} dB(A), {self.result.steps} steps>"
+        judged = self.summary.get("verdict")
+        word = f", {judged['word']}" if judged else ""
+        name = runs_table.level_name(self.summary)
+        return f"<run {self.title}: {name} {level} dB(A){word}, {self.result.steps} steps>"
 
     def _repr_html_(self) -> str:
         """Write levels and caveats for a notebook."""
+        judged = self.summary.get("verdict") or {"word": "-", "reason": ""}
         rows = [
             (name, runs_table.level_text(self.summary, key), unit)
             for key, (name, unit) in runs_table.LEVELS.items()
         ]
+        rows[0] = (runs_table.level_name(self.summary), *rows[0][1:])
+        rows.insert(1, ("beside it", runs_table.beside_text(self.summary) or "-", ""))
+        rows.insert(2, ("verdict", judged["word"], judged["reason"]))
         levels = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
         caveats = "".join(
             f"<li>{html.escape(caveat['text'])}</li>" for caveat in self.summary["caveats"]
@@ -244,4 +252,9 @@ def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration
     whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
     law = force_law.force_law(scene, result)
     laps = result.steps / result.solved_steps
-    return vibrate(scene, law, release.highest, whole_laps and release.constant_speed, laps)
+    vibration = vibrate(scene, law, release.highest, whole_laps and release.constant_speed, laps)
+    if not vibration.motion.flight_share:
+        return vibration
+    # A record with impacts is no Gaussian noise.
+    scatter = record_scatter(vibration.pressure, laps if vibration.motion.settled else 1.0)
+    return replace(vibration, uncertainty=widened(vibration.uncertainty, scatter))

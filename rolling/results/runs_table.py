@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.bands import BAND_NAMES
-from rolling.results.caveats import HEADLINE, REPEATS, STANDING, gathered
-from rolling.results.labels import Labelled, labels, printable
+from acoustics.numbers import rounded
+from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
+from rolling.results.labels import Labelled, labels
 from rolling.results.summary_file import read_summary
+from rolling.results.verdict import above_vibration_db
+from rolling.terminal.streams import wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
 
 SEED = "surface.seed"
+MOST_WARNINGS = 3  # after a run; the page and `rolling check` have all of them
 LEVELS = {  # keys of the summary with name and unit
     "laeq_db": ("LAeq", "dB(A)"),
     "level_db": ("LZeq", "dB"),
@@ -75,6 +79,8 @@ def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
             }
         elif key == "levelling" and value:
             cells |= {f"levelling_{name}": inner for name, inner in value.items()}
+        elif key == "verdict" and value:
+            cells |= {"verdict": value["word"], "verdict_reason": value["reason"]}
         elif key == "laeq_uncertainty_db":
             cells["laeq_total_uncertainty_db"] = value
         elif key not in ("name", "levelling") and not isinstance(value, Mapping):
@@ -164,25 +170,79 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
     )
 
 
+def level_name(summary: Mapping[str, Any]) -> str:
+    """Name the level of a run: LAeq of the vibration, or of the released power with its q."""
+    if summary["source"] == "vibration":
+        return "LAeq on the axis"
+    return f"level of the released power (q = {summary.get('q') or 1:g})"
+
+
+def beside_text(summary: Mapping[str, Any]) -> str:
+    """State the level beside that of a run and their distance; empty if there is none."""
+    above = above_vibration_db(summary)
+    if above is None or summary["laeq_db"] is None:
+        return ""
+    if summary["source"] == "vibration":
+        return f"the release with q = 1 is {above:.0f} dB above it: an upper bound"
+    if summary.get("vibration_laeq_db") is not None:
+        return f"{above:.0f} dB above the vibration, which has {summary['vibration_laeq_db']:.1f}"
+    return (
+        f"{above:.0f} dB above the vibration, estimated at"
+        f" {summary['vibration_estimate_laeq_db']:.0f} dB(A) for"
+        f" {summary['vibration_estimate_bodies']}"
+    )
+
+
+def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
+    """Return the cells of a run in the table of levels by their heads."""
+    source, q = summary["source"], summary.get("q") or 1
+    level = "LAeq, axis|dB(A)" if source == "vibration" else f"released power|q = {q:g}, dB(A)"
+    cells = {level: level_text(summary, "laeq_db")}
+    if source == "vibration":
+        compact = summary.get("compact_source_level_db")
+        cells["compact|source"] = "n/a" if compact is None else f"{compact:.1f}"
+        beside = {"release|q = 1": "release_laeq_db"}
+    else:
+        known = "estimated" if summary.get("vibration_laeq_db") is None else "dB(A)"
+        key = "vibration_estimate_laeq_db" if known == "estimated" else "vibration_laeq_db"
+        beside = {f"vibration|{known}": key}
+    for head, key in beside.items():
+        cells[head] = "-" if summary.get(key) is None else f"{summary[key]:.1f}"
+    above, judged = above_vibration_db(summary), summary.get("verdict")
+    cells["apart|dB"] = "-" if above is None else f"{above:.0f}"
+    cells["verdict|"] = judged["word"] if judged else "-"
+    cells["plastic|ratio"] = f"{summary['plastic_ratio']:.3f}"
+    return cells
+
+
 def levels_table(runs: Sequence[Labelled]) -> str:
-    """Write levels, cost and folders of runs for a terminal, with their caveats below."""
-    levels = ("LAeq dB(A)", "LZeq dB", "steady dB")
-    rows = [["run", *levels, "plastic ratio", "steps", "ms/step", "files"]]
-    solved = []
-    for run, label in zip(runs, labels(runs), strict=True):
-        cells, summary = ["-"] * 6, stored_summary(run)
-        if summary is not None:
-            solved.append((label, summary))
-            step_ms = summary["step_ms"]
-            cells = [
-                level_text(summary, f"{name}_db") for name in ("laeq", "level", "steady_level")
-            ]
-            cells[1:] = [level.split()[0] for level in cells[1:]]
-            cells += [f"{summary['plastic_ratio']:.3f}", f"{summary['steps']}"]
-            cells += ["-" if step_ms is None else f"{step_ms:.1f}"]
-        rows.append([label, *cells, printable(str(run.folder))])
-    errors = [line for label, summary in solved if (line := error_line(label, summary))]
-    return "\n".join([columns(rows), *errors, *_remarks(solved)])
+    """Write levels and verdicts of runs for a terminal, with reasons and caveats below."""
+    names = labels(runs)
+    solved = [
+        (label, summary)
+        for run, label in zip(runs, names, strict=True)
+        if (summary := stored_summary(run)) is not None
+    ]
+    by_run = {label: _cells(summary) for label, summary in solved}
+    heads = list(dict.fromkeys(head for cells in by_run.values() for head in cells))
+    rows = [["run", *(head.split("|")[0] for head in heads)]]
+    rows.append(["", *(head.split("|")[1] for head in heads)])
+    rows += [[name, *(by_run.get(name, {}).get(head, "-") for head in heads)] for name in names]
+    errors = [wrapped(line) for label, summary in solved if (line := error_line(label, summary))]
+    judged = [wrapped(f"{word}: {reason}") for word, reason in verdicts(solved)]
+    return "\n".join([columns(rows), "", *judged, *errors, *_remarks(solved)])
+
+
+def verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, str]]:
+    """Return words and reasons of the verdicts, each once with the labels of its runs."""
+    merged: dict[tuple[str, str], list[str]] = {}
+    for label, summary in runs:
+        if verdict := summary.get("verdict"):
+            merged.setdefault((verdict["word"], verdict["reason"]), []).append(label)
+    return [
+        (word, reason if len(names) == len(runs) else f"{reason} ({'; '.join(names)})")
+        for (word, reason), names in merged.items()
+    ]
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:
@@ -196,8 +256,9 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     remarks = gathered(runs)
     beside = [caveat.line for caveat in remarks if caveat.key in HEADLINE]
     surfaces = dict.fromkeys(
-        f"surface: Ra {s['ra'] * 1e6:.4g} µm, Rq {s['rq'] * 1e6:.4g} µm, skewness"
-        f" {s['skewness']:.2f}, kurtosis {s['kurtosis']:.2f}, rms slope {s['rms_slope']:.3g}"
+        f"surface: Ra {rounded(s['ra'] * 1e6, 4)} µm, Rq {rounded(s['rq'] * 1e6, 4)} µm, skewness"
+        f" {s['skewness']:.2f}, kurtosis {s['kurtosis']:.2f}, rms slope"
+        f" {rounded(s['rms_slope'], 3)}"
         for s in (summary["surface"] for _, summary in runs)
     )
     tilts = dict.fromkeys(
@@ -207,8 +268,11 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
         and (levelling["slope_along"] or levelling["slope_across"])
     )
     repeats = [f"note: {caveat.line}" for caveat in remarks if caveat.key in REPEATS]
-    warnings = [f"warning: {caveat.line}" for caveat in remarks if caveat.key not in STANDING]
-    return [*([" ".join(beside)] if beside else []), "", *surfaces, *tilts, *repeats, *warnings]
+    ranked = [f"warning: {caveat.line}" for caveat in warnings(runs)]
+    if (more := len(ranked) - MOST_WARNINGS) > 0:
+        others = f"{more} more warning{'s' * (more > 1)}"
+        ranked[MOST_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
+    return [wrapped(line) for line in (" ".join(beside), "", *surfaces, *tilts, *repeats, *ranked)]
 
 
 def _spread(key: str) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import rolling
-from acoustics import loudness
+from acoustics import loudness, uncertainty, wav
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
@@ -24,11 +24,13 @@ from rolling.dynamics import of_scene
 from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result
+from rolling.results import verdict
 from rolling.results.caveats import caveats
 from rolling.results.run_errors import RunErrors, known, numbers
 from rolling.scene.scene import Scene
+from rolling.sound import vibration_estimate
 from rolling.sound.contact_sound import ContactSound
-from rolling.sound.vibration_sound import P_REF_W, Vibration
+from rolling.sound.vibration_sound import P_REF_W, Vibration, compact_source_db
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import program
@@ -60,15 +62,19 @@ def summarize(
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
     del spreads["third_octave"]
     times = seconds[np.isfinite(seconds)]  # unknown of marches that were read from a file
-    return {
+    repeats = sound.source == "release" or bool(vibration and vibration.motion.settled)
+    laps = result.steps / result.solved_steps if repeats else 1.0
+    summary = {
         "name": scene.name,
         "load_n": scene.load,
         "steps": result.steps,
         "source": sound.source,
+        "q": scene.sound.q if sound.source == "release" else None,
         **asdict(sound.levels),
         "steady_level_db": sound.steady_level,
         "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
+        "record_scatter_db": record_scatter(sound.pressure, laps),
         **numbers(errors, sound.uncertainty.laeq_db, heard_law),
         **_loudness(scene, sound),
         **_release(release, sound),
@@ -76,13 +82,21 @@ def summarize(
         "tolerance": scene.tolerance,
         "step_ms": float(np.median(times) * 1e3) if len(times) else None,
         "seconds": float(times.sum()),
-        "caveats": caveats(scene, sound, errors, vibration, moving),
         "surface": asdict(surface.statistics),
         "levelling": _levelling(surface.levelling) if surface.levelling else None,
         **_vibration(scene, release, vibration),
         **law,
         **_moving(result, moving),
+        **_estimate(scene, result, release),
     }
+    summary["caveats"] = caveats(scene, sound, errors, vibration, moving)
+    return summary | {"verdict": verdict.verdict(summary, scene)}
+
+
+def record_scatter(pressure: Array, laps: float = 1.0) -> float | None:
+    """Return the scatter of LAeq between thirds of the different laps of a record [dB]."""
+    lap = pressure[: round(len(pressure) / max(1.0, laps))]
+    return uncertainty.record_scatter_db(lap, wav.SAMPLE_RATE_HZ)
 
 
 def provenance(scene: Scene) -> dict[str, Any]:
@@ -211,6 +225,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return {
         **_difference(scene, release.levels, vibration.levels),
+        "compact_source_level_db": compact_source_db(scene, vibration),
         "plate_power_level_db": _total(vibration.plate_power),
         "ball_power_level_db": _total(vibration.ball_power),
         "plate_power_third_octave_db": vibration.power_levels(),
@@ -241,6 +256,18 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "motion_settled": bool(motion.settled),
         "motion_laps": motion.laps,
         "motion_transient_s": known(motion.transient_s),
+    }
+
+
+def _estimate(scene: Scene, result: Result, release: ContactSound) -> dict[str, Any]:
+    """Return the estimate of the vibration that a scene without dynamics leaves out."""
+    if scene.dynamics is not None:
+        return {}
+    approach, closed = result.whole("approach"), release.closed
+    laeq = vibration_estimate.estimated_laeq_db(scene, approach, result.step, closed)
+    return {
+        "vibration_estimate_laeq_db": laeq,
+        "vibration_estimate_bodies": vibration_estimate.bodies_text(scene),
     }
 
 

@@ -29,6 +29,7 @@ from pydantic import (
     model_validator,
 )
 
+from acoustics.numbers import rounded
 from rolling.scene.messages import (
     SceneError,
     cut,
@@ -137,7 +138,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
         """Refuse sizes whose powers and quotients overflow or underflow."""
         for number in np.ravel(value) if isinstance(value, float | tuple) else ():
             if number and not _SMALLEST <= abs(number) <= 1 / _SMALLEST:
-                sizes = f"a size from {_SMALLEST:g} to {1 / _SMALLEST:g}"
+                sizes = f"a size from {rounded(_SMALLEST)} to {rounded(1 / _SMALLEST)}"
                 raise fault(f"got {shown(float(number))}, allowed: {sizes}")
         return value
 
@@ -282,7 +283,7 @@ class Rolling(Section):
 
 STEP_NODES = [1 / k for k in range(16, 1, -1)] + [float(k) for k in range(1, 65)]
 TOLERANCES = 1e-12, 1e-1  # allowed numbers
-TOLERANCE = f"auto, or a number >= {TOLERANCES[0]:g} and <= {TOLERANCES[1]:g}"
+TOLERANCE = f"auto, or a number >= {rounded(TOLERANCES[0])} and <= {rounded(TOLERANCES[1])}"
 
 
 def _step_nodes(value: float) -> float:

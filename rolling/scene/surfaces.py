@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from acoustics.numbers import rounded
 from rolling.scene.messages import fault, plain_number
 from rolling.scene.sections import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
@@ -37,7 +38,7 @@ def _refuse_width(width_um: float, spacing_um: float) -> None:
     nodes = width_um / spacing_um
     words = ""
     if not nodes < MAX_NODES:
-        words = f"less than {MAX_NODES:g} nodes"
+        words = f"less than {rounded(MAX_NODES)} nodes"
     elif round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
         fitting = max(MIN_NODES, round(nodes)) * spacing_um
         words = f"a whole number of nodes of {spacing_um:g} um, at least {MIN_NODES};"

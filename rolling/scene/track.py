@@ -8,6 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
+from acoustics.numbers import rounded
 from rolling.scene import height_files
 from rolling.scene.messages import fault, plain_number
 from rolling.scene.motion import ROUNDING, Motion
@@ -71,7 +72,7 @@ def rolled(duration_s: float | None, distance_mm: float | None, motion: Motion) 
         return Rolled(float(motion.distance(duration_s)), duration_s, _DURATION)
     if distance_mm * 1e-3 > motion.final_distance * (1 + ROUNDING):
         raise fault(
-            f"the sphere comes to rest after {motion.final_distance * 1e3:.6g} mm,"
+            f"the sphere comes to rest after {rounded(motion.final_distance * 1e3, 6)} mm,"
             f" rolling.distance_mm is {plain_number(distance_mm)}: give it more speed",
             *_SPEED,
         )
@@ -91,19 +92,21 @@ def made_track(
     unit = unit_nodes * spacing
     distance, got = wanted.distance, plain_number(wanted.value)
     if not distance / min(unit, spacing * float(step)) < MAX_NODES:
-        raise fault(f"got {got}, which is more than {MAX_NODES:g} nodes or steps", *wanted.key)
+        raise fault(
+            f"got {got}, which is more than {rounded(MAX_NODES)} nodes or steps", *wanted.key
+        )
     units, least = _within_reach(distance, unit, motion), math.ceil(MIN_NODES / unit_nodes)
     if units < least:
-        shortest = f"track is {least * unit_nodes} nodes, {least * unit * 1e6:.4g} um"
+        shortest = f"track is {least * unit_nodes} nodes, {rounded(least * unit * 1e6, 4)} um"
         if least * unit > motion.final_distance * (1 + ROUNDING):
-            rest = f"the sphere comes to rest after {motion.final_distance * 1e6:.4g} um"
+            rest = f"the sphere comes to rest after {rounded(motion.final_distance * 1e6, 4)} um"
             raise fault(f"{rest}, the shortest {shortest}: give it more speed", *_SPEED)
         value = least * unit * 1e3
         if wanted.key == _DURATION:
             value = motion.duration(least * unit)
         raise fault(
-            f"got {got}, in which the sphere rolls {distance * 1e6:.4g} um; the shortest"
-            f" {shortest}: at least {value:.4g}",
+            f"got {got}, in which the sphere rolls {rounded(distance * 1e6, 4)} um; the shortest"
+            f" {shortest}: at least {rounded(value, 4)}",
             *wanted.key,
         )
     n_along = units * unit_nodes
@@ -126,13 +129,15 @@ def file_track(
     fraction, step, lap = _fraction(step_nodes), spacing * step_nodes, n_along * spacing
     if wanted is None and motion.final_distance * (1 + ROUNDING) < lap:
         raise fault(
-            f"the sphere comes to rest after {motion.final_distance:.4g} m, once round the height"
-            f" file is {lap:.4g} m: give it more speed or set rolling.duration_s",
+            f"the sphere comes to rest after {rounded(motion.final_distance, 4)} m, once round the"
+            f" height file is {rounded(lap, 4)} m: give it more speed or set rolling.duration_s",
             *_SPEED,
         )
     distance, _, key = wanted or Rolled(lap, lap, _DURATION)
     if not distance / step < MAX_NODES:
-        raise fault(f"the sphere rolls {distance:.4g} m, more than {MAX_NODES:g} steps", *key)
+        raise fault(
+            f"the sphere rolls {rounded(distance, 4)} m, more than {rounded(MAX_NODES)} steps", *key
+        )
     steps = max(1, _within_reach(distance, step, motion))
     nodes_round = n_along * fraction.denominator
     lap_steps = nodes_round // math.gcd(fraction.numerator, nodes_round)
@@ -179,7 +184,7 @@ def height_nodes(path: Path, name: str, width_nodes: int | None) -> tuple[int, i
     if not MIN_NODES <= min(nodes) <= max(nodes) < MAX_NODES:
         raise fault(
             f"{name}: got {nodes[0]} x {nodes[1]} nodes, allowed: at least {MIN_NODES} each way and"
-            f" less than {MAX_NODES:g}",
+            f" less than {rounded(MAX_NODES)}",
             *_PATH,
         )
     return nodes

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from acoustics.numbers import rounded
 from rolling.scene.scene import Scene
 
 # This is the rms error of the release over its mean, in tolerances. Smooth spheres that are solved
@@ -34,11 +35,11 @@ def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
     """
     if scene.surface.kind == "smooth" or not resolved_rms:  # no sound could be hidden
         return None
-    error = f"the solver's error of up to {resolved_rms:.2g} W rms"
-    advice = f"lower numerics.tolerance, {scene.tolerance:g} here"
+    error = f"the solver's error of up to {rounded(resolved_rms)} W rms"
+    advice = f"lower numerics.tolerance, {rounded(scene.tolerance, 6)} here"
     if audible_rms <= resolved_rms:
         return f"the release fluctuates no more than {error}: the record counts as silent; {advice}"
     above = 20 * math.log10(audible_rms / resolved_rms)
     if above >= DOUBTFUL_DB:
         return None
-    return f"the fluctuation within hearing stands {above:.2g} dB above {error}: {advice}"
+    return f"the fluctuation within hearing stands {rounded(above)} dB above {error}: {advice}"

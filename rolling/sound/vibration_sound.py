@@ -15,7 +15,14 @@ import numpy as np
 from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
-from acoustics.radiation import Ball, HalfSpaceBody, ThinPlate, axis_transfer, pressure_on_axis
+from acoustics.radiation import (
+    RHO_C,
+    Ball,
+    HalfSpaceBody,
+    ThinPlate,
+    axis_transfer,
+    pressure_on_axis,
+)
 from acoustics.sound_power import band_power
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
@@ -163,19 +170,33 @@ def vibrate(
     )
 
 
-def roughness_gain(scene: Scene) -> Gain:
+def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
     """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure.
 
     Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
     for ratios of powers, in which an error of the stiffness cancels.
     """
-    chain, sources = of_scene.smooth_chain(scene), _sources(scene)
+    chain, sources = chain or of_scene.smooth_chain(scene), _sources(scene)
 
     def gain(frequency: Array) -> Array:
         transfer = sum(axis_transfer(frequency, each, scene.sound.distance_m) for each in sources)
         return np.square(np.abs(transfer * chain.force(frequency, np.ones(len(frequency)))))
 
     return gain
+
+
+def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
+    """Return the A-weighted level [dB] of a compact source with the sound power of the vibration.
+
+    The source radiates evenly into a half-space, p^2 = rho c P / (2 pi r^2). The power of the plate
+    depends on its loss factor, so None is returned without one, and for a half-space.
+    """
+    if not scene.plate.loss_factor:
+        return None
+    weighted = level.a_weighted(vibrating.force, wav.SAMPLE_RATE_HZ)
+    plate, ball = _powers(scene, weighted, vibrating.highest)
+    power = np.nansum(plate) + (np.nansum(ball) if scene.sound.ball else 0.0)
+    return level.level_db(float(power) * RHO_C / (2 * math.pi * scene.sound.distance_m**2))
 
 
 def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 
 AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
     "gaussian": (1.0, 2),
@@ -122,13 +123,13 @@ def filtered(
     # A surface much smaller than its correlation length is flat except for rounding errors, which
     # would pass for roughness if they were scaled up.
     if not np.abs(heights).mean() > 1e-6 * np.sqrt(density.max() / heights.size):
-        sizes = " x ".join(f"{n * spacing * 1e6:.4g}" for n in shape)
+        sizes = " x ".join(rounded(n * spacing * 1e6, 4) for n in shape)
         # Of a law that falls with (r / L)^exponent the share of roughness falls with its root.
         longest = 0.1 * 1e12 ** (1 / exponent) * max(shape) * spacing * 1e6
-        lengths = " and ".join(f"{length * 1e6:.4g}" for length in correlation_length)
+        lengths = " and ".join(rounded(length * 1e6, 4) for length in correlation_length)
         raise SurfaceError(
             f"no roughness left but rounding: got correlation lengths of {lengths} um"
-            f" on {sizes} um, allowed: up to about {longest:.2g} um; enlarge the surface"
+            f" on {sizes} um, allowed: up to about {rounded(longest)} um; enlarge the surface"
         )
     return heights
 

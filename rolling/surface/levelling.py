@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
 from rolling.scene.height_files import UNITS, HeightFormatError, numbers
 from rolling.surface.heights import SurfaceError
 
@@ -53,15 +54,15 @@ def read_heights(path: Path, unit: str = "m", n_across: int | None = None) -> Ar
     largest = float(np.abs(heights).max())
     if largest * UNITS[unit] > HIGHEST:
         raise SurfaceError(
-            f"{path}: got a height of {largest:.4g} {unit}, allowed: up to"
-            f" {HIGHEST / UNITS[unit]:g} {unit}"
+            f"{path}: got a height of {rounded(largest, 4)} {unit}, allowed: up to"
+            f" {rounded(HIGHEST / UNITS[unit])} {unit}"
         )
     heights = (heights - heights.mean()) * UNITS[unit]
     ra = np.abs(heights).mean()
     if ra > LARGEST_RA:
         raise SurfaceError(
-            f"{path}: Ra would be {ra:.4g} m, more than {LARGEST_RA:g} m; set surface.height_unit,"
-            f" {unit} here, to the unit of the file ({', '.join(UNITS)})"
+            f"{path}: Ra would be {rounded(ra, 4)} m, more than {LARGEST_RA:g} m; set"
+            f" surface.height_unit, {unit} here, to the unit of the file ({', '.join(UNITS)})"
         )
     return heights if n_across is None else np.repeat(heights, n_across, axis=1)
 

@@ -8,7 +8,9 @@ from __future__ import annotations
 import errno
 import io
 import os
+import shutil
 import sys
+import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -89,6 +91,14 @@ def lasting() -> Iterator[tuple[LastingStream, LastingStream]]:
         for stream in streams:
             stream.flush()
         sys.stdout, sys.stderr = before
+
+
+def wrapped(text: str, indent: str = "  ") -> str:
+    """Break a text into lines of the terminal's width; a file or pipe gets it on one line."""
+    if not sys.stdout.isatty():
+        return text
+    width = max(40, shutil.get_terminal_size().columns)
+    return textwrap.fill(text, width, subsequent_indent=indent, break_long_words=False)
 
 
 def _open_closed() -> None:

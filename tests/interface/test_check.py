@@ -52,11 +52,11 @@ def test_hardness() -> None:
     assert "capacity" not in found("plate.hardness_gpa=")
 
 
-def test_the_usual_scene_is_warned_of_its_resonance_and_record_only() -> None:
-    assert [name for name, finding in found().items() if finding.warning] == [
-        "contact resonance",
-        "certain third octaves",
-    ]
+def test_the_usual_scene_is_warned_of_its_resonance_only() -> None:
+    """Every short record has uncertain low bands, which the table of bands says."""
+    got = found("rolling.duration_s=0.1")
+    assert [name for name, finding in got.items() if finding.warning] == ["contact resonance"]
+    assert got["third octaves within 2 dB"].value == "20 of 31, from 250 Hz on"
 
 
 @pytest.mark.parametrize(
@@ -123,12 +123,6 @@ def test_the_usual_scene_is_warned_of_its_resonance_and_record_only() -> None:
         ),
         ("contact resonance", "sphere.radius_mm=2", "sphere.radius_mm=5", "inside hearing"),
         ("contact resonance", "rolling.load_n=1000", "rolling.load_n=100", "inside hearing"),
-        (
-            "certain third octaves",
-            "rolling.duration_s=1.1",
-            "rolling.duration_s=0.1",
-            "11 of 31 third octaves, up to 200 Hz, have a bandwidth times duration below 5",
-        ),
     ],
 )
 def test_warning(quantity: str, silent: str, loud: str, words: str) -> None:
@@ -147,7 +141,7 @@ def test_following_the_advice_silences_the_warning() -> None:
         found("rolling.load_n=0.4", "surface.spacing_um=1.6")["nodes per Hertz radius"].warning
         is None
     )
-    assert found("rolling.duration_s=1.1")["certain third octaves"].value == "31 of 31"
+    assert found("rolling.duration_s=1.1")["third octaves within 2 dB"].value == "31 of 31"
 
 
 def test_steps_below_a_node() -> None:
@@ -229,12 +223,28 @@ def test_expected_time_is_shared_by_the_cores(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_runs_that_share_a_march_count_it_once() -> None:
-    def seconds(*overrides: str) -> str:
-        return dict(check_scene(loads(WIDE, overrides), solve=False).of_all)["expected time of all"]
+    def seconds(*overrides: str) -> float:
+        return check_scene(loads(WIDE, overrides), solve=False).seconds
 
-    listened = seconds("sweep.sound.q=[0.1, 0.2, 0.3]").split(",")[0]
-    twice = seconds("sweep.surface.seed=[1, 2]").split(",")[0]
-    assert listened == found()["expected time"].value != twice
+    alone, march, surface = (
+        seconds(),
+        found()["expected time"].seconds,
+        found()["making of the surface"].seconds,
+    )
+    assert alone == pytest.approx(march + surface)
+    assert seconds("sweep.sound.q=[0.1, 0.2, 0.3]") == alone
+    assert seconds("sweep.surface.seed=[1, 2]") == pytest.approx(2 * alone)
+    assert seconds("sweep.plate.poissons_ratio=[0.3, 0.3001]") == pytest.approx(
+        2 * march + surface, rel=1e-3
+    )
+
+
+def test_a_large_surface_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """80 million nodes took 45 s of one core with two workers, and 6 s were said."""
+    monkeypatch.setattr(cost, "cores", lambda: 2)
+    large = found("surface.width_um=3200", "rolling.duration_s=1", "rolling.speed_m_s=0.1")
+    seconds = large["making of the surface"].seconds
+    assert 30 < seconds < 90
 
 
 def test_the_sample_rate_is_that_of_the_files() -> None:
@@ -288,8 +298,6 @@ def test_report() -> None:
     lines = warnings.splitlines()
     assert all(line.startswith("warning: ") for line in lines)
     assert [line.endswith("(load_n=5)") for line in lines].count(True) == 1
-    # What holds for all runs is said once.
-    assert sum("certain third octaves" in line for line in lines) == 1
 
 
 def test_report_of_one_run_and_of_many() -> None:

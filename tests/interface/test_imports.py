@@ -28,7 +28,7 @@ FLOORS = {
         ("cli", "interface"),
     ),
     "acoustics": (
-        ("arrays",),
+        ("arrays", "numbers"),
         ("bands", "radiation", "weighting"),
         ("plot_style", "resampling", "spectrum"),
         ("extension", "level", "loudness", "sound_power"),

@@ -97,7 +97,7 @@ def test_positions_that_fail_are_said(capsys: pytest.CaptureFixture[str]) -> Non
 def test_large_surfaces_and_slow_contacts_are_left_out_with_the_limit() -> None:
     larger = scene("rolling.duration_s=3")  # 150,000 x 80 nodes
     (got,) = probe.probes([larger])
-    assert got.left_out == "making 1.2e+07 nodes would take long, the limit is 1e+07"
+    assert got.left_out == "making 12 million nodes would take long, the limit is 10 million"
     stated = {finding.key: finding for finding in findings.findings(larger, got)}
     assert stated["positions"].value == f"none: {got.left_out}"
     assert "asperities may yield" in stated["hardness"].value

@@ -1,0 +1,23 @@
+"""Numbers as a person writes them."""
+
+from __future__ import annotations
+
+import math
+
+_PLAIN = 1e-4, 1e7  # magnitudes without an exponent
+
+
+def rounded(value: float, digits: int = 2) -> str:
+    """Write a number with significant digits, and with an exponent only where it is far from 1.
+
+    Examples
+    --------
+    >>> rounded(99.7), rounded(1234.5, 4), rounded(3.24e-7)
+    ('100', '1234', '3.2e-7')
+    """
+    if not math.isfinite(value):
+        return str(value)
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    if value == 0 or _PLAIN[0] <= abs(value) < _PLAIN[1]:
+        return f"{float(f'{mantissa}e{exponent}'):.15g}"
+    return f"{float(mantissa):.15g}e{int(exponent)}"

@@ -1,0 +1,266 @@
+"""Verdict on the level of a run: trust, indicative or do not quote, with the largest reason.
+
+A contribution is a known error or a broken limit. Up to 1 dB it leaves the level trustworthy, above
+3 dB the level must not be quoted. A limit without decibels has the word that it allows at best.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from acoustics.bands import BAND_NAMES, MID_HZ
+from acoustics.numbers import rounded
+from rolling.check import error_cost, long_steps, resolution
+from rolling.check.finding import Finding, computing
+from rolling.check.findings import Findings
+from rolling.scene.scene import Scene
+
+WORDS = TRUST, INDICATIVE, DO_NOT_QUOTE = "trust", "indicative", "do not quote"
+LIMITS_DB = 1.0, 3.0  # up to the first a level is trusted, up to the second it is indicative
+MOST_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which on no level is quoted
+MEASURED_DB = 25, 66  # release with q = 1 over the vibration, on eight scenes of docs/dynamics.md
+# Level of a half-space's pressure over the true one [dB], by frequency times distance [Hz m].
+_HALF_SPACE = ((100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5))
+_REFUSED = ("memory", "disk", "capacity", "positions")  # warnings of scenes that do not run
+# Warnings without decibels, by their key, with the word that they allow and the reason.
+_LIMITS = {
+    "slope": (DO_NOT_QUOTE, "the surface is steeper than a half-space allows"),
+    "contact_radius": (DO_NOT_QUOTE, "the contact is wider than a half-space allows"),
+    "contact_thickness": (DO_NOT_QUOTE, "the contact is too wide for the thickness of the plate"),
+    "window": (DO_NOT_QUOTE, "the contact is wider than the surface"),
+    "force_ratio": (INDICATIVE, "the contact force may leave the marched loads"),
+    "not_settled": (INDICATIVE, "the motion does not repeat from lap to lap"),
+    "plate_deflection": (INDICATIVE, "the plate is bent too far for thin-plate theory"),
+    "bending": (INDICATIVE, "the plate is too thick for bending theory within hearing"),
+    "coincidence": (INDICATIVE, "the listener is near the plate"),
+    "nyquist": (INDICATIVE, "the simulated band ends within hearing"),
+    "grid_tone": (INDICATIVE, "steps below a node sound a tone of the grid"),
+    "seam": (INDICATIVE, "the contact rolls over the cut of the height file"),
+    "form": (INDICATIVE, "the form of the surface passes for roughness"),
+    "correlation_nodes": (INDICATIVE, "the height file is coarse or noisy"),
+    "hertz_nodes": (INDICATIVE, "few nodes resolve the contact"),
+    "resonance_wave": (INDICATIVE, "the grid decides the waves that feed the resonance"),
+    "solver": (INDICATIVE, "the error of the solver nearly hides the sound"),
+    "no_moving_release": (INDICATIVE, "the release is that of the constant load"),
+}
+
+
+class Contribution(NamedTuple):
+    """A contribution to the uncertainty of a level: name, word, decibels (None: unknown), text."""
+
+    name: str
+    word: str
+    decibels: float | None
+    text: str
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """Order of contributions: the worse word first, then the decibels."""
+        return WORDS.index(self.word), self.decibels or 0.0
+
+
+def verdict(summary: Mapping[str, Any], scene: Scene) -> dict[str, Any] | None:
+    """Judge the LAeq of a run; None for a silent run.
+
+    Parameters
+    ----------
+    summary : mapping
+        Numbers of summary.json, with its caveats.
+    scene : Scene
+        Scene of the run.
+
+    Returns
+    -------
+    dict or None
+        `word`, `reason` and `decibels` of the largest contribution, and all `contributions`.
+    """
+    if summary.get("laeq_db") is None:
+        return None
+    ordered = contributions(summary, scene)
+    largest = ordered[0]
+    return {
+        "word": largest.word,
+        "reason": largest.text,
+        "decibels": largest.decibels,
+        "contributions": [part._asdict() for part in ordered],
+    }
+
+
+def expected(scene: Scene, findings: Sequence[Finding]) -> tuple[str, str]:
+    """Return the best word that a run of a scene can expect before it is run, and the reason."""
+    caveats = [{"key": finding.key} for finding in findings if finding.warning]
+    summary: dict[str, Any] = {"source": scene.sound.source, "caveats": caveats}
+    if scene.numerics.error_estimate and not error_cost.too_short(scene):
+        summary |= {"laeq_grid_error_db": 0.0, "laeq_subgrid_error_db": 0.0}
+    parts = contributions(summary, scene)
+    return (parts[0].word, parts[0].text) if parts else (TRUST, "no limit is broken")
+
+
+def conclusion(scene: Scene, found: Findings) -> str:
+    """State in one sentence whether a scene runs, how long, and with which verdict at best."""
+    for run in found.runs:
+        for finding in run.findings:
+            if finding.warning and finding.key in _REFUSED:
+                return f"It does not run: {finding.quantity} ({finding.value})."
+    if found.excess:
+        return f"It does not run: {found.excess[0]}."
+    if scene.surface.kind == "smooth":
+        return f"It runs, in {computing(found.seconds)}; a smooth surface is silent."
+    runs = zip(scene.runs(), found.runs, strict=True)
+    words = [expected(run.scene, of_run.findings) for run, of_run in runs]
+    word, reason = max(words, key=lambda pair: WORDS.index(pair[0]))
+    best = "" if word == DO_NOT_QUOTE else "at best "
+    which = "" if len(words) == 1 else " of the worst run"
+    return (
+        f"It runs, in {computing(found.seconds)}; the expected verdict{which} is {best}{word}:"
+        f" {reason}."
+    )
+
+
+def contributions(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
+    """List the contributions to the uncertainty of LAeq, the worst first."""
+    parts = [
+        *_source(summary, scene),
+        *_record(summary),
+        *_motion(summary),
+        *_limits(summary, scene),
+        *_grid(summary, scene),
+    ]
+    return sorted(parts, key=lambda part: part.rank, reverse=True)
+
+
+def ranks(summary: Mapping[str, Any]) -> dict[str, tuple[int, float]]:
+    """Return the rank of each contribution of a stored verdict by its name."""
+    stored = (summary.get("verdict") or {}).get("contributions", [])
+    return {part["name"]: Contribution(**part).rank for part in stored}
+
+
+def _sized(name: str, decibels: float, text: str, least: str = TRUST) -> Contribution:
+    """Return a contribution whose word follows from its decibels, and is no better than `least`."""
+    by_size = WORDS[sum(abs(decibels) > limit for limit in LIMITS_DB)]
+    return Contribution(name, max(by_size, least, key=WORDS.index), abs(decibels), text)
+
+
+# ---- contributions
+
+
+def _source(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
+    """Return the bound that a level of the release is."""
+    if summary.get("source") == "vibration":
+        return []
+    if scene.sound.gain_pa_per_w_m2 is not None:
+        text = "the gain of the scene decides the level"
+        return [Contribution("fixed_gain", INDICATIVE, None, text)]
+    if scene.sound.q != 1:
+        text = f"the radiated share q = {scene.sound.q:g} is an assumption"
+        return [Contribution("assumed_q", INDICATIVE, None, text)]
+    above = above_vibration_db(summary)
+    text = "a level of the released power (q = 1) is an upper bound"
+    text += f", {above:.0f} dB above the vibration" if above is not None else ""
+    return [Contribution("upper_bound", INDICATIVE, above, text)]
+
+
+def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
+    """Return the level of a release over that of the vibration, or over its estimate [dB]."""
+    if (difference := summary.get("release_over_vibration_db")) is not None:
+        return float(difference)
+    estimate, laeq = summary.get("vibration_estimate_laeq_db"), summary.get("laeq_db")
+    return None if estimate is None or laeq is None else float(laeq - estimate)
+
+
+def _record(summary: Mapping[str, Any]) -> list[Contribution]:
+    """Return the uncertainties from the length of the record and from its repetition."""
+    parts, spread = [], summary.get("uncertainty_db", {}).get("laeq")
+    if spread is not None:
+        text = f"the length of the record leaves ± {rounded(spread)} dB"
+        parts.append(_sized("uncertainty", spread, text))
+    if (comb := summary.get("comb_spread_db")) is not None:
+        text = f"a lap repeats, and LAeq spreads by {rounded(comb)} dB with the place of its lines"
+        parts.append(_sized("comb", comb, text))
+    return parts
+
+
+def _grid(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
+    """Return the errors of grid, sub-grid detail, solver and force law, known or unknown."""
+    grid = summary.get("laeq_grid_error_db")
+    if grid is None:
+        return [_unknown_grid(summary, scene)]
+    total = math.hypot(grid, summary.get("laeq_grid_error_uncertainty_db") or 0.0)
+    parts = [_sized(resolution.KEY, total, f"the grid leaves up to {rounded(total)} dB")]
+    for name in ("solver", "force_law"):
+        key = f"laeq_{name}_error_db" if name == "solver" else f"{name}_error_db"
+        if (error := summary.get(key)) is not None:
+            text = f"the {name.replace('_', ' ')} leaves {rounded(abs(error))} dB"
+            parts.append(_sized(f"{name}_error", error, text))
+    detail = summary.get("laeq_subgrid_error_db")
+    if detail is None:
+        text = "nothing is known of the surface below its spacing"
+        return [*parts, Contribution("subgrid", INDICATIVE, None, text)]
+    detail = math.hypot(detail, summary.get("laeq_subgrid_error_uncertainty_db") or 0.0)
+    text = f"the surface below its spacing changes LAeq by up to {rounded(detail)} dB"
+    return [*parts, _sized("subgrid", detail, text)]
+
+
+def _unknown_grid(summary: Mapping[str, Any], scene: Scene) -> Contribution:
+    """Return the error of a grid that was not measured, by the rule of the check where it holds."""
+    error = None
+    if summary.get("source") != "vibration":
+        error = resolution.grid_signal_db(scene)
+    if error is not None and error > resolution.WANTED_DB:
+        decibels = 20 * math.log10(1 + 10 ** (error / 20))
+        text = f"the grid may leave {rounded(decibels)} dB, by a rule"
+        return _sized(resolution.KEY, decibels, text, INDICATIVE)
+    reason = (summary.get("error_estimate") or {}).get("reason")
+    why = f"because {reason}" if reason else "without numerics.error_estimate"
+    text = f"the error of the grid is unknown, {why}"
+    return Contribution(resolution.KEY, INDICATIVE, None, text)
+
+
+def _motion(summary: Mapping[str, Any]) -> list[Contribution]:
+    """Return the limits of a motion: extrapolated forces, impacts and flight."""
+    parts, outside = [], summary.get("force_outside_share") or 0.0
+    if summary.get("impacts_yield"):
+        text = "impacts would yield, and the force law gives their work back"
+        parts.append(Contribution("impacts_yield", DO_NOT_QUOTE, None, text))
+    if outside > 0:  # the share that ends a level counts as the decibels that end it
+        text = f"the contact force is extrapolated for {rounded(100 * outside)} % of the time"
+        decibels = LIMITS_DB[1] * outside / MOST_OUTSIDE
+        parts.append(_sized("force_outside", decibels, text))
+    if (flight := summary.get("flight_share") or 0.0) > 0:
+        text = f"contact is lost for {rounded(100 * flight)} % of the time"
+        scatter = summary.get("record_scatter_db") or 0.0
+        parts.append(_sized("impacts", scatter, text, INDICATIVE))
+    return parts
+
+
+def _limits(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
+    """Return the broken limits of theory, sampling and height files."""
+    keys = {caveat["key"] for caveat in summary.get("caveats", ())}
+    parts = [
+        Contribution(key, word, None, text) for key, (word, text) in _LIMITS.items() if key in keys
+    ]
+    if "step_length" in keys:
+        error = long_steps.LEVEL_ERROR_DB * scene.track.step / long_steps.contact_radius(scene)
+        text = f"long steps put the level off by up to {rounded(error)} dB"
+        parts.append(_sized("step_length", error, text))
+    if "half_space_sound" in keys and (bands := summary.get("third_octave_a_db")):
+        error = _half_space_error_db(bands, scene.sound.distance_m)
+        text = f"the pressure of a half-space is {rounded(error)} dB too high so near"
+        parts.append(_sized("half_space_sound", error, text))
+    return parts
+
+
+def _half_space_error_db(bands: Mapping[str, float | None], distance: float) -> float:
+    """Return by how much the level of a half-space is too high at a distance [m]."""
+    places, errors = zip(*((math.log(x), y) for x, y in _HALF_SPACE), strict=True)
+    stated = corrected = 0.0
+    for name, hertz in zip(BAND_NAMES, MID_HZ.tolist(), strict=True):
+        if (band := bands[name]) is not None:
+            error = float(np.interp(math.log(hertz * distance), places, errors))
+            stated += 10 ** (band / 10)
+            corrected += 10 ** ((band - error) / 10)
+    return 10 * math.log10(stated / corrected) if corrected else 0.0

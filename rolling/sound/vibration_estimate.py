@@ -1,0 +1,93 @@
+"""Level of the vibration that a run without dynamics leaves out, estimated by a linear chain.
+
+The approach under the constant load moves sphere, contact and plate, which a scene without dynamics
+need not describe: a sphere of steel on a plate of 10 mm of steel stand for the missing bodies.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from acoustics import level
+from acoustics.arrays import Array
+from acoustics.bands import AUDIBLE_HZ
+from acoustics.numbers import rounded
+from acoustics.spectrum import line_spectrum
+from acoustics.weighting import a_weighting_db
+from rolling.contact import closed_forms
+from rolling.dynamics import of_scene
+from rolling.scene.scene import STEEL_DENSITY, Scene
+from rolling.sound.contact_sound import faded, oversampling
+from rolling.sound.vibration_sound import roughness_gain
+
+THICKNESS_MM = 10.0
+STEEL = {"plate.youngs_modulus_gpa": 210.0, "plate.poissons_ratio": 0.3}
+_POINTS = 8  # of the gain within the interval of a line, over which a resonance is averaged
+
+
+def with_bodies(scene: Scene) -> Scene:
+    """Return a scene that describes sphere and plate, with steel where a scene says nothing."""
+    plate = scene.plate
+    bodies: dict[str, Any] = {"dynamics": {}, "sound.source": "release"}
+    if plate.density_kg_m3 is None:
+        bodies |= STEEL | {"plate.density_kg_m3": STEEL_DENSITY}
+    if plate.thickness_mm is None:
+        bodies["plate.thickness_mm"] = THICKNESS_MM
+    if scene.sphere.density_kg_m3 is None:
+        bodies["sphere.density_kg_m3"] = STEEL_DENSITY
+    return scene.with_(bodies)
+
+
+def bodies_text(scene: Scene) -> str:
+    """Write the bodies of an estimate: a ball of steel on a 10 mm plate of steel."""
+    ball, plate = (
+        "steel" if density is None else f"{rounded(density, 4)} kg/m³"
+        for density in (scene.sphere.density_kg_m3, scene.plate.density_kg_m3)
+    )
+    thickness = scene.plate.thickness_mm or THICKNESS_MM
+    return f"a ball of {ball} on a {rounded(thickness, 4)} mm plate of {plate}"
+
+
+def estimated_laeq_db(scene: Scene, approach: Array, step: float, closed: bool) -> float | None:
+    """Estimate LAeq [dB] of the vibration; None where the approach does not fluctuate.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene without dynamics.
+    approach : (steps + 1,) array, m
+        Approach under the constant load at each position.
+    step : float, m
+        Length of a step.
+    closed : bool
+        If true, the steps are whole laps of the track.
+    """
+    motion, steps = scene.motion, len(approach) - 1
+    duration = motion.duration(steps * step)
+    if scene.surface.kind == "smooth" or steps < 4:
+        return None
+    signal, constant = approach[:-1], motion.is_constant(duration)
+    if not constant:
+        count = steps * oversampling(motion, duration, step)
+        places = np.asarray(motion.distance(np.arange(count) * duration / count)) / step
+        signal = np.interp(places, np.arange(steps + 1), approach)
+    if not (closed and constant):
+        signal = faded(signal, duration)
+    rate = len(signal) / duration
+    frequency, mean_square = line_spectrum(signal - signal.mean(), rate)
+    heard = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
+    if not heard.any():
+        return None
+    stiffness = (
+        2
+        * scene.contact_modulus
+        * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    )
+    bodies = with_bodies(scene)
+    gain = roughness_gain(bodies, of_scene.chain(bodies, stiffness))
+    offsets = ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5) / duration
+    points = np.maximum(frequency[heard][:, None] + offsets, 1.0).ravel()
+    weighted = gain(points) * 10 ** (a_weighting_db(points) / 10)
+    return level.level_db(float(mean_square[heard] @ weighted.reshape(-1, _POINTS).mean(axis=1)))

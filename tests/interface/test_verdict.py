@@ -1,0 +1,118 @@
+"""Verdicts follow from known errors and broken limits, the largest first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from finished import VIBRATING, marched
+from scene_text import PLAIN
+
+from rolling.check.findings import check_scene
+from rolling.results import caveats, runs_table, verdict
+from rolling.scene.file import loads
+from rolling.terminal import streams
+
+SCENE = loads(VIBRATING)
+# A vibration of which all is known, with errors below 1 dB.
+KNOWN: dict[str, Any] = {
+    "laeq_db": 40.0,
+    "source": "vibration",
+    "uncertainty_db": {"laeq": 0.4},
+    "laeq_grid_error_db": 0.2,
+    "laeq_grid_error_uncertainty_db": 0.1,
+    "laeq_solver_error_db": -0.1,
+    "laeq_subgrid_error_db": 0.3,
+    "laeq_subgrid_error_uncertainty_db": 0.1,
+    "caveats": [],
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "word", "reason"),
+    [
+        ({}, "trust", "length of the record leaves ± 0.4 dB"),
+        ({"uncertainty_db": {"laeq": 1.2}}, "indicative", "length of the record"),
+        ({"uncertainty_db": {"laeq": 3.2}}, "do not quote", "length of the record"),
+        ({"laeq_grid_error_db": -0.9, "laeq_grid_error_uncertainty_db": 0.9}, "indicative", "grid"),
+        ({"laeq_solver_error_db": -4.0}, "do not quote", "solver leaves 4 dB"),
+        ({"laeq_grid_error_db": None}, "indicative", "grid is unknown"),
+        ({"laeq_subgrid_error_db": None}, "indicative", "below its spacing"),
+        ({"laeq_subgrid_error_db": 5.6}, "do not quote", "below its spacing"),
+        ({"comb_spread_db": 2.0}, "indicative", "spreads by 2 dB"),
+        ({"force_outside_share": 0.02}, "trust", "extrapolated for 2 %"),
+        ({"force_outside_share": 0.51}, "do not quote", "extrapolated for 51 %"),
+        ({"flight_share": 0.1, "record_scatter_db": 0.2}, "indicative", "lost for 10 %"),
+        ({"flight_share": 0.1, "record_scatter_db": 4.0}, "do not quote", "lost for 10 %"),
+        ({"impacts_yield": True}, "do not quote", "impacts would yield"),
+        ({"caveats": [{"key": "slope"}]}, "do not quote", "steeper than a half-space"),
+        ({"caveats": [{"key": "resonance"}]}, "trust", "length of the record"),
+        ({"source": "release", "release_over_vibration_db": 45.2}, "indicative", "45 dB above the"),
+        ({"source": "release", "laeq_grid_error_db": 9}, "do not quote", "the grid leaves"),
+    ],
+)
+def test_the_worst_contribution_is_the_verdict(
+    changes: dict[str, Any], word: str, reason: str
+) -> None:
+    judged = verdict.verdict(KNOWN | changes, SCENE)
+    assert judged is not None and judged["word"] == word and reason in judged["reason"]
+    ranks = [part["word"] for part in judged["contributions"]]
+    assert ranks == sorted(ranks, key=verdict.WORDS.index, reverse=True)
+
+
+def test_an_assumed_share_and_silence() -> None:
+    scene = SCENE.with_({"sound.source": "release", "sound.q": 0.5})
+    judged = verdict.verdict(KNOWN | {"source": "release"}, scene)
+    assert judged is not None and "q = 0.5" in judged["reason"]
+    assert verdict.verdict(KNOWN | {"laeq_db": None}, SCENE) is None
+
+
+def test_a_half_space_is_too_loud_where_its_sound_is_low() -> None:
+    """At 1 m the pressure is 13.5 dB too high at 100 Hz, and 0.5 dB from 10 kHz on."""
+    scene = SCENE.with_({"plate.thickness_mm": None, "plate.loss_factor": None})
+    for name, word in (("100", "do not quote"), ("16000", "trust")):
+        bands = dict.fromkeys(map(str, runs_table.BAND_NAMES)) | {name: 40.0}
+        summary = KNOWN | {"third_octave_a_db": bands, "caveats": [{"key": "half_space_sound"}]}
+        judged = verdict.verdict(summary, scene)
+        assert judged is not None and judged["word"] == word
+
+
+def test_three_warnings_the_largest_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    keys = ["air_load", "nyquist", "step_length", "slope", "seam"]
+    summary = KNOWN | {"caveats": [{"key": key, "text": f"{key}: of it."} for key in keys]}
+    summary |= {"verdict": verdict.verdict(summary, SCENE)}
+    ordered = [caveat.key for caveat in caveats.warnings([("run", summary)])]
+    assert ordered == ["slope", "nyquist", "seam", "step_length", "air_load"]
+    monkeypatch.setattr(runs_table, "stored_summary", lambda run: summary | FILLED)
+    text = runs_table.levels_table([marched(VIBRATING, ["rolling.distance_mm=0.2"])])
+    assert text.count("warning: ") == 3 and "2 more warnings" in text.splitlines()[-1]
+
+
+FILLED = {
+    "levelling": None,
+    "plastic_ratio": 0.0,
+    "surface": dict.fromkeys(("ra", "rq", "skewness", "kurtosis", "rms_slope"), 1.0),
+}
+
+
+def test_lines_are_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "warning: " + "word " * 40
+    assert streams.wrapped(text) == text  # a pipe, whose reader breaks lines as it likes
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "60")
+    assert max(map(len, streams.wrapped(text).splitlines())) <= 60
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ((), "at best indicative: a level of the released power (q = 1)"),
+        (("surface.roughness_ra_um=2",), "is do not quote: the surface is steeper"),
+        (("plate.hardness_gpa=0.0001",), "It does not run: capacity"),
+    ],
+)
+def test_the_check_ends_with_its_conclusion(changes: tuple[str, ...], words: str) -> None:
+    scene = loads(PLAIN, ("surface.width_um=256", *changes))
+    text = verdict.conclusion(scene, check_scene(scene, solve=False))
+    assert words in text and text.endswith(".")
+    assert text.startswith("It does not") or " on " in text

@@ -1,0 +1,103 @@
+"""Levels beside that of a run: the estimate by a linear chain, and a compact source."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from finished import VIBRATING, WITHOUT_DYNAMICS, heard_again, marched
+
+from acoustics.level import laeq_db
+from acoustics.radiation import RHO_C
+from acoustics.uncertainty import record_scatter_db
+from acoustics.weighting import a_weighting_db
+from rolling.report import text
+from rolling.results.run_result import Run
+from rolling.scene.file import loads
+from rolling.sound.vibration_estimate import bodies_text, estimated_laeq_db
+
+
+@pytest.fixture(scope="module")
+def rolled() -> Run:
+    return marched(VIBRATING)
+
+
+def test_a_sine_follows_the_chain() -> None:
+    """A plate alone radiates rho F / (2 pi r m''), F = approach over the receptances in a row.
+
+    The gain is averaged over the interval of the line, which changes it by less than 0.1 dB here.
+    """
+    scene = loads(VIBRATING, (*WITHOUT_DYNAMICS, "sound.ball=false", "plate.density_kg_m3="))
+    steps, step, lines = 2400, 2e-6, 64
+    approach = 1e-9 * np.cos(2 * np.pi * lines * np.arange(steps + 1) / steps)
+    frequency = lines * 0.3 / (steps * step)  # 4 kHz
+    w = 2 * math.pi * frequency
+    mass = 4 / 3 * math.pi * 5e-3**3 * 7850
+    radius = (0.75 * 1 * 5e-3 / scene.contact_modulus) ** (1 / 3)
+    stiffness, area = 2 * scene.contact_modulus * radius, 7850 * 10e-3
+    bending = 210e9 * 10e-3**3 / (12 * (1 - 0.3**2))
+    mobility = 1 / (8 * math.sqrt(bending * area))
+    force = 1e-9 / abs(-1 / (mass * w**2) + 1 / stiffness + mobility / (1j * w))
+    pressure = 1.204 * force / (2 * math.pi * area) / math.sqrt(2)
+    expected = 20 * math.log10(pressure / 2e-5) + float(a_weighting_db(np.array([frequency]))[0])
+    estimate = estimated_laeq_db(scene, approach, step, closed=True)
+    assert estimate == pytest.approx(expected, abs=0.1)
+
+
+@pytest.mark.parametrize("changes", [(), ("rolling.load_n=3",)])
+def test_the_estimate_meets_the_motion(changes: tuple[str, ...]) -> None:
+    """A linear chain of smooth contact lies within 4 dB of the motion where contact holds.
+
+    The stiffness of rough contact is a little lower, which shifts the resonance.
+    """
+    moved = marched(VIBRATING, changes).summary
+    held = marched(VIBRATING, (*WITHOUT_DYNAMICS, *changes)).summary
+    assert held["vibration_estimate_laeq_db"] == pytest.approx(moved["vibration_laeq_db"], abs=4)
+    assert held["vibration_estimate_bodies"].endswith("on a 10 mm plate of 7850 kg/m³")
+
+
+def test_bodies_of_an_estimate() -> None:
+    scene = loads(VIBRATING, (*WITHOUT_DYNAMICS, "sphere.density_kg_m3=", "plate.density_kg_m3="))
+    assert bodies_text(scene) == "a ball of steel on a 10 mm plate of steel"
+
+
+@pytest.mark.parametrize("thickness", [1, 10])
+def test_a_compact_source_has_the_power_of_the_plate(rolled: Run, thickness: float) -> None:
+    """p^2 = rho c P / (2 pi r^2) lies 8 to 17 dB above the axis where the ball rings.
+
+    The ring of 8.5 kHz lies above the coincidence of 10 mm, and below that of 1 mm. The A-weighting
+    of whole bands at their middle differs by some tenths of a decibel.
+    """
+    changes = {"plate.thickness_mm": thickness, "sound.ball": False, "sound.distance_m": 2}
+    summary = heard_again(rolled, rolled.scene.with_(changes)).summary
+    level, bands = summary["compact_source_level_db"], summary["plate_power_third_octave_db"]
+    names = [name for name, db in bands.items() if db is not None]
+    weights = a_weighting_db(np.array([float(name) for name in names]))
+    powers = [
+        1e-12 * 10 ** ((bands[name] + w) / 10) for name, w in zip(names, weights, strict=True)
+    ]
+    square = RHO_C * sum(powers) / (2 * math.pi * 2**2)
+    assert level == pytest.approx(10 * math.log10(square / 2e-5**2), abs=0.5)
+    assert thickness == 1 or 8 < level - summary["laeq_db"] < 17
+
+
+def test_no_compact_source_without_a_loss_factor(rolled: Run) -> None:
+    lossless = heard_again(rolled, rolled.scene.with_({"plate.loss_factor": None}))
+    assert lossless.summary["compact_source_level_db"] is None
+    assert "compact source of the same power: not available" in text.sentence([lossless])
+
+
+def test_thirds_scatter_as_the_level_of_a_record_does() -> None:
+    """Over 300 records of white noise the scatter, less Student's factor, is the level's spread.
+
+    Both are estimated within 5 %.
+    """
+    rng, scatters, levels = np.random.default_rng(1), [], []
+    for _ in range(300):
+        noise = rng.standard_normal(4800)
+        scatters.append(record_scatter_db(noise, 48000) / 1.32)
+        levels.append(laeq_db(noise, 48000))
+    assert math.sqrt(np.mean(np.square(scatters))) == pytest.approx(np.std(levels), rel=0.1)
+    burst = np.where(np.arange(4800) < 800, 10.0, 0.1) * rng.standard_normal(4800)
+    assert record_scatter_db(burst, 48000) > 4
