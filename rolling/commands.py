@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from acoustics import extension, wav
-from rolling.results import labels, runs_table
-from rolling.results.run_files import write_extended
+from rolling.results import labels, listening, runs_table
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.folder import Part, RunFolder, default_folder
@@ -118,7 +117,10 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
     print(runs_table.levels_table(done[: defaults.FEW_RUNS] if many else done))
     if many:
         print(f"{len(done) - defaults.FEW_RUNS} more runs, a row each in {TABLE}")
-    print(f"\nlisten: {done[0].folder / 'listen.wav'}   all files: {folder}")
+    summary = runs_table.stored_summary(done[0]) or {}
+    content = summary.get("listen", {}).get("content", "")  # of another version: unknown
+    print(f"\nlisten: {done[0].folder / 'listen.wav'}{f' ({content})' * bool(content)}")
+    print(f"all files: {folder}")
     if len(runs) > 1:
         print(f"a row per run: {folder / TABLE}")
     if (folder / PAGE).is_file():
@@ -198,7 +200,7 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
 
 
 def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator[tuple[Path, str]]:
-    """Write extended.wav for each run of a run folder; yield its path and its kurtosis in words.
+    """Write noise with the spectrum of each run's record; yield its path and kurtosis in words.
 
     Parameters
     ----------
@@ -207,8 +209,8 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
 
     Raises
     ------
-    FolderError : the folder is no run folder, a run in it is not done or has no sound that can be
-        extended, or `seconds` is not longer than its record or too long.
+    FolderError : the folder is no run folder, a run in it is not done, silent, of changing speed,
+        with impacts or not Gaussian, or `seconds` is not longer than its record or too long.
     """
     if seconds > defaults.MOST_EXTENDED_SECONDS:
         raise FolderError(
@@ -217,8 +219,8 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
     with progress.step("reading the runs, making their sound"):
         runs = open_runs(_done(folder))
     for run in runs:
-        if reason := run.sound.not_extendable:
-            raise FolderError(f"{run.folder}: {reason}, so it cannot be extended")
+        if reason := run.unlike_noise:
+            raise FolderError(f"{run.folder}: {reason}: {listening.NOISE} would not sound like it")
         if round(seconds * wav.SAMPLE_RATE_HZ) <= len(run.sound.pressure):
             raise FolderError(
                 f"{run.folder}: --seconds: got {seconds:g}, the record itself is"
@@ -227,7 +229,7 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
     for run in runs:
         record, rate = run.sound.pressure, wav.SAMPLE_RATE_HZ
         extended = extension.extend(record, round(seconds * rate), rate, run.laps)
-        path = write_extended(run, extended)
+        path = listening.write_extended(run, extended)
         text = (
             f"{run.label}: kurtosis {extension.kurtosis(extended):.1f}, of the record"
             f" {extension.kurtosis(record):.1f} (3: Gaussian noise)"
