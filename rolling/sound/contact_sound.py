@@ -19,7 +19,7 @@ from rolling.scene.scene import Scene
 from rolling.sound.solver_error import resolved_fluctuation
 
 FADE_S = 0.01  # [s], at either end of an open record; at most a tenth of its duration
-COVERAGE = 2.0  # standard uncertainties beyond which a record is not Gaussian noise
+COVERAGE = 3.0  # standard uncertainties beyond which a record is not Gaussian noise
 
 
 @dataclass(frozen=True)
