@@ -184,7 +184,7 @@ def _plot(given: argparse.Namespace) -> int:
 
 
 def _extend(given: argparse.Namespace) -> int:
-    """Write extended records of a run folder."""
+    """Write noise with the spectra of the records of a run folder."""
     with progress.step(LOADING):
         from rolling import commands
     for path, text in commands.extend(given.folder, given.seconds):
@@ -320,7 +320,8 @@ _COMMANDS = {
     ),
     "extend": _Command(
         _extend,
-        "write a long record with the spectrum of a run's record, to listen to; it never repeats",
+        "write noise with the same spectrum as a run's record, as long as wanted, to listen to; it"
+        " has none of the record's single events",
         ("folder", "--seconds"),
     ),
     "accuracy": _Command(

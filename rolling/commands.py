@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 from acoustics import extension, wav
 from acoustics.numbers import rounded
-from rolling.results import labels, runs_table
-from rolling.results.run_files import write_extended
+from rolling.results import labels, listening, runs_table
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.folder import Part, RunFolder, default_folder
@@ -126,7 +125,11 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
         places["a row per run"] = folder / TABLE
     if (folder / PAGE).is_file():
         places["all on one page"] = folder / PAGE
-    print("", *(f"{name}: {labels.printable(str(at))}" for name, at in places.items()), sep="\n")
+    lines = {name: f"{name}: {labels.printable(str(at))}" for name, at in places.items()}
+    summary = runs_table.stored_summary(done[0]) or {}
+    if content := summary.get("listen", {}).get("content"):  # of another version: unknown
+        lines["listen"] += f" ({content})"
+    print("", *lines.values(), sep="\n")
 
 
 def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
@@ -202,7 +205,7 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
 
 
 def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator[tuple[Path, str]]:
-    """Write extended.wav for each run of a run folder; yield its path and its kurtosis in words.
+    """Write noise with the spectrum of each run's record; yield its path and kurtosis in words.
 
     Parameters
     ----------
@@ -211,8 +214,8 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
 
     Raises
     ------
-    FolderError : the folder is no run folder, a run in it is not done or has no sound that can be
-        extended, or `seconds` is not longer than its record or too long.
+    FolderError : the folder is no run folder, a run in it is not done, silent, of changing speed,
+        with impacts or not Gaussian, or `seconds` is not longer than its record or too long.
     """
     if seconds > defaults.MOST_EXTENDED_SECONDS:
         raise FolderError(
@@ -221,8 +224,8 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
     with progress.step("reading the runs, making their sound"):
         runs = open_runs(_done(folder))
     for run in runs:
-        if reason := run.sound.not_extendable:
-            raise FolderError(f"{run.folder}: {reason}, so it cannot be extended")
+        if reason := run.unlike_noise:
+            raise FolderError(f"{run.folder}: {reason}: {listening.NOISE} would not sound like it")
         if round(seconds * wav.SAMPLE_RATE_HZ) <= len(run.sound.pressure):
             raise FolderError(
                 f"{run.folder}: --seconds: got {seconds:g}, the record itself is"
@@ -231,7 +234,7 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
     for run in runs:
         record, rate = run.sound.pressure, wav.SAMPLE_RATE_HZ
         extended = extension.extend(record, round(seconds * rate), rate, run.laps)
-        path = write_extended(run, extended)
+        path = listening.write_extended(run, extended)
         text = (
             f"{run.label}: kurtosis {extension.kurtosis(extended):.1f}, of the record"
             f" {extension.kurtosis(record):.1f} (3: Gaussian noise)"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -132,7 +133,8 @@ def _simulated(
         return Result.empty(runs[number].scene)
 
     scenes = [run.scene for run in runs]
-    with terminal.bar(0.0, scene.name, shown) as bar:
+    silence = terminal.begin(terminal.Level.QUIET) if shown is False else nullcontext()
+    with silence, terminal.bar(0.0, scene.name, shown) as bar:
         loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)
         with local_pool(workers, scenes) as pool:
             loop.run(pool)

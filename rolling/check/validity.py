@@ -11,6 +11,7 @@ from rolling.scene.surfaces import Gaussian, HeightFile
 
 MAX_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
 MAX_CONTACT = 0.2  # contact radius over sphere radius
+NEAR = 3.0  # sphere radii within which a listener is too near
 # These are limits of the length v / f0 of the waves that feed the resonance, divided by the sum of
 # contact radius and correlation length: the contact averages shorter waves out, and the surface has
 # few of them. By a linear model of the ball on a 10 mm steel plate (Q 20), 2 to 100 N, Ra 0.01 to
@@ -23,7 +24,20 @@ DOMINANT = 0.7
 def findings(scene: Scene) -> list[Finding]:
     """Judge whether the model holds for a scene; a height file is read."""
     resonance = _bouncing(scene) if scene.dynamics is None else vibration.resonance(scene)
-    return [*_half_space(scene), resonance, *vibration.findings(scene)]
+    return [*_half_space(scene), *_near(scene), resonance, *vibration.findings(scene)]
+
+
+def _near(scene: Scene) -> list[Finding]:
+    """Warn of a listener to whom the sphere is no small source."""
+    distance = scene.sound.distance_m
+    if distance >= NEAR * scene.radius:
+        return []
+    warning = (
+        f"the listener is {distance:.3g} m away, within {NEAR:g} radii of the sphere, where the"
+        " levels of a small source do not hold: choose a sound.distance_m of at least"
+        f" {NEAR * scene.radius:.3g}"
+    )
+    return [Finding("listener", "listener", si(distance, "m"), warning)]
 
 
 def _half_space(scene: Scene) -> list[Finding]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from importlib.resources import files
 from typing import Any
 
@@ -23,9 +24,10 @@ from rolling import __version__
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
 from rolling.report import assumed, film, hearing, maps, text
-from rolling.results import caveats
+from rolling.results import caveats, listening
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
+from rolling.sound.contact_sound import ContactSound
 from rolling.terminal import defaults
 
 LARGEST_CSV = 200_000  # bytes on the page; `rolling plot` writes longer tables
@@ -73,6 +75,8 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
             unsolved=list(unsolved),
             lengths={round(run.sound.duration, 4) for run in runs},
             short=any(player["buzzes"] for player in players),
+            noisy=not any(run.unlike_noise for run in heard),
+            NOISE=listening.NOISE,
             SHORT_S=caveats.SHORT_S,
             map_scale=scale,
             filmed=any(player["film"] for player in players),
@@ -163,6 +167,7 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
         "label": run.label,
         "seconds": len(sound.pressure) / sound.sample_rate,
         "loops": sound.loops,
+        "lap": _lap(sound),
         "buzzes": any(caveat["key"] == "short_loop" for caveat in view["repeats"]),
         "playback": view["playback"],
         "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
@@ -170,6 +175,14 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
         "bands": _rounded(sound.levels.third_octave_db),
         "spreads": _rounded(run.summary["third_octave_uncertainty_db"]),
     }
+
+
+def _lap(sound: ContactSound) -> dict[str, float]:
+    """Return the lap of a record for the script, with a factor that never exceeds its peak."""
+    lap = sound.lap
+    peak = float(np.abs(lap.samples(sound.pressure)).max())
+    limit = float(np.abs(sound.pressure).max()) / peak if peak > 0 else 1.0
+    return asdict(lap) | {"factor": lap.factor * min(1.0, limit)}
 
 
 def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:

@@ -196,18 +196,19 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
     texts = {}
     if not sound.loops:
         texts["not_loopable"] = (
-            "The ends of the record do not fit together: a loop of it clicks."
+            "The ends of the record do not fit together: a loop of it is cross-faded."
             if sound.closed
             else "The record does not close on itself: it is faded at both ends, and a loop of it"
-            " has gaps."
+            " is cross-faded."
         )
     if sound.levels.level_db is None:
         return texts
     lap = scene.track.lap_steps * scene.track.step
     period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
+    period = min(period, len(sound.lap) / sound.sample_rate)
     rate = rounded(1 / period) if 1 / period < 10 else f"{1 / period:.0f}"
     heard = f"{rate} times a second: the pitch that is heard is the repetition, not the contact."
-    if sound.loops and sound.duration < SHORT_S:
+    if sound.duration < SHORT_S:
         texts["short_loop"] = (
             f"When it loops, the record of {rounded(sound.duration, 3)} s repeats {heard}"
         )

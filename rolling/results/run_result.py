@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,7 +21,7 @@ from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
-from rolling.results import labels, result_file, runs_table
+from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.run_errors import RunErrors, run_errors
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
@@ -28,7 +29,7 @@ from rolling.scene.sweep import Value
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.vibration_sound import Vibration, heard, vibrate
 from rolling.surface.scene_surface import scene_surface
-from rolling.terminal import files
+from rolling.terminal import progress
 
 if TYPE_CHECKING:
     import xarray
@@ -89,6 +90,14 @@ class Run:
         """Number of times that the record holds the solved track, at least 1."""
         return max(1.0, self.result.steps / self.result.solved_steps)
 
+    @property
+    def unlike_noise(self) -> str:
+        """Reason why noise with the same spectrum cannot stand for the record; empty if it can."""
+        impacts = self.vibration.motion.impacts if self.vibration is not None else 0
+        if impacts:
+            return f"its sphere hits the plate {impacts} time{'s' * (impacts > 1)}"
+        return self.sound.unlike_noise
+
     @cached_property
     def series(self) -> Mapping[str, Array]:
         """All series of the whole run by name, in SI units.
@@ -134,26 +143,31 @@ class Run:
         return np.asarray(motion.time(np.minimum(ends, motion.final_distance)), dtype=float)
 
     def play(self) -> Any:
-        """Return a player for a notebook; without IPython, print the name of the WAV file.
+        """Return a player for a notebook; in a script, name listen.wav and open a player for it.
 
-        The gain makes all runs equally loud, so levels are compared by their numbers. A run without
-        files writes listen.wav into the working directory.
+        The record is heard for at least five seconds, in laps. The gain makes all runs equally
+        loud, so levels are compared by their numbers. A run without files writes a temporary one.
+        The system's player is opened on a terminal only, and the script goes on at once.
 
         Returns
         -------
         player : IPython.display.Audio, or None.
         """
-        gain = wav.listening_gain(self.sound.pressure)
-        try:
+        if progress.in_notebook():
             from IPython.display import Audio  # type: ignore[import-not-found, unused-ignore]
-        except ImportError:
-            path = self.folder / "listen.wav"
-            if not path.is_file():
-                content = wav.listening(self.sound.pressure, gain, self.title, self.title)
-                files.write_bytes(path, content)
-            print(f"listen: {path}")
-            return None
-        return Audio(self.sound.pressure * gain, rate=self.sound.sample_rate, normalize=False)
+
+            record = listening.laps(self.sound)
+            samples = record * wav.listening_gain(record)
+            return Audio(samples, rate=self.sound.sample_rate, normalize=False)
+        path = self.folder / "listen.wav"
+        if "provenance" not in self.summary or not path.is_file():  # only in memory
+            prefix = f"{self.scene.name}-listen-"
+            with tempfile.NamedTemporaryFile(prefix=prefix, suffix=".wav", delete=False) as file:
+                file.write(listening.listen_wav(self))
+            path = Path(file.name)
+        print(f"listen: {path}   {listening.laps_in_words(self.sound)}")
+        listening.open_player(path)
+        return None
 
     def save(self, folder: Path | str, report: bool = True) -> Path:
         """Write the run folder that `rolling run` would write.

@@ -13,7 +13,7 @@ import re
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -32,6 +32,27 @@ _WORDS = {
     "model_type": "a section of keys",
     "model_attributes_type": "a section of keys",
     "string_type": "text",
+}
+
+
+class Plausible(NamedTuple):
+    """Sizes that a property of a material has, and units that are taken for its own by a slip."""
+
+    least: float
+    most: float
+    words: str
+    slips: Mapping[str, float]  # size of each unit in the unit of the key
+
+
+_PRESSURES = {"MPa": 1e-3, "Pa": 1e-9}
+MATERIALS = {
+    "youngs_modulus_gpa": Plausible(1e-3, 1200, "GPa, from gels to diamond", _PRESSURES),
+    "hardness_gpa": Plausible(
+        1e-3, 150, "GPa, from gels to diamond", _PRESSURES | {"HV": 9.80665e-3}
+    ),
+    "density_kg_m3": Plausible(
+        10, 25000, "kg/m3, from foams to osmium", {"g/cm3": 1e3, "kg/mm3": 1e9, "t/mm3": 1e12}
+    ),
 }
 
 
@@ -90,8 +111,23 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
         of = f" of kind {_value(data, (key[0], str(by)))}" if by else ""
         like = nearest(str(key[-1]), siblings, elsewhere)
         return key, f"unknown key{of}{like}, allowed: {', '.join(siblings)}"
+    if kind in ("greater_than_equal", "less_than_equal") and key[-1] in MATERIALS:
+        return key, implausible(value, MATERIALS[str(key[-1])])
     like = nearest(value, choices) if isinstance(value, str) else ""
     return key, f"got {shown(value)}, allowed: {_WORDS.get(kind, words)}{like}"
+
+
+def implausible(value: float, sizes: Plausible) -> str:
+    """Write that no material has a size, and the size that was meant if it is a slip of units."""
+    meant = [
+        f"{value * size:.4g} ({value:g} {unit})"
+        for unit, size in sizes.slips.items()
+        if sizes.least <= value * size <= sizes.most
+    ]
+    near = f"; nearest: {min(max(value, sizes.least), sizes.most):g}"
+    return f"got {shown(value)}, allowed: {sizes.least:g} to {sizes.most:g} {sizes.words}" + (
+        f"; did you mean {' or '.join(meant)}?" if meant else near
+    )
 
 
 def unknown_name(name: str, root: type[BaseModel]) -> str:
@@ -116,6 +152,8 @@ def nearest(got: str, *families: Sequence[str]) -> str:
     got = got.lower().replace("-", "_").replace(" ", "_")[: 2 * _LONGEST]
     section, _, last = got.rpartition(".")
     for names in families:
+        if "diameter" in last and (radii := [name for name in names if "radius" in name]):
+            return f", nearest: {radii[0]}, half of it"
         whole = section and not any(name.startswith(f"{section}.") for name in names)
         forms = {name if whole else name.rpartition(".")[2]: name for name in reversed(names)}
         if close := difflib.get_close_matches(got if whole else last, forms, 1):

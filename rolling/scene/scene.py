@@ -183,7 +183,12 @@ class Scene(Section):
     @field_validator("sound")
     @classmethod
     def _has_source(cls, sound: Sound, info: ValidationInfo) -> Sound:
-        dynamics = info.data.get("dynamics", ...)
+        sphere, dynamics = info.data.get("sphere"), info.data.get("dynamics", ...)
+        if sphere is not None and sound.distance_m <= sphere.radius_mm * 1e-3:
+            words = f"more than {sphere.radius_mm * 1e-3:.6g}, the sphere's radius in m"
+            got = messages.plain_number(sound.distance_m)
+            rule = "the listener stands outside the sphere"
+            raise fault(f"got {got}, allowed: {words}: {rule}", "sound", "distance_m")
         if sound.source is None and dynamics is not ...:
             source = "release" if dynamics is None else "vibration"
             sound = sound.model_copy(update={"source": source})

@@ -31,6 +31,7 @@ from pydantic import (
 
 from acoustics.numbers import rounded
 from rolling.scene.messages import (
+    MATERIALS,
     SceneError,
     cut,
     dotted,
@@ -52,6 +53,8 @@ MAX_FAULTS = 100  # maximum number of faults that are named
 # Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
 # maximum.
 _SMALLEST = 1e-15
+YOUNG, HARDNESS, DENSITY = MATERIALS.values()
+HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
 _MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
 _MAX_DEPTH = 16  # maximum nesting of values typed in Python
 
@@ -163,8 +166,8 @@ class Sphere(Section):
     """
 
     radius_mm: float = Field(gt=0)
-    density_kg_m3: float | None = Field(default=None, gt=0)
-    youngs_modulus_gpa: float | None = Field(default=None, gt=0)
+    density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
+    youngs_modulus_gpa: float | None = Field(default=None, ge=YOUNG.least, le=YOUNG.most)
     poissons_ratio: float | None = Field(default=None, ge=0, le=0.5)
 
     @model_validator(mode="after")
@@ -189,7 +192,8 @@ class Plate(Section):
     poissons_ratio : float
         Poisson's ratio [-]
     hardness_gpa : float, optional
-        Hardness [GPa], the maximum pressure that the plate bears; absent: purely elastic
+        Hardness [GPa], the maximum pressure that the plate bears, below a fifth of its modulus;
+        absent: purely elastic
     density_kg_m3 : float, optional
         Density [kg/m3]; dynamics needs it
     thickness_mm : float, optional
@@ -199,12 +203,23 @@ class Plate(Section):
         power there
     """
 
-    youngs_modulus_gpa: float = Field(gt=0)
+    youngs_modulus_gpa: float = Field(ge=YOUNG.least, le=YOUNG.most)
     poissons_ratio: float = Field(ge=0, le=0.5)
-    hardness_gpa: float | None = Field(default=None, gt=0)
-    density_kg_m3: float | None = Field(default=None, gt=0)
+    hardness_gpa: float | None = Field(default=None, ge=HARDNESS.least, le=HARDNESS.most)
+    density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     thickness_mm: float | None = Field(default=None, gt=0)
     loss_factor: float | None = Field(default=None, gt=0, le=1)
+
+    @model_validator(mode="after")
+    def _softer_than_bonds(self) -> Plate:
+        most = self.youngs_modulus_gpa / HARDEST
+        if self.hardness_gpa is not None and self.hardness_gpa >= most:
+            words = (
+                f"got {plain_number(self.hardness_gpa)}, allowed: below a fifth of"
+                f" youngs_modulus_gpa, {most:.4g}; without a hardness the plate is purely elastic"
+            )
+            raise fault(words, "plate", "hardness_gpa")
+        return self
 
     @model_validator(mode="after")
     def _loss_of_bending(self) -> Plate:
@@ -403,7 +418,7 @@ class Sound(Section):
     ball : bool
         Whether the vibration of the sphere is heard beside the plate's
     distance_m : float
-        Distance of the listener [m]
+        Distance of the listener [m], more than the radius of the sphere
     q : float
         Share of the released energy that is radiated [-]
     gain_pa_per_w_m2 : float, optional

@@ -6,17 +6,20 @@ A quasi-static release belongs to a place. Only this module turns it into power,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from acoustics import level, radiation, resampling, uncertainty, wav
+from acoustics import extension, level, radiation, resampling, uncertainty, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
+from acoustics.laps import Lap, crossfaded_lap
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.sound.solver_error import resolved_fluctuation
 
 FADE_S = 0.01  # [s], at either end of an open record; at most a tenth of its duration
+COVERAGE = 3.0  # standard uncertainties beyond which a record is not Gaussian noise
 
 
 @dataclass(frozen=True)
@@ -90,12 +93,30 @@ class ContactSound:
         """Tell whether the record repeats without a click."""
         return self.closed and not self.has_seam
 
+    @cached_property
+    def lap(self) -> Lap:
+        """Part of the record that repeats without a click: all of it if it loops."""
+        if self.loops:
+            return Lap(0, len(self.pressure))
+        ends = fade_length(len(self.pressure), self.duration)
+        return crossfaded_lap(self.pressure, ends, self.sample_rate)
+
     @property
-    def not_extendable(self) -> str:
-        """Reason why no longer record can stand for this one; empty if one can."""
+    def unlike_noise(self) -> str:
+        """Reason why noise with the same spectrum cannot stand for the record; empty if it can."""
         if not self.pressure.any():
             return "its record is silent"
-        return "" if self.constant_speed else "its speed changes"
+        if not self.constant_speed:
+            return "its speed changes"
+        ends = 0 if self.closed else fade_length(len(self.pressure), self.duration)
+        whole = self.pressure[ends : len(self.pressure) - ends]
+        value, spread = extension.kurtosis(whole), extension.kurtosis_uncertainty(whole)
+        if not abs(value - 3.0) <= COVERAGE * spread:
+            return (
+                f"its record has a kurtosis of {value:.3g}, and noise of its length and spectrum"
+                f" 3 ± {COVERAGE * spread:.2g}"
+            )
+        return ""
 
     @property
     def ends(self) -> str:

@@ -1,7 +1,7 @@
 """Lines and bars that a person sees while a command works, on standard error.
 
 A command of the command line begins with `begin`. Without it, in a program of somebody else, there
-are bars on a terminal and in a notebook, and no lines.
+are bars on a terminal and in a notebook, and no lines but that of the compilation.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Self
@@ -79,10 +79,11 @@ def detail(text: str) -> None:
 
 
 def compiling() -> None:
-    """Say that the solver is compiled, the first time in a command."""
+    """Say that the solver is compiled, the first time in a command or a program."""
     if not _voice.has_told_compiling:
         _voice.has_told_compiling = True
-        line(COMPILING)
+        with nullcontext() if _voice.level is not None else begin(Level.NORMAL):
+            line(COMPILING)
 
 
 @contextmanager

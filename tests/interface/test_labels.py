@@ -170,7 +170,7 @@ def test_long_names_are_cut_and_stand_once() -> None:
 def test_ten_swept_keys_stay_short_and_apart() -> None:
     keys = [
         "rolling__load_n",
-        "plate__youngs_modulus_gpa",
+        "sphere__density_kg_m3",
         "plate__hardness_gpa",
         "sphere__radius_mm",
         "sound__distance_m",
@@ -178,9 +178,10 @@ def test_ten_swept_keys_stay_short_and_apart() -> None:
     cases = [
         Case(
             scene(
-                **{key: 1 + (k >> n & 1) for n, key in enumerate(keys)},
+                **{key: 10 + (k >> n & 1) for n, key in enumerate(keys)},
                 surface__seed=k,
                 surface__roughness_ra_um=k + 1,
+                plate__youngs_modulus_gpa=100 + (k >> 1 & 1),
             )
         )
         for k in range(32)

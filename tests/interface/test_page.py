@@ -188,9 +188,12 @@ def test_a_blind_test_counts_and_states_the_chance(pages, opened) -> None:
     with opened(pages("three")) as page:
         assert page.locator("[data-abx]").first.is_disabled()
         page.click("#abx-begin")
+        assert page.is_checked("input[name=mode][value=equal]")  # else the level alone would tell
         shown = page.input_value("#choose")
         for trial in range(1, 4):
             page.click("[data-abx=is-a]" if heard_run(page) == 0 else "[data-abx=is-b]")
+            pressed = page.locator("[aria-pressed=true]").all_text_contents()
+            assert pressed == ["Hear X"]
             result = page.text_content("#abx-result")
             assert result.startswith(f"Right. {trial} of {trial} right")
         assert "in 13 % of tests" in result  # 1/8, with two digits

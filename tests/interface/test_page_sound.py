@@ -171,6 +171,23 @@ def test_play_plays_the_computed_record(name, pages, opened) -> None:
     assert np.abs(np.array(played) - record).max() < 2**-15  # the rounding of 16 bits
 
 
+def test_a_record_that_does_not_close_goes_round_as_listen_wav_does(pages, opened) -> None:
+    """With Loop on, the lap of listen.wav goes round, within the rounding of 16 bits."""
+    path, (run,) = pages("braking"), runs_of("braking")
+    playback, lap = data_of(path)["runs"][0]["playback"], run.sound.lap
+    heard = lap.samples(run.sound.pressure) / playback["full_scale_pa"]
+    factor = data_of(path)["runs"][0]["lap"]["factor"]
+    with opened(path) as page:
+        assert not page.is_checked("#loop") and "cross-faded" in page.inner_text("main")
+        page.check("#loop")
+        page.click("#play")
+        until(page, "tap.sources.length > 0")
+        played = np.array(page.evaluate("[...tap.sources[0].buffer.getChannelData(0)]"))
+        assert page.evaluate("tap.sources[0].loop")
+    assert len(played) == len(lap) and np.abs(played).max() <= 10 ** (-1 / 20) + 1e-4
+    assert np.abs(played - heard * factor / lap.factor).max() < 2**-14
+
+
 def test_records_of_other_lengths_go_round_or_fall_silent(pages, opened) -> None:
     """At 0.7 s, records of 0.9 and 0.45 s that loop and records that are over have own times."""
     path = pages("one", "fast", "braking", "lap")

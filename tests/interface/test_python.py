@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +20,8 @@ from scene_text import TINY
 import rolling as rc
 from rolling import cli, interface
 from rolling.results.run_result import Run
+from rolling.run import pools
+from rolling.terminal import progress as terminal_progress
 
 SCRIPT = """\
 import rolling as rc
@@ -165,6 +168,27 @@ def test_progress_is_shown_where_it_is_asked_for(
     assert "100%" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("progress", [None, False])
+def test_compilation_is_said_once_unless_silence_is_asked_for(
+    progress: bool | None,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A first run in a script compiles for a minute, and its terminal says so."""
+    submit = pools.ThisProcess.submit
+
+    def compiling(pool: pools.ThisProcess, task: pools.Task) -> Any:
+        terminal_progress.compiling()
+        return submit(pool, task)
+
+    monkeypatch.setattr(terminal_progress._voice, "has_told_compiling", False)
+    monkeypatch.setattr(pools.ThisProcess, "submit", compiling)
+    rc.simulate(rc.read_scene(folder / "scene.yaml"), workers=1, progress=progress)
+    told = capsys.readouterr().err.count(terminal_progress.COMPILING)
+    assert told == (0 if progress is False else 1)
+
+
 @pytest.mark.parametrize("module", [interface], ids=["interface"])
 def test_examples_of_docstrings(module) -> None:
     assert doctest.testmod(module).failed == 0
@@ -176,24 +200,22 @@ def test_levels_and_caveats_for_a_notebook(run: Run) -> None:
     assert repr(run).startswith("<run tiny, load 0.005 N: LAeq ")
 
 
-def test_player_of_a_notebook_or_the_name_of_the_file(
-    run: Run,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+def test_a_notebook_has_a_player_and_a_stored_run_its_file(
+    run: Run, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(sys.modules, "IPython.display", None)
-    assert run.play() is None
-    assert capsys.readouterr().out == "listen: listen.wav\n" and (tmp_path / "listen.wav").is_file()
+    assert rc.open_run(folder / "out").play() is None
+    assert capsys.readouterr().out.startswith(f"listen: {folder / 'out' / 'listen.wav'}   ")
 
     class Display:
         @staticmethod
         def Audio(samples, rate, normalize):
             return len(samples), rate, normalize
 
+    shell = type("ZMQInteractiveShell", (), {})()
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
     monkeypatch.setitem(sys.modules, "IPython.display", Display)
-    assert run.play() == (len(run.sound.pressure), 48000, False)
+    samples, rate, normalize = run.play()
+    assert 5 * rate <= samples < 5 * rate + len(run.sound.pressure) and not normalize
 
 
 def test_plots_take_and_return_axes(run: Run) -> None:

@@ -52,6 +52,29 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
             "hardness_gpa: .inf",
             "got .inf, allowed: a finite number",
         ),
+        *(
+            ("hardness_gpa: 2.1", f"{key}: {got}", message)
+            for key, got, message in (
+                ("hardness_gpa", 2.1e9, "; did you mean 2.1 (2.1e+09 Pa)?"),
+                ("hardness_gpa", 200, "; did you mean 0.2 (200 MPa) or 1.961 (200 HV)?"),
+                ("hardness_gpa", 42, "6: plate.hardness_gpa: got 42, allowed: below a fifth of"),
+                ("hardness_gpa", 0, "0.001 to 150 GPa, from gels to diamond; nearest: 0.001"),
+                ("density_kg_m3", 7.85, "; did you mean 7850 (7.85 g/cm3)?"),
+                ("density_kg_m3", 26000, "10 to 25000 kg/m3, from foams to osmium; nearest: 25000"),
+            )
+        ),
+        (
+            "youngs_modulus_gpa: 210",
+            "youngs_modulus_gpa: 208000",
+            "4: plate.youngs_modulus_gpa: got 208000, allowed: 0.001 to 1200 GPa, from gels to"
+            " diamond; did you mean 208 (208000 MPa)?",
+        ),
+        ("radius_mm: 5", "diameter_mm: 10", "unknown key, nearest: radius_mm, half of it, allowed"),
+        (
+            "radius_mm: 5",
+            "radius_mm: 1000",
+            "sound.distance_m: got 1, allowed: more than 1, the sphere's radius in m: the listener",
+        ),
         # surface
         (
             "kind: gaussian",
@@ -134,7 +157,7 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         (
             LOADS,
             PLATES + "{youngs_modulus_gpa: -70, poissons_ratio: 0.2}",
-            f"22: sweep.plate.glass.youngs_modulus_gpa: got -70, {NUMBER}",
+            "22: sweep.plate.glass.youngs_modulus_gpa: got -70, allowed: 0.001 to 1200 GPa",
         ),
         (
             LOADS,

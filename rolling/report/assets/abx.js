@@ -12,15 +12,22 @@ function byChance(right, trials) {
   return sum;
 }
 
-/** Lets a run through without its name. */
-function hearBlind(number) {
+/** Marks the button that is heard: a, b or x; none without a name. */
+function press(name) {
+  for (const button of $$("[data-abx][aria-pressed]")) button.setAttribute("aria-pressed", String(button.dataset.abx === name));
+}
+
+/** Lets a run through under the name of a button. */
+function hearBlind(name, number) {
   state.blind = number;
+  press(name);
   if (state.wanted) mix();
   else play();
 }
 
 function beginTest() {
   Object.assign(abx, { trials: 0, right: 0 });
+  setMode("equal"); // the louder one would be told by its level alone
   chooseX();
   $("#abx-result").textContent = "Listen, then say what X is.";
 }
@@ -34,6 +41,7 @@ function chooseX() {
 
 function endTest() {
   abx.x = state.blind = null;
+  press();
   for (const button of $$("[data-abx]")) button.disabled = true;
   if ($("#abx-result")) $("#abx-result").textContent = "";
   if (state.playing) mix();
@@ -48,12 +56,13 @@ function answer(number) {
   const text = `${right ? "Right" : "Wrong"}. ${abx.right} of ${abx.trials} right; guessing gives that or more in ${chance} % of tests.`;
   $("#abx-result").textContent = text;
   chooseX();
+  if ($("[data-abx=x]").ariaPressed === "true") hearBlind("x", abx.x); // the new one
 }
 
 const ABX = {
-  a: () => hearBlind(pair()[0]),
-  b: () => hearBlind(pair()[1]),
-  x: () => hearBlind(abx.x),
+  a: () => hearBlind("a", pair()[0]),
+  b: () => hearBlind("b", pair()[1]),
+  x: () => hearBlind("x", abx.x),
   "is-a": () => answer(pair()[0]),
   "is-b": () => answer(pair()[1]),
 };

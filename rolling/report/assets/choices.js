@@ -36,7 +36,7 @@ function showMode() {
 }
 
 function setLoop(loop) {
-  const changes = state.playing && runs.some((run) => run.buzzes); // records that now go round, or no longer do
+  const changes = state.playing && runs.some((run) => run.buzzes || !run.loops); // records that now go round, or no longer do
   const at = position();
   if (changes) stopVoices();
   state.loop = $("#loop").checked = loop;

@@ -30,11 +30,12 @@ function position() {
 
 const sharedTime = () => (position() === state.end ? longest : modulo(position(), longest));
 
-/** Whether a record goes round again within the longest one; one so short that it buzzes does so only when asked to. */
-const goesRound = ({ loops, buzzes }) => loops && (state.loop || !buzzes);
+/** Whether a record goes round again within the longest one; one that buzzes or does not close does so only when asked to. */
+const goesRound = ({ loops, buzzes }) => state.loop || (loops && !buzzes);
 
 /** Time within a run's own record: round again if it loops, at its end if it is over. */
 function ownTime(number) {
-  const { seconds } = runs[number];
-  return goesRound(runs[number]) && seconds < longest ? modulo(position(), seconds) : Math.min(sharedTime(), seconds);
+  const { seconds, lap } = runs[number];
+  const lasts = (lap.end - lap.overlap - lap.begin) / RATE;
+  return goesRound(runs[number]) && lasts < longest ? lap.begin / RATE + modulo(position(), lasts) : Math.min(sharedTime(), seconds);
 }

@@ -7,15 +7,27 @@ function bytesOf(uri) {
   return bytes;
 }
 
-/** The samples of a player, alone if they loop, and filled up with silence, so that all go round together. */
+/** The part of a record that goes round: all of one that closes, otherwise cross-faded as in listen.wav. */
+function lapOf(record, { begin, end, overlap, correlation, factor }) {
+  const samples = record.getChannelData(0);
+  const lap = samples.slice(begin, end - overlap);
+  for (let i = 0; i < overlap; i++) {
+    const rise = Math.sin((0.5 * Math.PI * (i + 0.5)) / overlap) ** 2;
+    const fall = 1 - rise;
+    lap[i] = (rise * lap[i] + fall * samples[end - overlap + i]) / Math.sqrt(rise ** 2 + fall ** 2 + 2 * correlation * rise * fall);
+  }
+  const round = new AudioBuffer({ length: lap.length, sampleRate: RATE });
+  round.copyToChannel(lap.map((sample) => factor * sample), 0);
+  return round;
+}
+
+/** The samples of a player, its lap, and the record filled up with silence, so that all go round together. */
 async function decodeOne(player) {
   const offline = new OfflineAudioContext(1, 1, RATE); // may be had before the user has clicked anything
-  const buffer = await offline.decodeAudioData(bytesOf(player.src).buffer);
-  const { loops, buzzes } = runs[Number(player.dataset.run)];
-  if (loops && !buzzes) return { record: buffer, round: buffer };
+  const record = await offline.decodeAudioData(bytesOf(player.src).buffer);
   const once = new AudioBuffer({ length: Math.round(longest * RATE), sampleRate: RATE });
-  once.copyToChannel(buffer.getChannelData(0), 0);
-  return { record: buffer, round: loops ? buffer : once, once };
+  once.copyToChannel(record.getChannelData(0), 0);
+  return { record, round: lapOf(record, runs[Number(player.dataset.run)].lap), once };
 }
 
 const decode = () => (state.decoding ??= Promise.all($$("audio").map(decodeOne)));

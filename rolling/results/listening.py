@@ -1,0 +1,161 @@
+"""Records for the ear: listen.wav, at least five seconds of laps, and extended.wav, noise."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from acoustics import extension, wav
+from acoustics.arrays import Array
+from acoustics.numbers import rounded
+from rolling.sound.contact_sound import ContactSound
+from rolling.terminal.files import make_below, write_bytes
+
+if TYPE_CHECKING:
+    from rolling.results.run_result import Run
+
+LEAST_S = 5.0  # [s] of listen.wav; a shorter record is a click
+NOISE = "noise with the same spectrum"
+EXTENDED = (
+    f"{NOISE}: stationary and Gaussian, with the band levels of the record; it has none of the"
+    " record's single events and never repeats"
+)
+PLAYERS = ("afplay", "pw-play", "paplay", "aplay", "ffplay -nodisp -autoexit", "xdg-open")
+
+
+def laps(sound: ContactSound) -> Array:
+    """Return the record [Pa], or as many of its laps as last five seconds."""
+    samples = round(LEAST_S * sound.sample_rate)
+    if len(sound.pressure) >= samples:
+        return sound.pressure
+    return np.tile(sound.lap.samples(sound.pressure), math.ceil(samples / len(sound.lap)))
+
+
+def laps_in_words(sound: ContactSound) -> str:
+    """Say how listen.wav follows from the record."""
+    lap, rate = sound.lap, sound.sample_rate
+    if len(sound.pressure) >= LEAST_S * rate:
+        return f"the record, {sound.ends}"
+    count = f"{len(laps(sound)) // len(lap)} laps of the record"
+    if sound.loops:
+        return f"{count} of {rounded(sound.duration, 3)} s, which closes on itself"
+    return (
+        f"{count}, which does not close: {rounded(len(lap) / rate, 3)} s of its"
+        f" {rounded(sound.duration, 3)} s, cross-faded over {rounded(lap.overlap / rate * 1e3)} ms"
+        f" at points of equal slope and scaled by {20 * math.log10(lap.factor):+.1f} dB to its LAeq"
+    )
+
+
+def listen_wav(run: Run) -> bytes:
+    """Write listen.wav of a run."""
+    record = laps(run.sound)
+    gain = wav.listening_gain(record)
+    comment = (
+        f"{gain:.6g} full scale per Pa, {_rule(run, gain)}; {laps_in_words(run.sound)};"
+        f" {facts(run)}"
+    )
+    repeats = run.sound.loops or len(record) > len(run.sound.pressure)
+    return wav.listening(record, gain, comment, wav_title(run), loops=repeats)
+
+
+def write_extended(run: Run, extended: Array) -> Path:
+    """Write extended.wav, noise [Pa] for the ear, and return its path.
+
+    Raises
+    ------
+    OSError : the file cannot be written. An earlier file is kept.
+    """
+    gain = wav.listening_gain(extended)
+    kurtosis = extension.kurtosis(extended), extension.kurtosis(run.sound.pressure)
+    comment = (
+        f"extended: {EXTENDED}; kurtosis {rounded(kurtosis[0], 3)}, of the record"
+        f" {rounded(kurtosis[1], 3)};"
+        f" {gain:.6g} full scale per Pa, {_rule(run, gain)}; {facts(run)}"
+    )
+    path = run.folder / "extended.wav"
+    title = f"{wav_title(run)}, {NOISE}"
+    make_below(run.home, run.folder)
+    write_bytes(path, wav.listening(extended, gain, comment, title, loops=True))
+    return path
+
+
+def wav_title(run: Run) -> str:
+    """Return the title of the sound files of a run."""
+    return f"{run.scene.name}, {run.label}"
+
+
+def facts(run: Run) -> str:
+    """Write the facts that the comment of a sound file holds."""
+    s, factor = run.scene.sound, run.sound.factor
+    source = f"vibration of {'plate and sphere' if s.ball else 'plate'} on the axis"
+    if factor is not None:
+        source = f"q {s.q:g}, {factor:.6g} Pa per W/m2 of fluctuation"
+    return f"{wav_title(run)}; distance {s.distance_m:g} m, {source}; {run.sound.ends}"
+
+
+def _rule(run: Run, gain: float) -> str:
+    """Name the rule that sets the gain [full scale per Pa] of a record for the ear."""
+    if not run.sound.pressure.any():
+        return "silence"
+    return "the largest gain" if gain >= wav.MOST_GAIN else "equal loudness"
+
+
+def meaning(run: Run) -> dict[str, Any]:
+    """Return the content of listen.wav and the meaning of its samples."""
+    record = laps(run.sound)
+    gain = wav.listening_gain(record)
+    rule = _rule(run, gain)
+    consequences = {
+        "silence": "the record is silent, and the gain is 1",
+        "the largest gain": "the gain is the largest there is, that of a record at 0 dB(A): this"
+        " one is below and stays quieter than others",
+        "equal loudness": "the gain makes runs equally loud, so compare their levels by the"
+        " numbers, not by ear",
+    }
+    return {
+        "content": laps_in_words(run.sound),
+        "duration_s": len(record) / run.sound.sample_rate,
+        "meaning": "Samples times pascal_per_full_scale are sound pressure in Pa at the listener;"
+        f" {consequences[rule]}.",
+        "pascal_per_full_scale": 1.0 / gain,
+        "gain_full_scale_per_pa": gain,
+        "gain_db_re_1_per_pa": 20.0 * math.log10(gain),
+        "rule": rule,
+    }
+
+
+def open_player(path: Path) -> None:
+    """Play a file by a player of the system, where a person sits at a terminal and one exists."""
+    if not sys.stdout.isatty() or "CI" in os.environ:
+        return
+    has_display = sys.platform == "darwin" or {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}
+    for command in PLAYERS if has_display else PLAYERS[:-1]:
+        name, *options = command.split()
+        if program := shutil.which(name):
+            words = [program, *options, str(path)]
+            threading.Thread(target=_run_silently, args=(words,), daemon=True).start()
+            return
+
+
+def _run_silently(words: Sequence[str]) -> None:
+    """Run a program that neither reads nor writes on the terminal, and survives Ctrl-C there."""
+    nowhere = subprocess.DEVNULL
+    with suppress(OSError):
+        subprocess.run(
+            words,
+            stdin=nowhere,
+            stdout=nowhere,
+            stderr=nowhere,
+            start_new_session=True,
+            check=False,
+        )
