@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 from rolling.scene.scene import Scene
+from rolling.surface.scene_surface import has_detail
 
 SHARE = 0.25  # maximum cost of the estimate over the cost of the run
 # Minimum and maximum number of stretches. Four give a standard error; more than eight hardly
@@ -26,6 +27,9 @@ LEAST_TOLERANCE = 1e-10  # rounding does not let a solve come closer
 # stretches of a scene, and all numbers that follow from them, have to stay.
 COST_POWER = 1.95
 LEVELS = ("tight", "fine", "coarse")  # marches of a stretch, beside the run itself
+# The level of half the spacing with the detail of the surface's law, and the number of stretches
+# that are marched on it. They are not paid from the share, which would shorten all stretches.
+DETAIL, DETAILED = "detail", 2
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,14 @@ class Layout:
 
     steps: int
     firsts: tuple[int, ...]
+
+    def marches(self, detail: bool) -> list[tuple[int, str]]:
+        """Return first position and level of each march, with or without those of detail."""
+        detailed = self.firsts[:: max(1, len(self.firsts) // DETAILED)][:DETAILED] if detail else ()
+        return [
+            *((first, level) for first in self.firsts for level in LEVELS),
+            *((first, DETAIL) for first in detailed),
+        ]
 
 
 def tight_tolerance(scene: Scene) -> float:
@@ -53,6 +65,8 @@ def level_cost(scene: Scene, level: str, power: float = COST_POWER) -> float:
     """
     if level == "coarse":  # at twice the spacing and the scene's own tolerance
         return math.pow(2.0, -power)
+    if level == DETAIL:  # at half the spacing and the scene's own tolerance
+        return math.pow(2.0, power)
     # The number of iterations is proportional to the logarithm of the tolerance.
     tighter = math.log(tight_tolerance(scene)) / math.log(scene.tolerance)
     return tighter * (math.pow(2.0, power) if level == "fine" else 1.0)
@@ -102,10 +116,11 @@ def cost_share(scene: Scene, power: float = COST_POWER) -> float:
         return 0.0
     if (stretches := layout(scene)) is None:
         return 0.0
-    steps = len(stretches.firsts) * (stretches.steps + START_STEPS)
-    return steps * _step_cost(scene, power) / marched_steps(scene)
+    marches = stretches.marches(has_detail(scene))
+    per_step = sum(level_cost(scene, level, power) for _, level in marches)
+    return (stretches.steps + START_STEPS) * per_step / marched_steps(scene)
 
 
-def _step_cost(scene: Scene, power: float = COST_POWER) -> float:
+def _step_cost(scene: Scene) -> float:
     """Return the cost of a step of a stretch on all levels, in steps of the run."""
-    return sum(level_cost(scene, level, power) for level in LEVELS)
+    return sum(level_cost(scene, level) for level in LEVELS)

@@ -105,6 +105,7 @@ def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.Data
                 "grid_error_db": run.errors.grid_db,
                 "grid_error_standard_uncertainty_db": run.errors.grid_uncertainty_db,
                 "solver_error_db": run.errors.solver_db,
+                "subgrid_error_db": run.errors.subgrid_db,
                 "corrected_level_db": run.errors.corrected_db(_bands(run, a_weighted)),
             }
         numbers = {name: column(levels) for name, levels in columns.items()}

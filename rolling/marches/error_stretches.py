@@ -1,25 +1,28 @@
 """Stretches of a run that are marched again, for the estimate of its errors.
 
 Each stretch is marched from a cold start over the positions of the run: on the run's grid at a
-tight tolerance, at half the spacing and the tight tolerance, and at twice the spacing.
+tight tolerance, at half the spacing and the tight tolerance, and at twice the spacing. Where the
+law of a generated surface goes on below the spacing, some are marched with its detail at half the
+spacing.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from acoustics.arrays import Array
 from rolling.check import error_cost
-from rolling.check.error_cost import LEVELS, Layout
+from rolling.check.error_cost import DETAIL, LEVELS, Layout
 from rolling.marches.piece import Piece
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 from rolling.sound import error_estimate
 from rolling.sound.error_estimate import BandPowers, StretchSignals
 from rolling.sound.vibration_sound import roughness_gain
+from rolling.surface.scene_surface import has_detail
 
 
 def stretch_layout(scene: Scene) -> Layout | None:
@@ -42,8 +45,7 @@ def stretch_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) ->
     known = stretches.marches if stretches and stretches.steps == layout.steps else {}
     return [
         piece("error", first, first + layout.steps, scale, level=level)
-        for first in layout.firsts
-        for level in LEVELS
+        for first, level in layout.marches(has_detail(scene))
         if (first, level) not in known
         for scale in [error_cost.level_cost(scene, level)]
     ]
@@ -54,8 +56,7 @@ def stretch_firsts(scene: Scene, result: Result) -> tuple[int, ...]:
     layout, stretches = stretch_layout(scene), result.stretches
     if layout is None or stretches is None or stretches.fault or stretches.steps != layout.steps:
         return ()
-    known = stretches.marches
-    complete = all((first, level) in known for first in layout.firsts for level in LEVELS)
+    complete = set(layout.marches(has_detail(scene))) <= set(stretches.marches)
     return layout.firsts if complete else ()
 
 
@@ -63,32 +64,62 @@ def stretch_powers(scene: Scene, result: Result) -> BandPowers:
     """Compute the band powers of the complete stretches of a run at the speeds of the scene."""
     stretches, firsts = result.stretches, stretch_firsts(scene, result)
     assert stretches is not None
-    vibrates = scene.sound.source == "vibration"
-    own = result.series["approach" if vibrates else "release_energy"]
-
-    def signals(level: str) -> Array:
-        marches = [stretches.marches[first, level] for first in firsts]
-        return np.array([m.approach[:-1] if vibrates else m.release for m in marches])
-
-    return error_estimate.band_powers(
-        StretchSignals(
-            own=np.array([own[first : first + stretches.steps] for first in firsts]),
-            tight=signals("tight"),
-            fine=signals("fine"),
-            coarse=signals("coarse"),
-            step=result.step,
-            speeds=np.array([_speeds(scene, result, first) for first in firsts]),
-            tolerance_ratio=error_cost.tight_tolerance(scene) / scene.tolerance,
-            gain=roughness_gain(scene) if vibrates else None,
-        )
-    )
+    series = result.series["approach" if scene.sound.source == "vibration" else "release_energy"]
+    own = np.array([series[first : first + stretches.steps] for first in firsts])
+    tight, fine, coarse = (_signals(scene, result, firsts, level) for level in LEVELS)
+    ratio = error_cost.tight_tolerance(scene) / scene.tolerance
+    return _band_powers(scene, result, firsts, (own, tight, fine, coarse), ratio)
 
 
-def plastic_area(scene: Scene, result: Result, level: str) -> float:
-    """Return the mean area at the hardness of the complete stretches of a run on a level [m2]."""
+def detail_powers(scene: Scene, result: Result) -> BandPowers | None:
+    """Compute the band powers with and without the detail of the surface's law; None without it.
+
+    The half spacing with the law's detail is the finer level, the half spacing without it the own.
+    """
+    marches = result.stretches.marches if result.stretches else {}
+    firsts = [first for first in stretch_firsts(scene, result) if (first, DETAIL) in marches]
+    if not firsts:
+        return None
+    flat, fine = _signals(scene, result, firsts, "fine"), _signals(scene, result, firsts, DETAIL)
+    return _band_powers(scene, result, firsts, (flat, flat, fine, flat), 1.0)
+
+
+def plastic_areas(scene: Scene, result: Result, level: str) -> Array:
+    """Return the mean area at the hardness on a level [m2] of each stretch of a run."""
     assert result.stretches is not None
     marches, firsts = result.stretches.marches, stretch_firsts(scene, result)
-    return float(np.mean([marches[first, level].plastic_area for first in firsts]))
+    return np.array([marches[first, level].plastic_area for first in firsts])
+
+
+def _signals(scene: Scene, result: Result, firsts: Sequence[int], level: str) -> Array:
+    """Return the release [J] or the approach [m] of stretches on a level."""
+    assert result.stretches is not None
+    marches = [result.stretches.marches[first, level] for first in firsts]
+    vibrates = scene.sound.source == "vibration"
+    return np.array([m.approach[:-1] if vibrates else m.release for m in marches])
+
+
+def _band_powers(
+    scene: Scene,
+    result: Result,
+    firsts: Sequence[int],
+    signals: tuple[Array, Array, Array, Array],
+    tolerance_ratio: float,
+) -> BandPowers:
+    """Compute the band powers of the signals of stretches on four levels."""
+    own, tight, fine, coarse = signals
+    return error_estimate.band_powers(
+        StretchSignals(
+            own=own,
+            tight=tight,
+            fine=fine,
+            coarse=coarse,
+            step=result.step,
+            speeds=np.array([_speeds(scene, result, first) for first in firsts]),
+            tolerance_ratio=tolerance_ratio,
+            gain=roughness_gain(scene) if scene.sound.source == "vibration" else None,
+        )
+    )
 
 
 def _speeds(scene: Scene, result: Result, first: int) -> Array:

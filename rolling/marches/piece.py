@@ -29,11 +29,16 @@ from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
-from rolling.surface.scene_surface import heights
+from rolling.surface.scene_surface import continued_rows, heights
 
 # Steps of a piece. A cold start costs four to eight steps, which is 2 to 4 % of a piece.
 PIECE_STEPS = 200
-SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0}  # side of a cell on a level, in the run's cells
+SIDES = {
+    "tight": 1.0,
+    "fine": 0.5,
+    "coarse": 2.0,
+    "detail": 0.5,
+}  # side of a cell on a level, in the run's cells
 # Names of the arrays of each kind. Kinds other than the track return a `fault` where a contact
 # cannot be solved, because the run goes on without them.
 _SERIES = {
@@ -64,7 +69,7 @@ class Piece:
     cost : float, s. Expected time.
     load : float, N. Load of the kinds "load" and "judge".
     forces : (positions,) array, N. Load at each position of a lap of the kind "moving".
-    level : str. Level of the kind "error": "tight", "fine" or "coarse".
+    level : str. Level of the kind "error": "tight", "fine", "coarse" or "detail".
     stride : int. Positions from one map to the next of the kind "film".
     """
 
@@ -203,16 +208,19 @@ def level_contact(scene: Scene, level: str, first: int, steps: int) -> RollingCo
     Position 0 of the contact is the first position of the stretch. All levels have the run's number
     of sub-cells per cell.
     """
-    tolerance = scene.tolerance if level == "coarse" else error_cost.tight_tolerance(scene)
-    return contact_on_grid(scene, SIDES[level], tolerance, first, steps)
+    tight = level in ("tight", "fine")
+    tolerance = error_cost.tight_tolerance(scene) if tight else scene.tolerance
+    detail = level == error_cost.DETAIL
+    return contact_on_grid(scene, SIDES[level], tolerance, first, steps, detail)
 
 
 def contact_on_grid(
-    scene: Scene, side: float, tolerance: float, first: int, steps: int
+    scene: Scene, side: float, tolerance: float, first: int, steps: int, detail: bool = False
 ) -> RollingContact:
     """Return the contact of a stretch with cells of another side, in cells of the run, 1/2, 1 or 2.
 
-    Position 0 of the contact is the first position of the stretch.
+    Position 0 of the contact is the first position of the stretch. With `detail`, cells of half the
+    side hold the detail of the surface's law, and are flat.
     """
     whole, surface = rolling_contact(scene), heights(scene)
     # Twice the radius of overlap holds the highest peaks, and a few nodes hold the run-in.
@@ -227,10 +235,17 @@ def contact_on_grid(
         row, rows = 0, len(surface)
     rows += rows % 2
     # Flat cells begin where the cells of the run begin, and places count from a centre.
-    off_centre = 0.0 if whole.slopes else (side - 1) / 2 * spacing
+    slopes = whole.slopes and not detail
+    off_centre = 0.0 if slopes else (side - 1) / 2 * spacing
+    if detail:
+        finer = continued_rows(scene, row, rows)
+        cells = cells_of_patch(finer, 0, len(finer), 1.0, whole.subcells, slopes)
+    else:
+        cells = cells_of_patch(surface, row, rows, side, whole.subcells, slopes)
     return replace(
         whole,
-        heights=cells_of_patch(surface, row, rows, side, whole.subcells, whole.slopes),
+        heights=cells,
+        slopes=slopes,
         spacing=whole.spacing * side,
         start=place - row * spacing - off_centre,
         tolerance=tolerance,

@@ -178,6 +178,12 @@ class StretchMarch:
     seconds: float
     fault: str = ""
 
+    @classmethod
+    def none(cls, steps: int, fault: str = "") -> StretchMarch:
+        """Return the march of a stretch that was not marched, or that failed."""
+        nan = np.full(steps + 1, np.nan)
+        return cls(nan[1:], nan, np.nan, 0.0, fault)
+
 
 @dataclass
 class ErrorStretches:
@@ -204,8 +210,7 @@ class ErrorStretches:
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add the march of a stretch on a level."""
         if "fault" in arrays:
-            nan, fault = np.full(self.steps + 1, np.nan), f"{piece.level}: {arrays['fault']}"
-            march = StretchMarch(nan[1:], nan, np.nan, 0.0, fault)
+            march = StretchMarch.none(self.steps, f"{piece.level}: {arrays['fault']}")
         else:
             march = StretchMarch(
                 arrays["release_energy"],

@@ -47,6 +47,7 @@ COLUMNS = (
     ),
     Column("vibration_estimate_laeq_db", "", "vibration, estimated", "dB(A)", 1.0, ".1f", True),
     Column("laeq_grid_error_db", "", "grid error of LAeq", "dB", 1.0, "+.2f", True),
+    Column("laeq_subgrid_error_db", "", "error of LAeq from missing detail", "dB", 1, "+.2f", True),
     Column("laeq_solver_error_db", "", "solver error of LAeq", "dB", 1.0, "+.2f", True),
     Column("laeq_uncertainty_db", "", "u(LAeq) with grid and solver", "dB", 1.0, ".2f", True),
     Column("laf_max_db", "laf_max", "LAFmax", "dB"),

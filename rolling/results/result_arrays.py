@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
-from rolling.check.error_cost import LEVELS
+from rolling.check.error_cost import DETAIL, LEVELS
 from rolling.marches.observers import (
     EVENT_COLUMNS,
     STATE_SERIES,
@@ -35,7 +35,7 @@ from rolling.sound.vibration_sound import Vibration
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
 
-FORMAT = 3
+FORMAT = 4
 Arrays = dict[str, NDArray[Any]]
 # Dimensions, unit and type of each variable by its path. A step series has an entry for the step
 # from each position to the next, a state series one for each position.
@@ -118,7 +118,7 @@ def fixed_lengths(result: Result) -> dict[str, int]:
         "place": result.solved_steps + 1,
         "place_step": result.solved_steps,
         "axis": 2,
-        "level": len(LEVELS),
+        "level": len(_LEVELS),
         "band": len(MID_HZ),
     }
 
@@ -223,13 +223,15 @@ def _read_events(arrays: Arrays, facts: Facts, result: Result) -> dict[int, Arra
     return {0: {name: arrays[name] for name in EVENT_COLUMNS}}
 
 
+_LEVELS = (*LEVELS, DETAIL)  # that of detail is NaN where a stretch is not marched on it
 _STRETCH = {"release_energy": "release", "approach": "approach", "plastic_area": "plastic_area"}
 
 
 def _write_stretches(stretches: ErrorStretches, run: Run) -> Group:
     """Return the marches by stretch and level, and the reasons of those that failed."""
     firsts = sorted({first for first, _ in stretches.marches})
-    marches = [[stretches.marches[first, level] for level in LEVELS] for first in firsts]
+    none = StretchMarch.none(stretches.steps)
+    marches = [[stretches.marches.get((k, level), none) for level in _LEVELS] for k in firsts]
     arrays = {
         name: np.array([[getattr(march, field) for march in row] for row in marches])
         for name, field in _STRETCH.items()
@@ -243,8 +245,10 @@ def _read_stretches(arrays: Arrays, facts: Facts, result: Result) -> ErrorStretc
     release, approach, areas = (arrays[name] for name in _STRETCH)
     stretches, faults = ErrorStretches(release.shape[2]), json.loads(facts["faults"])
     for row, first in enumerate(arrays["first"].tolist()):
-        for column, level in enumerate(LEVELS):
+        for column, level in enumerate(_LEVELS):
             at, fault = (row, column), faults[row][column]
+            if level == DETAIL and not fault and np.isnan(areas[at]):
+                continue
             march = StretchMarch(release[at], approach[at], float(areas[at]), 0.0, fault)
             stretches.marches[first, level] = march
     return stretches

@@ -22,7 +22,7 @@ from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 from rolling.sound import error_estimate
 from rolling.sound.contact_sound import ContactSound
-from rolling.sound.error_estimate import LevelErrors, RecordLevels
+from rolling.sound.error_estimate import DetailErrors, LevelErrors, RecordLevels
 from rolling.sound.vibration_sound import Vibration
 
 LINEAR = 0.3  # rms of the contact force over the load up to which sphere and plate are linear
@@ -36,7 +36,9 @@ class RunErrors:
     reason : str. Reason why there are no numbers; empty if there are.
     stretches, steps : int. Number of marched stretches, and of steps of each.
     worst_uncertainty_db : float, dB. Maximum standard error of the judged bands; inf: unknown.
-    plastic_ratio : float. Relative error of the plastic ratio from the grid; NaN: unknown.
+    plastic_ratio : (float, float). Relative error of the plastic ratio from the grid and its
+        standard uncertainty; NaN: unknown.
+    detail : DetailErrors. Errors from missing detail below the spacing; None: unknown.
     """
 
     levels: LevelErrors | None
@@ -44,7 +46,8 @@ class RunErrors:
     stretches: int = 0
     steps: int = 0
     worst_uncertainty_db: float = math.inf
-    plastic_ratio: float = math.nan
+    plastic_ratio: tuple[float, float] = (math.nan, math.nan)
+    detail: DetailErrors | None = None
 
     @property
     def grid_db(self) -> dict[str, float | None]:
@@ -60,6 +63,11 @@ class RunErrors:
     def solver_db(self) -> dict[str, float | None]:
         """Errors of the band levels from the solver [dB]."""
         return _by_band(self.levels.solver_db if self.levels else None)
+
+    @property
+    def subgrid_db(self) -> dict[str, float | None]:
+        """Errors of the band levels from missing detail below the spacing [dB]."""
+        return _by_band(self.detail.bands_db if self.detail else None)
 
     @property
     def total_db(self) -> dict[str, float | None]:
@@ -105,19 +113,24 @@ def run_errors(
     powers = error_stretches.stretch_powers(scene, result)
     own_factor = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
     record = RecordLevels.of(
-        sound.levels.third_octave_db, sound.levels.third_octave_a_db, own_factor
+        sound.levels.third_octave_db,
+        sound.levels.third_octave_a_db,
+        own_factor,
+        sound.duration * result.solved_steps / result.steps,
     )
-    levels = error_estimate.level_errors(powers, record)
     tight, fine = (
-        error_stretches.plastic_area(scene, result, level) for level in ("tight", "fine")
+        error_stretches.plastic_areas(scene, result, level) for level in ("tight", "fine")
     )
-    factor = error_estimate.refinement_factor(levels.order)
+    detail = None if scene.height_path else error_estimate.NO_DETAIL
+    if with_detail := error_stretches.detail_powers(scene, result):
+        detail = error_estimate.detail_errors(with_detail, record)
     return RunErrors(
-        levels,
+        error_estimate.level_errors(powers, record),
         stretches=len(error_stretches.stretch_firsts(scene, result)),
         steps=result.stretches.steps if result.stretches else 0,
         worst_uncertainty_db=error_estimate.worst_uncertainty_db(powers),
-        plastic_ratio=factor * (tight / fine - 1.0) if fine > 0 else math.nan,
+        plastic_ratio=error_estimate.mean_error(tight, fine),
+        detail=detail,
     )
 
 
@@ -132,7 +145,7 @@ def numbers(
     """
     if errors is None:
         return {}
-    levels = errors.levels
+    levels, detail = errors.levels, errors.detail
     grid, spread, solver = (
         getattr(levels, f"laeq_{name}_db", math.nan)
         for name in ("grid", "grid_uncertainty", "solver")
@@ -143,6 +156,8 @@ def numbers(
         "grid": known(math.hypot(grid, spread)),
         "solver": known(abs(solver)),
     } | ({} if law_db is None else {"force_law": law_db})
+    if detail and detail is not error_estimate.NO_DETAIL:
+        parts["subgrid"] = known(math.hypot(detail.laeq_db, detail.laeq_uncertainty_db))
     total = math.sqrt(sum(part**2 for part in parts.values() if part is not None))
     return {
         "grid_error_db": errors.grid_db,
@@ -151,8 +166,15 @@ def numbers(
         "laeq_grid_error_db": known(grid),
         "laeq_grid_error_uncertainty_db": known(spread),
         "laeq_solver_error_db": known(solver),
-        "plastic_ratio_grid_error": known(errors.plastic_ratio),
+        "subgrid_error_db": errors.subgrid_db,
+        "laeq_subgrid_error_db": detail and known(detail.laeq_db),
+        "laeq_subgrid_error_uncertainty_db": detail and known(detail.laeq_uncertainty_db),
+        "plastic_ratio_grid_error": known(errors.plastic_ratio[0]),
+        "plastic_ratio_grid_error_uncertainty": known(errors.plastic_ratio[1]),
         "grid_signal_db": known(getattr(levels, "grid_signal_db", math.nan)),
+        "grid_signal_uncertainty_db": known(
+            getattr(levels, "grid_signal_uncertainty_db", math.nan)
+        ),
         "solver_signal_db": known(getattr(levels, "solver_signal_db", math.nan)),
         "laeq_uncertainty_db": None if levels is None else total,
         "laeq_uncertainty_parts_db": parts,

@@ -161,9 +161,13 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
         for key, name in (("grid_signal_db", "grid"), ("solver_signal_db", "solver"))
         if summary[key] is not None
     ]
+    corrected, detail = uncertain(summary["laeq_db"] - grid - solver, spread), ""
+    if subgrid := summary.get("laeq_subgrid_error_db"):
+        of_detail = summary["laeq_subgrid_error_uncertainty_db"] or 0.0
+        detail = f" {subgrid:+.2f} ± {of_detail:.2f} dB from missing detail below the spacing,"
     return (
-        f"errors of {label}: LAeq {grid:+.2f} ± {grid_spread:.2f} dB from the grid, {solver:+.2f}"
-        f" dB from the solver, corrected {uncertain(summary['laeq_db'] - grid - solver, spread)}"
+        f"errors of {label}: LAeq {grid:+.2f} ± {grid_spread:.2f} dB from the grid,{detail}"
+        f" {solver:+.2f} dB from the solver, corrected {corrected}"
         f" dB(A); rms error of the {summary['source']} over its fluctuation {', '.join(signal)};"
         f" {estimate['stretches']} stretches of {estimate['steps']} steps, order"
         f" {estimate['order']:.1f}"

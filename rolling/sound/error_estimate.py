@@ -10,13 +10,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
 from acoustics.arrays import Array
-from acoustics.bands import BAND_NAMES, EDGES_HZ, NOMINAL_HZ, third_octave_mean_square
+from acoustics.bands import (
+    BAND_NAMES,
+    BANDWIDTH_HZ,
+    EDGES_HZ,
+    NOMINAL_HZ,
+    third_octave_mean_square,
+)
 
 # Limits of the order of convergence in an extrapolation, by trial on three scenes. Levels of whole
 # tracks fell at orders from 1.1 to 2.5 from 2 um over 1 um to 0.5 um, where the three grids of an
@@ -24,7 +31,9 @@ from acoustics.bands import BAND_NAMES, EDGES_HZ, NOMINAL_HZ, third_octave_mean_
 # of the scene with 1.3; `DOUBT` covers the other scenes.
 ORDER_LIMITS = 0.5, 1.5
 DOUBT = 0.5  # standard uncertainty of the part that is extrapolated, over this part
-DEFAULT_ORDER = 1.0  # the order where it cannot be measured
+# Limits for the signal. From 2 um on it fell at orders of 1.5 and more on all scenes of the study.
+SIGNAL_ORDERS = 1.0, 2.0
+DEFAULT_ORDER = 1.0  # the order where it cannot be measured, and that of missing detail
 SHARED_UP_TO_HZ = 800.0  # bands up to this one share an estimate, because a stretch is short
 LEAST_LINES = 2  # minimum number of lines of a stretch in a band with its own estimate
 # Lines of a transform with a Hann window over independent lines.
@@ -32,8 +41,9 @@ HANN_LINES = 1.5
 JUDGED_HZ = 1000.0, 16000.0  # bands whose standard error is judged
 SOUND_SHARE = 1e-4  # a band with less than this share of the fluctuation carries no sound
 _FIRST_LINE = 2  # below this line the Hann window mixes the mean into the lines
-# Rows of the sums: powers of three levels, and powers of the differences between two levels.
-_OWN, _TIGHT, _FINE, _SOLVER, _GRID, _COARSE = range(6)
+# Rows of the sums: powers of three levels, powers of the differences between two levels, and the
+# common power of the differences between coarse and tight and between tight and fine.
+_OWN, _TIGHT, _FINE, _SOLVER, _GRID, _COARSE, _COMMON = range(7)
 
 
 Gain = Callable[[Array], Array]  # power gain over frequency [Hz]
@@ -73,7 +83,7 @@ class StretchSignals:
 class BandPowers:
     """Powers of the signal and of differences between levels of accuracy, by band.
 
-    sums : (stretches, 6, bands) array. Mean squares over the passes, weighted by their speed.
+    sums : (stretches, 7, bands) array. Mean squares over the passes, weighted by their speed.
     lines : (bands,) array. Number of lines of a stretch at the typical speed.
     groups : tuple of tuples of int. Numbers of the bands that share an estimate.
     tolerance_ratio : float. As in `StretchSignals`.
@@ -97,11 +107,13 @@ class RecordLevels:
     z, a : (bands,) arrays. Unweighted and A-weighted mean squares; NaN for a band without a level.
     own_factor : bool. If true, the record's own fluctuation sets its factor to sound pressure, so
         that half the error of its total level cancels.
+    seconds : float, s. Time in which the record does not repeat itself. Default: a long record.
     """
 
     z: Array
     a: Array
     own_factor: bool
+    seconds: float = math.inf
 
     @classmethod
     def of(
@@ -109,13 +121,14 @@ class RecordLevels:
         third_octave_db: dict[str, float | None],
         third_octave_a_db: dict[str, float | None],
         own_factor: bool,
+        seconds: float,
     ) -> RecordLevels:
         """Make the powers from the band levels of a record [dB]."""
         z, a = (
             np.array([np.nan if x is None else 10 ** (x / 10) for x in map(db.get, BAND_NAMES)])
             for db in (third_octave_db, third_octave_a_db)
         )
-        return cls(z, a, own_factor)
+        return cls(z, a, own_factor, seconds)
 
 
 @dataclass(frozen=True)
@@ -128,6 +141,7 @@ class LevelErrors:
         grid and solver, and the standard uncertainty of the former; NaN: unknown.
     laeq_grid_db, laeq_grid_uncertainty_db, laeq_solver_db : float, dB. The same of LAeq.
     grid_signal_db, solver_signal_db : float, dB. Rms error of the signal over its rms fluctuation.
+    grid_signal_uncertainty_db : float, dB. Standard uncertainty of the former.
     """
 
     order: float
@@ -139,6 +153,7 @@ class LevelErrors:
     laeq_grid_uncertainty_db: float
     laeq_solver_db: float
     grid_signal_db: float
+    grid_signal_uncertainty_db: float
     solver_signal_db: float
 
 
@@ -151,10 +166,11 @@ def band_powers(signals: StretchSignals) -> BandPowers:
         _spectrum(values) for values in (signals.own, signals.tight, signals.fine, signals.coarse)
     )
     spectra = own, tight, fine, own - tight, tight - fine, coarse - tight
-    powers = np.stack([np.abs(lines) ** 2 for lines in spectra], axis=1)
+    common = np.real((coarse - tight) * (tight - fine).conj())
+    powers = np.stack([*(np.abs(lines) ** 2 for lines in spectra), common], axis=1)
     length = signals.own.shape[1] * signals.step
     waves = np.arange(_FIRST_LINE, powers.shape[2]) / length  # per metre
-    sums = np.zeros((len(powers), len(spectra), len(BAND_NAMES)))
+    sums = np.zeros((*powers.shape[:2], len(BAND_NAMES)))
     for stretch, lines, speeds in zip(sums, powers, signals.speeds, strict=True):
         for speed, passes in zip(*np.unique(speeds[speeds > 0], return_counts=True), strict=True):
             for row, squares in zip(stretch, lines[:, _FIRST_LINE:], strict=True):
@@ -190,6 +206,41 @@ def _groups(lines: NDArray[np.int64], bands: int) -> tuple[tuple[int, ...], ...]
 # ---- errors
 
 
+@dataclass(frozen=True)
+class DetailErrors:
+    """Errors of levels because the detail of a law below the spacing is missing.
+
+    An error is the reported value less the value with all detail.
+
+    bands_db : (bands,) array, dB. Errors of the band levels; NaN: unknown.
+    laeq_db, laeq_uncertainty_db : float, dB. Error of LAeq and its standard uncertainty.
+    """
+
+    bands_db: Array
+    laeq_db: float
+    laeq_uncertainty_db: float
+
+
+NO_DETAIL = DetailErrors(np.zeros(len(BAND_NAMES)), 0.0, 0.0)  # of a law that ends before the grid
+
+
+def detail_errors(powers: BandPowers, record: RecordLevels) -> DetailErrors:
+    """Estimate the errors of a record from stretches without (own) and with detail (fine).
+
+    Each further octave of detail adds half as much, as the heights of an exponential law do in
+    power. The few stretches count by their lines, because a jackknife needs more of them.
+    """
+    total, bands = powers.sums.sum(axis=0), len(BAND_NAMES)
+    numbers = _reported(total, powers, record)
+    errors, laeq = numbers[:bands], float(numbers[-2])
+    spread = _scatter(powers, math.inf) / _widening(len(powers.sums))
+    share = np.nan_to_num(record.a * 10.0 ** (-errors / 10.0))
+    share /= share.sum()
+    scatter = math.hypot(*(spread[group[0]] * share[list(group)].sum() for group in powers.groups))
+    doubt = DOUBT * (1.0 - 1.0 / refinement_factor(DEFAULT_ORDER)) * laeq
+    return DetailErrors(errors, laeq, math.hypot(scatter, doubt))
+
+
 def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
     """Estimate the errors of a record's levels and their standard errors.
 
@@ -200,8 +251,12 @@ def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
     factor = refinement_factor(order)
     numbers = _reported(total, powers, record)
     spread = _jackknife(powers.sums, lambda part: _reported(part, powers, record))
-    spread[:bands] = np.hypot(spread[:bands], _scatter(powers))
+    spread[:bands] = np.hypot(spread[:bands], _scatter(powers, _record_lines(powers, record)))
+    spread[:bands] = np.hypot(spread[:bands], _not_shared(numbers[:bands], spread[:bands], powers))
     spread = np.hypot(spread, DOUBT * (1.0 - 1.0 / factor) * np.abs(numbers))
+    signal = _grid_signal_db(total)
+    signal_spread = _jackknife(powers.sums, lambda part: np.array([_grid_signal_db(part)]))
+    extrapolated = signal - _signal_db(total[_GRID], total[_FINE], 1.0)
     return LevelErrors(
         order=order,
         order_measured=measured,
@@ -211,11 +266,28 @@ def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
         laeq_grid_db=float(numbers[-2]),
         laeq_grid_uncertainty_db=float(spread[-2]),
         laeq_solver_db=float(numbers[-1]),
-        grid_signal_db=_signal_db(total[_GRID], total[_FINE], factor),
+        grid_signal_db=signal,
+        grid_signal_uncertainty_db=math.hypot(float(signal_spread[0]), DOUBT * extrapolated),
         solver_signal_db=_signal_db(
             total[_SOLVER], total[_TIGHT], _solver_factor(powers.tolerance_ratio)
         ),
     )
+
+
+def mean_error(own: Array, fine: Array) -> tuple[float, float]:
+    """Return the relative error of a mean over stretches on a grid, and its standard uncertainty.
+
+    It is extrapolated from the half spacing with the highest order. The means need not converge
+    from one side, so the whole difference is in doubt.
+    """
+    if not (own.mean() > 0 and fine.mean() > 0):
+        return math.nan, math.nan
+    factor = refinement_factor(ORDER_LIMITS[1])
+    means = np.stack([own, fine], axis=1)[:, :, None]
+    logarithm = _jackknife(means, lambda part: factor * np.log(part[0] / part[1]))
+    difference = math.log(own.mean() / fine.mean())
+    ratio = math.exp(factor * difference)
+    return ratio - 1.0, ratio * math.hypot(difference, float(logarithm[0]))
 
 
 def worst_uncertainty_db(powers: BandPowers) -> float:
@@ -224,7 +296,7 @@ def worst_uncertainty_db(powers: BandPowers) -> float:
     It is infinite if no band does.
     """
     spread = _jackknife(powers.sums, lambda part: _ratios(part, powers)[0])
-    spread = np.hypot(spread, _scatter(powers))
+    spread = np.hypot(spread, _scatter(powers, math.inf))
     power, nominal = powers.sums[:, _FINE].sum(axis=0), np.array(NOMINAL_HZ)
     judged = (nominal >= JUDGED_HZ[0]) & (nominal <= JUDGED_HZ[1])
     judged &= (power > SOUND_SHARE * power.sum()) & np.isfinite(spread)
@@ -238,23 +310,53 @@ def _jackknife(sums: Array, numbers: Callable[[Array], Array]) -> Array:
     return np.asarray(_widening(count) * np.sqrt((count - 1) * np.var(left_out, axis=0)))
 
 
-def _scatter(powers: BandPowers) -> Array:
+def _record_lines(powers: BandPowers, record: RecordLevels) -> Array:
+    """Return the number of lines of each band of a record that weigh as the lines of its group.
+
+    Differences of grids are as strong in all lines of a group, so a line that is quieter than the
+    lines that the stretches hold counts less.
+    """
+    width = np.asarray(BANDWIDTH_HZ)
+    count, density = width * record.seconds, record.z / width
+    for group in map(list, powers.groups):
+        seen = [band for band in group if powers.lines[band] and record.z[band] > 0]
+        if seen:
+            count[group] *= np.fmin(density[group] / np.mean(density[seen]), 1.0)
+    return np.asarray(np.maximum(count, 1.0))
+
+
+def _scatter(powers: BandPowers, record_lines: Array | float) -> Array:
     """Return the widened standard error of bands [dB] if differences of grids are independent.
 
     A jackknife over four stretches is often smaller by chance. The power of n independent lines
-    plus independent differences of a share e of it scatters by sqrt(2 e / n). A gain that all lines
-    share is no such difference.
+    plus independent differences of a share e of it scatters by sqrt(2 e / n), in the stretches and
+    in the lines of a band of the record. A gain that all lines share is no such difference.
     """
     count, total = len(powers.sums), powers.sums.sum(axis=0)
     factor, spread = refinement_factor(_order(total)[0]), np.full(len(BAND_NAMES), np.nan)
+    of_record = np.broadcast_to(record_lines, len(BAND_NAMES))
     for group in map(list, powers.groups):
         lines = max(1.0, count * powers.lines[group].sum() / HANN_LINES)
         tight, fine, difference = total[[_TIGHT, _FINE, _GRID]][:, group].sum(axis=1)
         if fine > 0:
             independent = max(0.0, difference - (math.sqrt(tight) - math.sqrt(fine)) ** 2)
-            share = math.sqrt(2 * independent / fine / lines)
+            share = np.sqrt(2 * independent / fine * (1 / lines + 1 / of_record[group]))
             spread[group] = _widening(count) * factor * 10 / math.log(10) * share
     return spread
+
+
+def _not_shared(errors: Array, spread: Array, powers: BandPowers) -> Array:
+    """Return how far a band's own error may lie from the error of its group [dB].
+
+    The error changes over a group as from this group to the next, less the scatter of both.
+    """
+    apart, groups = np.zeros(len(BAND_NAMES)), [list(group) for group in powers.groups]
+    for group, other in [*pairwise(groups), *pairwise(groups[::-1])]:
+        if len(group) > 1:
+            k, n = group[0], other[0]
+            excess = (errors[k] - errors[n]) ** 2 - spread[k] ** 2 - spread[n] ** 2
+            apart[group] = np.fmax(apart[group], math.sqrt(max(0.0, excess)))
+    return apart
 
 
 def _widening(count: int) -> float:
@@ -273,6 +375,23 @@ def _order(total: Array) -> tuple[float, bool]:
 def refinement_factor(order: float) -> float:
     """Return the whole error over the difference between a grid and half its spacing."""
     return 1.0 / (1.0 - math.exp2(-order))
+
+
+def _grid_signal_db(total: Array) -> float:
+    """Return the rms error of the signal from the grid over its rms fluctuation [dB].
+
+    On three grids whose errors fall by a factor r, a common shape a and independent errors b leave
+    a coarse difference (a / r - a)^2 + (1 + 1 / r^2) b^2, a fine difference (a - r a)^2 + (1 + r^2)
+    b^2, and in common (a - r a)^2 / r - b^2. The order extrapolates the common shape alone.
+    """
+    fine, grid, coarse, common = (float(total[k].sum()) for k in (_FINE, _GRID, _COARSE, _COMMON))
+    if not (fine > 0 and grid > 0):
+        return math.nan
+    low, high = (math.exp2(-order) for order in SIGNAL_ORDERS)
+    r = min(max(math.sqrt(grid / coarse), high), low) if coarse > 0 else low
+    independent = min(max((grid - r * common) / (1 + r + r**2), 0.0), grid / (1 + r**2))
+    shape = (grid - (1 + r**2) * independent) / (1 - r) ** 2
+    return 10.0 * math.log10((shape + independent) / fine)
 
 
 def _solver_factor(tolerance_ratio: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -110,14 +111,7 @@ def filtered(
         The filter leaves nothing.
     """
     shape = noise.shape
-    decay, exponent = AUTOCORRELATIONS[autocorrelation]
-    along, across = (
-        np.minimum(np.arange(n), n - np.arange(n)) * spacing / length
-        for n, length in zip(shape, correlation_length, strict=True)
-    )
-    r2 = along[:, None] ** 2 + across[None, :] ** 2
-    # On a periodic grid the law can have slightly negative spectral densities from rounding.
-    density = np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
+    density, exponent = _density(shape, spacing, correlation_length, autocorrelation)
     heights: Array = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
     heights -= heights.mean()
     # A surface much smaller than its correlation length is flat except for rounding errors, which
@@ -132,6 +126,85 @@ def filtered(
             f" on {sizes} um, allowed: up to about {rounded(longest)} um; enlarge the surface"
         )
     return heights
+
+
+def _density(
+    shape: tuple[int, int],
+    spacing: float,
+    correlation_length: tuple[float, float],
+    autocorrelation: str,
+) -> tuple[Array, int]:
+    """Return the spectral density of a law on a periodic grid, and the exponent of the law."""
+    decay, exponent = AUTOCORRELATIONS[autocorrelation]
+    along, across = (
+        np.minimum(np.arange(n), n - np.arange(n)) * spacing / length
+        for n, length in zip(shape, correlation_length, strict=True)
+    )
+    r2 = along[:, None] ** 2 + across[None, :] ** 2
+    # On a periodic grid the law can have slightly negative spectral densities from rounding.
+    return np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0), exponent
+
+
+DETAIL = 0.01  # a law has detail where its wave at the end of a grid exceeds this of its longest
+
+
+def has_detail(
+    spacing: float, correlation_length: tuple[float, float], autocorrelation: str
+) -> bool:
+    """Return whether a law has heights that a grid of this spacing [m] cannot hold."""
+    decay, exponent = AUTOCORRELATIONS[autocorrelation]
+    # The Gaussian law has the spectrum exp(-(k L)^2 / (4 decay)), of whose root the tail counts.
+    end = np.pi / spacing * min(correlation_length)
+    return exponent < 2 or float(np.exp(-(end**2) / (8 * decay))) > DETAIL
+
+
+def continued(
+    heights: Array,
+    spacing: float,
+    rq: float,
+    correlation_length: tuple[float, float],
+    autocorrelation: str,
+    seed: Sequence[int],
+) -> Array:
+    """Continue heights of a law to half the spacing, at the centres of the quarters of cells.
+
+    Waves that the grid holds stay, less the share that shorter waves folded onto them. The shorter
+    waves up to the end of the finer grid are new.
+
+    Parameters
+    ----------
+    heights : (m, n) array, m
+        Heights on a grid, periodic along and across.
+    spacing : float, m
+        Their spacing.
+    rq : float, m
+        Rms height of the law.
+    correlation_length, autocorrelation
+        As in `gaussian`.
+    seed : sequence of int
+        Seed of the new waves.
+
+    Returns
+    -------
+    (2 m, 2 n) array, m
+        Heights.
+    """
+    shape = 2 * heights.shape[0], 2 * heights.shape[1]
+    law = correlation_length, autocorrelation
+    coarse, fine = (
+        _density(size, step, *law)[0]
+        for size, step in ((heights.shape, spacing), (shape, spacing / 2))
+    )
+    lines = rq * np.sqrt(fine) * np.fft.rfft2(np.random.default_rng(seed).standard_normal(shape))
+    # The waves strictly below the end of the grid; a quarter of a node lies between the centres.
+    along, across = (np.arange(-((n - 1) // 2), (n + 1) // 2) for n in heights.shape)
+    kept = np.ix_(along, across[across >= 0])
+    turn = [np.exp(-0.5j * np.pi * waves / n) for waves, n in zip(kept, heights.shape, strict=True)]
+    # A wave of the coarse grid is a sum of four waves of the finer one at most.
+    gain = 2 * np.sqrt(np.minimum(fine[kept] / np.maximum(coarse[kept], 1e-300), 4.0))
+    lines[kept] = np.fft.rfft2(heights)[kept] * gain * turn[0] * turn[1]
+    finer: Array = np.fft.irfft2(lines, s=shape)
+    return finer
 
 
 def smooth(shape: tuple[int, int]) -> Array:

@@ -6,6 +6,7 @@ most runs of a sweep share it, and small ones before it, so that a sweep may alt
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -129,13 +130,35 @@ def _make(scene: Scene) -> SceneSurface:
     track = scene.track
     shape = track.n_along, track.n_across
     if isinstance(s, Gaussian):
-        across = s.correlation_length_across_um or s.correlation_length_um
-        lengths = (s.correlation_length_um * 1e-6, across * 1e-6)
         heights = surface.gaussian(
-            shape, spacing, s.roughness_ra_um * 1e-6, lengths, s.autocorrelation, s.seed
+            shape, spacing, s.roughness_ra_um * 1e-6, _lengths(s), s.autocorrelation, s.seed
         )
         return SceneSurface(heights, spacing)
     return SceneSurface(surface.smooth(shape), spacing)
+
+
+def has_detail(scene: Scene) -> bool:
+    """Return whether a scene's surface follows a law that goes on below the spacing."""
+    s = scene.surface
+    return isinstance(s, Gaussian) and surface.has_detail(
+        scene.spacing, _lengths(s), s.autocorrelation
+    )
+
+
+def continued_rows(scene: Scene, first: int, rows: int) -> Array:
+    """Return rows of a generated surface at half the spacing, with the detail of its law [m]."""
+    s, whole = scene.surface, heights(scene)
+    assert isinstance(s, Gaussian)
+    rq = s.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
+    patch = whole[(first + np.arange(rows)) % len(whole)]
+    seed = s.seed, first % len(whole), rows
+    return surface.continued(patch, scene.spacing, rq, _lengths(s), s.autocorrelation, seed)
+
+
+def _lengths(s: Gaussian) -> tuple[float, float]:
+    """Return the correlation lengths along and across the track [m]."""
+    across = s.correlation_length_across_um or s.correlation_length_um
+    return s.correlation_length_um * 1e-6, across * 1e-6
 
 
 def wider_times(scene: Scene) -> int | None:
@@ -167,10 +190,8 @@ def wider_heights(scene: Scene, times: int) -> Array:
     other = np.random.default_rng([s.seed, times]).standard_normal((track.n_along, sides))
     left, right = np.split(other, 2, axis=1)
     own = surface.white_noise((track.n_along, track.n_across), s.seed)
-    lengths_um = s.correlation_length_um, s.correlation_length_across_um or s.correlation_length_um
-    lengths = (lengths_um[0] * 1e-6, lengths_um[1] * 1e-6)
     narrow, wide = (
-        surface.filtered(noise, scene.spacing, lengths, s.autocorrelation)
+        surface.filtered(noise, scene.spacing, _lengths(s), s.autocorrelation)
         for noise in (own, np.hstack([left, own, right]))
     )
     return wide * (s.roughness_ra_um * 1e-6 / float(np.abs(narrow).mean()))

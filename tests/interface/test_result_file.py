@@ -105,7 +105,7 @@ def test_readers_of_netcdf_find_names_units_and_places(whole: Run) -> None:
             assert np.array_equal(block[:rows, :columns], pressure_map.pressure)
             assert np.isnan(block[rows:]).all() and np.isnan(block[:, columns:]).all()
         assert file.loads(tree.attrs["scene"]) == scene and tree.attrs["load_n"] == 0.3
-        assert tree.attrs["identity"] == result.identity and tree.attrs["format"] == 3
+        assert tree.attrs["identity"] == result.identity and tree.attrs["format"] == 4
     with xr.open_dataset(path) as data:  # the engine is found by itself
         assert data["release_power"].sizes == {"step": result.steps}
 

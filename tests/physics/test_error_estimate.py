@@ -96,6 +96,33 @@ def test_the_order_of_the_signal_extrapolates_its_error(order: float) -> None:
     assert found.grid_db == pytest.approx(0.1, abs=3e-3)
 
 
+@pytest.mark.parametrize("order", [0.6, 1.0, 1.5])
+@pytest.mark.parametrize("common", [False, True])
+def test_an_order_extrapolates_only_the_common_shape_of_errors(
+    order: float, common: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Errors of -20 dB are known within 1.5 dB; below order 1 a common shape is in doubt."""
+    monkeypatch.setattr(error_estimate, "DOUBT", 0.5)
+    rng = np.random.default_rng(7)
+    true, shared = rng.standard_normal((2, 16, STEPS))
+    own, fine, coarse = (
+        true + 0.1 * share * (shared if common else rng.standard_normal((16, STEPS)))
+        for share in (1.0, 2**-order, 2**order)
+    )
+    found = errors_of(replace(stretches(), own=own, tight=own, fine=fine, coarse=coarse))
+    assert abs(found.grid_signal_db + 20) < max(1.5, 2 * found.grid_signal_uncertainty_db)
+    assert found.grid_signal_uncertainty_db < 4
+
+
+def test_a_mean_over_stretches_is_in_doubt_by_its_whole_difference() -> None:
+    """A difference of 10 % is extrapolated with order 1.5, 1.55 times as far."""
+    fine = np.full(4, 2e-12)
+    error, spread = error_estimate.mean_error(1.1 * fine, fine)
+    assert error == pytest.approx(1.1**1.547 - 1, rel=1e-3)
+    assert spread == pytest.approx(1.1**1.547 * np.log(1.1), rel=1e-3)
+    assert np.isnan(error_estimate.mean_error(0 * fine, fine)).all()
+
+
 @pytest.mark.parametrize(("order", "limit"), [(0.3, 0.5), (2.0, 1.5)])
 def test_the_order_is_limited(order: float, limit: float) -> None:
     assert errors_of(stretches(gain_db=0.1, order=order)).order == limit
@@ -141,6 +168,30 @@ def test_a_standard_error_too_small_by_chance_is_at_least_that_of_independent_li
     factor = 2 * 1.62  # order 1, and Student's factor of four stretches
     expected = factor * 4.34 * np.sqrt(2 * grid / fine / lines)
     assert found.grid_uncertainty_db[group] == pytest.approx(expected, rel=0.1)
+
+
+def test_a_band_of_the_record_has_an_error_of_its_own_few_lines() -> None:
+    """The third octave at 160 Hz (36.7 Hz wide) holds 5.9 lines in 0.16 s, that at 630 Hz 23."""
+    powers = band_powers(stretches(noise=0.3, count=4))
+    long, short = (
+        level_errors(powers, replace(FLAT, seconds=seconds)).grid_uncertainty_db
+        for seconds in (np.inf, 0.16)
+    )
+    group = list(powers.groups[0])
+    fine, grid = (powers.sums[:, row, group].sum() for row in (2, 4))
+    expected = 2 * 1.62 * 4.34 * np.sqrt(2 * grid / fine / np.array([5.9, 23.2]))
+    own = np.sqrt(short**2 - long**2)[[band("160"), band("630")]]
+    assert own == pytest.approx(expected, rel=0.15)  # the order is 1 within 10 %
+
+
+def test_bands_that_share_an_error_are_uncertain_by_its_change_to_the_next() -> None:
+    """The shared error lies a tenth of the Nyquist frequency below the next: 1 dB of 10."""
+    powers = band_powers(stretches(top_db=10.0, count=32))
+    found = level_errors(powers, FLAT)
+    group, other = (groups[0] for groups in powers.groups[:2])
+    change = abs(found.grid_db[other] - found.grid_db[group])
+    assert change > 0.1
+    assert found.grid_uncertainty_db[group] > 0.7 * change
 
 
 def test_standard_errors_are_those_over_other_stretches() -> None:
