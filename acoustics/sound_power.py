@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -10,6 +12,7 @@ from acoustics.bands import AUDIBLE_HZ, third_octave_mean_square
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, ThinPlate
 from acoustics.spectrum import line_spectrum
 
+_legendre = cache(np.polynomial.legendre.leggauss)  # slow: eigenvalues of a matrix
 _NODES = 300  # of the quadrature over directions; 600 change no band by 1e-3 dB
 _GRID = np.geomspace(*AUDIBLE_HZ, 300)  # between these the power per force is interpolated,
 _NEAR = np.geomspace(1e-4, 0.3, 100)  # and at these relative distances from coincidence
@@ -55,7 +58,7 @@ def plate_power_per_force(frequency_hz: ArrayLike, plate: ThinPlate, sides: int 
     loss = plate.loss_factor + air / np.maximum(peak, np.sqrt(air))
     width = loss / np.maximum(4 * np.sqrt(squared) * peak, np.sqrt(loss))
     low, high = np.arcsinh(-peak / width), np.arcsinh((1 - peak) / width)
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = _legendre(_NODES)
     t = low + (high - low) * (nodes + 1) / 2
     u = np.clip(peak + width * np.sinh(t), 1e-12, 1.0)
     mass = 1 - squared * (1 - u**2) ** 2 * (1 + 1j * plate.loss_factor)
@@ -87,7 +90,7 @@ def ball_power_per_force(frequency_hz: ArrayLike, ball: Ball, plane: bool = True
 
 def _image_of_power(ka: Array) -> Array:
     """Return the power over a rigid plane over the free one: the mean of 6 cos^2 sin^2(ka cos)."""
-    nodes, weights = np.polynomial.legendre.leggauss(64)
+    nodes, weights = _legendre(64)
     u = (nodes + 1) / 2
     return np.asarray(np.square(u * np.sin(ka[..., None] * u)) @ weights * 3)
 

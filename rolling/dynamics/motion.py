@@ -17,8 +17,6 @@ DECAYS = 14  # a transient falls to 1e-6 in as many decay times
 FADE_DECAYS = 7  # and to 1e-3 in as many
 MOST_LAPS = 400  # laps of a run-in that does not settle, more of them if they are short:
 MOST_STEPS = 10_000_000
-DETUNING = 0.1  # of the bandwidth; n steps per period detune by (2 pi / n)^2 / 12
-MOST_PER_PERIOD = 200
 
 State = tuple[float, float, float]  # approach [m], ball velocity [m/s], plate displacement [m]
 RunIn = tuple[int, bool]  # laps, settled
@@ -68,8 +66,7 @@ class Stepping:
     Parameters
     ----------
     per_period : int
-        Minimum number of steps in a period of the resonance. The scheme detunes it by 0.2 % at 40,
-        and takes more steps where that is above a tenth of the resonance's bandwidth.
+        Minimum number of steps in a period of the resonance, which the steps keep in tune.
     time_step_s : float or None, s
         Time step, instead of the step from resonance and track.
     start : tuple of float or None
@@ -210,10 +207,14 @@ class _Lap(NamedTuple):
         return self.end[0], self.end[1], 0.0
 
 
-def steps_per_period(chain: Chain, least: int = Stepping.per_period) -> float:
-    """Return the number of time steps in a period of the resonance, more where it is sharp."""
-    sharp = min(2 * np.pi * np.sqrt(chain.quality / 12 / DETUNING), MOST_PER_PERIOD)
-    return float(max(least, sharp))
+def tuned_mass(chain: Chain, step: float) -> float:
+    """Return the mass [kg] with which time steps [s] keep the resonance at its frequency.
+
+    The steps take S = 2/h tan(w h/2) for the frequency w. A mass M (w0/S0)^2 undoes this at w0.
+    Without it 40 steps in a period lower the resonance by 0.2 %.
+    """
+    half = np.pi * chain.resonance_hz * step
+    return float(chain.mass_kg * (half / np.tan(half)) ** 2) if 0 < half < 1 else chain.mass_kg
 
 
 class _Run:
@@ -229,17 +230,16 @@ class _Run:
         duration: float | None,
         choices: Stepping,
     ) -> None:
-        self.law, self.mass, self.mobility, self.load = law, mass, mobility, load
+        self.law, self.mobility, self.load = law, mobility, load
         self.speed, self.choices = speed, choices
         self.first = float(law.position_m[0])
         fastest = float(np.max(speed.speeds_m_s)) if isinstance(speed, Travel) else speed
         longest = choices.time_step_s
-        self.decay_s = np.inf
+        self.decay_s, chain = np.inf, None
         if load > 0:
             chain = Chain(mass, mobility, contact_stiffness(law, load))
             self.decay_s = chain.decay_s
-            rate = steps_per_period(chain, choices.per_period) * chain.resonance_hz
-            longest = longest or 1 / rate
+            longest = longest or 1 / (choices.per_period * chain.resonance_hz)
         if longest is None:
             raise ValueError("a motion without a load needs a time step")
         if choices.time_step_s is None and fastest > 0:
@@ -250,6 +250,7 @@ class _Run:
         period = self.lap_s if self.lap_s and not isinstance(speed, Travel) else duration
         self.lap_steps = ceil(period / longest * (1 - 1e-12))
         self.step = period / self.lap_steps
+        self.mass = mass if chain is None else tuned_mass(chain, self.step)
         self.steps = max(1, round(duration / self.step))
 
     def _whole_duration(self) -> float:

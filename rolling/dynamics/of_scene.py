@@ -8,7 +8,7 @@ from rolling.contact import closed_forms
 from rolling.dynamics import bodies
 from rolling.dynamics.bodies import BendingPlate, Chain
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.motion import BodyMotion, Travel, move
+from rolling.dynamics.motion import BodyMotion, Stepping, Travel, move
 from rolling.scene.scene import Scene
 
 LEAST_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
@@ -59,8 +59,8 @@ def chain_over(scene: Scene, law: ForceLaw) -> Chain:
     return chain(scene, bodies.contact_stiffness(law, scene.load))
 
 
-def motion(scene: Scene, law: ForceLaw) -> BodyMotion:
-    """Move the sphere of a scene over a force law for the duration of the scene."""
+def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> BodyMotion:
+    """Move the sphere of a scene over a force law for its duration; default: steps of `move`."""
     linear = chain_over(scene, law)
     duration = scene.duration
     speed: float | Travel = scene.motion.fastest(duration)
@@ -69,7 +69,8 @@ def motion(scene: Scene, law: ForceLaw) -> BodyMotion:
         times = np.linspace(0.0, duration, count + 1)
         places = np.minimum(scene.motion.distance(times), scene.track.distance)
         speed = Travel(times, np.asarray(places, dtype=float))
-    return move(law, scene.mass, linear.mobility_s_kg, scene.load, speed, duration)
+    stepping = Stepping(time_step_s=time_step_s)
+    return move(law, scene.mass, linear.mobility_s_kg, scene.load, speed, duration, stepping)
 
 
 def extremes(scene: Scene, law: ForceLaw) -> tuple[float, float]:

@@ -135,13 +135,13 @@ def run_errors(
 
 
 def numbers(
-    errors: RunErrors | None, record_db: float | None, law_db: float | None = None
+    errors: RunErrors | None, record_db: float | None, others_db: Mapping[str, float] | None = None
 ) -> dict[str, Any]:
     """Return the numbers for summary.json, none if the scene does not ask for an estimate.
 
     errors : RunErrors. The errors of the run, or None.
     record_db : float, dB. Standard uncertainty of LAeq from the length of the record, or None.
-    law_db : float, dB. Error of the level of a vibration from its force law. Default: none.
+    others_db : mapping, dB. Uncertainty of a vibration's LAeq by name of its origin. Default: none.
     """
     if errors is None:
         return {}
@@ -155,7 +155,7 @@ def numbers(
         "record": record_db,
         "grid": known(math.hypot(grid, spread)),
         "solver": known(abs(solver)),
-    } | ({} if law_db is None else {"force_law": law_db})
+    } | dict(others_db or {})
     if detail and detail is not error_estimate.NO_DETAIL:
         parts["subgrid"] = known(math.hypot(detail.laeq_db, detail.laeq_uncertainty_db))
     total = math.sqrt(sum(part**2 for part in parts.values() if part is not None))

@@ -58,7 +58,12 @@ def summarize(
     """
     surface, seconds = scene_surface(scene), result.series["step_time"]
     law = _law(scene, result, vibration)
-    heard_law = law.get("force_law_error_db") if sound.source == "vibration" else None
+    record, others = sound.uncertainty.laeq_db, dict[str, float]()
+    if vibration is not None and sound.source == "vibration":
+        others = dict(vibration.spreads)
+        record = others.pop("record", None)
+        if (error := law.get("force_law_error_db")) is not None:
+            others["force_law"] = error
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
     del spreads["third_octave"]
     times = seconds[np.isfinite(seconds)]  # unknown of marches that were read from a file
@@ -75,7 +80,7 @@ def summarize(
         "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
         "record_scatter_db": record_scatter(sound.pressure, laps),
-        **numbers(errors, sound.uncertainty.laeq_db, heard_law),
+        **numbers(errors, record, others),
         **_loudness(scene, sound),
         **_release(release, sound),
         **_contact(scene, result),
@@ -251,7 +256,10 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "plate_deflection_m": float(np.ptp(motion.plate_m)),
         "contact_radius_over_thickness": plate and float(radius / plate.thickness_m),
         "force_outside_share": motion.outside_share,
+        "comb_spread_db": vibration.spreads.get("comb"),
+        "comb_mean_laeq_db": vibration.mean_laeq,
         "motion_time_step_s": motion.time_step_s,
+        "motion_step_error_db": vibration.spreads.get("time_step"),
         "motion_balance_error": motion.energy_error,
         "motion_settled": bool(motion.settled),
         "motion_laps": motion.laps,

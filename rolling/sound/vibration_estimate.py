@@ -20,7 +20,7 @@ from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
 from rolling.scene.scene import STEEL_DENSITY, Scene
 from rolling.sound.contact_sound import faded, oversampling
-from rolling.sound.vibration_sound import roughness_gain
+from rolling.sound.vibration_sound import chain_gain
 
 THICKNESS_MM = 10.0
 STEEL = {"plate.youngs_modulus_gpa": 210.0, "plate.poissons_ratio": 0.3}
@@ -86,7 +86,7 @@ def estimated_laeq_db(scene: Scene, approach: Array, step: float, closed: bool) 
         * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     )
     bodies = with_bodies(scene)
-    gain = roughness_gain(bodies, of_scene.chain(bodies, stiffness))
+    gain = chain_gain(bodies, of_scene.chain(bodies, stiffness))
     offsets = ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5) / duration
     points = np.maximum(frequency[heard][:, None] + offsets, 1.0).ravel()
     weighted = gain(points) * 10 ** (a_weighting_db(points) / 10)

@@ -7,8 +7,9 @@ with no factor left to choose. The levels belong to this pressure, sound power s
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from acoustics.radiation import (
     pressure_on_axis,
 )
 from acoustics.sound_power import band_power
+from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
@@ -33,6 +35,9 @@ from rolling.sound.contact_sound import ContactSound, faded
 from rolling.sound.error_estimate import Gain
 
 P_REF_W = 1e-12  # reference sound power
+NEAR = 0.03  # relative change of the speed, over which a looped record's levels spread
+BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
+_SPEEDS = (60, 1000)  # minimum and maximum number of speeds
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +65,12 @@ class Vibration:
     levels : SoundLevels, dB
         Levels of the pressure.
     uncertainty : LevelUncertainty, dB
-        Uncertainty of the levels from the length of the record.
+        Uncertainty of the levels from the parts in `spreads`.
+    spreads : dict, dB
+        Parts of the uncertainty of LAeq: from the length of the record, from its comb, and from
+        the time steps. A part without a number is missing.
+    mean_laeq : float or None, dB
+        Mean level over speeds within 3 %; None where the record has no comb.
     plate_power, ball_power : (31,) array, W
         Sound power in third octaves, NaN where it is unknown: above the coincidence of a plate
         without a loss factor, of a half-space, and in bands that the steps do not resolve.
@@ -76,6 +86,8 @@ class Vibration:
     pressure: Array
     levels: level.SoundLevels
     uncertainty: uncertainty.LevelUncertainty
+    spreads: dict[str, float]
+    mean_laeq: float | None
     plate_power: Array
     ball_power: Array
 
@@ -136,8 +148,41 @@ def vibrate(
     laps : float
         Laps of the track in the record. Default: 1.
     """
-    motion = of_scene.motion(scene, law)
+    motion, chain = of_scene.motion(scene, law), of_scene.chain_over(scene, law)
     closed = whole_laps and bool(motion.settled)
+    force, pressure = _radiated(scene, motion, closed)
+    levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
+    twice = of_scene.motion(scene, law, 2 * motion.time_step_s)
+    coarse = level.sound_levels(_radiated(scene, twice, closed)[1], wav.SAMPLE_RATE_HZ, highest)
+    comb = _comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
+    spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
+    parts = {
+        "record": spread.laeq_db,
+        "comb": comb and comb.spread_db,
+        "time_step": _distance(levels.laeq_db, coarse.laeq_db),
+    }
+    spreads = {name: db for name, db in parts.items() if db is not None}
+    plate, ball = _powers(scene, force, highest)
+    return Vibration(
+        motion=motion,
+        law=law,
+        chain=chain,
+        load=scene.load,
+        closed=closed,
+        highest=highest,
+        force=force,
+        pressure=pressure,
+        levels=levels,
+        uncertainty=_widened(spread, spreads, chain.resonance_hz),
+        spreads=spreads,
+        mean_laeq=comb and comb.mean_laeq_db,
+        plate_power=plate,
+        ball_power=ball,
+    )
+
+
+def _radiated(scene: Scene, motion: BodyMotion, closed: bool) -> tuple[Array, Array]:
+    """Return force fluctuation [N] and pressure [Pa] of a motion at the samples of the sound."""
     duration = len(motion.force_n) * motion.time_step_s
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
     fluctuation = motion.force_n - scene.load
@@ -145,38 +190,90 @@ def vibrate(
         fluctuation = faded(fluctuation, duration)
     if scene.surface.kind == "smooth":  # the remainder is the solver's error
         fluctuation = np.zeros_like(fluctuation)
-    force = _heard(fluctuation, samples)
-    radiated = pressure_on_axis(
+    pressure = pressure_on_axis(
         fluctuation, motion.sample_rate_hz, _sources(scene), scene.sound.distance_m, closed=True
     )
-    pressure = _heard(radiated, samples)
-    levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
-    plate, ball = _powers(scene, force, highest)
-    return Vibration(
-        motion=motion,
-        law=law,
-        chain=of_scene.chain_over(scene, law),
-        load=scene.load,
-        closed=closed,
-        highest=highest,
-        force=force,
-        pressure=pressure,
-        levels=levels,
-        uncertainty=uncertainty.level_uncertainty(
-            pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps
-        ),
-        plate_power=plate,
-        ball_power=ball,
-    )
+    return _heard(fluctuation, samples), _heard(pressure, samples)
 
 
-def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
-    """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure.
+# ---- comb
 
-    Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
-    for ratios of powers, in which an error of the stiffness cancels.
+
+class Comb(NamedTuple):
+    """Levels of a looped record over speeds within 3 %, by the linear chain.
+
+    spread_db : float, dB. Rms difference of LAeq from the level of the mean power.
+    mean_laeq_db : float, dB. Level of the mean power.
     """
-    chain, sources = chain or of_scene.smooth_chain(scene), _sources(scene)
+
+    spread_db: float
+    mean_laeq_db: float | None
+
+
+def _comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
+    """Return the levels over other speeds; None where the resonance holds several lines.
+
+    The force of a lap has lines, and a sharp resonance falls on a line or between two.
+    """
+    if law.period_m is None:
+        return None
+    spacing = scene.motion.fastest(scene.duration) / law.period_m
+    if chain.resonance_hz / chain.quality > BROAD * spacing:
+        return None
+    approach = law.approach(law.position_m, scene.load)
+    lines = 2 * np.square(np.abs(np.fft.rfft(approach)[1:] / len(approach)))
+    order = np.arange(1, len(lines) + 1)
+    gain = chain_gain(scene, chain)
+    powers = []
+    for ratio in np.linspace(1 - NEAR, 1 + NEAR, int(np.clip(16 * NEAR * chain.quality, *_SPEEDS))):
+        frequency = order * (spacing * ratio)
+        audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
+        frequency = frequency[audible]
+        weights = 10 ** (a_weighting_db(frequency) / 10) * gain(frequency)
+        powers.append(float(lines[audible] @ weights))
+    mean = float(np.mean(powers))
+    if not min(powers) > 0:  # no line is heard
+        return None
+    spread = np.sqrt(np.mean(np.square(10 * np.log10(np.array(powers) / mean))))
+    return Comb(float(spread), level.level_db(mean))
+
+
+def _distance(first: float | None, second: float | None) -> float | None:
+    """Return the distance of two levels [dB]; None where one is unknown."""
+    return None if first is None or second is None else abs(first - second)
+
+
+def _widened(
+    spread: uncertainty.LevelUncertainty, spreads: dict[str, float], resonance_hz: float
+) -> uncertainty.LevelUncertainty:
+    """Return uncertainties [dB] of the record joined with the other parts of LAeq's.
+
+    They widen the levels of the whole and of the third octave that holds the resonance.
+    """
+    other = math.hypot(*(db for name, db in spreads.items() if name != "record"))
+    band = BAND_NAMES[min(int(np.searchsorted(EDGES_HZ[1:], resonance_hz)), len(BAND_NAMES) - 1)]
+    whole = {
+        name: None if db is None else math.hypot(db, other)
+        for name, db in asdict(spread).items()
+        if name != "third_octave_db"
+    }
+    bands = dict(spread.third_octave_db)
+    if (own := bands[band]) is not None:
+        bands[band] = math.hypot(own, other)
+    return uncertainty.LevelUncertainty(**whole, third_octave_db=bands)
+
+
+def roughness_gain(scene: Scene) -> Gain:
+    """Return the power gain [Pa2/m2] over a smooth contact, for ratios of powers.
+
+    An error of the stiffness cancels in them.
+    """
+    return chain_gain(scene, of_scene.smooth_chain(scene))
+
+
+def chain_gain(scene: Scene, chain: Chain) -> Gain:
+    """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure."""
+    sources = _sources(scene)
 
     def gain(frequency: Array) -> Array:
         transfer = sum(axis_transfer(frequency, each, scene.sound.distance_m) for each in sources)

@@ -146,7 +146,8 @@ def test_levels_have_errors_of_grid_solver_and_force_law(monkeypatch: pytest.Mon
     run = marched(VIBRATING, [*JUDGED, "rolling.speed_m_s=0.1", "rolling.distance_mm=0.4"])
     numbers = run.summary
     parts = numbers["laeq_uncertainty_parts_db"]
-    assert set(parts) == {"record", "grid", "solver", "force_law"}
+    assert set(parts) == {"record", "grid", "solver", "force_law", "comb", "time_step"}
+    assert parts["comb"] == numbers["comb_spread_db"]
     assert parts["force_law"] == numbers["force_law_error_db"]
     total = np.sqrt(sum(part**2 for part in parts.values()))
     assert numbers["laeq_uncertainty_db"] == pytest.approx(total)

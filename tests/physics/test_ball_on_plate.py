@@ -167,6 +167,23 @@ def test_steps_are_of_second_order() -> None:
     assert coarse / fine == pytest.approx(4, rel=0.1)
 
 
+@pytest.mark.law("Ball on plate: the steps keep a sharp resonance in tune.")
+@pytest.mark.parametrize("thickness", [10, 40])
+def test_steps_keep_the_resonance_in_tune(thickness: float) -> None:
+    """Steps that detune by 0.2 % are off by -22 dB; the force that they miss is 0.1 to 4 %."""
+    law = track_law(noise(2500, rms=1e-9))
+    forces = []
+    for per_period in (40, 480):
+        stepping = Stepping(per_period=per_period)
+        motion = move(law, MASS, plate(thickness), LOAD, 0.7, stepping=stepping)
+        lines = np.fft.rfft(motion.force_n)[1:150] / len(motion.force_n)
+        # The force belongs to the middle of its step.
+        lines *= np.exp(-1j * np.pi * np.arange(1, 150) / len(motion.force_n))
+        forces.append(lines)
+    coarse, fine = forces
+    assert np.linalg.norm(coarse - fine) < 0.01 * np.linalg.norm(fine)  # -40 dB
+
+
 @pytest.mark.law("Ball on plate: a massless ball presses with its load alone.")
 def test_massless_ball() -> None:
     law = track_law(waves(WAVE, 1, 1e-10))
