@@ -38,6 +38,7 @@ LAWS = {
 }
 
 
+@cache
 def trees() -> list[ast.Module]:
     return [
         ast.parse(file.read_text(encoding="utf-8")) for file in sorted(TESTS.rglob("test_*.py"))

@@ -39,7 +39,11 @@ PHONE = {"width": 360, "height": 740}
 
 
 @pytest.mark.parametrize(
-    "names", [("three",), ("one",), ("smooth",), ("one", "fast", "braking"), ("flying", "seeds")]
+    "names",
+    [
+        *(("three",), ("one",), ("smooth",)),
+        *(("one", "fast", "braking", "lap"), ("flying", "filmed", "seeds")),
+    ],
 )
 def test_it_opens_quietly_and_fits_a_phone(names: tuple[str, ...], pages, opened) -> None:
     with opened(pages(*names), viewport=PHONE) as page:

@@ -251,8 +251,10 @@ def test_streams_that_are_closed_or_ascii(command: str, scene: Path) -> None:
     ("redirected", "environment"),
     [
         ("<&- >&- 2>&-", {}),
-        ("2>&1 | true; exit ${PIPESTATUS[0]}", {}),
-        ("", {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"}),
+        (
+            "2>&1 | true; exit ${PIPESTATUS[0]}",
+            {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"},
+        ),
     ],
 )
 def test_a_run_that_cannot_be_heard_is_done(
@@ -269,7 +271,7 @@ def test_a_run_that_cannot_be_heard_is_done(
 def test_the_terminal_takes_a_folder_of_any_bytes(encoding: str, tmp_path: Path) -> None:
     folder = tmp_path / os.fsdecode(b"none \xff")
     done = subprocess.run(
-        [sys.executable, "-m", "rolling", "report", os.fsencode(folder)],
+        [sys.executable, "-m", "rolling", "status", os.fsencode(folder)],
         env=os.environ | {"PYTHONIOENCODING": f"{encoding}:strict"},
         capture_output=True,
         check=False,

@@ -18,7 +18,6 @@ from commands import (
     SWEEP,
     contents,
     pieces,
-    rolling,
     started,
     tree,
     wait_for,
@@ -55,22 +54,23 @@ def run(scene: Path, out: Path, *more: str) -> int:
 # ---- two commands
 
 
-def test_a_second_command_is_refused_and_status_only_looks(tmp_path: Path) -> None:
+def test_a_second_command_is_refused_and_status_only_looks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     scene, out = tmp_path / "scene.yaml", tmp_path / "out"
     scene.write_text(SWEEP)
     with started(words_of(scene, out, "--workers", "1"), tmp_path) as first:
         wait_for(lambda: pieces(out))
         first.send_signal(signal.SIGSTOP)
         for part in ((), ("--part", "1/2")):
-            second = rolling(words_of(scene, out, *part), tmp_path)
-            assert second.returncode == 2 and "Traceback" not in second.stderr
-            assert "another command works on it" in second.stderr and ".lock" in second.stderr
-        status = rolling(["status", out], tmp_path)
-        assert "2 running" in status.stdout
+            assert run(scene, out, *part) == 2
+            said = capsys.readouterr().err
+            assert "another command works on it" in said and ".lock" in said
+        assert cli.main(["status", str(out)]) == 0 and "2 running" in capsys.readouterr().out
         first.send_signal(signal.SIGCONT)
         assert first.wait(PATIENCE) == 0
     assert not [path for path in out.iterdir() if path.name.startswith(".")]
-    assert "2 done" in rolling(["status", out], tmp_path).stdout
+    assert cli.main(["status", str(out)]) == 0 and "2 done" in capsys.readouterr().out
 
 
 def test_parts_work_side_by_side_and_not_twice(seeds: Path, tmp_path: Path) -> None:

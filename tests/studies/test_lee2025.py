@@ -38,7 +38,7 @@ sphere: {radius_mm: 5}
 plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3HARDNESS}
 surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
 spacing_um: 4, width_um: 256, seed: 1}
-rolling: {load_n: 5, speed_m_s: 0.1, duration_s: 0.008}
+rolling: {load_n: 5, speed_m_s: 0.1, duration_s: 0.004}
 sweep: {surface.roughness_ra_um: [0.05, 0.1], rolling.load_n: [5, 10]}
 """
 
