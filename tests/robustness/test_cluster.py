@@ -144,7 +144,7 @@ def test_a_worker_of_another_program_is_refused_by_name(
 
 @pytest.mark.parametrize("name", ["version", "sources", "packages"])
 def test_a_late_worker_of_another_program_does_nothing(name: str) -> None:
-    with pytest.raises(worker.OtherProgramError, match="version .* sources .* python .* numba"):
+    with pytest.raises(worker.OtherProgramError, match=r"version .* sources .* python .* numba"):
         worker.act(b"", program.identity()._replace(**{name: "another"}))
 
 
