@@ -1,12 +1,10 @@
-"""Kills and interruptions at any moment: the same command goes on, to the same bytes."""
+"""Killed and interrupted processes: the same command goes on, to the same bytes."""
 
 from __future__ import annotations
 
 import os
-import random
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import psutil
@@ -14,7 +12,6 @@ import pytest
 from commands import (
     PATIENCE,
     SWEEP,
-    WHOLE,
     contents,
     pieces,
     rolling,
@@ -25,6 +22,7 @@ from commands import (
 )
 
 from rolling import cli
+from rolling.run import folder as folders
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
 
@@ -49,42 +47,18 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return undisturbed(tmp_path_factory.mktemp("whole"), SWEEP)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("text", [SWEEP, WHOLE], ids=["sweep", "whole"])
-def test_killed_at_random_moments_it_goes_on_to_the_same_bytes(text: str, tmp_path: Path) -> None:
-    """A command lives for 0.2 s, the start of Python, to twice the time of an undisturbed run."""
-    scene, draw = tmp_path / "scene.yaml", random.Random(1)
-    scene.write_text(text)
-    expected, began = undisturbed(tmp_path, text), time.monotonic()
-    with started(words_of(scene, tmp_path / "out", "--workers", "2"), tmp_path) as command:
-        assert command.wait(PATIENCE) == 0
-    longest = time.monotonic() - began
-    assert contents(tmp_path / "out") == expected
-    kills, rounds = 0, 0
-    while kills < 10:
-        rounds += 1
-        out = tmp_path / f"out-{rounds}"
-        while True:
-            with started(words_of(scene, out, "--workers", "2"), tmp_path) as command:
-                try:
-                    code = command.wait(draw.uniform(0.2, 1.5 * longest))
-                except subprocess.TimeoutExpired:  # the kill follows
-                    kills += 1
-                    continue
-            assert code == 0, (tmp_path / "said").read_text()
-            break
-        assert contents(out) == expected
-        assert not list(out.rglob("*.partial")) and not (out / "pieces").exists()
-
-
-def test_a_killed_command_goes_on_with_its_pieces(
+def test_a_killed_command_takes_its_workers_along_and_goes_on_with_its_pieces(
     scene: Path, tmp_path: Path, whole: dict[str, bytes]
 ) -> None:
+    """The kernel or a thread ends workers within 10 s of their parent."""
     out = tmp_path / "out"
-    with started(words_of(scene, out, "--workers", "1"), tmp_path) as command:
+    with started(words_of(scene, out, "--workers", "2"), tmp_path) as command:
         wait_for(lambda: len(pieces(out)) >= 2)
+        below = psutil.Process(command.pid).children(recursive=True)
+        assert len(below) >= 2
         command.kill()
         command.wait()
+        assert not psutil.wait_procs(below, 10)[1]
     kept = {path: path.stat().st_mtime_ns for path in pieces(out)}
     with started(words_of(scene, out, "--workers", "1"), tmp_path) as command:
         wait_for(lambda: len(pieces(out)) > len(kept) or command.poll() is not None)
@@ -94,8 +68,9 @@ def test_a_killed_command_goes_on_with_its_pieces(
     assert contents(out) == whole
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["ctrl-c", "term"])
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize(
+    ("workers", "number"), [("1", signal.SIGINT), ("2", signal.SIGTERM)], ids=["ctrl-c", "term"]
+)
 def test_an_interruption_ends_with_130_and_keeps_pieces(
     scene: Path, tmp_path: Path, workers: str, number: int
 ) -> None:
@@ -109,20 +84,7 @@ def test_an_interruption_ends_with_130_and_keeps_pieces(
     assert "interrupted" in (tmp_path / "said").read_text()
     assert "Traceback" not in (tmp_path / "said").read_text()
     assert pieces(out) and not (out / ".lock").exists()
-    status = rolling(["status", out], tmp_path)
-    assert "waiting" in status.stdout and "pieces" in status.stdout
-
-
-def test_no_process_outlives_a_killed_command(scene: Path, tmp_path: Path) -> None:
-    """The kernel or a thread ends workers within 10 s of their parent."""
-    with started(words_of(scene, tmp_path / "out", "--workers", "2"), tmp_path) as command:
-        wait_for(lambda: pieces(tmp_path / "out"))
-        below = psutil.Process(command.pid).children(recursive=True)
-        assert len(below) >= 2
-        command.kill()
-        command.wait()
-        _, alive = psutil.wait_procs(below, 10)
-    assert not alive
+    assert "waiting" in folders.status(out) and "pieces" in folders.status(out)
 
 
 def workers_of(command: subprocess.Popen[str]) -> list[psutil.Process]:
@@ -174,8 +136,8 @@ def test_a_run_that_kills_its_workers_fails_alone_and_by_name(
         "load_n=2",
         "load_n=2/failed.json",
     ]
-    status = rolling(["status", out], tmp_path).stdout
+    status = folders.status(out)
     assert "1 done, 1 failed" in status and "load_n=2: a worker process was killed" in status
-    done = rolling(words_of(scene, out, "--workers", "2"), tmp_path)  # without the killer
-    assert done.returncode == 0 and not (out / "load_n=2" / "failed.json").exists()
+    assert cli.main(words_of(scene, out, "--workers", "1")) == 0  # without the killer
+    assert not (out / "load_n=2" / "failed.json").exists()
     assert contents(out) == whole

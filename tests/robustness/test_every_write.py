@@ -1,0 +1,169 @@
+"""A crash or a full disk at every write of a sweep: the same command goes on, to the same bytes.
+
+The commands run in forks of this warm process, two at a time.
+"""
+
+from __future__ import annotations
+
+import errno
+import io
+import itertools
+import multiprocessing
+import os
+import re
+import stat
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from pathlib import Path
+from typing import Any
+
+import pytest
+from commands import contents, tree, words_of
+from scene_text import TINY
+
+from rolling import cli
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks on Windows"),
+]
+GROWING = ("open", "mkdir", "write", "fsync", "rename", "replace")  # which a full disk can refuse
+SYSTEM = {name: getattr(os, name) for name in (*GROWING, "unlink", "rmdir")}
+State = dict[str, bytes | None]
+Act = Callable[[str, Callable[[], Any], tuple[Any, ...]], Any]
+
+
+@contextmanager
+def watched(act: Act) -> Iterator[None]:
+    """Let `act` make all calls of the system that change files, given name, call and arguments."""
+
+    def watching(name: str) -> Callable[..., Any]:
+        def call(*arguments: Any, **named: Any) -> Any:
+            changes = name != "open" or arguments[1] & os.O_CREAT
+            real = lambda: SYSTEM[name](*arguments, **named)  # noqa: E731
+            return act(name, real, arguments) if changes else real()
+
+        return call
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in SYSTEM:
+            patch.setattr(os, name, watching(name))
+        yield
+
+
+def run(folder: Path, out: Path) -> tuple[int, str]:
+    """Return the exit code of a command in this process, and its errors."""
+    said = io.StringIO()
+    with redirect_stderr(said), redirect_stdout(io.StringIO()):
+        code = cli.main(words_of(folder / "scene.yaml", out, "--workers", "1"))
+    return code, said.getvalue()
+
+
+def fault_of_going_on(folder: Path, out: Path, expected: dict[str, bytes]) -> str:
+    """Return the fault of the command that goes on in a folder; empty if there is none."""
+    code, said = run(folder, out)
+    rest = [name for name in tree(out) if name.startswith((".", "pieces")) or "/." in name]
+    if code or said or rest:
+        return f"{out.name}: code {code}, {rest}, {said}"
+    return "" if contents(out) == expected else f"{out.name}: other bytes"
+
+
+def state_of(out: Path, unsafe: set[int]) -> State:
+    """Return the content of all files below a folder, empty for unsafe ones; None for folders."""
+    return {
+        str(path.relative_to(out)): None
+        if path.is_dir()
+        else (b"" if path.stat().st_ino in unsafe else path.read_bytes())
+        for path in sorted(out.rglob("*"))
+    }
+
+
+def fault_after_crash(folder: Path, out: Path, expected: dict[str, bytes], state: State) -> str:
+    """Return the fault of the command that goes on after a crash left a folder in a state."""
+    out.mkdir()
+    for path, content in state.items():
+        if content is None:
+            (out / path).mkdir()
+        else:
+            (out / path).write_bytes(content)
+    return fault_of_going_on(folder, out, expected)
+
+
+def fault_on_full_disk(folder: Path, out: Path, expected: dict[str, bytes], number: int) -> str:
+    """Return the fault of a command whose call of this number finds a full disk."""
+    numbers = itertools.count()
+
+    def act(name: str, real: Callable[[], Any], arguments: tuple[Any, ...]) -> Any:
+        if name in GROWING and next(numbers) == number:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return real()
+
+    with watched(act):
+        code, said = run(folder, out)
+    if (code, said) == (0, ""):  # the lock is tried again
+        return fault_of_going_on(folder, out, expected)
+    if code not in (1, 2) or "No space left on device" not in said or len(said.split("\n")) > 3:
+        return f"{number}: code {code}, {said}"
+    return fault_of_going_on(folder, out, expected)
+
+
+def faults(function: Callable[..., str], jobs: list[tuple[Any, ...]]) -> list[str]:
+    """Return the faults of all jobs, done in forks."""
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        return [fault for fault in pool.starmap(function, jobs, chunksize=1) if fault]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, bytes]]:
+    """Return the folder of a scene, and the files of its sweep that nothing disturbs."""
+    folder = tmp_path_factory.mktemp("whole")
+    (folder / "scene.yaml").write_text(TINY + "sweep: {rolling.load_n: [0.005, 0.006]}\n")
+    assert run(folder, folder / "out") == (0, "")
+    return folder, contents(folder / "out")
+
+
+def test_a_crash_at_every_write(tmp_path: Path, whole: tuple[Path, dict[str, bytes]]) -> None:
+    """The files stand as a kill leaves them before each call and in the middle of each write.
+
+    After a power cut the names are there, without the content that no fsync wrote.
+    """
+    folder, expected = whole
+    out, states, calls = tmp_path / "out", dict[str, State](), list[tuple[str, Path]]()
+    unsafe: set[int] = set()  # inodes of files whose content is not on the disk yet
+
+    def act(name: str, real: Callable[[], Any], arguments: tuple[Any, ...]) -> Any:
+        for lost in (set(), unsafe):
+            state = state_of(out, lost)
+            states.setdefault(re.sub(r"[0-9a-f]{16}", "", repr(state)), state)
+        place = arguments[0]
+        if name in ("write", "fsync"):
+            status, place = os.fstat(place), Path(f"/dev/fd/{place}").resolve()
+            if name == "fsync":
+                unsafe.discard(status.st_ino)
+            elif stat.S_ISREG(status.st_mode):
+                unsafe.add(status.st_ino)
+                if not status.st_size:
+                    return SYSTEM["write"](arguments[0], arguments[1][: len(arguments[1]) // 2])
+        calls.append((name, Path(arguments[-1] if name in ("rename", "replace") else place)))
+        return real()
+
+    with watched(act):
+        assert run(folder, out) == (0, "")
+    renamed = [(k, path) for k, (name, path) in enumerate(calls) if name in ("rename", "replace")]
+    assert {path for _, path in renamed} >= {path for path in out.rglob("*") if path.is_file()}
+    for k, path in renamed:  # each new name is on the disk before anything else is done
+        assert calls[k + 1] == ("fsync", path.parent)
+    assert len(states) > 40
+    jobs = [(folder, tmp_path / str(n), expected, state) for n, state in enumerate(states.values())]
+    assert faults(fault_after_crash, jobs) == []
+
+
+def test_a_full_disk_at_every_write(tmp_path: Path, whole: tuple[Path, dict[str, bytes]]) -> None:
+    folder, expected = whole
+    names: list[str] = []
+    with watched(lambda name, real, arguments: (names.append(name), real())[1]):
+        assert run(folder, tmp_path / "out") == (0, "")
+    count = sum(name in GROWING for name in names)
+    assert count > 60
+    jobs = [(folder, tmp_path / f"out-{n}", expected, n) for n in range(count)]
+    assert faults(fault_on_full_disk, jobs) == []
