@@ -32,6 +32,7 @@ HALF_SPACE_HZ_M = 10e3  # frequency times distance from which a half-space's pre
 OWN_MARCH = "moving_release"  # key of the finding whose march no run shares
 LEAST_STEPS = 8  # in a period of the resonance, for the release under the moving load
 SPEED_OF_SOUND = 343.2  # [m/s] in air
+_NOTHING = 1e-200  # spectral density [m3] of a surface that the contact averages out
 _WAVES, _ACROSS, _LINES = 160, 160, 40_000  # points along, across, and over the resonance
 
 
@@ -104,8 +105,10 @@ def force_rms(scene: Scene) -> float | None:
     longest, shortest = scene.track.n_along * scene.spacing, 2 * scene.step
     coarse = np.geomspace(2 * math.pi / longest, 2 * math.pi / shortest, _WAVES)
     density = _mean_heights(scene, surface, coarse)
+    if longest <= shortest or not density.max() > _NOTHING:
+        return 0.0
     fine = np.geomspace(coarse[0], coarse[-1], _LINES)
-    kept = np.maximum(density, 1e-300 * density.max())
+    kept = np.maximum(density, _NOTHING)
     spectrum = np.exp(np.interp(np.log(fine), np.log(coarse), np.log(kept)))
     gain = np.abs(chain.force(fine * speed / (2 * math.pi), np.ones(_LINES)))
     return float(np.sqrt(2 * np.trapezoid(spectrum * gain**2, fine)))

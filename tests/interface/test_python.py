@@ -196,8 +196,8 @@ def test_examples_of_docstrings(module) -> None:
 
 def test_levels_and_caveats_for_a_notebook(run: Run) -> None:
     html = run._repr_html_()
-    assert "LAeq" in html and "dB(A)" in html and "upper bound" in html
-    assert repr(run).startswith("<run tiny, load 0.005 N: LAeq ")
+    assert "released power (q = 1)" in html and "dB(A)" in html and "upper bound" in html
+    assert repr(run).startswith("<run tiny, load 0.005 N: level of the released power (q = 1) ")
 
 
 def test_a_notebook_has_a_player_and_a_stored_run_its_file(

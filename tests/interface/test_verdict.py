@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 from finished import VIBRATING, marched
 from scene_text import PLAIN
@@ -11,6 +14,7 @@ from scene_text import PLAIN
 from rolling.check.findings import check_scene
 from rolling.results import caveats, runs_table, verdict
 from rolling.scene.file import loads
+from rolling.scene.messages import SceneError
 from rolling.terminal import streams
 
 SCENE = loads(VIBRATING)
@@ -116,3 +120,45 @@ def test_the_check_ends_with_its_conclusion(changes: tuple[str, ...], words: str
     text = verdict.conclusion(scene, check_scene(scene, solve=False))
     assert words in text and text.endswith(".")
     assert text.startswith("It does not") or " on " in text
+
+
+def random_texts(count: int) -> Iterator[str]:
+    """Check random scenes, from a grain of dust to a wheel, and yield all that is printed."""
+    rng = np.random.default_rng(28)
+
+    def decades(low: float, high: float) -> float:
+        return float(f"{10 ** rng.uniform(low, high):.3g}")
+
+    for _ in range(count):
+        spacing = decades(-2, 2)
+        changes = {
+            "sphere.radius_mm": decades(-2, 3),
+            "plate.youngs_modulus_gpa": decades(-3, 3),
+            "plate.hardness_gpa": decades(-3, 1) if rng.random() < 0.7 else None,
+            "surface.roughness_ra_um": decades(-4, 3),
+            "surface.correlation_length_um": decades(-1, 4),
+            "surface.spacing_um": spacing,
+            "surface.width_um": spacing * round(decades(1, 5)),
+            "rolling.load_n": decades(-6, 7),
+            "rolling.speed_m_s": decades(-4, 3),
+            "rolling.duration_s": decades(-4, 3),
+            "numerics.step_nodes": float(rng.integers(1, 65)),
+            "numerics.error_estimate": bool(rng.random() < 0.5),
+        }
+        if rng.random() < 0.6:
+            densities = {f"{body}.density_kg_m3": decades(1, 4.3) for body in ("sphere", "plate")}
+            changes |= densities | {"dynamics": {}, "plate.thickness_mm": decades(-1, 3)}
+        try:
+            scene = loads(PLAIN).with_(changes)
+            found = check_scene(scene, solve=False)
+            yield f"{found}\n{verdict.conclusion(scene, found)}"
+        except SceneError as error:
+            yield str(error)
+
+
+def test_no_message_has_a_number_that_nobody_writes() -> None:
+    """Of 60 random scenes no text says 1e+02 % or 2e-05 m."""
+    texts = list(random_texts(60))
+    odd = [match for text in texts for match in re.findall(r".{30}\de[+-]0.{9}", text)]
+    assert odd == []
+    assert sum("expected verdict" in text for text in texts) > 6
