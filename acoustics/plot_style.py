@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 
 from acoustics.arrays import Array
-from acoustics.bands import AUDIBLE_HZ
+from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 LINE_STYLES: tuple[str | tuple[int, tuple[int, ...]], ...] = (
@@ -31,6 +31,8 @@ GREY = "0.6"
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M"}
 
 _SHOWN_DB = 70.0
+_ROOM_IN = 4.3  # width of axes that takes a name for each third octave, side by side
+_WIDEST_IN = 0.4  # width of such a name with its distance to the next
 FEW = 3  # maximum number of curves with distinguishable lines or error bars
 PER_OCTAVE = 12  # means per octave drawn for dense spectra
 NOTHING_DB = -300.0  # replaces -inf, which matplotlib would drop together with its neighbours
@@ -78,6 +80,20 @@ def finish(ax: Axes, ylabel: str) -> Axes:
     ax.grid(True, color="0.85", linewidth=0.5)
     ax.set_axisbelow(True)
     return ax
+
+
+def band_ticks(ax: Axes, octaves: bool = False) -> None:
+    """Name third octaves along x; octaves where that is asked for, or where they would overlap."""
+    width_in = ax.get_window_extent().width / ax.figure.dpi
+    named = slice(2, None, 3) if octaves or width_in < _ROOM_IN else slice(None)
+    names = [short_name(name) for name in BAND_NAMES[named]]
+    upright = len(names) * _WIDEST_IN > width_in
+    ax.set_xticks(
+        MID_HZ[named],
+        names,
+        rotation=90 if upright else 0,
+        fontsize="small" if upright else "medium",
+    )
 
 
 def say_if_silent(ax: Axes, sounds: bool) -> None:

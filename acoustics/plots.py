@@ -11,7 +11,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from matplotlib.ticker import NullLocator
 
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, OFF_DB, reliable
@@ -24,6 +24,7 @@ from acoustics.plot_style import (
     NOTHING_DB,
     PER_OCTAVE,
     Lines,
+    band_ticks,
     bars,
     finish,
     level_limits,
@@ -57,6 +58,7 @@ __all__ = [
 BandErrors = tuple[Mapping[str, float | None], Mapping[str, float | None]]
 # Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
 _SHADES = 36
+_HATCHES = ("////", "\\\\\\\\", "xxxx")  # of the bands of each of few curves that are off
 
 
 def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines]]:
@@ -111,11 +113,7 @@ def spectrum(
     )
     _audible(ax)
     say_if_silent(ax, any(lines.extremes for _, lines in curves))
-    octaves = slice(2, None, 3)
-    ax.xaxis.set_major_locator(FixedLocator(list(MID_HZ[octaves])))
-    ax.xaxis.set_major_formatter(
-        FuncFormatter(lambda f, _: short_name(BAND_NAMES[int(np.abs(MID_HZ - f).argmin())]))
-    )
+    band_ticks(ax, octaves=True)
     ax.set_xlabel("frequency [Hz]")
     return finish(ax, "level [dB]")
 
@@ -145,7 +143,7 @@ def third_octaves(
     errors : sequence of pairs. Errors of the levels of each curve in dB, too loud is positive, and
         their standard uncertainty, both by nominal frequency; None for a curve without. Up to three
         curves have a diamond at the level less its error, and bands off by more than 1 dB are
-        hatched. Default: none.
+        hatched in the colour of the curve. Default: none.
     ordered : bool. As in `spectrum`. Default: false.
 
     Returns
@@ -173,7 +171,7 @@ def third_octaves(
         look = look_of(number, len(curves), ordered)
         _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
         if number < len(errors) and (of_curve := errors[number]) and len(curves) <= FEW:
-            _error_marks(ax, level, of_curve, look)
+            _error_marks(ax, label, number, level, of_curve, look)
             seen += _corrected(levels, of_curve[0])
     if first > 0:
         ax.axvspan(
@@ -186,7 +184,7 @@ def third_octaves(
     ax.set_ylim(limits_db or level_limits(seen))
     _audible(ax)
     say_if_silent(ax, bool(np.isfinite(seen).any()))
-    ax.set_xticks(MID_HZ, [short_name(name) for name in BAND_NAMES], rotation=90, fontsize="small")
+    band_ticks(ax)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     return finish(ax, "sound pressure level [dB re 20 µPa]")
 
@@ -236,38 +234,41 @@ def _band_curve(
     ax.plot([], [], color=look["color"], label=label, **marker, **style)
 
 
-def _error_marks(ax: Axes, level: Array, errors: BandErrors, look: dict[str, Any]) -> None:
+def _error_marks(
+    ax: Axes, label: str, number: int, level: Array, errors: BandErrors, look: dict[str, Any]
+) -> None:
     """Draw diamonds at levels less their errors, and hatch the bands that are off by over 1 dB."""
     error, spread = (numbers(by_name[name] for name in BAND_NAMES) for by_name in errors)
     known = np.isfinite(error) & np.isfinite(level)
     diamond: dict[str, Any] = {
         "marker": "D",
-        "markersize": 3.5,
-        "markerfacecolor": "white",
+        "markersize": 7,  # the curve's own mark shows inside
+        "markerfacecolor": "none",
+        "markeredgewidth": 0.8,
         "linestyle": "none",
     }
-    label = "level less its estimated error"
+    marked = "level less its estimated error"
     ax.errorbar(
         MID_HZ[known],
         (level - error)[known],
         np.nan_to_num(spread[known]),
         color=look["color"],
         elinewidth=0.7,
-        zorder=4,
-        label=None if label in ax.get_legend_handles_labels()[1] else label,
+        zorder=1.8,
+        label=None if marked in ax.get_legend_handles_labels()[1] else marked,
         **diamond,
     )
-    hatched = f"off by more than {OFF_DB:g} dB"
     hatch: dict[str, Any] = {
         "facecolor": "none",
-        "edgecolor": "0.8",
-        "hatch": "////",
+        "edgecolor": look["color"],
+        "alpha": 0.6,
+        "hatch": _HATCHES[number],
         "linewidth": 0.0,
     }
-    for band in np.flatnonzero(known & (np.abs(error) > OFF_DB)):
-        new = hatched not in ax.get_legend_handles_labels()[1]
-        low, high = EDGES_HZ[band], EDGES_HZ[band + 1]
-        ax.axvspan(low, high, zorder=0.5, label=hatched if new else None, **hatch)
+    off = np.flatnonzero(known & (np.abs(error) > OFF_DB))
+    for k, band in enumerate(off):
+        named = None if k else f"{label}: off by more than {OFF_DB:g} dB"
+        ax.axvspan(EDGES_HZ[band], EDGES_HZ[band + 1], zorder=0.5, label=named, **hatch)
 
 
 def spectrogram(

@@ -153,7 +153,7 @@ def _map(
         vmax=limits[1],
         interpolation="none",
     )
-    ax.figure.colorbar(image, ax=ax, label=label)
+    ax.figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=label)  # as high
     ax.set_xlabel("along the track [µm]")
     ax.set_ylabel("across [µm]")
     return ax

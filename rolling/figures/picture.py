@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 from matplotlib.artist import Artist
@@ -17,6 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
+from matplotlib.transforms import ScaledTranslation
 
 from acoustics.numbers import rounded
 from rolling.results.labels import printable
@@ -30,7 +31,11 @@ WIDTH_IN, HEIGHT_IN = 8.5, 4.4
 MOST_NAMED = 24  # curves; a legend of more takes more room than they do
 _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 _ROW_IN = 0.19  # height of a row in a legend
-_LETTERS_PER_DOT = 0.13  # of a title on axes, at 100 dots per inch
+_LETTERS_PER_IN = 13  # of a title on axes
+_LOW_IN = 3.5  # height of a figure that has no room for the note
+_MOST_LINES = 4  # of title and note; more lines are the title alone
+_LOW_SHARE = 0.4  # of the height of low axes that a legend may take below them
+_LABELS_IN = 0.9  # width of the ticks and the label of y
 _TITLE_LETTERS, _NOTE_LETTERS = 88, 125  # of a line across a figure
 
 
@@ -38,8 +43,14 @@ _TITLE_LETTERS, _NOTE_LETTERS = 88, 125  # of a line across a figure
 
 
 def axes_of(ax: Axes | None) -> Axes:
-    """Return the given axes, or new axes in a figure of their own."""
+    """Return the given axes, or new axes in a figure of their own.
+
+    A figure without a layout engine gets the tight layout, so that nothing overlaps.
+    """
     if ax is not None:
+        figure, in_grid = ax.figure, all(axes.get_subplotspec() for axes in ax.figure.axes)
+        if isinstance(figure, Figure) and figure.get_layout_engine() is None and in_grid:
+            figure.set_layout_engine("tight")
         return ax
     import matplotlib.pyplot as plt
 
@@ -55,17 +66,59 @@ def listed(runs: Run | Iterable[Run]) -> list[Run]:
 
 def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     """Set title, note and legend of axes; their label holds title and note in two lines."""
-    names = ax.get_legend_handles_labels()[1]
+    handles, names = ax.get_legend_handles_labels()
     note = "; ".join(facts)
     if len(names) > MOST_NAMED:
         note += f"; {len(names)} curves"
-    elif names:
-        _plain(ax.legend(fontsize="small").get_texts())
     ax.set_label(f"{title}\n{note}")
-    letters = int(_LETTERS_PER_DOT * ax.get_window_extent().width)
-    lines = [*textwrap.wrap(title, letters), *textwrap.wrap(note, letters)]
+    width, height = _room(ax)
+    across, along = (max(12, int(_LETTERS_PER_IN * room)) for room in (width, 0.62 * height))
+    lines = [*textwrap.wrap(title, across), *textwrap.wrap(note, across)]
+    if height < _LOW_IN or len(lines) > _MOST_LINES:
+        lines = textwrap.wrap(title, across)
     _plain([ax.set_title("\n".join(lines), loc="left", fontsize="medium")])
+    ax.set_xlabel(textwrap.fill(ax.get_xlabel(), across))
+    ax.set_ylabel(textwrap.fill(ax.get_ylabel(), along))
+    for image in ax.images:
+        if image.colorbar is not None:
+            image.colorbar.set_label(textwrap.fill(image.colorbar.ax.get_ylabel(), along))
+    if 0 < len(names) <= MOST_NAMED:
+        _legend(ax, handles, names, int(1.2 * across), height)
     return ax
+
+
+def _room(ax: Axes) -> tuple[float, float]:
+    """Return width and height of axes in their grid [inches], without the labels of y."""
+    spec, dpi = ax.get_subplotspec(), ax.figure.dpi
+    if spec is None:
+        return ax.bbox.width / dpi, ax.bbox.height / dpi
+    spec, whole = spec.get_topmost_subplotspec(), ax.figure.bbox
+    rows, columns = spec.get_gridspec().get_geometry()
+    width = whole.width / dpi * len(spec.colspan) / columns
+    return width - _LABELS_IN, whole.height / dpi * len(spec.rowspan) / rows
+
+
+def _legend(
+    ax: Axes, handles: Sequence[Artist], names: Sequence[str], letters: int, height: float
+) -> None:
+    """Draw a legend of so many letters across below the label of x, where it hides no curve.
+
+    Low axes have no room [inches] for many rows; their legend is pale and inside.
+    """
+    low = height < _LOW_IN
+    names = [textwrap.fill(drawable(name), letters - 6) for name in names]
+    across = max(1, letters // (6 + max(map(len, names))))
+    rows = sum(1 + name.count("\n") for name in names) / across
+    if low and rows * _ROW_IN > _LOW_SHARE * height:
+        place: dict[str, Any] = {"loc": "best", "framealpha": 0.6}
+    else:
+        labels = ax.xaxis.get_tightbbox()
+        below = (ax.bbox.y0 - labels.y0) / ax.figure.dpi if labels is not None else 0.0
+        under = ScaledTranslation(0, -below - 0.05, ax.figure.dpi_scale_trans)
+        place = {"loc": "upper left", "bbox_to_anchor": (0, 0), "ncols": across}
+        place |= {"bbox_transform": ax.transAxes + under, "frameon": False, "borderaxespad": 0}
+    size = "x-small" if low else "small"
+    _plain(ax.legend(handles, names, fontsize=size, **place).get_texts())
 
 
 def finish_grid(ax: Axes) -> Axes:

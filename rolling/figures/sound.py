@@ -137,9 +137,8 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     lines = common("lines of", [1 / run.sound.duration for run in shown], "Hz")
     facts = [*distance_and_duration(shown), lines]
     spectra = [_a_weighted_lines(run) for run in shown]
-    ax = _spectrum(shown, spectra, ax, "A-weighted spectrum", facts)
-    ax.set_ylabel("A-weighted line level [dB re 20 µPa]")
-    return ax
+    level = "A-weighted line level [dB re 20 µPa]"
+    return _spectrum(shown, spectra, ax, ("A-weighted spectrum", level), facts)
 
 
 def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
@@ -174,9 +173,8 @@ def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
         common("ENBW", [density.enbw_hz for density in densities], "Hz"),
     ]
     lines = [Lines.audible(density.frequency_hz, _level(density.psd)) for density in densities]
-    ax = _spectrum(shown, lines, ax, "Power spectral density", facts)
-    ax.set_ylabel("density level [dB re (20 µPa)²/Hz]")
-    return ax
+    words = "Power spectral density", "density level [dB re (20 µPa)²/Hz]"
+    return _spectrum(shown, lines, ax, words, facts)
 
 
 def spectrum_table(runs: Sequence[Run]) -> pd.DataFrame:
@@ -190,14 +188,19 @@ def spectrum_table(runs: Sequence[Run]) -> pd.DataFrame:
 
 
 def _spectrum(
-    shown: Sequence[Run], lines: Sequence[Lines], ax: Axes | None, title: str, facts: list[str]
+    shown: Sequence[Run],
+    lines: Sequence[Lines],
+    ax: Axes | None,
+    words: tuple[str, str],
+    facts: list[str],
 ) -> Axes:
-    """Draw spectra of runs with their labels."""
+    """Draw spectra of runs with their labels, under a title and the label of y."""
     curves = [*zip(labels.labels(shown), lines, strict=True)]
     ax = plots.spectrum(axes_of(ax), curves, ordered=_is_ordered(shown))
+    ax.set_ylabel(words[1])
     if plots.drawn_as_means(curves):
         facts = [*facts, f"drawn bold: mean over 1/{plots.PER_OCTAVE} octave"]
-    return finish(ax, f"{title}: {subject(shown)}", facts)
+    return finish(ax, f"{words[0]}: {subject(shown)}", facts)
 
 
 # ---- a run over time

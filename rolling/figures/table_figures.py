@@ -14,7 +14,7 @@ from matplotlib.ticker import NullLocator
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
-from acoustics.plots import bars, look_of, short_name
+from acoustics.plot_style import band_ticks, bars, look_of
 from rolling.figures.picture import MOST_NAMED, axes_of, finish, finish_grid, picture
 from rolling.results import labels
 from rolling.results.runs_table import SEED
@@ -125,7 +125,7 @@ def mean_bands(
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.minorticks_off()
-    ax.set_xticks(MID_HZ, [short_name(name) for name in BAND_NAMES], rotation=90, fontsize="small")
+    band_ticks(ax)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     ax.set_ylabel("A-weighted level [dB re 20 µPa]")
     facts = _facts(frame, curves, "shaded", len(groups))

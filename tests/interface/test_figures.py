@@ -7,6 +7,7 @@ import io
 import warnings
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from report_runs import runs_of
 
+from acoustics import plots
 from acoustics.bands import BAND_NAMES
 from rolling import plot
 from rolling.figures import plot_run, write_figures, write_number_figures
@@ -76,11 +78,37 @@ def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
     vibrates = name in ("sources", "contact_force", "contact_filter", "mobilities")
     runs = runs_of("flying" if vibrates else "seeds")
     one = runs if sweep or name == "mean_third_octaves" else runs[0]
-    ax = Figure(layout="constrained").subplots()
     arguments = ("rolling.load_n",) if sweep else ()
-    assert getattr(plot, name)(one, *arguments, ax=ax) is ax
-    assert ax.get_title("left") and ax.get_xlabel() and ax.get_ylabel()
-    ax.figure.savefig(io.BytesIO(), format="png", dpi=50)
+    for size, columns in (((6.4, 4.8), 2), ((3.5, 2.6), 1)):
+        figure = Figure(size)  # without a layout, as `plt.subplots()` makes it
+        ax = figure.subplots(1, columns, squeeze=False)[0, 0]
+        assert getattr(plot, name)(one, *arguments, ax=ax) is ax
+        assert ax.get_title("left") and ax.get_xlabel() and ax.get_ylabel()
+        figure.savefig(io.BytesIO(), format="png", dpi=50)
+        figure.draw_without_rendering()  # at the figure's own dots per inch
+        names = [label for label in ax.get_xticklabels() if label.get_text()]
+        low, high = sorted(ax.get_xlim())
+        places = [x.get_window_extent() for x in names if low <= x.get_position()[0] <= high]
+        assert all(a.x1 <= b.x0 + 1 or b.x1 <= a.x0 + 1 for a, b in pairwise(places))
+        legend = ax.get_legend()
+        if legend and columns == 2:  # low axes may have no room below
+            assert legend.get_window_extent().y1 <= ax.xaxis.label.get_window_extent().y0 + 1
+        drawn = ax.get_tightbbox()
+        assert drawn.y0 >= -1 and drawn.x0 >= -0.02 * figure.bbox.width
+
+
+def test_the_mark_of_a_run_shows_inside_its_diamond_and_hatches_name_their_run() -> None:
+    levels, errors = (dict.fromkeys(BAND_NAMES, x) for x in (50.0, 1.5))
+    curves = [(label, levels, levels) for label in "ab"]
+    ax = plots.third_octaves(
+        Figure().subplots(), curves, 10.0, errors=[(errors, dict.fromkeys(BAND_NAMES, 0.1))] * 2
+    )
+    diamonds = [line for line in ax.get_lines() if line.get_marker() == "D"]
+    marks = [line for line in ax.get_lines() if line.get_marker() in ("o", "s")]
+    assert all(line.get_markerfacecolor() == "none" for line in diamonds)
+    assert min(x.get_zorder() for x in marks) > max(x.get_zorder() for x in diamonds)
+    assert {f"{x}: off by more than 1 dB" for x in "ab"} < {*ax.get_legend_handles_labels()[1]}
+    assert len({(x.get_hatch(), x.get_edgecolor()) for x in ax.patches if x.get_hatch()}) == 2
 
 
 def test_plots_that_a_run_cannot_have_say_why(three) -> None:
