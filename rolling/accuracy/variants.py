@@ -137,7 +137,9 @@ def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
     plain = scene.with_({"numerics.edges": "sharp", "numerics.subcells": 1})
     own = heights(scene) if variant.width == 1 else wider_heights(scene, variant.width)
     coarse = contact_of_scene.rolling_contact(plain, own)
-    smooth, spacing = dies_out(own), coarse.spacing / variant.times
+    smooth, spacing = contact_of_scene.continues(scene), coarse.spacing / variant.times
+    if smooth is None:
+        smooth = dies_out(own)
     fine = refined(own, variant.times) if smooth else subcell_heights(own, variant.times, smooth)
     contact = replace(
         coarse,

@@ -83,14 +83,9 @@ def _spacing(scene: Scene) -> list[Finding]:
     if error is None or not isinstance(scene.surface, Gaussian):
         return []
     nodes = min(cost.correlation_lengths(scene.surface)) / scene.surface.spacing_um
-    value, warning = f"about {error:.0f} dB of the fluctuation", None
-    if error > WANTED_DB - MARGIN_DB:
-        warning = (
-            f"the grid leaves an error of the release of about {error:.0f} dB of its fluctuation"
-            f" (rms, by a rule that is off by some 4 dB), {WANTED_DB:g} dB are wanted:"
-            f" {advice(scene, error + MARGIN_DB)}"
-        )
-    elif error > BANDS_DB:
+    value = f"about {error:.0f} dB of the fluctuation"
+    warning = too_coarse(scene, error, "by a rule that is off by some 4 dB")
+    if warning is None and error > BANDS_DB:
         fine = spacing(scene, error, BANDS_DB)
         value += f"; third octaves within 1 dB up to 16 kHz take {fine:g} um"
     return [
@@ -99,13 +94,16 @@ def _spacing(scene: Scene) -> list[Finding]:
     ]
 
 
-def measured(scene: Scene, error: float) -> str | None:
-    """Warn of a measured error of the grid [dB]; None where it is small enough."""
-    if error <= WANTED_DB:
+def too_coarse(scene: Scene, error: float, source: str) -> str | None:
+    """Warn of an error of the grid [dB] by its source; None where it is small enough.
+
+    Check and run share this limit and its advice.
+    """
+    if error <= WANTED_DB - MARGIN_DB:
         return None
     return (
-        f"error of the grid: {error:.0f} dB of the release's fluctuation (rms, measured by the"
-        f" error estimate), {WANTED_DB:g} dB are wanted: {advice(scene, error)}"
+        f"the grid leaves an error of the release of about {error:.0f} dB of its fluctuation"
+        f" (rms, {source}), {WANTED_DB:g} dB are wanted: {advice(scene, error + MARGIN_DB)}"
     )
 
 

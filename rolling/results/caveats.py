@@ -254,9 +254,16 @@ def _of_errors(scene: Scene, errors: RunErrors | None) -> dict[str, str]:
         return {}
     if errors.levels is None:
         return {"no_error_estimate": f"error estimate: none, because {errors.reason}"}
-    texts, signal = {}, errors.levels.grid_signal_db
-    if _knows_grid(scene, errors) and (coarse := resolution.measured(scene, signal)):
-        texts[resolution.KEY] = coarse
+    texts, levels = {}, errors.levels
+    if _knows_grid(scene, errors):
+        source = f"measured within {levels.grid_signal_uncertainty_db:.0f} dB by the error estimate"
+        if coarse := resolution.too_coarse(scene, levels.grid_signal_db, source):
+            texts[resolution.KEY] = f"error of the grid: {coarse}"
+    if scene.height_path:
+        texts["unknown_detail"] = (
+            "error estimate: nothing is known of heights below the spacing of the file, so the"
+            " error of their absence is in no number"
+        )
     if errors.worst_uncertainty_db > WANTED_DB:
         length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
         texts["error_estimate_reach"] = (

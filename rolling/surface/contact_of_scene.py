@@ -8,8 +8,9 @@ from functools import cached_property
 from acoustics.arrays import Array
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
+from rolling.scene.surfaces import Gaussian
 from rolling.surface import refined
-from rolling.surface.scene_surface import heights
+from rolling.surface.scene_surface import has_detail, heights
 
 
 def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
@@ -27,8 +28,18 @@ def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
         single=scene.numerics.precision == "single",
         blended=scene.numerics.edges == "blended",
     )
-    subcells = scene.numerics.subcells
-    return on_subcells(contact, auto_subcells(contact) if subcells == "auto" else subcells)
+    chosen = scene.numerics.subcells
+    subcells = auto_subcells(contact) if chosen == "auto" else chosen
+    return on_subcells(contact, subcells, continues(scene))
+
+
+def continues(scene: Scene) -> bool | None:
+    """Return whether the law of a surface ends before its grid does; None without a law.
+
+    The spectrum of a surface of a few correlation lengths has a tail, from the edge of its period
+    alone, that is no detail between nodes.
+    """
+    return not has_detail(scene) if isinstance(scene.surface, Gaussian) else None
 
 
 def auto_subcells(contact: RollingContact) -> int:

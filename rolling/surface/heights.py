@@ -145,7 +145,9 @@ def _density(
     return np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0), exponent
 
 
-DETAIL = 0.01  # a law has detail where its wave at the end of a grid exceeds this of its longest
+# A law has detail below the spacing where the amplitude of its waves at this share of the Nyquist
+# frequency exceeds this share of the amplitude of its longest wave.
+END, DETAIL = 0.75, 0.01
 
 
 def has_detail(
@@ -154,7 +156,7 @@ def has_detail(
     """Return whether a law has heights that a grid of this spacing [m] cannot hold."""
     decay, exponent = AUTOCORRELATIONS[autocorrelation]
     # The Gaussian law has the spectrum exp(-(k L)^2 / (4 decay)), of whose root the tail counts.
-    end = np.pi / spacing * min(correlation_length)
+    end = END * np.pi / spacing * min(correlation_length)
     return exponent < 2 or float(np.exp(-(end**2) / (8 * decay))) > DETAIL
 
 

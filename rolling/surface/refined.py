@@ -1,9 +1,9 @@
 """Heights between the nodes of a surface: on finer and coarser grids and on sub-cells of cells.
 
-A surface whose spectrum has died out before the end of its grid is known between its nodes: there
-it is its trigonometric interpolation. Any other surface (pits, scratches, exponential laws) is
-taken to be flat within the cell of each node. Every grid keeps the line of the sphere in the middle
-of its width. `numerics.subcells: auto` takes sub-cells on steep surfaces.
+A surface whose law or spectrum dies out before the end of its grid is known between its nodes:
+there it is its trigonometric interpolation. Any other surface (pits, scratches, exponential laws)
+is taken to be flat within the cell of each node. Every grid keeps the line of the sphere in the
+middle of its width. `numerics.subcells: auto` takes sub-cells on steep surfaces.
 """
 
 from __future__ import annotations
