@@ -24,19 +24,10 @@ class SurfaceError(ValueError):
 
 @dataclass(frozen=True)
 class Correlation:
-    """Autocorrelation of heights along one axis, in two numbers.
+    """Autocorrelation of heights along one axis, in two numbers."""
 
-    Attributes
-    ----------
-    length : float, m
-        Lag at which the autocorrelation falls to 1/e, infinite where it never does.
-    noise : float
-        Share of the variance that a node does not share with the next, from 0 (smooth) to 1 (white
-        noise).
-    """
-
-    length: float
-    noise: float
+    length: float  # [m] lag at which it falls to 1/e, infinite where it never does
+    noise: float  # share of the variance of a node alone, from 0 (smooth) to 1 (white noise)
 
 
 @dataclass(frozen=True)

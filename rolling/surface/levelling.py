@@ -69,49 +69,23 @@ def read_heights(path: Path, unit: str = "m", n_across: int | None = None) -> Ar
 
 @dataclass(frozen=True)
 class Seam:
-    """Step from the last row of heights to the first.
+    """Step from the last row of heights to the first, beside the steps between neighbours."""
 
-    Attributes
-    ----------
-    step : float, m
-        Rms difference across the seam.
-    neighbours : float, m
-        Median of the rms differences between all neighbouring rows.
-    stands_out : bool
-        If true, the difference across the seam is unlike the differences between neighbours.
-    """
-
-    step: float
-    neighbours: float
-    stands_out: bool
+    step: float  # [m] rms difference across the seam
+    neighbours: float  # [m] median of the rms differences between neighbouring rows
+    stands_out: bool  # whether the step is unlike the differences between neighbours
 
 
 @dataclass(frozen=True)
 class Levelling:
-    """Plane of the heights of a file, and the part of it that was taken off.
+    """Plane of the heights of a file, along and across, and the part of it that was taken off."""
 
-    Pairs are along and across the track.
-
-    Attributes
-    ----------
-    plane : (float, float), m/m
-        Slopes of the least-squares plane of the heights as read.
-    taken : (float, float), m/m
-        Slopes that were taken off, or 0.
-    lengths : (float, float), m
-        Lengths of the file.
-    ra_before, ra_after : float, m
-        Arithmetic mean roughness.
-    seams : (Seam, Seam)
-        Seams of the heights that are used.
-    """
-
-    plane: tuple[float, float]
-    taken: tuple[float, float]
-    lengths: tuple[float, float]
-    ra_before: float
-    ra_after: float
-    seams: tuple[Seam, Seam]
+    plane: tuple[float, float]  # [m/m] slopes of the least-squares plane of the heights as read
+    taken: tuple[float, float]  # [m/m] slopes that were taken off, or 0
+    lengths: tuple[float, float]  # [m]
+    ra_before: float  # [m]
+    ra_after: float  # [m]
+    seams: tuple[Seam, Seam]  # of the heights that are used
 
     @property
     def rises(self) -> tuple[float, float]:

@@ -26,21 +26,11 @@ from rolling.terminal import progress
 
 @dataclass(frozen=True, eq=False)
 class SceneSurface:
-    """Heights of a scene and their statistics, each computed when it is first needed.
+    """Heights of a scene and their statistics, each computed when it is first needed."""
 
-    Attributes
-    ----------
-    heights : (along, across) array, m
-        Heights.
-    spacing : float, m
-        Node spacing.
-    levelling : Levelling or None
-        Levelling of heights from a file; None for made heights.
-    """
-
-    heights: Array
-    spacing: float
-    levelling: Levelling | None = None
+    heights: Array  # [m], shape (along, across)
+    spacing: float  # [m]
+    levelling: Levelling | None = None  # of heights from a file
 
     @cached_property
     def statistics(self) -> Statistics:

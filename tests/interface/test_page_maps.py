@@ -15,7 +15,8 @@ from rolling.report.maps import palette
 from rolling.results.run_result import Run
 
 FLASHING_PX = 21824  # on which WCAG 2.3.1 allows more than three flashes a second
-# Luminance of the canvas as it is shown, a value for every eighth pixel along and across.
+# Luminance of the canvas as it is shown, a value for every eighth pixel along and across, as text:
+# a million numbers one by one take seconds.
 LUMINANCE = """() => {
   const canvas = document.querySelector('#film'), width = 150;
   const height = Math.round(width * canvas.height / canvas.width);
@@ -28,13 +29,11 @@ LUMINANCE = """() => {
     pen.drawImage(canvas, 0, 0, width, height);
     const { data } = pen.getImageData(0, 0, width, height);
     const channel = (i, k) => linear(data[4 * i + k]);
-    const luminance = (i) =>
-      0.2126 * channel(i, 0) + 0.7152 * channel(i, 1) + 0.0722 * channel(i, 2);
-    frames.push(Array.from({ length: data.length / 4 }, (_, i) => luminance(i).toFixed(4)));
+    frames.push(Array.from({ length: data.length / 4 }, (_, i) => (0.2126 * channel(i, 0)
+      + 0.7152 * channel(i, 1) + 0.0722 * channel(i, 2)).toFixed(4)).join(' '));
   }
   const shown = canvas.getBoundingClientRect();
-  // As text, because a million numbers one by one take seconds.
-  return { frames: frames.map((frame) => frame.join(' ')), pixels: shown.width * shown.height };
+  return { frames, pixels: shown.width * shown.height };
 }"""
 SEEK_FILM = """(n) => {
   const slider = document.querySelector('#film-seek');
@@ -185,8 +184,7 @@ def flashes(frames: np.ndarray) -> np.ndarray:
 def shown_film(page) -> tuple[np.ndarray, float]:
     """Return the luminance of each map of the film, shape (maps, places), and its pixels."""
     shown = page.evaluate(LUMINANCE)
-    frames = [np.fromstring(frame, sep=" ") for frame in shown["frames"]]
-    return np.array(frames), shown["pixels"]
+    return np.array([np.fromstring(row, sep=" ") for row in shown["frames"]]), shown["pixels"]
 
 
 def test_flashes_are_counted_as_pairs_of_changes() -> None:

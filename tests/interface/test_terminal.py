@@ -31,6 +31,7 @@ surface:
    seed: 3}
 rolling: {load_n: 0.5, speed_m_s: 0.1, duration_s: 0.004}
 """  # 200 steps
+ASCII = {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"}
 
 
 @pytest.fixture
@@ -249,13 +250,7 @@ def test_streams_that_are_closed_or_ascii(command: str, scene: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("redirected", "environment"),
-    [
-        ("<&- >&- 2>&-", {}),
-        (
-            "2>&1 | true; exit ${PIPESTATUS[0]}",
-            {"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "LC_ALL": "C"},
-        ),
-    ],
+    [("<&- >&- 2>&-", {}), ("2>&1 | true; exit ${PIPESTATUS[0]}", ASCII)],
 )
 def test_a_run_that_cannot_be_heard_is_done(
     redirected: str, environment: dict[str, str], scene: Path

@@ -24,7 +24,7 @@ from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
-from rolling.surface import contact_of_scene
+from rolling.surface.contact_of_scene import rolling_contact
 
 pytestmark = pytest.mark.slow
 
@@ -142,8 +142,7 @@ def test_the_articles_own_method_agrees(reading: str, roughness: float) -> None:
     Edges are sharp, as in the article (Fig. 3). At 1 N the dense matrix is small.
     """
     scene = runs_of(reading, quick=True)[roughness, 5.0, 1]
-    contact = contact_of_scene.rolling_contact(scene)
-    contact = replace(contact, load=1.0, blended=False, tolerance=1e-9)
+    contact = replace(rolling_contact(scene), load=1.0, blended=False, tolerance=1e-9)
     (state,) = march(contact, 0, 0, HalfSpace(contact.spacing, contact.contact_modulus))
     loaded = state.loaded
     block = Window(loaded.row - 2, loaded.column - 2, loaded.rows + 4, loaded.columns + 4)
