@@ -44,7 +44,8 @@ def write_run(run: Run) -> None:
         write_bytes(run.folder / name, content)
     write_json(
         run.folder / SUMMARY,
-        run.summary | {"listen": _listen(run, gain), "provenance": provenance(run.scene)},
+        run.summary
+        | {"listen": _listen(run, gain), "provenance": provenance(run.scene, run.label)},
     )
 
 
