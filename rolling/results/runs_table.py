@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.bands import BAND_NAMES
+from rolling.check.finding import columns
 from rolling.results.caveats import HEADLINE, REPEATS, STANDING, gathered
 from rolling.results.labels import Labelled, labels, printable
 from rolling.results.summary_file import read_summary
@@ -183,12 +184,6 @@ def levels_table(runs: Sequence[Labelled]) -> str:
         rows.append([label, *cells, printable(str(run.folder))])
     errors = [line for label, summary in solved if (line := error_line(label, summary))]
     return "\n".join([columns(rows), *errors, *_remarks(solved)])
-
-
-def columns(rows: Sequence[Sequence[str]]) -> str:
-    """Write rows of equal length in aligned columns, two spaces apart, for a terminal."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
 
 def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
