@@ -86,7 +86,9 @@ def run(scene: Path, out: Path, cluster: DaskProcesses, *more: str) -> int:
     return cli.main(words_of(scene, out, "--cluster", str(cluster.file), *more))
 
 
-def test_a_killed_worker_changes_no_byte(cluster: DaskProcesses, tmp_path: Path) -> None:
+def test_a_killed_worker_or_process_of_one_changes_no_byte(
+    cluster: DaskProcesses, tmp_path: Path
+) -> None:
     scene, out, local = tmp_path / "scene.yaml", tmp_path / "out", tmp_path / "local"
     scene.write_text(SWEEP)
     assert cli.main(words_of(scene, local, "--workers", "1")) == 0
@@ -94,8 +96,9 @@ def test_a_killed_worker_changes_no_byte(cluster: DaskProcesses, tmp_path: Path)
 
     def kill() -> None:
         wait_for(lambda: pieces(out))
-        victims = [child for child in nanny.children() if "spawn_main" in str(child.cmdline())]
-        victims[0].kill()
+        below = {child.pid: str(child.cmdline()) for child in nanny.children(recursive=True)}
+        for name in ("worker.serve", "spawn_main"):
+            os.kill(next(pid for pid, words in below.items() if name in words), signal.SIGKILL)
 
     killing = threading.Thread(target=kill)
     killing.start()

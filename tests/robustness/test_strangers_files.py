@@ -159,6 +159,13 @@ def test_no_folder_that_is_a_link_is_written(
     assert not elsewhere.exists() if dangling else not [*elsewhere.iterdir()]
 
 
+@pytest.mark.parametrize("kind", ["pipe", "zeros", "hard link"])
+def test_a_study_that_is_no_file_of_its_own_is_refused(kind: str, out: Path) -> None:
+    (out.parent / "study").mkdir()
+    place(kind, out.parent / "study" / "accuracy.nc", out.parent / "victim")
+    assert cli.main(["accuracy", str(out.parent / "scene.yaml"), "--out", "study"]) == 2
+
+
 def test_the_run_folder_itself_may_be_a_link(out: Path) -> None:
     out.rename(out.parent / "real")
     out.symlink_to("real")
