@@ -34,6 +34,7 @@ from rolling.run.executor import ended_by_signal
 from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import run_name
+from rolling.scene.yaml_text import read_regular
 from rolling.sound.contact_sound import contact_sound
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
@@ -42,6 +43,7 @@ BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
 LEVELS = ("laeq_db", "third_octave_db")
 MEANS = ("mean_release_w", "contact_area_m2", "plastic_area_m2", "max_pressure_pa")
 DATASET = "accuracy.nc"
+MOST_BYTES = 100_000_000  # of the dataset
 
 
 def accuracy(
@@ -246,10 +248,11 @@ def _stored(folder: Path, identity: str) -> xr.Dataset | None:
     FolderError : the folder holds anything else.
     """
     try:
-        if not folder.exists() or (folder.is_dir() and not any(folder.iterdir())):
+        if not folder.exists() or all(path.suffix == files.PARTIAL for path in folder.iterdir()):
             return None
-        study = xr.load_dataset(folder / DATASET, engine="h5netcdf")
-    except (OSError, ValueError) as error:
+        content = io.BytesIO(read_regular(folder / DATASET, MOST_BYTES))
+        study = xr.load_dataset(content, engine="h5netcdf")
+    except Exception as error:  # xarray raises errors of any kind on damaged files
         raise FolderError(f"{folder}: holds no study of accuracy; take another --out") from error
     if study.attrs.get("identity") != identity:
         raise FolderError(f"{folder}: holds the study of another scene; take another --out")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from acoustics.numbers import rounded
@@ -94,3 +94,9 @@ def _rounded(value: float, towards: Callable[[float], int]) -> float:
     size = 10.0 ** (math.floor(math.log10(value)) - 1)
     # A whole number keeps its value despite its rounding error.
     return towards(round(value / size, 9)) * size
+
+
+def columns(rows: Sequence[Sequence[str]]) -> str:
+    """Write rows of equal length in aligned columns, two spaces apart, for a terminal."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)

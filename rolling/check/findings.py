@@ -26,6 +26,7 @@ from rolling.check.finding import (
     SURFACE,
     Finding,
     byte_size,
+    columns,
     computing,
     rounded_down,
     si,
@@ -107,9 +108,9 @@ class Findings(Sequence[Finding]):
 
     def __str__(self) -> str:
         shared, by_run = self._rows()
-        blocks = [_columns(shared)]
+        blocks = [columns(shared)]
         for k in range(1, len(by_run[0]), RUNS_ABREAST) if by_run[1:] else ():
-            blocks.append(_columns([[row[0], *row[k : k + RUNS_ABREAST]] for row in by_run]))
+            blocks.append(columns([[row[0], *row[k : k + RUNS_ABREAST]] for row in by_run]))
         warnings = "\n".join(wrapped(f"warning: {line}") for line in self.warnings)
         return "\n\n".join(filter(None, [*blocks, warnings]))
 
@@ -135,16 +136,6 @@ class Findings(Sequence[Finding]):
         by_run = [[name, *row] for name, row in cells.items() if len({*row}) > 1]
         header = ["", *(run.name for run in self.runs)]
         return shared + [list(row) for row in self.of_all], [header, *by_run]
-
-
-def _columns(rows: list[list[str]]) -> str:
-    """Write rows of equal length in aligned columns, two spaces apart."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = (
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        for row in rows
-    )
-    return "\n".join(line.rstrip() for line in lines)
 
 
 def check_scene(scene: Scene, solve: bool = True) -> Findings:

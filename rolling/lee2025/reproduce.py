@@ -22,7 +22,7 @@ from rolling.scene.file import read_scene
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, progress
-from rolling.terminal.files import FolderError, make_below, write_bytes
+from rolling.terminal.files import PARTIAL, FolderError, make_below, write_bytes
 
 STUDY = "lee2025"
 LENGTHS = "correlation-length"  # sweep of the article's outlook
@@ -126,7 +126,8 @@ def _scene_files(chosen: Sequence[str] = ()) -> list[tuple[str, Path]]:
 
 def _refuse_foreign(folder: Path) -> None:
     """Refuse a folder that holds anything but runs and tables of the study."""
-    names = {path.name for path in folder.iterdir()} if folder.exists() else set()
+    paths = [*folder.iterdir()] if folder.exists() else []
+    names = {path.name for path in paths if path.suffix != PARTIAL}  # as a kill leaves it
     readings = {reading for reading, _ in _scene_files()}
     if names and (names.isdisjoint(readings) or names - readings - OWN_FILES):
         raise FolderError(f"{folder}: holds no study of this program; choose another --out")

@@ -289,7 +289,7 @@ def _provenance(run: Run) -> dict[str, str]:
     facts_by_name = {
         name: NOTHING if value is None else str(value)
         for name, value in record.items()
-        if name != "packages"
+        if name not in ("packages", "label")
     }
     packages = record.get("packages", {})
     if packages:

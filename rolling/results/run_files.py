@@ -36,7 +36,8 @@ def write_run(run: Run) -> None:
         write_bytes(run.folder / name, content)
     write_json(
         run.folder / SUMMARY,
-        run.summary | {"listen": listening.meaning(run), "provenance": provenance(run.scene)},
+        run.summary
+        | {"listen": listening.meaning(run), "provenance": provenance(run.scene, run.label)},
     )
 
 

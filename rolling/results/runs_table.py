@@ -10,6 +10,7 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
+from rolling.check.finding import columns
 from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
 from rolling.results.labels import Labelled, labels
 from rolling.results.summary_file import read_summary
@@ -247,12 +248,6 @@ def verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, s
         (word, reason if len(names) == len(runs) else f"{reason} ({'; '.join(names)})")
         for (word, reason), names in merged.items()
     ]
-
-
-def columns(rows: Sequence[Sequence[str]]) -> str:
-    """Write rows of equal length in aligned columns, two spaces apart, for a terminal."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
 
 def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:

@@ -104,8 +104,8 @@ def record_scatter(pressure: Array, laps: float = 1.0) -> float | None:
     return uncertainty.record_scatter_db(lap, wav.SAMPLE_RATE_HZ)
 
 
-def provenance(scene: Scene) -> dict[str, Any]:
-    """Collect the provenance of the numbers: versions, state of the source, machine, seed."""
+def provenance(scene: Scene, label: str) -> dict[str, Any]:
+    """Collect the provenance of the numbers: versions, state of the source, machine, seed, run."""
     packages = (*_PACKAGES, "mosqito") if scene.sound.loudness else _PACKAGES
     return {
         "program": rolling.__version__,
@@ -114,6 +114,7 @@ def provenance(scene: Scene) -> dict[str, Any]:
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in packages},
         "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
+        "label": label,
         "seed": getattr(scene.surface, "seed", None),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
     }

@@ -19,7 +19,7 @@ _MAPPINGS = (
     *("surface", "uncertainty_db", "third_octave_db", "third_octave_a_db"),
     *("provenance", "packages", "listen", "error_estimate"),
 )
-_TEXTS = ("name", "source", "text")
+_TEXTS = ("name", "label", "source", "text")
 _NUMBER = re.compile(r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share)")
 
 

@@ -311,7 +311,10 @@ def _answering(text: str) -> str:
     except TimeoutError:
         reason = "a time-out"
     except OSError as error:
-        reason = str(error.strerror or error.__cause__ or error)
+        cause: BaseException = error  # Dask wraps the error of the system
+        while cause.__cause__ is not None:
+            cause = cause.__cause__
+        reason = str(getattr(cause, "strerror", None) or cause)
     except Exception:  # of any kind where another program answers
         pass
     else:

@@ -6,6 +6,7 @@ import io
 import itertools
 import lzma
 import math
+import re
 import struct
 import tokenize
 import warnings
@@ -30,6 +31,7 @@ MAX_LINE = 20_000_000  # letters
 NAME = "heights.npy"  # of the array in an archive of several
 _TEXT_ENDINGS = (".csv", ".txt")
 _ENDINGS = (".npy", ".npz", *_TEXT_ENDINGS)
+_DECIMALS = re.compile(r"\s*-?0\d+\s*")  # no whole number begins with 0
 _SHAPES = "one 2-D array of real heights, (along track, across), or a profile of one line"
 _NUMBERS = "numbers by comma, semicolon, tab or whitespace"
 # Errors of numpy and zipfile for damaged files. Their texts are not repeated: some of them advise
@@ -224,6 +226,10 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
     fields = line.split(separator)
     if separator and not fields[-1].strip():
         fields.pop()
+    if separator == "," and (part := next(filter(_DECIMALS.fullmatch, fields), None)):
+        text = shown(f"...,{part.strip()}")
+        words = "a comma is either before decimals or between numbers: write points or semicolons"
+        raise HeightFormatError(f"got {text}, allowed: {_NUMBERS}; {words}", place)
     try:
         row = [float(field) for field in fields]
         if all(map(math.isfinite, row)) and "_" not in line:

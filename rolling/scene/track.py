@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from acoustics.numbers import rounded
 from rolling.scene import height_files
-from rolling.scene.messages import fault, plain_number
+from rolling.scene.messages import cut, fault, plain_number
 from rolling.scene.motion import ROUNDING, Motion
 
 MIN_NODES = 8  # minimum number of nodes along and across
@@ -170,8 +170,9 @@ def height_nodes(path: Path, name: str, width_nodes: int | None) -> tuple[int, i
     try:
         rows, columns = height_files.nodes(path)
     except height_files.HeightFormatError as error:
-        place = f" (looked in {path.parent.absolute()})" if not path.is_file() else ""
-        raise fault(f"{error.of(name)}{place}", *_PATH) from error
+        missing = isinstance(error.__cause__, FileNotFoundError)
+        place = f" (looked in {path.parent.absolute()})" if missing else ""
+        raise fault(f"{error.of(cut(name))}{place}", *_PATH) from error
     if (columns == 1) != (width_nodes is not None):
         words = f"only goes with a profile of one line, but {name} has {columns} lines side by side"
         if columns == 1:

@@ -116,6 +116,13 @@ def test_a_sweep_gives_runs_by_value_and_is_refused_by_simulate(folder: Path) ->
     assert [*rc.simulate_sweep(both, workers=1)] == [(0.005, 1), (0.005, 2)]
 
 
+def test_a_saved_run_of_a_sweep_keeps_its_label(tmp_path: Path) -> None:
+    (tmp_path / "scene.yaml").write_text(TINY + "sweep: {plate.hardness_gpa: [1, 2]}")
+    runs = rc.simulate_sweep(rc.read_scene(tmp_path / "scene.yaml"), workers=1)
+    again = rc.open_run(runs[2].save(tmp_path / "mine", report=False))
+    assert again.label == runs[2].label == "hardness 2 GPa"
+
+
 def test_failures_are_raised_beside_the_other_runs(folder: Path) -> None:
     heavy = rc.read_scene(folder / "scene.yaml", ["rolling.load_n=40"])
     with pytest.raises(rc.ContactError, match="more than the surface can carry"):

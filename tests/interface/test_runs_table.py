@@ -13,11 +13,11 @@ import pytest
 from finished import run_of
 from scene_text import TINY
 
+from rolling.check.finding import columns
 from rolling.results.labels import labels
 from rolling.results.run_files import write_run
 from rolling.results.run_result import hear
 from rolling.results.runs_table import (
-    columns,
     level_text,
     levels_table,
     numbers,

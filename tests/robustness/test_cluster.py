@@ -86,7 +86,9 @@ def run(scene: Path, out: Path, cluster: DaskProcesses, *more: str) -> int:
     return cli.main(words_of(scene, out, "--cluster", str(cluster.file), *more))
 
 
-def test_a_killed_worker_changes_no_byte(cluster: DaskProcesses, tmp_path: Path) -> None:
+def test_a_killed_worker_or_process_of_one_changes_no_byte(
+    cluster: DaskProcesses, tmp_path: Path
+) -> None:
     scene, out, local = tmp_path / "scene.yaml", tmp_path / "out", tmp_path / "local"
     scene.write_text(SWEEP)
     assert cli.main(words_of(scene, local, "--workers", "1")) == 0
@@ -94,8 +96,9 @@ def test_a_killed_worker_changes_no_byte(cluster: DaskProcesses, tmp_path: Path)
 
     def kill() -> None:
         wait_for(lambda: pieces(out))
-        victims = [child for child in nanny.children() if "spawn_main" in str(child.cmdline())]
-        victims[0].kill()
+        below = {child.pid: str(child.cmdline()) for child in nanny.children(recursive=True)}
+        for name in ("worker.serve", "spawn_main"):
+            os.kill(next(pid for pid, words in below.items() if name in words), signal.SIGKILL)
 
     killing = threading.Thread(target=kill)
     killing.start()
@@ -162,9 +165,19 @@ def test_a_lost_scheduler_ends_in_a_sentence_and_the_command_goes_on(
     assert cli.main(words_of(scene, out, "--workers", "2")) == 0
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "none.json", "nonsense::::", "foreign"])
+@pytest.mark.parametrize(
+    ("address", "reason"),
+    [
+        ("tcp://127.0.0.1:9", "(Connection refused)"),
+        ("none.json", "(No such file or directory)"),
+        ("nonsense::::", "(not one of Dask)"),
+        ("", "("),
+        ("foreign", "(a time-out)"),
+    ],
+)
 def test_an_address_without_a_scheduler_is_refused_before_anything_is_written(
     address: str,
+    reason: str,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -176,4 +189,6 @@ def test_an_address_without_a_scheduler_is_refused_before_anything_is_written(
         if address == "foreign":
             address = f"127.0.0.1:{server.getsockname()[1]}"
         assert cli.main(words_of(scene, out, "--cluster", address)) == 2
-    assert "no scheduler answers" in capsys.readouterr().err and not out.exists()
+    said = capsys.readouterr().err
+    assert f"no scheduler answers {reason}" in said and not out.exists()
+    assert said.count("\n") == 1 and " object at 0x" not in said

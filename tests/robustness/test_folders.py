@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import errno
 import json
-import os
 import resource
 import signal
 import subprocess
@@ -28,7 +26,7 @@ from scene_text import TINY
 from rolling import cli, open_run
 from rolling.run import folder as folders
 from rolling.run import worker
-from rolling.terminal import files, program
+from rolling.terminal import program
 from rolling.terminal.files import FolderError
 
 SEEDS = TINY + "sweep: {surface.seed: [1, 2, 3]}\n"
@@ -236,46 +234,7 @@ def test_a_damaged_piece_is_marched_again(damage: bytes | str, scene: Path, tmp_
     assert worker.read_piece(path) is not None
 
 
-def test_files_half_written_are_removed(scene: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    out.mkdir()
-    (out / ".result.h5.0123456789abcdef.partial").write_text("half")
-    assert run(scene, out) == 0
-    assert not [*out.rglob("*.partial")]
-
-
 # ---- disks
-
-
-def break_writing(patch: pytest.MonkeyPatch, code: int, name: str) -> None:
-    """Let files of this name fail as the system fails."""
-    inner = os.open
-
-    def broken(path: str | Path, flags: int, *more: int, **named: int) -> int:
-        if flags & os.O_CREAT and Path(path).name.startswith(f".{name}."):
-            raise OSError(code, os.strerror(code), str(path))
-        return inner(path, flags, *more, **named)
-
-    patch.setattr(os, "open", broken)
-
-
-@pytest.mark.parametrize("name", ["result.h5", "track-0-25.npz", "runs.csv"])
-def test_a_full_disk_stops_with_a_sentence_and_loses_nothing(
-    name: str,
-    seeds: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    out = tmp_path / "out"
-    with monkeypatch.context() as patch:
-        break_writing(patch, errno.ENOSPC, name)
-        assert run(seeds, out) == 1
-    said = capsys.readouterr().err
-    assert "No space left on device" in said and str(out) in said
-    assert not [*out.rglob("*.partial")] and (out / "scene.yaml").is_file()
-    assert run(seeds, out) == 0
-    assert [state for state, _ in folders.states(out).values()] == ["done"] * 3
 
 
 @pytest.mark.slow
@@ -314,14 +273,3 @@ def test_a_folder_below_a_file_is_refused(
     assert run(scene, tmp_path / "file" / "out") == 1
     assert "Not a directory" in capsys.readouterr().err
     assert (tmp_path / "file").read_text() == "mine"
-
-
-def test_a_failed_write_leaves_the_earlier_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "summary.json"
-    files.write_bytes(path, b"first")
-    monkeypatch.setattr(os, "fsync", lambda number: (_ for _ in ()).throw(OSError(28, "full")))
-    with pytest.raises(OSError, match="full"):
-        files.write_bytes(path, b"second")
-    assert path.read_bytes() == b"first" and [*tmp_path.iterdir()] == [path]

@@ -179,6 +179,19 @@ def test_decimal_commas_get_their_own_advice(tmp_path: Path) -> None:
     assert 'h.csv:1: got "0,5"' in message and "with a point before the decimals" in message
 
 
+@pytest.mark.parametrize("text", ["1,25,0,07\n2,5,3,25\n", "1,5, -2,5\n0,7,-1,05\n"])
+def test_decimal_commas_between_commas_are_no_columns(text: str, tmp_path: Path) -> None:
+    (tmp_path / "h.csv").write_text(text)
+    assert "a comma is either before decimals or between numbers" in fault(tmp_path, "h.csv")
+
+
+@pytest.mark.parametrize("path", ["a" * 5000 + ".csv", "a/" * 2500 + "b.csv"])
+def test_a_path_of_five_thousand_letters_is_a_fault_of_its_key(path: str, tmp_path: Path) -> None:
+    message = fault(tmp_path, path)
+    assert message.startswith("surface.path: a") and "File name too long" in message
+    assert len(message) < 200
+
+
 def test_text_without_numbers_and_text_that_is_too_large(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

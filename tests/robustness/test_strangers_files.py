@@ -26,16 +26,7 @@ from rolling.terminal.files import FolderError, write_bytes
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pipes and links on Windows")
 
 
-def test_a_link_at_a_temporary_name_does_not_lead_to_its_target(tmp_path: Path) -> None:
-    victim = tmp_path / "victim"
-    victim.write_text("precious")
-    (tmp_path / ".report.html.partial").symlink_to(victim)
-    write_bytes(tmp_path / "report.html", b"page")
-    assert victim.read_text() == "precious"
-    assert (tmp_path / "report.html").read_bytes() == b"page"
-
-
-def test_even_a_guessed_temporary_name_is_refused(
+def test_a_guessed_temporary_name_leads_nowhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("secrets.token_hex", lambda count: "0" * 2 * count)
@@ -157,6 +148,13 @@ def test_no_folder_that_is_a_link_is_written(
         assert cli.main(words_of(out.parent / "scene.yaml", out, "--workers", "1")) == 2
     assert "a link" in capsys.readouterr().err
     assert not elsewhere.exists() if dangling else not [*elsewhere.iterdir()]
+
+
+@pytest.mark.parametrize("kind", ["pipe", "zeros", "hard link"])
+def test_a_study_that_is_no_file_of_its_own_is_refused(kind: str, out: Path) -> None:
+    (out.parent / "study").mkdir()
+    place(kind, out.parent / "study" / "accuracy.nc", out.parent / "victim")
+    assert cli.main(["accuracy", str(out.parent / "scene.yaml"), "--out", "study"]) == 2
 
 
 def test_the_run_folder_itself_may_be_a_link(out: Path) -> None:
