@@ -200,8 +200,8 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
     ratio = max(summary["vibration_estimate_force_ratio"] for summary in known)
     lost = "; too high where the ball would lose contact" if ratio > LINEAR else ""
     return (
-        f"it lies {above} dB above the vibration, which a linear chain estimates at {level} dB(A) for"
-        f" {bodies}{lost}"
+        f"it lies {above} dB above the vibration, which a linear chain estimates at {level} dB(A)"
+        f" for {bodies}{lost}"
     )
 
 
