@@ -12,7 +12,7 @@ scene = rc.read_scene(SCENE).with_(duration_s=0.006)  # 0.6 mm of track; the sce
 runs = rc.simulate_sweep(scene, progress=False)
 for load, run in runs.items():
     levels = run.sound.levels
-    print(f"{load:5.0f} N: LAeq {levels.laeq_db:.1f} dB(A), LZeq {levels.level_db:.1f} dB")
+    print(f"{load:5.0f} N: level of the released power (q = 1) {levels.laeq_db:.1f} dB(A)")
 
 fig, ax = plt.subplots()
 rc.plot.third_octaves(list(runs.values()), ax=ax)

@@ -24,5 +24,6 @@ with tempfile.TemporaryDirectory() as folder:
     scene["rolling"] = {"load_n": 20.0, "speed_m_s": 0.1}  # once round the file
     run = rc.simulate(rc.Scene.from_dict(scene, Path(folder)), workers=1, progress=False)
 print(
-    f"release power {np.mean(run.release_power):.2e} W, LAeq {run.sound.levels.laeq_db:.1f} dB(A)"
+    f"release power {np.mean(run.release_power):.2e} W,"
+    f" its level with q = 1: {run.sound.levels.laeq_db:.1f} dB(A), an upper bound"
 )

@@ -78,7 +78,7 @@ def _bouncing(scene: Scene) -> Finding:
         correlation = scene.surface.correlation_length_um * 1e-6
     wave = speed / frequency / (vibration.hertz_radius(scene) + correlation)
     if wave < FELT:
-        part = "its part is some 30 dB or more below the release, and the levels hold"
+        part = "its part is some 30 dB or more below the release"
     elif wave < DOMINANT:
         part = "its part is heard: do not trust the bands about that frequency"
     else:

@@ -36,7 +36,7 @@ _LEVELS = {  # columns of runs.csv with label and column of the standard uncerta
     "laeq_db": ("LAeq", "laeq_uncertainty_db"),
     "level_db": ("LZeq", "level_uncertainty_db"),
     "vibration_laeq_db": ("LAeq of the vibration", ""),
-    "release_laeq_db": ("LAeq of the release", ""),
+    "release_laeq_db": ("level of the release, A", ""),
 }
 _AREAS = {
     "contact_area_mean_m2": ("contact area", ""),
@@ -77,7 +77,11 @@ def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) 
     >>> rolling.plot.levels(runs, "rolling.load_n")  # doctest: +SKIP
     """
     shown = listed(runs)
-    ax = _against_key(shown, key, _LEVELS, ax)
+    names = dict(_LEVELS)
+    if {run.sound.source for run in shown} == {"release"}:
+        for name, weighting in (("laeq_db", "A"), ("level_db", "Z")):
+            names[name] = f"released power, {weighting}", _LEVELS[name][1]
+    ax = _against_key(shown, key, names, ax)
     ax.set_ylabel("level [dB re 20 µPa]")
     facts = [*distance_and_duration(shown), "bars: standard uncertainty of that duration"]
     return finish(ax, f"Levels against {x_words(ax)}: {subject(shown)}", facts)

@@ -19,7 +19,6 @@ from rolling.results.runs_table import beside_text, level_name, uncertain, verdi
 from rolling.scene import file
 
 NOTHING = "-"  # for a number that does not exist
-NOT_AVAILABLE = "not available"  # a power without a loss factor, or of a half-space
 Fact = tuple[str, list[tuple[str, str]]]  # quantity; labels of runs (empty: all runs) and value
 
 
@@ -100,7 +99,7 @@ def titles(runs: Sequence[Run]) -> str:
 
 
 def sentence(runs: Sequence[Run]) -> str:
-    """State the result in one sentence, with the level beside that of a single run."""
+    """State the result in one sentence."""
     sounding = [(level, run) for run in runs if (level := run.sound.levels.laeq_db) is not None]
     if not sounding:
         sources = " or ".join(dict.fromkeys(run.sound.source for run in runs))
@@ -114,9 +113,7 @@ def sentence(runs: Sequence[Run]) -> str:
     name = level_head(runs)
     if len(sounding) == 1:
         laeq = uncertain(low_db, quietest.summary["uncertainty_db"]["laeq"])
-        beside = "; ".join(filter(None, [beside_text(quietest.summary), _compact(quietest)]))
-        beside = f" ({beside})" if beside else ""
-        return f"{quietest.label}: {name} {laeq} dB(A) re 20 µPa{at}{beside}.{also}"
+        return f"{quietest.label}: {name} {laeq} dB(A) re 20 µPa{at}.{also}"
     name = name[0].upper() + name[1:]
     if high_db - low_db < 0.05:
         return f"{name}{at} is {low_db:.1f} dB(A) in all {len(sounding)} runs that sound.{also}"
@@ -126,14 +123,10 @@ def sentence(runs: Sequence[Run]) -> str:
     )
 
 
-def _compact(run: Run) -> str:
-    """State the level of a compact source of the same power; empty without a vibration."""
-    if run.vibration is None or run.sound.source != "vibration":
-        return ""
-    level = run.summary.get("compact_source_level_db")
-    return (
-        f"a compact source of the same power: {NOT_AVAILABLE if level is None else f'{level:.1f}'}"
-    )
+def beside(runs: Sequence[Run]) -> str:
+    """State the levels beside those of runs in a sentence; empty where there are none."""
+    words = beside_text([run.summary for run in runs])
+    return f"{words[0].upper()}{words[1:]}." if words else ""
 
 
 def level_head(runs: Sequence[Run]) -> str:

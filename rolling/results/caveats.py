@@ -18,15 +18,13 @@ from rolling.results.verdict import MEASURED_DB, ranks
 from rolling.scene.scene import Scene
 from rolling.sound import solver_error
 from rolling.sound.contact_sound import ContactSound
-from rolling.sound.vibration_estimate import bodies_text
 from rolling.sound.vibration_sound import Vibration
 
 BENT = 0.1  # range of the plate's displacement over its thickness up to which it is small
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 WANTED_DB = 0.2  # standard error up to which an error estimate says enough
 # Caveats that stand beside every level, beside every player, and elsewhere; others are warnings.
-_BESIDE = ("vibration_estimate", "release_bound")
-_BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", *_BESIDE, "on_axis", "infinite_plate")
+_BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", "on_axis", "infinite_plate")
 HEADLINE = (*_BOUNDS, "unvalidated", "uncertainty")
 REPEATS = ("short_loop", "short_track")
 _LOADS = ("quasi_static", "constant_load_release", "moving_load_release")
@@ -70,7 +68,6 @@ def caveats(
     knows_grid = _knows_grid(scene, errors)
     texts = (
         _of_levels(scene, sound, errors, vibration)
-        | _beside(scene, sound)
         | _of_record(scene, sound)
         | _of_load(scene, moving)
         | {
@@ -175,20 +172,6 @@ def _of_levels(
                 " them."
             )
     return texts
-
-
-def _beside(scene: Scene, sound: ContactSound) -> dict[str, str]:
-    """Return the caveat of the level that stands beside that of the run."""
-    if sound.levels.laeq_db is None:
-        return {}
-    if scene.dynamics is None:
-        return {
-            "vibration_estimate": "The vibration is estimated by a linear chain of"
-            f" {bodies_text(scene)}, moved by the approach under the constant load."
-        }
-    if sound.source == "vibration":
-        return {"release_bound": "The release with q = 1 stands beside it, an upper bound."}
-    return {}
 
 
 def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:

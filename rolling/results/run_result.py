@@ -217,7 +217,7 @@ class Run:
             for key, (name, unit) in runs_table.LEVELS.items()
         ]
         rows[0] = (runs_table.level_name(self.summary), *rows[0][1:])
-        rows.insert(1, ("beside it", runs_table.beside_text(self.summary) or "-", ""))
+        rows.insert(1, ("beside it", runs_table.beside_text([self.summary]) or "-", ""))
         rows.insert(2, ("verdict", judged["word"], judged["reason"]))
         levels = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
         caveats = "".join(

@@ -13,6 +13,7 @@ from acoustics.numbers import rounded
 from rolling.check.finding import columns
 from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
 from rolling.results.labels import Labelled, labels
+from rolling.results.run_errors import LINEAR
 from rolling.results.summary_file import read_summary
 from rolling.results.verdict import above_vibration_db
 from rolling.terminal.streams import wrapped
@@ -182,20 +183,38 @@ def level_name(summary: Mapping[str, Any]) -> str:
     return f"level of the released power (q = {summary.get('q') or 1:g})"
 
 
-def beside_text(summary: Mapping[str, Any]) -> str:
-    """State the level beside that of a run and their distance; empty if there is none."""
-    above = above_vibration_db(summary)
-    if above is None or summary["laeq_db"] is None:
+def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
+    """State the levels beside those of runs of one source; empty where there are none."""
+    known = [summary for summary in summaries if above_vibration_db(summary) is not None]
+    sources = {summary["source"] for summary in known}
+    if len(sources) != 1:
         return ""
-    if summary["source"] == "vibration":
-        return f"the release with q = 1 is {above:.0f} dB above it: an upper bound"
-    if summary.get("vibration_laeq_db") is not None:
-        return f"{above:.0f} dB above the vibration, which has {summary['vibration_laeq_db']:.1f}"
+    above = _range([above_vibration_db(summary) for summary in known])
+    if sources == {"vibration"}:
+        compact = _range([summary.get("compact_source_level_db") for summary in known], 1)
+        compact = f"{compact} dB(A)" if compact else "not available"
+        return (
+            f"the release with q = 1 is {above} dB above it: an upper bound; a compact source of"
+            f" the same power: {compact}"
+        )
+    if any(summary.get("vibration_laeq_db") is not None for summary in known):
+        level = _range([summary.get("vibration_laeq_db") for summary in known], 1)
+        return f"it lies {above} dB above the vibration, which has {level} dB(A)"
+    level = _range([summary["vibration_estimate_laeq_db"] for summary in known])
+    bodies = " or ".join(dict.fromkeys(summary["vibration_estimate_bodies"] for summary in known))
+    ratio = max(summary["vibration_estimate_force_ratio"] for summary in known)
+    lost = "; too high where the ball would lose contact" if ratio > LINEAR else ""
     return (
-        f"{above:.0f} dB above the vibration, estimated at"
-        f" {summary['vibration_estimate_laeq_db']:.0f} dB(A) for"
-        f" {summary['vibration_estimate_bodies']}"
+        f"it lies {above} dB above the vibration, which a linear chain estimates at {level} dB(A)"
+        f" for {bodies}{lost}"
     )
+
+
+def _range(levels: Sequence[float | None], digits: int = 0) -> str:
+    """Write the lowest and the highest of some levels; empty without any."""
+    known = sorted(level for level in levels if level is not None)
+    ends = dict.fromkeys(f"{level:.{digits}f}" for level in [*known[:1], *known[-1:]])
+    return " to ".join(ends)
 
 
 def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
@@ -235,7 +254,10 @@ def levels_table(runs: Sequence[Labelled]) -> str:
     rows += [[name, *(by_run.get(name, {}).get(head, "-") for head in heads)] for name in names]
     errors = [wrapped(line) for label, summary in solved if (line := error_line(label, summary))]
     judged = [wrapped(f"{word}: {reason}") for word, reason in verdicts(solved)]
-    return "\n".join([columns(rows), "", *judged, *errors, *_remarks(solved)])
+    beside = beside_text([summary for _, summary in solved])
+    beside = wrapped(f"{beside[:1].upper()}{beside[1:]}.") if beside else ""
+    lines = [*filter(None, [beside]), *judged, *errors, *_remarks(solved)]
+    return "\n".join([columns(rows), "", *lines])
 
 
 def verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, str]]:

@@ -273,9 +273,10 @@ def _estimate(scene: Scene, result: Result, release: ContactSound) -> dict[str, 
     if scene.dynamics is not None:
         return {}
     approach, closed = result.whole("approach"), release.closed
-    laeq = vibration_estimate.estimated_laeq_db(scene, approach, result.step, closed)
+    laeq, ratio = vibration_estimate.estimate(scene, approach, result.step, closed)
     return {
         "vibration_estimate_laeq_db": laeq,
+        "vibration_estimate_force_ratio": ratio,
         "vibration_estimate_bodies": vibration_estimate.bodies_text(scene),
     }
 

@@ -160,7 +160,6 @@ def _source(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
         return [Contribution("assumed_q", INDICATIVE, None, text)]
     above = above_vibration_db(summary)
     text = "a level of the released power (q = 1) is an upper bound"
-    text += f", {above:.0f} dB above the vibration" if above is not None else ""
     return [Contribution("upper_bound", INDICATIVE, above, text)]
 
 

@@ -6,6 +6,7 @@ need not describe: a sphere of steel on a plate of 10 mm of steel stand for the 
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -50,8 +51,12 @@ def bodies_text(scene: Scene) -> str:
     return f"a ball of {ball} on a {rounded(thickness, 4)} mm plate of {plate}"
 
 
-def estimated_laeq_db(scene: Scene, approach: Array, step: float, closed: bool) -> float | None:
-    """Estimate LAeq [dB] of the vibration; None where the approach does not fluctuate.
+def estimate(
+    scene: Scene, approach: Array, step: float, closed: bool
+) -> tuple[float | None, float]:
+    """Estimate LAeq [dB] of the vibration, and the rms of its contact force over the load.
+
+    LAeq is None where the approach does not fluctuate within hearing.
 
     Parameters
     ----------
@@ -67,7 +72,7 @@ def estimated_laeq_db(scene: Scene, approach: Array, step: float, closed: bool) 
     motion, steps = scene.motion, len(approach) - 1
     duration = motion.duration(steps * step)
     if scene.surface.kind == "smooth" or steps < 4:
-        return None
+        return None, 0.0
     signal, constant = approach[:-1], motion.is_constant(duration)
     if not constant:
         count = steps * oversampling(motion, duration, step)
@@ -79,15 +84,20 @@ def estimated_laeq_db(scene: Scene, approach: Array, step: float, closed: bool) 
     frequency, mean_square = line_spectrum(signal - signal.mean(), rate)
     heard = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
     if not heard.any():
-        return None
+        return None, 0.0
     stiffness = (
         2
         * scene.contact_modulus
         * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     )
     bodies = with_bodies(scene)
-    gain = chain_gain(bodies, of_scene.chain(bodies, stiffness))
+    chain = of_scene.chain(bodies, stiffness)
     offsets = ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5) / duration
     points = np.maximum(frequency[heard][:, None] + offsets, 1.0).ravel()
-    weighted = gain(points) * 10 ** (a_weighting_db(points) / 10)
-    return level.level_db(float(mean_square[heard] @ weighted.reshape(-1, _POINTS).mean(axis=1)))
+    weighted = chain_gain(bodies, chain)(points) * 10 ** (a_weighting_db(points) / 10)
+    forces = np.square(np.abs(chain.force(points, np.ones(len(points)))))
+    square, force_square = (
+        float(mean_square[heard] @ gain.reshape(-1, _POINTS).mean(axis=1))
+        for gain in (weighted, forces)
+    )
+    return level.level_db(square), math.sqrt(force_square) / scene.load
