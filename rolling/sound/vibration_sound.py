@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import Ball, HalfSpaceBody, ThinPlate, axis_transfer, pressure_on_axis
 from acoustics.sound_power import band_power
@@ -58,6 +58,8 @@ class Vibration:
         Sound power in third octaves, NaN where it is unknown: above the coincidence of a plate
         without a loss factor, of a half-space, and in bands that the steps do not resolve.
     """
+
+    __repr__ = short_repr
 
     motion: BodyMotion
     law: ForceLaw

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
@@ -36,6 +36,8 @@ class SceneSurface:
     levelling : Levelling or None
         Levelling of heights from a file; None for made heights.
     """
+
+    __repr__ = short_repr
 
     heights: Array
     spacing: float

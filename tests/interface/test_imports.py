@@ -32,7 +32,7 @@ FLOORS = {
         ("bands", "radiation", "weighting"),
         ("plot_style", "resampling", "spectrum"),
         ("extension", "level", "loudness", "sound_power"),
-        ("plots", "uncertainty", "wav"),
+        ("laps", "plots", "uncertainty", "wav"),
     ),
 }
 FRONT_DOOR = "__init__"  # hands out names of every floor; rooms take version and place from it only
