@@ -1,8 +1,63 @@
-"""The type of arrays of numbers."""
+"""The type of arrays of numbers, the check of values that users give, and short words for them."""
 
 from __future__ import annotations
+
+import math
+from dataclasses import fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+_LONGEST = 60  # letters of a value in words
+
+
+def real_array(name: str, values: Any, dimensions: int) -> Array:
+    """Return values as an array of floats; raise ValueError unless they are one and finite."""
+    allowed = f"allowed: an array of finite numbers in {dimensions} dimensions"
+    try:
+        if np.iscomplexobj(values):
+            raise TypeError
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: got {_short(values)}, {allowed}") from None
+    if array.ndim != dimensions or array.size == 0:
+        raise ValueError(f"{name}: got an array of shape {array.shape}, {allowed}")
+    if not math.isfinite(float(np.sum(array))):
+        raise ValueError(f"{name}: holds numbers that are not finite, {allowed}")
+    return array
+
+
+def positive(name: str, value: Any, most: float = math.inf) -> float:
+    """Return a number as a float; raise ValueError unless it is above zero, and at most `most`."""
+    is_number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+    if not is_number or np.iscomplexobj(value) or not 0 < value <= most:
+        limit = f" and <= {most:g}" if most < math.inf else ""
+        raise ValueError(f"{name}: got {_short(value)}, allowed: a number > 0{limit}")
+    return float(value)
+
+
+def instance(name: str, value: Any, *kinds: type) -> None:
+    """Raise TypeError unless a value is an object of one of the kinds."""
+    if not isinstance(value, kinds):
+        allowed = " or ".join(kind.__name__ for kind in kinds)
+        raise TypeError(f"{name}: got {_short(value)}, allowed: {allowed}")
+
+
+def short_repr(self: Any) -> str:
+    """Write a data class with its fields, arrays by their shape and dictionaries by their size."""
+    parts = (f"{field.name}={_short(getattr(self, field.name))}" for field in fields(self))
+    return f"{type(self).__name__}({', '.join(parts)})"
+
+
+def _short(value: Any) -> str:
+    """Write a value in few letters."""
+    if isinstance(value, np.ndarray):
+        return f"array of shape {value.shape}"
+    if isinstance(value, dict):
+        return f"dict of {len(value)}"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    text = " ".join(repr(value).split())
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."

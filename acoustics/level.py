@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C
 from acoustics.resampling import resample_closed
@@ -56,6 +56,8 @@ class SoundLevels:
     third_octave_db, third_octave_a_db : dict, dB. Z and A levels by nominal mid frequency, "20" to
         "20000"; all 31 bands are always present.
     """
+
+    __repr__ = short_repr
 
     laeq_db: float | None
     level_db: float | None

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
 from acoustics.weighting import a_weighting_db
 
@@ -44,6 +44,8 @@ class Psd:
     enbw_hz : float, Hz. Equivalent noise bandwidth of a line. A tone's mean square is the density
         of its line times this bandwidth.
     """
+
+    __repr__ = short_repr
 
     frequency_hz: Array
     psd: Array
@@ -236,6 +238,8 @@ class Spectrogram:
     frame_s, hop_s : float, s. Length and distance of the frames.
     line_width_hz, enbw_hz : float, Hz. Distance and equivalent noise bandwidth of the lines.
     """
+
+    __repr__ = short_repr
 
     time_s: Array
     edges_hz: Array

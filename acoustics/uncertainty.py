@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from acoustics.bands import BANDWIDTH_HZ, third_octave_mean_square
 from acoustics.level import FAST_S, SLOW_S, SoundLevels, a_weighted
 from acoustics.spectrum import line_spectrum
@@ -47,6 +47,8 @@ class LevelUncertainty:
     laeq_db, level_db, laf_max_db, las_max_db, lz_peak_db : float or None, dB. As in `SoundLevels`.
     third_octave_db : dict, dB. Uncertainty by nominal mid frequency; it holds for Z and A levels.
     """
+
+    __repr__ = short_repr
 
     laeq_db: float | None
     level_db: float | None

@@ -6,6 +6,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
+from acoustics.arrays import instance
 from rolling.check import refusals
 from rolling.commands import derive
 from rolling.contact.solver import ContactError
@@ -76,6 +77,7 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Ru
     >>> run.series["contact_area"].shape, run.release_power.shape
     ((101,), (100,))
     """
+    instance("scene", scene, Scene)
     if scene.sweep:
         raise SceneError(
             [f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"]
@@ -107,6 +109,7 @@ def simulate_sweep(
     SweepError : a run failed; the error holds the other runs. It is a ContactError.
     KeyboardInterrupt : Ctrl-C was pressed.
     """
+    instance("scene", scene, Scene)
     if not scene.sweep:
         raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
     runs, failures = _simulated(scene, workers, progress)
@@ -119,6 +122,8 @@ def _simulated(
     scene: Scene, workers: int, shown: bool | None
 ) -> tuple[dict[Values, Run], dict[str, str]]:
     """Simulate the runs of a scene; return them by swept values, and failures by label."""
+    if type(workers) is not int or workers < 0:
+        raise ValueError(f"workers: got {workers!r}, allowed: a whole number >= 0")
     refusals.refuse(scene, workers)
     runs = [RunFolder(values, single, Path()) for values, single in scene.runs()]
     names, heard = labels.labels(runs), dict[int, Run]()
@@ -200,6 +205,7 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
     --------
     `save_run(simulate(scene), "outputs/mine")`
     """
+    instance("run", run, Run)
     folder = Path(folder)
     if folder.exists() and any(folder.iterdir()):
         raise FolderError(f"{folder}: holds files; take another, as {folders.free_name(folder)}")

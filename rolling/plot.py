@@ -10,7 +10,14 @@ Examples
 >>> rolling.plot.contact_pressure(run, ax=ax[1])            # doctest: +SKIP
 """
 
+from collections.abc import Callable
+from functools import wraps
+from inspect import signature
+from typing import Any
+
+from acoustics.arrays import instance
 from rolling.figures.contact import contact_pressure, recovery_events, surface
+from rolling.figures.picture import listed
 from rolling.figures.sound import (
     power_density,
     release_power,
@@ -20,6 +27,8 @@ from rolling.figures.sound import (
 )
 from rolling.figures.sweep import contact_areas, levels, mean_third_octaves
 from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
+from rolling.results.run_result import Run
+from rolling.scene.scene import Scene
 
 __all__ = [
     "contact_areas",
@@ -38,3 +47,26 @@ __all__ = [
     "surface",
     "third_octaves",
 ]
+
+
+def _checked(draw: Callable[..., Any]) -> Callable[..., Any]:
+    """Raise TypeError where a plot is given no run, ValueError where it is given an empty list."""
+    takes = signature(draw)
+    first, kinds = next(iter(takes.parameters)), (Run, Scene) if draw is surface else (Run,)
+
+    @wraps(draw)
+    def checked(*values: Any, **named: Any) -> Any:
+        given = takes.bind(*values, **named)
+        shown = given.arguments[first]
+        if first == "runs":
+            shown = given.arguments[first] = listed(shown)
+        for run in shown if first == "runs" else [shown]:
+            instance(first, run, *kinds)
+        if first == "runs" and not shown:
+            raise ValueError("runs: got none, allowed: at least one run")
+        return draw(*given.args, **given.kwargs)
+
+    return checked
+
+
+globals().update({name: _checked(globals()[name]) for name in __all__})

@@ -5,9 +5,31 @@ Source of the Hertz formulas: K. L. Johnson, Contact Mechanics (1985), ch. 3-4.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import wraps
+from inspect import signature
+from typing import ParamSpec
+
 import numpy as np
 
+from acoustics.arrays import positive
 
+_Numbers = ParamSpec("_Numbers")
+
+
+def _of_positive_numbers(formula: Callable[_Numbers, float]) -> Callable[_Numbers, float]:
+    """Raise ValueError unless all arguments of a formula are numbers above zero."""
+    takes = signature(formula)
+
+    @wraps(formula)
+    def checked(*values: _Numbers.args, **named: _Numbers.kwargs) -> float:
+        given = takes.bind(*values, **named).arguments.items()
+        return formula(**{name: positive(name, value) for name, value in given})  # type: ignore
+
+    return checked
+
+
+@_of_positive_numbers
 def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     """Return the contact radius of a smooth elastic sphere: a^3 = 3 W R / (4 E*).
 
@@ -33,6 +55,7 @@ def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     return float((3 * load * radius / (4 * contact_modulus)) ** (1 / 3))
 
 
+@_of_positive_numbers
 def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
     """Return the maximum contact pressure of a smooth elastic sphere: p0 = 3 W / (2 pi a^2).
 
@@ -54,6 +77,7 @@ def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
     return float(3 * load / (2 * np.pi * hertz_radius(load, radius, contact_modulus) ** 2))
 
 
+@_of_positive_numbers
 def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
     """Return the approach of a smooth elastic sphere: a^2 / R.
 
@@ -75,6 +99,7 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
     return hertz_radius(load, radius, contact_modulus) ** 2 / radius
 
 
+@_of_positive_numbers
 def smooth_release_power(load: float, speed: float, radius: float, contact_modulus: float) -> float:
     """Return the release power of a smooth elastic rolling sphere: 3 W v a / (16 R).
 
@@ -107,6 +132,7 @@ def smooth_release_power(load: float, speed: float, radius: float, contact_modul
     return 3 * load * speed * hertz_radius(load, radius, contact_modulus) / (16 * radius)
 
 
+@_of_positive_numbers
 def left_end_excess(step: float, contact_radius: float) -> float:
     """Return the relative excess of the left-end release rule over the mean rule.
 

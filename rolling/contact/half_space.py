@@ -14,7 +14,7 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, positive, real_array
 from rolling.contact import _transform_kernels, _window_kernels
 
 # The interface of pyfftw to Dask is not used. It imports all arrays of Dask and pandas, a third of
@@ -42,6 +42,7 @@ _HALVED = (80, 256)
 # because it saves memory. Other columns go from one array to another.
 _IN_PLACE = (128, 256, 512, 1024)
 _BACKWARD = "FFTW_BACKWARD"
+_MOST = 1e300  # of a length or a modulus in SI
 _APART = 4  # complex numbers between two lines of columns
 GROUP = 4  # Plans for rows are made for multiples of so many lines.
 
@@ -165,12 +166,16 @@ class HalfSpace:
     """
 
     def __init__(self, spacing: float, contact_modulus: float) -> None:
-        self.spacing = spacing
-        self.contact_modulus = contact_modulus
-        self.unit = spacing / (np.pi * contact_modulus)
+        self.spacing = positive("spacing", spacing, _MOST)
+        self.contact_modulus = positive("contact_modulus", contact_modulus, _MOST)
+        self.unit = self.spacing / (np.pi * self.contact_modulus)
         self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
         self.count = 0
         self.subcells = 1
+
+    def __repr__(self) -> str:
+        modulus = f"contact_modulus={self.contact_modulus:g}"
+        return f"{type(self).__name__}(spacing={self.spacing:g}, {modulus})"
 
     def deflection(self, pressure: Array) -> Array:
         """Compute the deflection of the nodes of a window by the pressure on them.
@@ -193,8 +198,10 @@ class HalfSpace:
         Raises
         ------
         ValueError
-            The window exceeds the longest transform.
+            The window exceeds the longest transform, or the pressures are no numbers in two
+            dimensions.
         """
+        pressure = real_array("pressure", pressure, 2)
         m, n = pressure.shape
         convolution = self.convolution(*_window_kernels.reach(pressure))
         block = convolution.block(m, n)

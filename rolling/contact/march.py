@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, instance
 from acoustics.numbers import rounded
 from rolling.contact import _window_kernels, closed_forms, solver
 from rolling.contact.half_space import MOST_NODES, HalfSpace
@@ -60,6 +60,8 @@ def march(
     ContactError
         The load is above capacity, the contact is wider than the surface, or a solve did not
         converge; the message has the position.
+    TypeError
+        The contact or the half-space is of another type.
 
     Examples
     --------
@@ -78,6 +80,8 @@ def march(
     >>> [round(state.contact_area * 1e12, -3) for state in states]
     [6000.0, 6000.0, 6000.0, 6000.0]
     """
+    instance("contact", contact, RollingContact)
+    instance("half_space", half_space, HalfSpace)
     _refuse_the_impossible(contact)
     state: ContactState | None = None
     before: ContactState | None = None
@@ -111,7 +115,7 @@ class _Problem:
     def solve(self, start: WarmStart, tolerance: float) -> Contact:
         """Solve the contact from a warm start to a tolerance."""
         contact = self.contact
-        return solver.solve_contact(
+        return solver.solve(
             self.half_space,
             self.gap,
             contact.load,

@@ -18,7 +18,7 @@ from math import inf, isfinite
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, instance, positive, real_array, short_repr
 from acoustics.numbers import rounded
 from rolling.contact import _condition_kernels, _window_kernels
 from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort, Goal
@@ -82,6 +82,7 @@ class Contact:
     iterations: int
     edge: Array | None = None
     edge_share: float = 0.0
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,7 @@ class WarmStart:
     previous: Previous | None = None
     close: bool = False
     sharp: bool = False
+    __repr__ = short_repr
 
 
 def levelled_range(half_space: HalfSpace, hardness: float) -> float:
@@ -212,7 +214,10 @@ def solve_contact(
         The window cannot carry the load, or the solve did not converge; the message has residual,
         iterations and the methods tried.
     ValueError
-        The start has another shape than the gap.
+        The start or the shape has another shape than the gap, a number is not positive, or the gap
+        holds no finite numbers in two dimensions.
+    TypeError
+        The half-space or the start is of another type.
 
     Examples
     --------
@@ -228,15 +233,34 @@ def solve_contact(
     >>> bool(abs(contact.approach / hertz_approach(5.0, 5e-3, 230e9) - 1) < 1e-3)
     True
     """
+    instance("half_space", half_space, HalfSpace)
+    instance("start", start, WarmStart, type(None))
+    gap, load = real_array("gap", gap, 2), positive("load", load)
+    hardness, tolerance = positive("hardness", hardness), positive("tolerance", tolerance, 1.0)
+    shape = None if shape is None else real_array("shape", shape, 2)
+    pressure = None if start is None else start.pressure
+    for words, array in (("start has pressures", pressure), ("shape is an array", shape)):
+        if array is not None and array.shape != gap.shape:
+            raise ValueError(f"the {words} of shape {array.shape}, the gap has shape {gap.shape}")
+    return solve(half_space, gap, load, start, hardness, shape, tolerance, single)
+
+
+def solve(
+    half_space: HalfSpace,
+    gap: Array,
+    load: float,
+    start: WarmStart | None,
+    hardness: float,
+    shape: Array | None,
+    tolerance: float,
+    single: bool,
+) -> Contact:
+    """Solve one contact as `solve_contact`, whose checks it leaves out."""
     start = start or _cold_start(half_space, gap, load, hardness)
-    if start.pressure.shape != gap.shape:
-        raise ValueError(
-            f"the start has pressures of shape {start.pressure.shape}, the gap has shape"
-            f" {gap.shape}"
-        )
     limits = Limits(float(hardness), float(load / half_space.spacing**2))
-    solve = _Solve(half_space, np.ascontiguousarray(gap, dtype=float), limits, tolerance, single)
-    return solve.converge(start) if shape is None else solve.blend(start, shape)
+    gap = np.ascontiguousarray(gap, dtype=float)
+    problem = _Solve(half_space, gap, limits, tolerance, single)
+    return problem.converge(start) if shape is None else problem.blend(start, shape)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, positive, real_array, short_repr
 from rolling.contact import _window_kernels
 
 
@@ -157,6 +157,12 @@ class RollingContact:
     subcells: int = 1
     slopes: bool = True
     loads: Array | None = None
+    __repr__ = short_repr
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "heights", real_array("heights", self.heights, 2))
+        for name in ("spacing", "radius", "contact_modulus", "hardness", "load", "tolerance"):
+            positive(name, getattr(self, name))
 
     @cached_property
     def maxima(self) -> Maxima:
@@ -284,6 +290,8 @@ class ContactState:
     sphere_share : float
         Share of the initial pressures that moved with the sphere; the rest stayed with the plate.
     """
+
+    __repr__ = short_repr
 
     position: int
     window: Window

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from rolling.dynamics import _motion_kernels
 from rolling.dynamics._motion_kernels import LawTable
 
@@ -45,6 +45,8 @@ class ForceLaw:
     ValueError
         The arrays violate these conditions, or the approach does not rise with the load.
     """
+
+    __repr__ = short_repr
 
     position_m: Array
     load_n: Array

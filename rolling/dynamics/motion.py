@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from rolling.dynamics import _motion_kernels
 from rolling.dynamics.bodies import Chain, contact_stiffness
 from rolling.dynamics.force_law import ForceLaw
@@ -114,6 +114,8 @@ class BodyMotion:
     transient_s : float, s
         Time in which the ringing that the start excites falls to 1e-3; zero after a run-in.
     """
+
+    __repr__ = short_repr
 
     time_s: Array
     position_m: Array

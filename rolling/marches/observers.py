@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from rolling.contact.recovery import EventTable, StepEnergy
 from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.contact.subcells import cell_means
@@ -55,6 +55,8 @@ class Snapshot:
     along, across : float, m. Plate coordinates of the window's first node.
     """
 
+    __repr__ = short_repr
+
     distance: float
     along: float
     across: float
@@ -71,6 +73,8 @@ class PressureMap:
     along, across : float, m. Plate coordinates of the first cell's corner.
     cell : float, m. Side of a square cell. It spans several nodes where the contact is wide.
     """
+
+    __repr__ = short_repr
 
     position: int
     distance: float
@@ -93,6 +97,8 @@ class SlowMotion:
         since the map before, over `release_unit`.
     release_unit : float, J.
     """
+
+    __repr__ = short_repr
 
     first: int
     stride: int

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.contact.recovery import join_events
 from rolling.marches.observers import (
@@ -47,6 +47,8 @@ class LoadMarches:
     faults : dict. Reason by load [N] where a contact cannot be solved.
     seconds : float, s. Time of all marches.
     """
+
+    __repr__ = short_repr
 
     steps: int
     approach: dict[float, Array] = field(default_factory=dict)
@@ -112,6 +114,8 @@ class MovingRelease:
     fault : str. Reason why there is no such march; empty if there is one.
     """
 
+    __repr__ = short_repr
+
     key: str
     force: Array
     motion_approach: Array
@@ -172,6 +176,8 @@ class StretchMarch:
     fault : str. Reason of a failure; empty if there is none.
     """
 
+    __repr__ = short_repr
+
     release: Array
     approach: Array
     plastic_area: float
@@ -192,6 +198,8 @@ class ErrorStretches:
     steps : int. Number of steps of a stretch.
     marches : dict. Marches by first position and level.
     """
+
+    __repr__ = short_repr
 
     steps: int
     marches: dict[tuple[int, str], StretchMarch] = field(default_factory=dict)
@@ -242,6 +250,8 @@ class Result:
     extremes : dict. Minimum and maximum of the contact force [N] by vibration and loads of the law,
         kept because each takes a motion. They are not stored.
     """
+
+    __repr__ = short_repr
 
     identity: str
     steps: int

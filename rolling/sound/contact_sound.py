@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from acoustics import extension, level, radiation, resampling, uncertainty, wav
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.laps import Lap, crossfaded_lap
 from rolling.scene.motion import Motion
@@ -68,6 +68,8 @@ class ContactSound:
     source : str
         Source of the pressure, release or vibration. Power and its rms belong to the release.
     """
+
+    __repr__ = short_repr
 
     pressure: Array
     factor: float | None

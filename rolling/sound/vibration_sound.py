@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import (
     RHO_C,
@@ -75,6 +75,8 @@ class Vibration:
         Sound power in third octaves, NaN where it is unknown: above the coincidence of a plate
         without a loss factor, of a half-space, and in bands that the steps do not resolve.
     """
+
+    __repr__ = short_repr
 
     motion: BodyMotion
     law: ForceLaw

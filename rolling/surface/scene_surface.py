@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
@@ -27,6 +27,8 @@ from rolling.terminal import progress
 @dataclass(frozen=True, eq=False)
 class SceneSurface:
     """Heights of a scene and their statistics, each computed when it is first needed."""
+
+    __repr__ = short_repr
 
     heights: Array  # [m], shape (along, across)
     spacing: float  # [m]
