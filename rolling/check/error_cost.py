@@ -29,7 +29,7 @@ COST_POWER = 1.95
 LEVELS = ("tight", "fine", "coarse")  # marches of a stretch, beside the run itself
 # The level of half the spacing with the detail of the surface's law, and the number of stretches
 # that are marched on it. They are not paid from the share, which would shorten all stretches.
-DETAIL, DETAILED = "detail", 2
+DETAIL, DETAILED = "detail", 4
 
 
 @dataclass(frozen=True)

@@ -106,14 +106,10 @@ def _band_powers(
     signals: tuple[Array, Array, Array, Array],
     tolerance_ratio: float,
 ) -> BandPowers:
-    """Compute the band powers of the signals of stretches on four levels."""
-    own, tight, fine, coarse = signals
+    """Compute the band powers of stretches from their signals: own, tight, fine and coarse."""
     return error_estimate.band_powers(
         StretchSignals(
-            own=own,
-            tight=tight,
-            fine=fine,
-            coarse=coarse,
+            *signals,
             step=result.step,
             speeds=np.array([_speeds(scene, result, first) for first in firsts]),
             tolerance_ratio=tolerance_ratio,

@@ -167,6 +167,7 @@ def numbers(
         "laeq_grid_error_uncertainty_db": known(spread),
         "laeq_solver_error_db": known(solver),
         "subgrid_error_db": errors.subgrid_db,
+        "subgrid_error_uncertainty_db": _by_band(detail.bands_uncertainty_db if detail else None),
         "laeq_subgrid_error_db": detail and known(detail.laeq_db),
         "laeq_subgrid_error_uncertainty_db": detail and known(detail.laeq_uncertainty_db),
         "plastic_ratio_grid_error": known(errors.plastic_ratio[0]),

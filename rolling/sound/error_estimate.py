@@ -212,16 +212,19 @@ class DetailErrors:
 
     An error is the reported value less the value with all detail.
 
-    bands_db : (bands,) array, dB. Errors of the band levels; NaN: unknown.
+    bands_db, bands_uncertainty_db : (bands,) arrays, dB. Errors of the band levels and their
+        standard uncertainty; NaN: unknown.
     laeq_db, laeq_uncertainty_db : float, dB. Error of LAeq and its standard uncertainty.
     """
 
     bands_db: Array
+    bands_uncertainty_db: Array
     laeq_db: float
     laeq_uncertainty_db: float
 
 
-NO_DETAIL = DetailErrors(np.zeros(len(BAND_NAMES)), 0.0, 0.0)  # of a law that ends before the grid
+_NONE = np.zeros(len(BAND_NAMES))
+NO_DETAIL = DetailErrors(_NONE, _NONE, 0.0, 0.0)  # of a law that ends before the grid
 
 
 def detail_errors(powers: BandPowers, record: RecordLevels) -> DetailErrors:
@@ -233,12 +236,14 @@ def detail_errors(powers: BandPowers, record: RecordLevels) -> DetailErrors:
     total, bands = powers.sums.sum(axis=0), len(BAND_NAMES)
     numbers = _reported(total, powers, record)
     errors, laeq = numbers[:bands], float(numbers[-2])
-    spread = _scatter(powers, math.inf) / _widening(len(powers.sums))
+    of_lines = _scatter(powers, math.inf) / _widening(len(powers.sums))
     share = np.nan_to_num(record.a * 10.0 ** (-errors / 10.0))
-    share /= share.sum()
-    scatter = math.hypot(*(spread[group[0]] * share[list(group)].sum() for group in powers.groups))
-    doubt = DOUBT * (1.0 - 1.0 / refinement_factor(DEFAULT_ORDER)) * laeq
-    return DetailErrors(errors, laeq, math.hypot(scatter, doubt))
+    share /= share.sum() or 1.0
+    of_groups = (of_lines[group[0]] * share[list(group)].sum() for group in powers.groups)
+    doubt = DOUBT * (1.0 - 1.0 / refinement_factor(DEFAULT_ORDER))
+    spread = _scatter(powers, _record_lines(powers, record)) / _widening(len(powers.sums))
+    spread = np.hypot(spread, doubt * errors)
+    return DetailErrors(errors, spread, laeq, math.hypot(*of_groups, doubt * laeq))
 
 
 def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
@@ -284,7 +289,8 @@ def mean_error(own: Array, fine: Array) -> tuple[float, float]:
         return math.nan, math.nan
     factor = refinement_factor(ORDER_LIMITS[1])
     means = np.stack([own, fine], axis=1)[:, :, None]
-    logarithm = _jackknife(means, lambda part: factor * np.log(part[0] / part[1]))
+    with np.errstate(all="ignore"):  # the uncertainty is unknown if a single stretch yields
+        logarithm = _jackknife(means, lambda part: factor * np.log(part[0] / part[1]))
     difference = math.log(own.mean() / fine.mean())
     ratio = math.exp(factor * difference)
     return ratio - 1.0, ratio * math.hypot(difference, float(logarithm[0]))

@@ -1,7 +1,7 @@
 """Test of the error estimate: estimated errors against a fine grid over the whole track.
 
 `python tests/benchmarks/estimate_study.py [SCENE...]` runs the scenes of `SCENES`, or some of them,
-and prints the table of docs/accuracy.md. All scenes take about a quarter of an hour of one core.
+and prints the table of docs/accuracy.md. All scenes take about half an hour of one core.
 """
 
 from __future__ import annotations
@@ -211,7 +211,8 @@ def _detail_row(scene: rc.Scene, numbers: dict[str, Any]) -> dict[str, str]:
     for name in ("8000", "16000"):
         stated = numbers["subgrid_error_db"][name] + numbers["grid_error_db"][name]
         true = numbers["third_octave_db"][name] - detailed.third_octave_db[name]
-        columns[f"{name} Hz with detail"] = f"{stated:+.1f} (true {true:+.1f})"
+        spread = numbers["subgrid_error_uncertainty_db"][name]
+        columns[f"{name} Hz with detail"] = f"{stated:+.1f} ± {spread:.1f} (true {true:+.1f})"
     return columns
 
 

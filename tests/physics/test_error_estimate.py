@@ -121,6 +121,8 @@ def test_a_mean_over_stretches_is_in_doubt_by_its_whole_difference() -> None:
     assert error == pytest.approx(1.1**1.547 - 1, rel=1e-3)
     assert spread == pytest.approx(1.1**1.547 * np.log(1.1), rel=1e-3)
     assert np.isnan(error_estimate.mean_error(0 * fine, fine)).all()
+    single = np.eye(4)[0] * 1e-12
+    assert not np.isfinite(error_estimate.mean_error(single, 2 * single)[1])
 
 
 @pytest.mark.parametrize(("order", "limit"), [(0.3, 0.5), (2.0, 1.5)])

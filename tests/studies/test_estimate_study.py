@@ -19,11 +19,12 @@ def test_estimates_agree_with_a_finer_grid_on_the_whole_track() -> None:
 
 @pytest.mark.slow
 def test_missing_detail_is_stated_as_two_more_octaves_of_it_show() -> None:
-    """At 16 kHz the surface of 2 um is some 5 dB too loud; four stretches are off by half of it."""
+    """At 16 kHz the surface of 2 um is some 5 dB too loud; four short stretches scatter by 4 dB."""
     _, row = compare(scene_of("exponential, 3 GPa", **{"rolling.load_n": 0.1}))
     for band in ("8000", "16000"):
         stated, true = row[f"{band} Hz with detail"].rstrip(")").split(" (true ")
-        assert float(stated) == pytest.approx(float(true), abs=3)
-    assert float(true) > 2 and float(stated) > 2
+        error, spread = map(float, stated.split(" ± "))
+        assert abs(error - float(true)) < 2 * spread < 16
+    assert float(true) > 2
     stated, spread = map(float, row["LAeq with detail"].split(" ± "))
     assert abs(stated - float(row["LAeq with detail, true"])) < 2 * spread + 0.1
