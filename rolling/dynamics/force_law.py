@@ -15,7 +15,8 @@ from rolling.dynamics._motion_kernels import LawTable
 EQUAL = 1e-6  # relative; positions that differ less from equal distances count as equally spaced
 # Loads of a law are added up to these multiples of the scene's. A force beyond them is
 # extrapolated, and the share of time that it lasts is reported.
-HIGHEST, LOWEST = 8.0, 0.25
+HIGHEST, LOWEST = 128.0, 1 / 32
+LEAST = 0.2  # minimum slope da/ds at a break over the mean slopes beside it
 SOFTEST = 0.5  # minimum slope da/ds at lift-off over the slope at the lowest load: F stays convex
 
 
@@ -24,8 +25,9 @@ class ForceLaw:
     """Contact force as a function of position and approach.
 
     At each position the approach is interpolated over s = F^(2/3), in which a Hertz contact is a
-    straight line: by a quadratic spline through all loads, one quadratic for three loads. Above the
-    highest load the approach goes on straight, as Hertz would. Below the lowest it goes on as the
+    straight line: by a quadratic spline through all loads, one quadratic for three loads. Where it
+    would fall, the spline has twice as many pieces, whose slopes are limited. Above the highest
+    load the approach goes on straight, as Hertz would. Below the lowest it goes on as the
     quadratic, with its slope limited so that the force stays convex down to a finite lift-off.
     Along the track, lift-off and slopes are cubic splines, so the energy is smooth in both.
 
@@ -78,8 +80,6 @@ class ForceLaw:
                 f"the period of a force law must be positions times spacing, {period:.9g} m,"
                 f" got {self.period_m:.9g}"
             )
-        if not np.all(self.table.values[:, 1:] > 0):
-            raise ValueError("the loads of the force law are too far apart: its force would jump")
 
     @property
     def spacing_m(self) -> float:
@@ -100,6 +100,8 @@ class ForceLaw:
         knots = position[0] + spacing * np.arange(len(values))
         spline = CubicSpline(knots, values, bc_type="periodic" if closed else "not-a-knot")
         slopes = np.ascontiguousarray(spline(knots, 1))
+        steepest = 3 / spacing * values[:, 1:]  # up to which a cubic between positions is positive
+        slopes[:, 1:] = np.clip(slopes[:, 1:], -steepest, steepest)
         return LawTable(
             float(position[0]), spacing, closed, breaks, np.sqrt(breaks), values, slopes
         )
@@ -129,9 +131,10 @@ class ForceLaw:
         return np.asarray(laws[:, 0] + laws[:, 1:] @ weights).reshape(x.shape)
 
     def outside(self, force_n: ArrayLike) -> float:
-        """Return the share of forces that lie outside the marched loads."""
+        """Return the share of forces that lie outside the marched loads; a flight is known."""
         force = np.asarray(force_n, dtype=float)
-        return float(np.mean((force < self.load_n[0]) | (force > self.load_n[-1])))
+        low = (force > 0) & (force < self.load_n[0])
+        return float(np.mean(low | (force > self.load_n[-1])))
 
     def _evaluated(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
         """Return force, stiffness, energy and its slope along the track as a last axis."""
@@ -149,17 +152,40 @@ def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:
     Its inner breaks lie halfway between inner loads, so there are as many conditions as unknowns.
     """
     breaks = np.concatenate(([0.0], s[:1], (s[1:-2] + s[2:-1]) / 2, s[-1:]))
+    means = np.diff(approach, axis=0) / np.diff(s)[:, None]
     if s.size == 2:
-        slope = (approach[1] - approach[0]) / (s[1] - s[0])
-        g = np.stack([slope] * 3)
+        inner = np.stack([means[0]] * 2)
     else:
         weights = np.array([_integrals(breaks, end) for end in s])
         inner = np.linalg.solve((weights[1:] - weights[0])[:, 1:], approach[1:] - approach[0])
-        bend = (inner[1] - inner[0]) / (breaks[2] - breaks[1])
-        first = np.maximum(inner[0] - bend * s[0], SOFTEST * inner[0])
-        g = np.concatenate((first[None], inner))
-    lift_off = approach[0] - s[0] * (g[0] + g[1]) / 2
-    return breaks, np.ascontiguousarray(np.concatenate((lift_off[None], g)).T)
+    if np.any(inner < LEAST * means.min(axis=0)):
+        breaks = np.sort(np.concatenate(([0.0], s, (s[:-1] + s[1:]) / 2)))
+        inner = _limited_slopes(s, means)
+    bend = (inner[1] - inner[0]) / (breaks[2] - breaks[1])
+    first = np.maximum(inner[0] - bend * s[0], SOFTEST * inner[0])
+    lift_off = approach[0] - s[0] * (first + inner[0]) / 2
+    return breaks, np.ascontiguousarray(np.concatenate((lift_off[None], first[None], inner)).T)
+
+
+def _limited_slopes(s: Array, means: Array) -> Array:
+    """Return positive slopes at the loads and halfway between, from the mean slopes between loads.
+
+    A slope at a load is that of a parabola, limited to 1.5 times either mean slope beside it. The
+    slope halfway then follows from the mean slope, and is half of it at least.
+    """
+    lengths = np.diff(s)[:, None]
+    joined = means[:-1] * lengths[1:] + means[1:] * lengths[:-1]
+    inner = joined / (lengths[1:] + lengths[:-1])
+    inner = np.minimum(inner, 1.5 * np.minimum(means[:-1], means[1:]))
+    ends = [inner[:1], inner[-1:]] if len(inner) else [means, means]
+    first, last = (
+        np.clip(2 * mean - end, 0.5 * mean, 1.5 * mean)
+        for mean, end in zip((means[:1], means[-1:]), ends, strict=True)
+    )
+    at_loads = np.concatenate((first, inner, last))
+    slopes = np.empty((2 * len(s) - 1, means.shape[1]))
+    slopes[::2], slopes[1::2] = at_loads, 2 * means - (at_loads[:-1] + at_loads[1:]) / 2
+    return slopes
 
 
 def _integrals(breaks: Array, end: float) -> Array:

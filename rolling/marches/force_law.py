@@ -8,22 +8,24 @@ position of a lap. A march under this force gives the release under the moving l
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.numbers import rounded
+from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
-from rolling.dynamics.force_law import HIGHEST, LOWEST, ForceLaw
+from rolling.dynamics.force_law import HIGHEST, LEAST, LOWEST, ForceLaw
 from rolling.marches.piece import Piece
 from rolling.marches.result import LoadMarches, MovingRelease, Result, vibration_key
 from rolling.scene.scene import Scene
 
 JUDGED_STEPS = 200  # maximum length of the stretch that is marched at loads between the others
+
+NEAR, WIDE = 8.0, 2.0  # farther from the scene's load neighbours have this ratio at least
 
 
 @dataclass(frozen=True)
@@ -32,35 +34,28 @@ class Loads:
 
     marched : list of float, N. The loads in ascending order.
     lacking : list of float, N. Loads beyond them that the force reaches and that lack pieces.
-    failed : bool. Whether the track could not be marched at a load that the force reaches.
     """
 
     marched: list[float]
     lacking: list[float]
-    failed: bool = False
 
 
 def law_loads(scene: Scene, result: Result) -> Loads:
     """Return the loads of a run's force law, up to the extremes of its contact force.
 
-    Loads are added in batches, each up to the extremes over the law before. No batch follows one
-    with a load that failed. Raise ContactError where a force law or a motion is not possible.
+    Loads are added in batches, each up to the extremes over the law before. None follows beyond a
+    load that failed. Raise ContactError where a motion is not possible.
     """
     assert result.complete
     marches = result.load_marches or LoadMarches(result.solved_steps)
-    loads = _first_loads(scene)
-    if lacking := [x for x in loads if x != scene.load and marches.missing(x)]:
-        return Loads(loads, lacking)
-    for load in loads:
-        if load in marches.faults:
-            raise ContactError(f"force law at {rounded(load, 4)} N: {marches.faults[load]}")
-    failed = False
-    while not failed and (further := _beyond(scene, loads, *_extremes(scene, result, loads))):
-        if lacking := [load for load in further if marches.missing(load)]:
+    further, loads = _first_loads(scene), [scene.load]
+    while further:
+        if lacking := [load for load in further if load != scene.load and marches.missing(load)]:
             return Loads(loads, lacking)
-        failed = any(load in marches.faults for load in further)
-        loads = sorted([*loads, *(load for load in further if load not in marches.faults)])
-    return Loads(loads, [], failed)
+        loads = sorted({*loads, *(load for load in further if load not in marches.faults)})
+        extremes = _extremes(scene, result, loads)
+        further = _beyond(scene, loads, marches.faults, *extremes)
+    return Loads(loads, [])
 
 
 def law_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> list[Piece]:
@@ -74,11 +69,12 @@ def law_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> lis
     else:
         loads = law_loads(scene, result)
         lacking = loads.lacking
-        if not lacking and not loads.failed:
+        if not lacking:
             last = min(JUDGED_STEPS, result.solved_steps)
+            judged = [*_between(loads.marched), *_beyond_top(scene, result, loads.marched)]
             known = {*marches.judging, *marches.faults}
-            between = [load for load in _between(loads.marched) if load not in known]
-            return [piece("judge", 0, last, load=load) for load in between]
+            judged = [load for load in judged if load not in known]
+            return [piece("judge", 0, last, load=load) for load in judged]
     return [
         piece("load", first, last, load=load)
         for load in lacking
@@ -89,14 +85,19 @@ def law_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> lis
 def _first_loads(scene: Scene) -> list[float]:
     """Return the loads [N] that a scene asks for, the scene's own in the middle."""
     assert scene.dynamics is not None
-    half = scene.dynamics.loads // 2
-    return [_load(scene, power) for power in range(-half, half + 1)]
+    span, half = scene.dynamics.span, scene.dynamics.loads // 2
+    return [scene.load * span**power if power else scene.load for power in range(-half, half + 1)]
 
 
-def _load(scene: Scene, power: int) -> float:
-    """Return the scene's load times a power of the span [N]."""
+def _ladder(scene: Scene, sign: int) -> Iterator[float]:
+    """Yield loads [N] above (1) or below (-1) the scene's: by the span, and far from it wider."""
     assert scene.dynamics is not None
-    return scene.load if power == 0 else scene.load * scene.dynamics.span**power
+    span, ratio, power = scene.dynamics.span, 1.0, sign
+    while max(span**power, span**-power) <= NEAR:
+        ratio, power = span**power, power + sign
+        yield scene.load * ratio
+    while LOWEST <= (ratio := ratio * max(span, WIDE) ** sign) <= HIGHEST:
+        yield scene.load * ratio
 
 
 def _extremes(scene: Scene, result: Result, loads: Sequence[float]) -> tuple[float, float]:
@@ -107,19 +108,26 @@ def _extremes(scene: Scene, result: Result, loads: Sequence[float]) -> tuple[flo
     return result.extremes[key]
 
 
-def _beyond(scene: Scene, loads: Sequence[float], least: float, most: float) -> list[float]:
-    """Return loads beyond the given ones up to the extremes of the force [N]."""
+def _beyond(
+    scene: Scene, loads: Sequence[float], faults: Container[float], least: float, most: float
+) -> list[float]:
+    """Return loads beyond the given ones up to the extremes of the force [N], or to a fault."""
     further = []
-    for sign, wanted, limit in ((1, most, HIGHEST), (-1, least, LOWEST)):
-        for k in range(1, 100):
-            load = _load(scene, sign * k)
-            if sign * (wanted - _load(scene, sign * (k - 1))) <= 0:
-                break
-            if sign * (load - scene.load * limit) > 0:
+    for sign, wanted in ((1, most), (-1, least)):
+        inner = scene.load
+        for load in _ladder(scene, sign):
+            if sign * (wanted - inner) <= 0 or load in faults:
                 break
             if load not in loads:
                 further.append(load)
+            inner = load
     return further
+
+
+def _beyond_top(scene: Scene, result: Result, loads: Sequence[float]) -> list[float]:
+    """Return the largest force [N], in two digits, where it lies beyond the loads of a law."""
+    largest = float(f"{_extremes(scene, result, loads)[1]:.2g}")
+    return [largest] if largest > loads[-1] else []
 
 
 def _between(loads: Sequence[float]) -> list[float]:
@@ -128,49 +136,65 @@ def _between(loads: Sequence[float]) -> list[float]:
 
 
 def force_law(scene: Scene, result: Result) -> ForceLaw:
-    """Return the force law of a run whose marches are there.
-
-    Raise ContactError where the approach does not rise with the load.
-    """
+    """Return the force law of a run whose marches are there."""
     return law_over(scene, result, law_loads(scene, result).marched)
 
 
 def law_over(
     scene: Scene, result: Result, loads: Sequence[float], last: int | None = None
 ) -> ForceLaw:
-    """Return the force law over some ascending loads [N], up to a last position or of the track.
-
-    Raise ContactError where the approach does not rise with the load.
-    """
-    marches = result.load_marches
-    assert marches is not None
+    """Return the force law over some ascending loads [N], up to a last position or of the track."""
+    marches = result.load_marches or LoadMarches(result.solved_steps)
     # The last position of a closed track is its first.
     closed = last is None and scene.track.lap_steps <= result.solved_steps
     count = result.solved_steps + (not closed) if last is None else last + 1
     own = result.series["approach"]
-    rows = [own if load == scene.load else marches.approach[load] for load in loads]
+    rows = np.array([own if load == scene.load else marches.approach[load] for load in loads])
     position = np.arange(count, dtype=np.float64) * result.step
     period = count * result.step if closed else None
+    known, approach = _rising(scene, np.array(loads), rows[:, :count])
     try:
-        return ForceLaw(position, np.array(loads), np.array(rows)[:, :count], period)
+        return ForceLaw(position, known, approach, period)
     except ValueError as error:
-        raise ContactError(
-            f"{error}: the solver's error is larger than the difference between two loads; take a"
-            " larger dynamics.span or a smaller numerics.tolerance"
-        ) from error
+        raise ContactError(f"{error}; take a longer track") from error
+
+
+def _rising(scene: Scene, loads: Array, approach: Array) -> tuple[Array, Array]:
+    """Return loads [N] and approaches [m] that rise by a share of Hertz's at least.
+
+    The error of the solver may exceed the difference between two loads. A single load gets a
+    neighbour by the contact of a smooth sphere.
+    """
+    if len(loads) == 1:
+        loads, approach = loads * [1.0, 1.01], np.stack([approach[0]] * 2)
+        least = 1.0
+    else:
+        least = LEAST
+    hertz = [
+        closed_forms.hertz_approach(load, scene.radius, scene.contact_modulus) for load in loads
+    ]
+    lowest, rises = least * np.diff(hertz)[:, None], np.diff(approach, axis=0)
+    if np.all(rises >= lowest):
+        return loads, approach
+    heights = np.cumsum(np.maximum(rises, lowest), axis=0)
+    heights = np.concatenate((np.zeros_like(heights[:1]), heights))
+    own = int(np.flatnonzero(loads == scene.load)[0])
+    return loads, approach[own] + heights - heights[own]
 
 
 @dataclass(frozen=True)
 class LawError:
-    """Error of a force law halfway between its loads.
+    """Error of a force law halfway between its loads, and beyond them.
 
     newtons : float, N. Rms error of the force along a stretch, the maximum over the loads.
     decibels : float, dB. The error of a level of the force that it makes where the force departs
-        from a marched load as far as this load does.
+        from the scene's load as far as the load of the march does.
+    top : float or None. Rms error of the force over the largest force, which lies beyond the loads.
     """
 
     newtons: float
     decibels: float
+    top: float | None = None
 
 
 def law_error(scene: Scene, result: Result, loads: Sequence[float]) -> LawError | None:
@@ -182,13 +206,18 @@ def law_error(scene: Scene, result: Result, loads: Sequence[float]) -> LawError 
     steps = len(marches.judging[between[0]]) - 1
     law = law_over(scene, result, loads, steps)
     position = np.arange(steps + 1) * result.step
-    newtons, ratios = [], []
-    for load in between:
+
+    def error(load: float) -> float:
         departure = law.force(position, marches.judging[load]) - load
-        error = float(np.sqrt(np.mean(np.square(departure))))
-        newtons.append(error)
-        ratios.append(error / float(np.abs(np.array(loads) - load).min()))
-    return LawError(max(newtons), 20 * math.log10(1 + max(ratios)))
+        return float(np.sqrt(np.mean(np.square(departure))))
+
+    newtons = [error(load) for load in between]
+    ratios = [
+        newton / abs(load - scene.load) for newton, load in zip(newtons, between, strict=True)
+    ]
+    beyond = [load for load in _beyond_top(scene, result, loads) if load in marches.judging]
+    top = error(beyond[0]) / beyond[0] if beyond else None
+    return LawError(max(newtons), 20 * math.log10(1 + max(ratios)), top)
 
 
 # ---- moving load

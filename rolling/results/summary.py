@@ -218,6 +218,7 @@ def _law(scene: Scene, result: Result, vibration: Vibration | None) -> dict[str,
         "force_law_max_n": loads[-1],
         "force_law_error_n": error and error.newtons,
         "force_law_error_db": error and error.decibels,
+        "force_law_top_error": error and error.top,
         "force_law_fault": marches.fault or None,
     }
 
@@ -227,6 +228,9 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     if vibration is None:
         return {}
     chain, motion, ratio = vibration.chain, vibration.motion, vibration.force_ratio
+    largest = float(motion.force_n.max())
+    # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
+    highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
     plate = of_scene.plate(scene)
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return {
@@ -244,6 +248,8 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "force_third_octave_n": dict(
             zip(BAND_NAMES, map(known, vibration.force_bands.tolist()), strict=True)
         ),
+        "largest_force_n": largest,
+        "impacts_yield": bool(motion.impacts and highest > scene.hardness),
         "flight_share": motion.flight_share,
         "impacts": motion.impacts,
         "ball_mass_kg": chain.mass_kg,

@@ -37,6 +37,7 @@ from rolling.sound.error_estimate import Gain
 P_REF_W = 1e-12  # reference sound power
 NEAR = 0.03  # relative change of the speed, over which a looped record's levels spread
 BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
+UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
 _SPEEDS = (60, 1000)  # minimum and maximum number of speeds
 
 
@@ -190,7 +191,8 @@ def _radiated(scene: Scene, motion: BodyMotion, closed: bool) -> tuple[Array, Ar
     fluctuation = motion.force_n - scene.load
     if not closed:
         fluctuation = faded(fluctuation, duration)
-    if scene.surface.kind == "smooth":  # the remainder is the solver's error
+    # On a smooth surface the remainder is the solver's error; a flight has no remainder.
+    if scene.surface.kind == "smooth" or motion.flight_share == 1:
         fluctuation = np.zeros_like(fluctuation)
     pressure = pressure_on_axis(
         fluctuation, motion.sample_rate_hz, _sources(scene), scene.sound.distance_m, closed=True
@@ -241,8 +243,10 @@ def _comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
 
 
 def _distance(first: float | None, second: float | None) -> float | None:
-    """Return the distance of two levels [dB]; None where one is unknown."""
-    return None if first is None or second is None else abs(first - second)
+    """Return the distance of two levels [dB], limited to UNKNOWN_DB; None where the first is."""
+    if first is None:
+        return None
+    return min(abs(first - (-math.inf if second is None else second)), UNKNOWN_DB)
 
 
 def _widened(

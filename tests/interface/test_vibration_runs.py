@@ -11,7 +11,7 @@ from finished import VIBRATING, WITHOUT_DYNAMICS, caveat_texts, heard_again, mar
 from rolling.check import error_cost, findings
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_files import read_run, write_run
-from rolling.results.run_result import Run
+from rolling.results.run_result import Run, hear
 from rolling.scene.file import loads
 
 
@@ -107,6 +107,40 @@ def test_a_flight_longer_than_the_record_is_told() -> None:
     assert "does not repeat from lap to lap" in texts["not_settled"]
 
 
+MARBLE = """\
+name: marble-on-wood
+sphere: {radius_mm: 8, density_kg_m3: 2500, youngs_modulus_gpa: 70, poissons_ratio: 0.22}
+plate: {youngs_modulus_gpa: 10, poissons_ratio: 0.35, hardness_gpa: 0.03, density_kg_m3: 600,
+  thickness_mm: 20}
+surface: {kind: gaussian, roughness_ra_um: 2, correlation_length_um: 50, spacing_um: 8,
+  width_um: 512, seed: 1}
+rolling: {load_n: 0.1, speed_m_s: 0.5, distance_mm: 0.64}
+dynamics: {}
+sound: {source: vibration}
+"""
+
+
+def test_a_force_law_reaches_as_far_as_the_motion() -> None:
+    """Approaches of a yielding contact rise too unevenly for a spline through all loads."""
+    numbers = marched(MARBLE).summary
+    assert numbers["motion_balance_error"] < 1e-6
+    assert numbers["largest_force_n"] == pytest.approx(0.1 * numbers["force_max_ratio"])
+    assert numbers["largest_force_n"] > 1.2 * 0.1 * 1.4**0.5  # beyond the loads of the scene
+    assert numbers["force_outside_share"] == 0 and numbers["force_law_top_error"] is None
+    # The force between the loads is off by less than it departs from the load.
+    assert 0 < numbers["force_law_error_db"] < 3
+
+
+def test_impacts_that_yield_are_marked() -> None:
+    """The Hertz pressure is 0.75 GPa at the load; a cap without memory gives the work back."""
+    changes = ["surface.roughness_ra_um=0.2", "rolling.speed_m_s=1", "rolling.distance_mm=0.32"]
+    run = marched(VIBRATING, changes)
+    assert run.summary["impacts"] > 0 and run.summary["impacts_yield"] is False
+    # The same motion over a plate whose hardness lies below the pressure of the impacts.
+    soft = run.scene.with_({"plate.hardness_gpa": 0.8})
+    assert hear("soft", {}, run.folder, soft, run.result).summary["impacts_yield"] is True
+
+
 CALM = ["surface.roughness_ra_um=0.02", "rolling.distance_mm=0.4", "rolling.speed_m_s=0.6"]
 
 
@@ -184,8 +218,7 @@ def test_no_estimate_where_no_linear_chain_carries_it(roughness: float, reason: 
         ("plate.thickness_mm=0.1", "air_load", "the load of the air is left out"),
         ("sound.distance_m=0.2", "coincidence", "pressure on the axis holds from"),
         ("rolling.speed_m_s=0.05", "resonance_wave", "the grid decides"),
-        ("surface.roughness_ra_um=2", "force_ratio", "loses contact"),
-        ("surface.roughness_ra_um=0.05", "force_ratio", "marched down to 0.25 of it"),
+        ("surface.roughness_ra_um=1", "force_ratio", "loses contact"),
     ],
 )
 def test_limits_of_the_model_become_warnings_with_numbers(

@@ -90,6 +90,21 @@ def test_law_is_convex_beyond_its_loads(bend: float) -> None:
     assert law.outside([13.0, 15.0, 27.0, 29.0]) == 0.5
 
 
+@pytest.mark.law("Force law: it rises through approaches that rise however unevenly.")
+@pytest.mark.parametrize("rises", [(1, 30, 2), (20, 1, 20), (1, 1, 50), (40, 1)])
+def test_law_rises_through_uneven_approaches(rises: tuple[float, ...]) -> None:
+    """A quadratic spline through them falls between; all other positions are Hertz's."""
+    loads = 14.0 * 1.4 ** np.arange(len(rises) + 1)
+    approach = np.cumsum([100e-9, *(10e-9 * np.array(rises))])[:, None] * np.ones(64)
+    approach[:, 20:] = 1e-9 * loads[:, None] ** (2 / 3)
+    law = ForceLaw(NODES, loads, approach, 64 * SPACING)
+    for load, row in zip(loads, approach, strict=True):
+        np.testing.assert_allclose(law.force(NODES, row), load, rtol=1e-9)
+    for x in np.linspace(0, 64, 200) * SPACING:  # between positions too
+        d = np.linspace(law.approach(x, 0.0), law.approach(x, 100.0), 100)
+        assert np.all(np.diff(law.force(x, d)) > 0)
+
+
 def test_closed_law_repeats() -> None:
     law = uneven_law(3)
     x = DRAWN.uniform(0, 64 * SPACING, 20)

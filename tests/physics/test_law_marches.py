@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
 from rolling.marches import force_law as laws
 from rolling.marches.force_law import force_law, law_error, law_loads, law_pieces, load_along
@@ -62,7 +61,7 @@ def test_loads_are_added_until_the_force_lies_inside() -> None:
     given = scene(*ROUGHER, "dynamics.span=1.05", "dynamics.release=false")
     result = march_all(given)
     needed = law_loads(given, result)
-    assert len(needed.marched) > 3 and not needed.lacking and not needed.failed
+    assert len(needed.marched) > 3 and not needed.lacking
     least, most = of_scene.extremes(given, force_law(given, result))
     assert needed.marched[0] <= least < most <= needed.marched[-1]
     assert result.load_marches is not None
@@ -159,23 +158,31 @@ def test_the_fault_of_a_load_is_that_of_its_first_piece(order: tuple[int, ...]) 
     assert marches.fault == "2 N: second" and moving.fault == "second"
 
 
-def test_a_load_that_the_scene_asks_for_must_be_solved(solved: Result) -> None:
-    """The lowest of the three loads is that of the scene over the span of 1.4."""
+@pytest.mark.parametrize("failed", [[0], [0, 1]])
+def test_a_run_goes_on_without_loads_that_cannot_be_marched(
+    solved: Result, failed: list[int]
+) -> None:
+    """Hertz's approach stands in for loads beside the scene's; the force counts as outside."""
     given = scene()
     assert solved.load_marches is not None
-    marched = law_loads(given, solved).marched
-    low = min(marched)
     marches = LoadMarches(solved.solved_steps, dict(solved.load_marches.approach))
-    del marches.approach[low]
-    marches.faults[low] = "no room"
+    for load in [min(marches.approach), max(marches.approach)][slice(0, len(failed))]:
+        del marches.approach[load]
+        marches.faults[load] = "no room"
     result = Result.empty(given)
     result.series, result.load_marches = solved.series, marches
-    with pytest.raises(ContactError, match=r"force law at 0.7143 N: no room"):
-        law_loads(given, result)
+    marched = law_loads(given, result).marched
+    assert len(marched) == 3 - len(failed) and given.load in marched
+    whole, law = (force_law(given, of) for of in (solved, result))
+    position = np.asarray(law.position_m)
+    approach = whole.approach(position, 1.2)
+    # A rough contact is softer than Hertz's, by a tenth here.
+    assert law.force(position, approach).mean() == pytest.approx(1.2, rel=0.03)
+    assert law.outside([0.5, 0.0, 1.2, 1.0]) >= 0.25
 
 
-def test_no_batch_of_loads_follows_a_failed_one(solved: Result) -> None:
-    """A narrow span reaches the force in batches; none is asked for after a fault."""
+def test_no_load_follows_beyond_a_failed_one(solved: Result) -> None:
+    """A narrow span reaches the force in batches; no load is asked for beyond a fault."""
     given = scene(*ROUGHER, "dynamics.span=1.05", "dynamics.release=false")
     result, failing = Result.empty(given), ""
     while pieces := next_pieces(given, result):
@@ -186,5 +193,5 @@ def test_no_batch_of_loads_follows_a_failed_one(solved: Result) -> None:
             result.add(piece, arrays)
     assert failing and result.load_marches is not None
     assert list(result.load_marches.faults) == [failing]
-    assert law_loads(given, result).failed
-    assert not law_pieces(given, result, Piece) and not result.load_marches.judging
+    assert max(law_loads(given, result).marched) < failing
+    assert not law_pieces(given, result, Piece)
