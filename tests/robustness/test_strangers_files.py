@@ -176,7 +176,7 @@ def test_a_folder_that_becomes_a_link_is_not_written(tmp_path: Path) -> None:
 
 def test_workers_import_nothing_from_the_working_directory(tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").write_text(SEEDS)
-    for name in ("pickle", "numpy", "struct"):
+    for name in ("pickle", "numpy", "struct", "multiprocessing"):
         (tmp_path / f"{name}.py").write_text("open('hijacked', 'a').close(); raise SystemExit(1)")
     program = (
         tmp_path / "bin" / "program.py"
