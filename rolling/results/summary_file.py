@@ -42,7 +42,7 @@ def read_summary(path: Path) -> dict[str, Any]:
     except (OSError, ValueError, RecursionError) as error:
         reason = (isinstance(error, OSError) and error.strerror) or str(error)
         raise FolderError(
-            f"{path}: not readable ({reason}); delete the file, and the same command writes it anew"
+            f"{path}: not readable ({reason}); delete it, and the same command solves the run again"
         ) from error
     return summary
 
