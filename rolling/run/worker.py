@@ -141,7 +141,7 @@ def act(task: bytes, program: Program) -> Any:
             process.stdin.write(task)
             process.stdin.flush()
             value = pickle.load(process.stdout)
-        except (OSError, EOFError):  # it was killed
+        except (OSError, EOFError, pickle.UnpicklingError):  # it was killed
             del _threads.process
             process.kill()
             process.communicate()
