@@ -17,7 +17,7 @@ _NEEDED = (
 )
 _MAPPINGS = (
     *("surface", "uncertainty_db", "third_octave_db", "third_octave_a_db"),
-    *("provenance", "packages", "listen", "error_estimate"),
+    *("provenance", "packages", "listen", "error_estimate", "levelling"),
 )
 _TEXTS = ("name", "label", "source", "text")
 _NUMBER = re.compile(r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share)")
@@ -42,7 +42,7 @@ def read_summary(path: Path) -> dict[str, Any]:
     except (OSError, ValueError, RecursionError) as error:
         reason = (isinstance(error, OSError) and error.strerror) or str(error)
         raise FolderError(
-            f"{path}: not readable ({reason}); delete the file, and the same command writes it anew"
+            f"{path}: not readable ({reason}); delete it, and the same command solves the run again"
         ) from error
     return summary
 
@@ -65,7 +65,9 @@ def _fits(key: str, value: Any) -> bool:
             return all(map(_is_number, value.values()))
         return all(_fits(name, inner) for name, inner in value.items())
     if key in _MAPPINGS:
-        return False
+        return key == "levelling" and value is None
+    if isinstance(value, list) and key not in _NEEDED:
+        return all(_fits(key, item) for item in value)
     return _is_number(value) or not _NUMBER.fullmatch(key)
 
 

@@ -17,14 +17,12 @@ from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.run.pools import Pool, Task
-from rolling.run.worker import Failure, solve_piece
+from rolling.run.worker import KILLED, MOST_BREAKS, Failure, solve_piece
 from rolling.scene.scene import Scene
 from rolling.terminal import progress
 
 LOOK_SECONDS = 0.5  # between two looks at the pool
-MOST_BREAKS = 3  # of the pool by a task, before its runs have failed
 LOST = "a worker process was killed; the tasks that it may have had are done again, one by one"
-KILLED = f"a worker process was killed {MOST_BREAKS} times while it had this run; out of memory?"
 # Errors of a disk, which stop all runs. Another error of the system stops the run of its folder.
 OF_A_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
 

@@ -198,7 +198,8 @@ def made_by(folder: Path) -> str:
         return this_program()
     with open_regular(folder / SCENE) as stream:
         line = stream.read(200).split(b"\n")[0]
-    return line.removeprefix(f"{MARK}, written by ".encode()).decode("utf-8", "replace")
+    text = line.removeprefix(f"{MARK}, written by ".encode()).decode("utf-8", "replace")
+    return "".join(filter(str.isprintable, text))
 
 
 def free_name(folder: Path) -> Path:

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 Arrays = dict[str, NDArray[Any]]
 
+MOST_BREAKS = 3  # of processes by a task, before its runs have failed
+KILLED = f"a worker process was killed {MOST_BREAKS} times while it had this run; out of memory?"
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
 _MOST_PIECE = 2**30  # bytes of the file of a piece
 _DAMAGED = (
@@ -131,17 +133,23 @@ def act(task: bytes, program: Program) -> Any:
     """
     if identity() != program:
         raise OtherProgramError(str(identity()))
-    if not hasattr(_threads, "process"):
-        _threads.process = _process()
-    try:
-        _threads.process.stdin.write(task)
-        _threads.process.stdin.flush()
-        value = pickle.load(_threads.process.stdout)
-    except (OSError, EOFError):  # it was killed, and so is this worker, for the scheduler to see
-        os._exit(1)
-    if isinstance(value, Exception):
-        raise value
-    return value
+    for _ in range(MOST_BREAKS):
+        if not hasattr(_threads, "process"):
+            _threads.process = _process()
+        process = _threads.process
+        try:
+            process.stdin.write(task)
+            process.stdin.flush()
+            value = pickle.load(process.stdout)
+        except (OSError, EOFError, pickle.UnpicklingError):  # it was killed
+            del _threads.process
+            process.kill()
+            process.communicate()
+            continue
+        if isinstance(value, Exception):
+            raise value
+        return value
+    return Failure(KILLED)
 
 
 def _process() -> subprocess.Popen[bytes]:

@@ -209,7 +209,10 @@ def test_the_result_of_another_scene_is_refused(path: Path) -> None:
         *(b"", b"[1]", b"{", b"{}", b"null", b"\xff", b'{"laeq_db": 1}', b"[" * 100_000),
         *({"laeq_db": value} for value in ("loud", [1], math.nan, 1e999, 10**400, {"a": "b"})),
         *({"caveats": value} for value in (None, {}, [1], [{"key": "k"}], [{"text": 1}])),
-        *({key: 1} for key in ("surface", "uncertainty_db", "third_octave_db", "source")),
+        *(
+            {key: 1}
+            for key in ("surface", "uncertainty_db", "third_octave_db", "source", "levelling")
+        ),
         *({"surface": {"ra": "rough"}}, {"uncertainty_db": {"laeq": []}}, {"steps": "many"}),
     ],
     ids=lambda content: str(content)[:20],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import signal
 import socket
@@ -13,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from commands import words_of
+from commands import ROOT, words_of
 from finished import run_of
 from scene_text import TINY
 
@@ -37,6 +38,19 @@ def test_a_guessed_temporary_name_leads_nowhere(
         write_bytes(tmp_path / "report.html", b"page")
     assert victim.read_text() == "precious"
     assert not (tmp_path / "report.html").exists()
+
+
+def test_files_are_written_by_one_function() -> None:
+    """Two others open files: the null device, and a new copy of a scene, which replaces nothing."""
+    writing = re.compile(
+        r"""write_text\(|\w\.write_bytes\(|(?<!fd)open\(.*["'][wax]b?["']|to_csv\(\w*path"""
+    )
+    others = {
+        path.name
+        for path in (ROOT / "rolling").rglob("*.py")
+        if writing.search(path.read_text().replace("files.write_bytes(", ""))
+    }
+    assert others == {"streams.py", "library.py"}
 
 
 def test_a_written_file_has_the_permissions_of_the_umask(tmp_path: Path) -> None:
@@ -176,7 +190,7 @@ def test_a_folder_that_becomes_a_link_is_not_written(tmp_path: Path) -> None:
 
 def test_workers_import_nothing_from_the_working_directory(tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").write_text(SEEDS)
-    for name in ("pickle", "numpy", "struct"):
+    for name in ("pickle", "numpy", "struct", "multiprocessing"):
         (tmp_path / f"{name}.py").write_text("open('hijacked', 'a').close(); raise SystemExit(1)")
     program = (
         tmp_path / "bin" / "program.py"
