@@ -172,14 +172,19 @@ def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
 
 
 def _record(summary: Mapping[str, Any]) -> list[Contribution]:
-    """Return the uncertainties from the length of the record and from its repetition."""
+    """Return the parts of ±: length of the record, its comb of lines, and time steps."""
     parts, spread = [], summary.get("uncertainty_db", {}).get("laeq")
+    texts = {
+        "comb_spread_db": "LAeq spreads by {} dB with the place of the lines of a repeated lap",
+        "motion_step_error_db": "the time steps of the motion leave {} dB",
+    }
+    others = {key: summary[key] for key in texts if summary.get(key) is not None}
+    for key, decibels in others.items():
+        parts.append(_sized(key, decibels, texts[key].format(rounded(decibels))))
     if spread is not None:
-        text = f"the length of the record leaves ± {rounded(spread)} dB"
-        parts.append(_sized("uncertainty", spread, text))
-    if (comb := summary.get("comb_spread_db")) is not None:
-        text = f"a lap repeats, and LAeq spreads by {rounded(comb)} dB with the place of its lines"
-        parts.append(_sized("comb", comb, text))
+        record = math.sqrt(max(spread**2 - sum(db**2 for db in others.values()), 0.0))
+        text = f"the length of the record leaves ± {rounded(record)} dB"
+        parts.append(_sized("uncertainty", record, text))
     return parts
 
 

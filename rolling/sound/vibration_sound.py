@@ -170,13 +170,17 @@ def vibrate(
     )
 
 
-def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
-    """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure.
+def roughness_gain(scene: Scene) -> Gain:
+    """Return the power gain [Pa2/m2] over a smooth contact, for ratios of powers.
 
-    Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
-    for ratios of powers, in which an error of the stiffness cancels.
+    An error of the stiffness cancels in them.
     """
-    chain, sources = chain or of_scene.smooth_chain(scene), _sources(scene)
+    return chain_gain(scene, of_scene.smooth_chain(scene))
+
+
+def chain_gain(scene: Scene, chain: Chain) -> Gain:
+    """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure."""
+    sources = _sources(scene)
 
     def gain(frequency: Array) -> Array:
         transfer = sum(axis_transfer(frequency, each, scene.sound.distance_m) for each in sources)
