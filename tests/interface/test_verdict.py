@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Any
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
-from finished import VIBRATING, marched
+from finished import VIBRATING
 from scene_text import PLAIN
 
 from rolling.check.findings import check_scene
 from rolling.results import caveats, runs_table, verdict
+from rolling.results.labels import Labelled
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 from rolling.terminal import streams
@@ -89,7 +92,8 @@ def test_three_warnings_the_largest_first(monkeypatch: pytest.MonkeyPatch) -> No
     ordered = [caveat.key for caveat in caveats.warnings([("run", summary)])]
     assert ordered == ["slope", "nyquist", "seam", "step_length", "air_load"]
     monkeypatch.setattr(runs_table, "stored_summary", lambda run: summary | FILLED)
-    text = runs_table.levels_table([marched(VIBRATING, ["rolling.distance_mm=0.2"])])
+    run = cast(Labelled, SimpleNamespace(values={}, scene=SCENE, folder=Path()))
+    text = runs_table.levels_table([run])
     assert text.count("warning: ") == 3 and "2 more warnings" in text.splitlines()[-1]
 
 
