@@ -252,7 +252,8 @@ def levels_table(runs: Sequence[Labelled]) -> str:
     beside = beside_text([summary for _, summary in solved])
     beside = wrapped(f"{beside[:1].upper()}{beside[1:]}.") if beside else ""
     lines = [*filter(None, [beside]), *judged, *errors, *_remarks(solved)]
-    return "\n".join([columns(rows), *([""] + lines if solved else [])])
+    table = columns(rows)
+    return "\n".join([table, "", *lines]) if solved else table
 
 
 def verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, str]]:
