@@ -160,7 +160,7 @@ def _of_levels(
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
         noise = "taken as stationary Gaussian noise"
         if sound.source == "vibration" and vibration and vibration.motion.flight_share:
-            noise = "from its scatter between thirds, because a record with impacts is no noise"
+            noise = "from its scatter between thirds, because impacts are not Gaussian noise"
         texts["uncertainty"] = (
             f"± covers the record's length alone, {noise}; it holds no error of model, grid or"
             " solver."

@@ -250,14 +250,15 @@ def levels_table(runs: Sequence[Labelled]) -> str:
     by_run = {label: _cells(summary) for label, summary in solved}
     heads = list(dict.fromkeys(head for cells in by_run.values() for head in cells))
     rows = [["run", *(head.split("|")[0] for head in heads)]]
-    rows.append(["", *(head.split("|")[1] for head in heads)])
+    rows += [["", *(head.split("|")[1] for head in heads)]] * bool(heads)
     rows += [[name, *(by_run.get(name, {}).get(head, "-") for head in heads)] for name in names]
     errors = [wrapped(line) for label, summary in solved if (line := error_line(label, summary))]
     judged = [wrapped(f"{word}: {reason}") for word, reason in verdicts(solved)]
     beside = beside_text([summary for _, summary in solved])
     beside = wrapped(f"{beside[:1].upper()}{beside[1:]}.") if beside else ""
     lines = [*filter(None, [beside]), *judged, *errors, *_remarks(solved)]
-    return "\n".join([columns(rows), "", *lines])
+    table = columns(rows)
+    return "\n".join([table, "", *lines]) if solved else table
 
 
 def verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, str]]:

@@ -10,9 +10,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
 from rolling.check import error_cost, long_steps, resolution
 from rolling.check.finding import Finding, computing
@@ -23,30 +20,14 @@ WORDS = TRUST, INDICATIVE, DO_NOT_QUOTE = "trust", "indicative", "do not quote"
 LIMITS_DB = 1.0, 3.0  # up to the first a level is trusted, up to the second it is indicative
 MOST_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which on no level is quoted
 MEASURED_DB = 25, 66  # release with q = 1 over the vibration, on eight scenes of docs/dynamics.md
-# Level of a half-space's pressure over the true one [dB], by frequency times distance [Hz m].
-_HALF_SPACE = ((100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5))
 _REFUSED = ("memory", "disk", "capacity", "positions")  # warnings of scenes that do not run
-# Warnings without decibels, by their key, with the word that they allow and the reason.
-_LIMITS = {
-    "slope": (DO_NOT_QUOTE, "the surface is steeper than a half-space allows"),
-    "contact_radius": (DO_NOT_QUOTE, "the contact is wider than a half-space allows"),
-    "contact_thickness": (DO_NOT_QUOTE, "the contact is too wide for the thickness of the plate"),
-    "window": (DO_NOT_QUOTE, "the contact is wider than the surface"),
-    "force_ratio": (INDICATIVE, "the contact force may leave the marched loads"),
-    "not_settled": (INDICATIVE, "the motion does not repeat from lap to lap"),
-    "plate_deflection": (INDICATIVE, "the plate is bent too far for thin-plate theory"),
-    "bending": (INDICATIVE, "the plate is too thick for bending theory within hearing"),
-    "coincidence": (INDICATIVE, "the listener is near the plate"),
-    "nyquist": (INDICATIVE, "the simulated band ends within hearing"),
-    "grid_tone": (INDICATIVE, "steps below a node sound a tone of the grid"),
-    "seam": (INDICATIVE, "the contact rolls over the cut of the height file"),
-    "form": (INDICATIVE, "the form of the surface passes for roughness"),
-    "correlation_nodes": (INDICATIVE, "the height file is coarse or noisy"),
-    "hertz_nodes": (INDICATIVE, "few nodes resolve the contact"),
-    "resonance_wave": (INDICATIVE, "the grid decides the waves that feed the resonance"),
-    "solver": (INDICATIVE, "the error of the solver nearly hides the sound"),
-    "no_moving_release": (INDICATIVE, "the release is that of the constant load"),
-}
+# Warnings of broken limits, and of doubtful ones, by their key. They have no decibels.
+_BROKEN = ("slope", "contact_radius", "contact_thickness")
+_DOUBTFUL = (
+    *("force_ratio", "not_settled", "plate_deflection", "bending", "coincidence", "nyquist"),
+    *("half_space_sound", "grid_tone", "seam", "form", "correlation_nodes", "hertz_nodes"),
+    *("resonance_wave", "solver", "no_moving_release", "window"),
+)
 
 
 class Contribution(NamedTuple):
@@ -92,7 +73,11 @@ def verdict(summary: Mapping[str, Any], scene: Scene) -> dict[str, Any] | None:
 
 def expected(scene: Scene, findings: Sequence[Finding]) -> tuple[str, str]:
     """Return the best word that a run of a scene can expect before it is run, and the reason."""
-    caveats = [{"key": finding.key} for finding in findings if finding.warning]
+    caveats = [
+        {"key": finding.key, "text": f"{finding.quantity}: {finding.warning}"}
+        for finding in findings
+        if finding.warning
+    ]
     summary: dict[str, Any] = {"source": scene.sound.source, "caveats": caveats}
     if scene.numerics.error_estimate and not error_cost.too_short(scene):
         summary |= {"laeq_grid_error_db": 0.0, "laeq_subgrid_error_db": 0.0}
@@ -102,10 +87,9 @@ def expected(scene: Scene, findings: Sequence[Finding]) -> tuple[str, str]:
 
 def conclusion(scene: Scene, found: Findings) -> str:
     """State in one sentence whether a scene runs, how long, and with which verdict at best."""
-    for run in found.runs:
-        for finding in run.findings:
-            if finding.warning and finding.key in _REFUSED:
-                return f"It does not run: {finding.quantity} ({finding.value})."
+    for finding in found:
+        if finding.warning and finding.key in _REFUSED:
+            return f"It does not run: {finding.quantity} ({finding.value})."
     if found.excess:
         return f"It does not run: {found.excess[0]}."
     if scene.surface.kind == "smooth":
@@ -172,14 +156,19 @@ def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
 
 
 def _record(summary: Mapping[str, Any]) -> list[Contribution]:
-    """Return the uncertainties from the length of the record and from its repetition."""
+    """Return the parts of ±: length of the record, its comb of lines, and time steps."""
     parts, spread = [], summary.get("uncertainty_db", {}).get("laeq")
+    texts = {
+        "comb_spread_db": "LAeq spreads by {} dB with the place of the lines of a repeated lap",
+        "motion_step_error_db": "the time steps of the motion leave {} dB",
+    }
+    others = {key: summary[key] for key in texts if summary.get(key) is not None}
+    for key, decibels in others.items():
+        parts.append(_sized(key, decibels, texts[key].format(rounded(decibels))))
     if spread is not None:
-        text = f"the length of the record leaves ± {rounded(spread)} dB"
-        parts.append(_sized("uncertainty", spread, text))
-    if (comb := summary.get("comb_spread_db")) is not None:
-        text = f"a lap repeats, and LAeq spreads by {rounded(comb)} dB with the place of its lines"
-        parts.append(_sized("comb", comb, text))
+        record = math.sqrt(max(spread**2 - sum(db**2 for db in others.values()), 0.0))
+        text = f"the length of the record leaves ± {rounded(record)} dB"
+        parts.append(_sized("uncertainty", record, text))
     return parts
 
 
@@ -190,11 +179,9 @@ def _grid(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
         return [_unknown_grid(summary, scene)]
     total = math.hypot(grid, summary.get("laeq_grid_error_uncertainty_db") or 0.0)
     parts = [_sized(resolution.KEY, total, f"the grid leaves up to {rounded(total)} dB")]
-    for name in ("solver", "force_law"):
-        key = f"laeq_{name}_error_db" if name == "solver" else f"{name}_error_db"
+    for key, name in (("laeq_solver_error_db", "solver"), ("force_law_error_db", "force law")):
         if (error := summary.get(key)) is not None:
-            text = f"the {name.replace('_', ' ')} leaves {rounded(abs(error))} dB"
-            parts.append(_sized(f"{name}_error", error, text))
+            parts.append(_sized(key, error, f"the {name} leaves {rounded(abs(error))} dB"))
     detail = summary.get("laeq_subgrid_error_db")
     if detail is None:
         text = "nothing is known of the surface below its spacing"
@@ -237,29 +224,14 @@ def _motion(summary: Mapping[str, Any]) -> list[Contribution]:
 
 
 def _limits(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
-    """Return the broken limits of theory, sampling and height files."""
-    keys = {caveat["key"] for caveat in summary.get("caveats", ())}
-    parts = [
-        Contribution(key, word, None, text) for key, (word, text) in _LIMITS.items() if key in keys
-    ]
-    if "step_length" in keys:
-        error = long_steps.LEVEL_ERROR_DB * scene.track.step / long_steps.contact_radius(scene)
-        text = f"long steps put the level off by up to {rounded(error)} dB"
-        parts.append(_sized("step_length", error, text))
-    if "half_space_sound" in keys and (bands := summary.get("third_octave_a_db")):
-        error = _half_space_error_db(bands, scene.sound.distance_m)
-        text = f"the pressure of a half-space is {rounded(error)} dB too high so near"
-        parts.append(_sized("half_space_sound", error, text))
+    """Return the broken limits of theory, sampling and height files, without their advice."""
+    parts = []
+    for caveat in summary.get("caveats", ()):
+        key, text = caveat["key"], ": ".join(caveat["text"].split(": ")[:2])
+        if key == "step_length":
+            error = long_steps.LEVEL_ERROR_DB * scene.track.step / long_steps.contact_radius(scene)
+            parts.append(_sized(key, error, text))
+        elif key in (*_BROKEN, *_DOUBTFUL):
+            word = DO_NOT_QUOTE if key in _BROKEN else INDICATIVE
+            parts.append(Contribution(key, word, None, text))
     return parts
-
-
-def _half_space_error_db(bands: Mapping[str, float | None], distance: float) -> float:
-    """Return by how much the level of a half-space is too high at a distance [m]."""
-    places, errors = zip(*((math.log(x), y) for x, y in _HALF_SPACE), strict=True)
-    stated = corrected = 0.0
-    for name, hertz in zip(BAND_NAMES, MID_HZ.tolist(), strict=True):
-        if (band := bands[name]) is not None:
-            error = float(np.interp(math.log(hertz * distance), places, errors))
-            stated += 10 ** (band / 10)
-            corrected += 10 ** ((band - error) / 10)
-    return 10 * math.log10(stated / corrected) if corrected else 0.0

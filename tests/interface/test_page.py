@@ -7,6 +7,7 @@ import csv
 import io
 import math
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -92,8 +93,11 @@ def test_caveats_stand_beside_the_headline_and_the_levels(pages, opened) -> None
         for words in ("an upper bound", "q = 1", "validated against a microphone"):
             assert words in near
         assert near in page.text_content("section[aria-labelledby=levels] .note")
-        headline, caveats = (page.locator(name).bounding_box() for name in (".result", "#caveats"))
-        assert 0 <= caveats["y"] - headline["y"] - headline["height"] < 40
+        # The level beside, the verdict and the caveats follow the headline in this order.
+        places = [".result", ".beside-it", ".verdict", "#caveats"]
+        boxes = [page.locator(name).bounding_box() for name in places]
+        for above, below in pairwise(boxes):
+            assert 0 <= below["y"] - above["y"] - above["height"] < 40
 
 
 def test_without_scripts_records_pictures_and_tables_are_there(pages, browser) -> None:
