@@ -117,9 +117,9 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
     print(runs_table.levels_table(done[: defaults.FEW_RUNS] if many else done))
     if many:
         print(f"{len(done) - defaults.FEW_RUNS} more runs, a row each in {TABLE}")
-    summary = runs_table.stored_summary(done[0]) or {}
-    content = summary.get("listen", {}).get("content", "")  # of another version: unknown
-    print(f"\nlisten: {done[0].folder / 'listen.wav'}{f' ({content})' * bool(content)}")
+    listen = (runs_table.stored_summary(done[0]) or {}).get("listen")
+    content = listen.get("content", "") if isinstance(listen, dict) else ""  # of another version
+    print(f"\nlisten: {done[0].folder / 'listen.wav'}   {labels.printable(str(content))}")
     print(f"all files: {folder}")
     if len(runs) > 1:
         print(f"a row per run: {folder / TABLE}")
@@ -199,8 +199,8 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
     return out
 
 
-def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator[tuple[Path, str]]:
-    """Write noise with the spectrum of each run's record; yield its path and kurtosis in words.
+def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator[Path]:
+    """Write noise with the spectrum of each run's record, and yield its path.
 
     Parameters
     ----------
@@ -229,12 +229,7 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
     for run in runs:
         record, rate = run.sound.pressure, wav.SAMPLE_RATE_HZ
         extended = extension.extend(record, round(seconds * rate), rate, run.laps)
-        path = listening.write_extended(run, extended)
-        text = (
-            f"{run.label}: kurtosis {extension.kurtosis(extended):.1f}, of the record"
-            f" {extension.kurtosis(record):.1f} (3: Gaussian noise)"
-        )
-        yield path, text
+        yield listening.write_extended(run, extended)
 
 
 def _done(folder: Path) -> list[RunFolder]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from acoustics import extension, wav
+from acoustics import wav
 from acoustics.arrays import Array
 from rolling.sound.contact_sound import ContactSound
 from rolling.terminal.files import write_bytes
@@ -75,10 +75,8 @@ def write_extended(run: Run, extended: Array) -> Path:
     OSError : the file cannot be written. An earlier file is kept.
     """
     gain = wav.listening_gain(extended)
-    kurtosis = extension.kurtosis(extended), extension.kurtosis(run.sound.pressure)
     comment = (
-        f"extended: {EXTENDED}; kurtosis {kurtosis[0]:.3g}, of the record {kurtosis[1]:.3g};"
-        f" {gain:.6g} full scale per Pa, {_rule(run, gain)}; {facts(run)}"
+        f"extended: {EXTENDED}; {gain:.6g} full scale per Pa, {_rule(run, gain)}; {facts(run)}"
     )
     path = run.folder / "extended.wav"
     title = f"{wav_title(run)}, {NOISE}"
