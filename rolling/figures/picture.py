@@ -76,14 +76,20 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     if height < _LOW_IN or len(lines) > _MOST_LINES:
         lines = textwrap.wrap(title, across)
     _plain([ax.set_title("\n".join(lines), loc="left", fontsize="medium")])
-    ax.set_xlabel(textwrap.fill(ax.get_xlabel(), across))
-    ax.set_ylabel(textwrap.fill(ax.get_ylabel(), along))
+    ax.set_xlabel(_broken(ax.get_xlabel(), across))
+    ax.set_ylabel(_broken(ax.get_ylabel(), along))
     for image in ax.images:
         if image.colorbar is not None:
-            image.colorbar.set_label(textwrap.fill(image.colorbar.ax.get_ylabel(), along))
+            image.colorbar.set_label(_broken(image.colorbar.ax.get_ylabel(), along))
     if 0 < len(names) <= MOST_NAMED:
         _legend(ax, handles, names, int(1.2 * across), height)
     return ax
+
+
+def _broken(label: str, letters: int) -> str:
+    """Break the label of an axis that is too long, first before its unit."""
+    lines = [label] if len(label) <= letters else label.replace(" [", "\n[").split("\n")
+    return "\n".join(textwrap.fill(line, letters) for line in lines)
 
 
 def _room(ax: Axes) -> tuple[float, float]:
