@@ -32,8 +32,9 @@ def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     >>> f"{hertz_radius(5.0, 5e-3, 230e9) * 1e6:.2f} um"
     '43.36 um'
     """
-    torque = positive("load", load) * positive("radius", radius)
-    return float((3 * torque / (4 * positive("contact_modulus", contact_modulus))) ** (1 / 3))
+    load, radius = positive("load", load), positive("radius", radius)
+    contact_modulus = positive("contact_modulus", contact_modulus)
+    return float((3 * load * radius / (4 * contact_modulus)) ** (1 / 3))
 
 
 def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
