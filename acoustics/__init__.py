@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         reliable,
         third_octave_mean_square,
     )
-    from acoustics.extension import extend, kurtosis
+    from acoustics.extension import extend, kurtosis, kurtosis_uncertainty
     from acoustics.level import SoundLevels, laeq_db, level_db, sound_levels
     from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
     from acoustics.spectrum import Psd, line_spectrum, welch
@@ -49,6 +49,7 @@ __all__ = [
     "extend",
     "intensity",
     "kurtosis",
+    "kurtosis_uncertainty",
     "laeq_db",
     "level_db",
     "level_uncertainty",

@@ -126,7 +126,7 @@ def kurtosis_uncertainty(record: Array) -> float:
     Examples
     --------
     >>> import numpy as np
-    >>> from acoustics.extension import kurtosis_uncertainty
+    >>> from acoustics import kurtosis_uncertainty
     >>> noise = np.random.default_rng(1).standard_normal(2400)
     >>> round(kurtosis_uncertainty(noise), 2)  # sqrt(24/2400)
     0.1

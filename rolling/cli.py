@@ -187,9 +187,8 @@ def _extend(given: argparse.Namespace) -> int:
     """Write noise with the spectra of the records of a run folder."""
     with progress.step(LOADING):
         from rolling import commands
-    for path, text in commands.extend(given.folder, given.seconds):
+    for path in commands.extend(given.folder, given.seconds):
         print(path)
-        progress.line(text)
     return OK
 
 

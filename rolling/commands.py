@@ -126,9 +126,9 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
     if (folder / PAGE).is_file():
         places["all on one page"] = folder / PAGE
     lines = {name: f"{name}: {labels.printable(str(at))}" for name, at in places.items()}
-    summary = runs_table.stored_summary(done[0]) or {}
-    if content := summary.get("listen", {}).get("content"):  # of another version: unknown
-        lines["listen"] += f" ({content})"
+    listen = (runs_table.stored_summary(done[0]) or {}).get("listen")
+    if content := listen.get("content") if isinstance(listen, dict) else None:
+        lines["listen"] += f" ({labels.printable(str(content))})"
     print("", *lines.values(), sep="\n")
 
 
@@ -204,8 +204,8 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
     return out
 
 
-def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator[tuple[Path, str]]:
-    """Write noise with the spectrum of each run's record; yield its path and kurtosis in words.
+def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator[Path]:
+    """Write noise with the spectrum of each run's record, and yield its path.
 
     Parameters
     ----------
@@ -234,12 +234,7 @@ def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator
     for run in runs:
         record, rate = run.sound.pressure, wav.SAMPLE_RATE_HZ
         extended = extension.extend(record, round(seconds * rate), rate, run.laps)
-        path = listening.write_extended(run, extended)
-        text = (
-            f"{run.label}: kurtosis {extension.kurtosis(extended):.1f}, of the record"
-            f" {extension.kurtosis(record):.1f} (3: Gaussian noise)"
-        )
-        yield path, text
+        yield listening.write_extended(run, extended)
 
 
 def _done(folder: Path) -> list[RunFolder]:

@@ -52,19 +52,17 @@ __all__ = [
 def _checked(draw: Callable[..., Any]) -> Callable[..., Any]:
     """Raise TypeError where a plot is given no run, ValueError where it is given an empty list."""
     takes = signature(draw)
-    first, kinds = next(iter(takes.parameters)), (Run, Scene) if draw is surface else (Run,)
+    first = next(iter(takes.parameters))
 
     @wraps(draw)
     def checked(*values: Any, **named: Any) -> Any:
-        given = takes.bind(*values, **named)
-        shown = given.arguments[first]
-        if first == "runs":
-            shown = given.arguments[first] = listed(shown)
-        for run in shown if first == "runs" else [shown]:
-            instance(first, run, *kinds)
-        if first == "runs" and not shown:
+        given = takes.bind(*values, **named).arguments
+        shown = listed(given[first]) if first == "runs" else [given[first]]
+        for run in shown:
+            instance(first, run, *((Run, Scene) if draw is surface else (Run,)))
+        if not shown:
             raise ValueError("runs: got none, allowed: at least one run")
-        return draw(*given.args, **given.kwargs)
+        return draw(**given | {first: shown if first == "runs" else shown[0]})
 
     return checked
 

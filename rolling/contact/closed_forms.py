@@ -5,31 +5,11 @@ Source of the Hertz formulas: K. L. Johnson, Contact Mechanics (1985), ch. 3-4.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import wraps
-from inspect import signature
-from typing import ParamSpec
-
 import numpy as np
 
 from acoustics.arrays import positive
 
-_Numbers = ParamSpec("_Numbers")
 
-
-def _of_positive_numbers(formula: Callable[_Numbers, float]) -> Callable[_Numbers, float]:
-    """Raise ValueError unless all arguments of a formula are numbers above zero."""
-    takes = signature(formula)
-
-    @wraps(formula)
-    def checked(*values: _Numbers.args, **named: _Numbers.kwargs) -> float:
-        given = takes.bind(*values, **named).arguments.items()
-        return formula(**{name: positive(name, value) for name, value in given})  # type: ignore
-
-    return checked
-
-
-@_of_positive_numbers
 def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     """Return the contact radius of a smooth elastic sphere: a^3 = 3 W R / (4 E*).
 
@@ -52,10 +32,11 @@ def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     >>> f"{hertz_radius(5.0, 5e-3, 230e9) * 1e6:.2f} um"
     '43.36 um'
     """
+    load, radius = positive("load", load), positive("radius", radius)
+    contact_modulus = positive("contact_modulus", contact_modulus)
     return float((3 * load * radius / (4 * contact_modulus)) ** (1 / 3))
 
 
-@_of_positive_numbers
 def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
     """Return the maximum contact pressure of a smooth elastic sphere: p0 = 3 W / (2 pi a^2).
 
@@ -74,10 +55,10 @@ def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
     >>> f"{hertz_pressure(5.0, 5e-3, 230e9) * 1e-9:.3f} GPa"
     '1.270 GPa'
     """
-    return float(3 * load / (2 * np.pi * hertz_radius(load, radius, contact_modulus) ** 2))
+    contact_radius = hertz_radius(load, radius, contact_modulus)
+    return float(3 * load / (2 * np.pi * contact_radius**2))
 
 
-@_of_positive_numbers
 def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
     """Return the approach of a smooth elastic sphere: a^2 / R.
 
@@ -99,7 +80,6 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
     return hertz_radius(load, radius, contact_modulus) ** 2 / radius
 
 
-@_of_positive_numbers
 def smooth_release_power(load: float, speed: float, radius: float, contact_modulus: float) -> float:
     """Return the release power of a smooth elastic rolling sphere: 3 W v a / (16 R).
 
@@ -129,10 +109,10 @@ def smooth_release_power(load: float, speed: float, radius: float, contact_modul
     >>> f"{smooth_release_power(5.0, 1.0, 5e-3, 230e9) * 1e3:.3f} mW"
     '8.130 mW'
     """
-    return 3 * load * speed * hertz_radius(load, radius, contact_modulus) / (16 * radius)
+    contact_radius = hertz_radius(load, radius, contact_modulus)
+    return 3 * load * positive("speed", speed) * contact_radius / (16 * radius)
 
 
-@_of_positive_numbers
 def left_end_excess(step: float, contact_radius: float) -> float:
     """Return the relative excess of the left-end release rule over the mean rule.
 
@@ -157,4 +137,4 @@ def left_end_excess(step: float, contact_radius: float) -> float:
     >>> f"{left_end_excess(1e-6, 50e-6):.3f}"
     '0.027'
     """
-    return 4 * step / (3 * contact_radius)
+    return 4 * positive("step", step) / (3 * positive("contact_radius", contact_radius))

@@ -32,10 +32,9 @@ MOST_NAMED = 24  # curves; a legend of more takes more room than they do
 _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 _ROW_IN = 0.19  # height of a row in a legend
 _LETTERS_PER_IN = 13  # of a title on axes
-_LOW_IN = 3.5  # height of a figure that has no room for the note
+_LOW_IN = 2.7  # height of axes that have no room for the note
 _MOST_LINES = 4  # of title and note; more lines are the title alone
-_LOW_SHARE = 0.4  # of the height of low axes that a legend may take below them
-_LABELS_IN = 0.9  # width of the ticks and the label of y
+_LOW_SHARE = 0.5  # of the height of low axes that a legend may take below them
 _TITLE_LETTERS, _NOTE_LETTERS = 88, 125  # of a line across a figure
 
 
@@ -71,31 +70,27 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     if len(names) > MOST_NAMED:
         note += f"; {len(names)} curves"
     ax.set_label(f"{title}\n{note}")
-    width, height = _room(ax)
-    across, along = (max(12, int(_LETTERS_PER_IN * room)) for room in (width, 0.62 * height))
+    width, height = ax.bbox.width / ax.figure.dpi, ax.bbox.height / ax.figure.dpi
+    across, along = (max(12, int(_LETTERS_PER_IN * room)) for room in (1.1 * width, 0.8 * height))
     lines = [*textwrap.wrap(title, across), *textwrap.wrap(note, across)]
     if height < _LOW_IN or len(lines) > _MOST_LINES:
         lines = textwrap.wrap(title, across)
     _plain([ax.set_title("\n".join(lines), loc="left", fontsize="medium")])
-    ax.set_xlabel(textwrap.fill(ax.get_xlabel(), across))
-    ax.set_ylabel(textwrap.fill(ax.get_ylabel(), along))
+    ax.set_xlabel(_broken(ax.get_xlabel(), across))
+    ax.set_ylabel(_broken(ax.get_ylabel(), along))
     for image in ax.images:
         if image.colorbar is not None:
-            image.colorbar.set_label(textwrap.fill(image.colorbar.ax.get_ylabel(), along))
+            image.colorbar.set_label(_broken(image.colorbar.ax.get_ylabel(), along))
     if 0 < len(names) <= MOST_NAMED:
         _legend(ax, handles, names, int(1.2 * across), height)
     return ax
 
 
-def _room(ax: Axes) -> tuple[float, float]:
-    """Return width and height of axes in their grid [inches], without the labels of y."""
-    spec, dpi = ax.get_subplotspec(), ax.figure.dpi
-    if spec is None:
-        return ax.bbox.width / dpi, ax.bbox.height / dpi
-    spec, whole = spec.get_topmost_subplotspec(), ax.figure.bbox
-    rows, columns = spec.get_gridspec().get_geometry()
-    width = whole.width / dpi * len(spec.colspan) / columns
-    return width - _LABELS_IN, whole.height / dpi * len(spec.rowspan) / rows
+def _broken(label: str, letters: int) -> str:
+    """Break the label of an axis that is too long, before its unit if that is enough."""
+    name, _, unit = label.partition(" [")
+    enough = unit and len(label) > letters >= len(name)
+    return f"{name}\n[{unit}" if enough else textwrap.fill(label, letters)
 
 
 def _legend(

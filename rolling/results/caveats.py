@@ -188,7 +188,8 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
         return texts
     lap = scene.track.lap_steps * scene.track.step
     period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
-    period = min(period, len(sound.lap) / sound.sample_rate)
+    if sound.duration < SHORT_S:
+        period = min(period, len(sound.lap) / sound.sample_rate)
     rate = rounded(1 / period) if 1 / period < 10 else f"{1 / period:.0f}"
     heard = f"{rate} times a second: the pitch that is heard is the repetition, not the contact."
     if sound.duration < SHORT_S:

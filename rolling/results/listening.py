@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from acoustics import extension, wav
+from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.sound.contact_sound import ContactSound
@@ -30,6 +30,13 @@ EXTENDED = (
     f"{NOISE}: stationary and Gaussian, with the band levels of the record; it has none of the"
     " record's single events and never repeats"
 )
+CONSEQUENCES = {  # of the rule that sets a gain
+    "silence": "the record is silent, and the gain is 1",
+    "the largest gain": "the gain is the largest there is, that of a record at 0 dB(A): this"
+    " one is below and stays quieter than others",
+    "equal loudness": "the gain makes runs equally loud, so compare their levels by the"
+    " numbers, not by ear",
+}
 PLAYERS = ("afplay", "pw-play", "paplay", "aplay", "ffplay -nodisp -autoexit", "xdg-open")
 
 
@@ -56,16 +63,23 @@ def laps_in_words(sound: ContactSound) -> str:
     )
 
 
-def listen_wav(run: Run) -> bytes:
-    """Write listen.wav of a run."""
-    record = laps(run.sound)
+def listen_wav(run: Run) -> tuple[bytes, dict[str, Any]]:
+    """Write listen.wav of a run; return its bytes, and the content and meaning of its samples."""
+    record, content = laps(run.sound), laps_in_words(run.sound)
     gain = wav.listening_gain(record)
-    comment = (
-        f"{gain:.6g} full scale per Pa, {_rule(run, gain)}; {laps_in_words(run.sound)};"
-        f" {facts(run)}"
-    )
+    rule = _rule(run, gain)
+    comment = f"{gain:.6g} full scale per Pa, {rule}; {content}; {facts(run)}"
     repeats = run.sound.loops or len(record) > len(run.sound.pressure)
-    return wav.listening(record, gain, comment, wav_title(run), loops=repeats)
+    return wav.listening(record, gain, comment, wav_title(run), loops=repeats), {
+        "content": content,
+        "duration_s": len(record) / run.sound.sample_rate,
+        "meaning": "Samples times pascal_per_full_scale are sound pressure in Pa at the listener;"
+        f" {CONSEQUENCES[rule]}.",
+        "pascal_per_full_scale": 1.0 / gain,
+        "gain_full_scale_per_pa": gain,
+        "gain_db_re_1_per_pa": 20.0 * math.log10(gain),
+        "rule": rule,
+    }
 
 
 def write_extended(run: Run, extended: Array) -> Path:
@@ -76,11 +90,8 @@ def write_extended(run: Run, extended: Array) -> Path:
     OSError : the file cannot be written. An earlier file is kept.
     """
     gain = wav.listening_gain(extended)
-    kurtosis = extension.kurtosis(extended), extension.kurtosis(run.sound.pressure)
     comment = (
-        f"extended: {EXTENDED}; kurtosis {rounded(kurtosis[0], 3)}, of the record"
-        f" {rounded(kurtosis[1], 3)};"
-        f" {gain:.6g} full scale per Pa, {_rule(run, gain)}; {facts(run)}"
+        f"extended: {EXTENDED}; {gain:.6g} full scale per Pa, {_rule(run, gain)}; {facts(run)}"
     )
     path = run.folder / "extended.wav"
     title = f"{wav_title(run)}, {NOISE}"
@@ -108,30 +119,6 @@ def _rule(run: Run, gain: float) -> str:
     if not run.sound.pressure.any():
         return "silence"
     return "the largest gain" if gain >= wav.MOST_GAIN else "equal loudness"
-
-
-def meaning(run: Run) -> dict[str, Any]:
-    """Return the content of listen.wav and the meaning of its samples."""
-    record = laps(run.sound)
-    gain = wav.listening_gain(record)
-    rule = _rule(run, gain)
-    consequences = {
-        "silence": "the record is silent, and the gain is 1",
-        "the largest gain": "the gain is the largest there is, that of a record at 0 dB(A): this"
-        " one is below and stays quieter than others",
-        "equal loudness": "the gain makes runs equally loud, so compare their levels by the"
-        " numbers, not by ear",
-    }
-    return {
-        "content": laps_in_words(run.sound),
-        "duration_s": len(record) / run.sound.sample_rate,
-        "meaning": "Samples times pascal_per_full_scale are sound pressure in Pa at the listener;"
-        f" {consequences[rule]}.",
-        "pascal_per_full_scale": 1.0 / gain,
-        "gain_full_scale_per_pa": gain,
-        "gain_db_re_1_per_pa": 20.0 * math.log10(gain),
-        "rule": rule,
-    }
 
 
 def open_player(path: Path) -> None:

@@ -26,9 +26,10 @@ def write_run(run: Run) -> None:
     """
     sound = run.sound
     comment, title = f"1.0 = 1 Pa; {listening.facts(run)}", listening.wav_title(run)
+    listen_wav, listen = listening.listen_wav(run)
     contents = {
         SIGNAL: wav.calibrated(sound.pressure, comment, title, sound.loops),
-        LISTEN: listening.listen_wav(run),
+        LISTEN: listen_wav,
         RESULT: result_file.write_result(run),
     }
     make_below(run.home, run.folder)
@@ -36,8 +37,7 @@ def write_run(run: Run) -> None:
         write_bytes(run.folder / name, content)
     write_json(
         run.folder / SUMMARY,
-        run.summary
-        | {"listen": listening.meaning(run), "provenance": provenance(run.scene, run.label)},
+        run.summary | {"listen": listen, "provenance": provenance(run.scene, run.label)},
     )
 
 

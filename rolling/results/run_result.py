@@ -163,7 +163,7 @@ class Run:
         if "provenance" not in self.summary or not path.is_file():  # only in memory
             prefix = f"{self.scene.name}-listen-"
             with tempfile.NamedTemporaryFile(prefix=prefix, suffix=".wav", delete=False) as file:
-                file.write(listening.listen_wav(self))
+                file.write(listening.listen_wav(self)[0])
             path = Path(file.name)
         print(f"listen: {path}   {listening.laps_in_words(self.sound)}")
         listening.open_player(path)

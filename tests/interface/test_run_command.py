@@ -387,7 +387,7 @@ def test_a_long_record_has_the_bands_of_the_short_one(
         assert "--seconds: got" in capsys.readouterr().err
     assert cli.main(["extend", str(out), "--seconds", "5"]) == 0
     said = capsys.readouterr()
-    assert said.out == f"{out / 'extended.wav'}\n" and "kurtosis" in said.err
+    assert said.out == f"{out / 'extended.wav'}\n"
     extended, rate, comment = wav.read(out / "extended.wav")
     record, _, _ = wav.read(out / "signal.wav")
     assert len(extended) == 5 * rate and "noise with the same spectrum" in comment
