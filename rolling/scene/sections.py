@@ -351,7 +351,7 @@ class Numerics(Section):
         double precision
     error_estimate : bool
         Whether the run estimates the errors that its grid and its tolerance leave in every level,
-        for about a quarter more time
+        for a quarter more time, and 40 % under an exponential law
     """
 
     step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(default=1.0, gt=0)

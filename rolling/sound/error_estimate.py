@@ -223,8 +223,8 @@ class DetailErrors:
     laeq_uncertainty_db: float
 
 
-_NONE = np.zeros(len(BAND_NAMES))
-NO_DETAIL = DetailErrors(_NONE, _NONE, 0.0, 0.0)  # of a law that ends before the grid
+# The errors of a law that ends before the grid.
+NO_DETAIL = DetailErrors(np.zeros(len(BAND_NAMES)), np.zeros(len(BAND_NAMES)), 0.0, 0.0)
 
 
 def detail_errors(powers: BandPowers, record: RecordLevels) -> DetailErrors:

@@ -196,8 +196,7 @@ def continued(
     # A wave of the coarse grid is a sum of four waves of the finer one at most.
     gain = 2 * np.sqrt(np.minimum(fine[kept] / np.maximum(coarse[kept], 1e-300), 4.0))
     lines[kept] = np.fft.rfft2(heights)[kept] * gain * turn[0] * turn[1]
-    finer: Array = np.fft.irfft2(lines, s=shape)
-    return finer
+    return np.asarray(np.fft.irfft2(lines, s=shape))
 
 
 def smooth(shape: tuple[int, int]) -> Array:

@@ -40,7 +40,7 @@ def test_ra_is_exact_and_the_mean_zero(law: str, ra: float, shape: tuple[int, in
     assert abs(heights.mean()) < 1e-14 * ra
 
 
-@pytest.mark.law("Surface: continued to half its spacing, it keeps law and long waves.")
+@pytest.mark.law("Surface: detail below the spacing follows the law, and long waves stay.")
 @pytest.mark.parametrize(
     ("law", "lengths"),
     [
