@@ -31,6 +31,7 @@ HALF_SPACE_HZ_M = 10e3  # frequency times distance from which a half-space's pre
 OWN_MARCH = "moving_release"  # key of the finding whose march no run shares
 LEAST_STEPS = 8  # in a period of the resonance, for the release under the moving load
 SPEED_OF_SOUND = 343.2  # [m/s] in air
+_NOTHING = 1e-200  # spectral density [m3] of a surface that the contact averages out
 NEAR, _SPEEDS = 0.03, 61  # relative change and number of speeds, as a sharp resonance needs them
 _WAVES, _ACROSS, _LINES = 160, 160, 40_000  # points along, across, and over the resonance
 
@@ -99,7 +100,9 @@ def force_rms(scene: Scene) -> float | None:
     longest, shortest = scene.track.n_along * scene.spacing, 2 * scene.step
     coarse = np.geomspace(2 * math.pi / longest, 2 * math.pi / shortest, _WAVES)
     density = _mean_heights(scene, surface, coarse)
-    kept = np.log(np.maximum(density, 1e-300 * density.max()))
+    if longest <= shortest or not density.max() > _NOTHING:
+        return 0.0
+    kept = np.log(np.maximum(density, _NOTHING))
 
     def power(waves: Array, ratio: float = 1.0) -> Array:
         """Return the spectral density of the force [N2 m] at another ratio of speeds."""
