@@ -4,7 +4,7 @@ The contact force is estimated from the statistics of the surface: the contact a
 with its pressure, an ellipsoid over the circle in which a smooth contact is at most an rms height
 apart, and their mean moves sphere, contact and plate as a linear chain. A looped record has the
 lines of its lap, which a sharp resonance may miss. Where waves shorter than the contact feed the
-resonance, the estimate is 0.2 to 0.8 of the force; elsewhere it is 1.0 to 1.6 of it.
+resonance, the estimate is 0.2 to 1.2 of the force; elsewhere it is 1.3 to 1.6 of it.
 """
 
 from __future__ import annotations
@@ -83,10 +83,10 @@ def _force(scene: Scene) -> Finding:
             " impacts need a small step, and more loads are marched; choose a lower"
             " rolling.speed_m_s or a higher rolling.load_n"
         )
-    wave = scene.motion.fastest(scene.duration) / bounce_hz(scene)
-    word = "at least" if wave < 2 * hertz_radius(scene) else "about"
     extremes = f"{rounded(max(low, 0), 3)} to {rounded(high, 3)}"
-    value = f"{extremes}, rms {word} {rounded(ratio)} (from the statistics)"
+    value = f"about {extremes}, rms {rounded(ratio)} (from the statistics)"
+    if scene.motion.fastest(scene.duration) / bounce_hz(scene) < 2 * hertz_radius(scene):
+        value += "; short waves may multiply it"
     return Finding("force_ratio", "contact force over load", value, warning)
 
 

@@ -71,9 +71,3 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
         speed = Travel(times, np.asarray(places, dtype=float))
     stepping = Stepping(time_step_s=time_step_s)
     return move(law, scene.mass, linear.mobility_s_kg, scene.load, speed, duration, stepping)
-
-
-def extremes(scene: Scene, law: ForceLaw) -> tuple[float, float]:
-    """Return minimum and maximum of the contact force of a scene over a force law [N]."""
-    force = motion(scene, law).force_n
-    return float(force.min()), float(force.max())

@@ -19,6 +19,7 @@ from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
 from rolling.dynamics import of_scene
 from rolling.dynamics.force_law import HIGHEST, LEAST, LOWEST, ForceLaw
+from rolling.dynamics.motion import BodyMotion
 from rolling.marches.piece import Piece
 from rolling.marches.result import LoadMarches, MovingRelease, Result, vibration_key
 from rolling.scene.scene import Scene
@@ -104,8 +105,22 @@ def _extremes(scene: Scene, result: Result, loads: Sequence[float]) -> tuple[flo
     """Return minimum and maximum force [N] over a law, from one motion for each law."""
     key = vibration_key(scene), tuple(loads)
     if key not in result.extremes:
-        result.extremes[key] = of_scene.extremes(scene, law_over(scene, result, loads))
+        force = _motion(scene, result, loads).force_n
+        result.extremes[key] = float(force.min()), float(force.max())
     return result.extremes[key]
+
+
+def _motion(scene: Scene, result: Result, loads: Sequence[float]) -> BodyMotion:
+    """Return the motion over a law, which the result keeps until the next."""
+    key = vibration_key(scene), tuple(loads)
+    if result.motion is None or result.motion[0] != key:
+        result.motion = key, of_scene.motion(scene, law_over(scene, result, loads))
+    return result.motion[1]
+
+
+def law_motion(scene: Scene, result: Result) -> BodyMotion:
+    """Return the motion over the force law of a run whose marches are there."""
+    return _motion(scene, result, law_loads(scene, result).marched)
 
 
 def _beyond(
@@ -230,7 +245,7 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     under none. A motion of fewer than two positions has the constant load of the scene.
     """
     key, steps = vibration_key(scene), result.solved_steps
-    motion = of_scene.motion(scene, force_law(scene, result))
+    motion = law_motion(scene, result)
     closed = scene.track.closed and scene.motion.is_constant(scene.duration)
     repeats = closed and motion.settled
     if result.steps > steps and not repeats:

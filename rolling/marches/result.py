@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.contact.recovery import join_events
+from rolling.dynamics.motion import BodyMotion
 from rolling.marches.observers import (
     STATE_SERIES,
     STEP_SERIES,
@@ -249,6 +250,7 @@ class Result:
     moving : MovingRelease. March under the moving load. Default: None.
     extremes : dict. Minimum and maximum of the contact force [N] by vibration and loads of the law,
         kept because each takes a motion. They are not stored.
+    motion : tuple. Vibration and loads of the law of the last motion, and this motion; not stored.
     """
 
     __repr__ = short_repr
@@ -268,6 +270,9 @@ class Result:
     moving: MovingRelease | None = None
     extremes: dict[tuple[str, tuple[float, ...]], tuple[float, float]] = field(
         default_factory=dict, repr=False
+    )
+    motion: tuple[tuple[str, tuple[float, ...]], BodyMotion] | None = field(
+        default=None, repr=False
     )
 
     @classmethod

@@ -265,8 +265,9 @@ def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration
         return None
     whole_laps = scene.track.closed and result.steps % result.solved_steps == 0
     law = force_law.force_law(scene, result)
-    laps = result.steps / result.solved_steps
-    vibration = vibrate(scene, law, release.highest, whole_laps and release.constant_speed, laps)
+    motion, laps = force_law.law_motion(scene, result), result.steps / result.solved_steps
+    whole_laps = whole_laps and release.constant_speed
+    vibration = vibrate(scene, law, release.highest, whole_laps, laps, motion)
     if not vibration.motion.flight_share:
         return vibration
     # A record with impacts is no Gaussian noise.

@@ -38,6 +38,7 @@ P_REF_W = 1e-12  # reference sound power
 NEAR = 0.03  # relative change of the speed, over which a looped record's levels spread
 BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
+LONG_STEPS = 2_000_000  # steps of a motion that is too slow for a second one
 _SPEEDS = (60, 1000)  # minimum and maximum number of speeds
 
 
@@ -134,7 +135,12 @@ def known_bands(highest: float) -> Array:
 
 
 def vibrate(
-    scene: Scene, law: ForceLaw, highest: float, whole_laps: bool, laps: float = 1.0
+    scene: Scene,
+    law: ForceLaw,
+    highest: float,
+    whole_laps: bool,
+    laps: float = 1.0,
+    motion: BodyMotion | None = None,
 ) -> Vibration:
     """Move sphere and plate over a force law, and let them radiate.
 
@@ -150,19 +156,19 @@ def vibrate(
         If true, the record holds whole laps of a closed track.
     laps : float
         Laps of the track in the record. Default: 1.
+    motion : BodyMotion or None
+        The motion, where it is known. Default: it is computed.
     """
-    motion, chain = of_scene.motion(scene, law), of_scene.chain_over(scene, law)
+    motion, chain = motion or of_scene.motion(scene, law), of_scene.chain_over(scene, law)
     closed = whole_laps and bool(motion.settled)
     force, pressure = _radiated(scene, motion, closed)
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
-    twice = of_scene.motion(scene, law, 2 * motion.time_step_s)
-    coarse = level.sound_levels(_radiated(scene, twice, closed)[1], wav.SAMPLE_RATE_HZ, highest)
     comb = _comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
     parts = {
         "record": spread.laeq_db,
         "comb": comb and comb.spread_db,
-        "time_step": _distance(levels.laeq_db, coarse.laeq_db),
+        "time_step": _step_error(scene, law, motion, levels.laeq_db, closed),
     }
     spreads = {name: db for name, db in parts.items() if db is not None}
     plate, ball = _powers(scene, force, highest)
@@ -227,7 +233,7 @@ def _comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
     approach = law.approach(law.position_m, scene.load)
     lines = 2 * np.square(np.abs(np.fft.rfft(approach)[1:] / len(approach)))
     order = np.arange(1, len(lines) + 1)
-    gain = chain_gain(scene, chain)
+    gain = roughness_gain(scene, chain)
     powers = []
     for ratio in np.linspace(1 - NEAR, 1 + NEAR, int(np.clip(16 * NEAR * chain.quality, *_SPEEDS))):
         frequency = order * (spacing * ratio)
@@ -242,11 +248,16 @@ def _comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
     return Comb(float(spread), level.level_db(mean))
 
 
-def _distance(first: float | None, second: float | None) -> float | None:
-    """Return the distance of two levels [dB], limited to UNKNOWN_DB; None where the first is."""
-    if first is None:
+def _step_error(
+    scene: Scene, law: ForceLaw, motion: BodyMotion, laeq_db: float | None, closed: bool
+) -> float | None:
+    """Return the change of LAeq by steps twice as long [dB]; None for silence or a long run-in."""
+    if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > LONG_STEPS:
         return None
-    return min(abs(first - (-math.inf if second is None else second)), UNKNOWN_DB)
+    twice = of_scene.motion(scene, law, 2 * motion.time_step_s)
+    _, pressure = _radiated(scene, twice, closed)
+    coarse = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ).laeq_db
+    return UNKNOWN_DB if coarse is None else min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
 def _widened(
@@ -269,17 +280,13 @@ def _widened(
     return uncertainty.LevelUncertainty(**whole, third_octave_db=bands)
 
 
-def roughness_gain(scene: Scene) -> Gain:
-    """Return the power gain [Pa2/m2] over a smooth contact, for ratios of powers.
+def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
+    """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure.
 
-    An error of the stiffness cancels in them.
+    Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
+    for ratios of powers, in which an error of the stiffness cancels.
     """
-    return chain_gain(scene, of_scene.smooth_chain(scene))
-
-
-def chain_gain(scene: Scene, chain: Chain) -> Gain:
-    """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure."""
-    sources = _sources(scene)
+    chain, sources = chain or of_scene.smooth_chain(scene), _sources(scene)
 
     def gain(frequency: Array) -> Array:
         transfer = sum(axis_transfer(frequency, each, scene.sound.distance_m) for each in sources)

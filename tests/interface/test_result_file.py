@@ -55,7 +55,7 @@ def test_all_of_a_run_comes_back_to_the_last_bit(
         assert np.isnan(again.result.series["step_time"]).all()
         again.result.series["step_time"] = run.result.series["step_time"]
         for name in vars(again.result):
-            if name != "extremes":
+            if name not in ("extremes", "motion"):
                 assert same(getattr(again.result, name), getattr(run.result, name)), name
         assert next_pieces(run.scene, again.result, film) == []
         assert np.array_equal(again.sound.pressure, run.sound.pressure)

@@ -27,6 +27,7 @@ rolling: {load_n: 1, speed_m_s: 0.3, distance_mm: 0.48}
 dynamics: {}
 sound: {source: vibration}
 """
+_UNSTORED = ("seconds", "extremes", "motion")
 WITHOUT_DYNAMICS = ("dynamics=", "sound=", "plate.thickness_mm=", "plate.loss_factor=")
 
 
@@ -54,7 +55,7 @@ def same(a: Any, b: Any) -> bool:
     if isinstance(a, dict):
         return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
     if hasattr(a, "__dataclass_fields__"):
-        names = [field.name for field in fields(a) if field.name not in ("seconds", "extremes")]
+        names = [field.name for field in fields(a) if field.name not in _UNSTORED]
         return all(same(getattr(a, name), getattr(b, name)) for name in names)
     return bool(a == b) or (a != a and b != b)
 
