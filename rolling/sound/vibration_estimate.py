@@ -21,7 +21,7 @@ from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
 from rolling.scene.scene import STEEL_DENSITY, Scene
 from rolling.sound.contact_sound import faded, oversampling
-from rolling.sound.vibration_sound import chain_gain
+from rolling.sound.vibration_sound import roughness_gain
 
 THICKNESS_MM = 10.0
 STEEL = {"plate.youngs_modulus_gpa": 210.0, "plate.poissons_ratio": 0.3}
@@ -94,7 +94,7 @@ def estimate(
     chain = of_scene.chain(bodies, stiffness)
     offsets = ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5) / duration
     points = np.maximum(frequency[heard][:, None] + offsets, 1.0).ravel()
-    weighted = chain_gain(bodies, chain)(points) * 10 ** (a_weighting_db(points) / 10)
+    weighted = roughness_gain(bodies, chain)(points) * 10 ** (a_weighting_db(points) / 10)
     forces = np.square(np.abs(chain.force(points, np.ones(len(points)))))
     square, force_square = (
         float(mean_square[heard] @ gain.reshape(-1, _POINTS).mean(axis=1))

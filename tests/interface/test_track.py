@@ -157,7 +157,7 @@ def test_a_file_that_is_never_rounded(tmp_path: Path) -> None:
     with pytest.raises(SceneError) as error:
         _ = scene.track
     assert str(error.value) == (
-        "rolling.speed_m_s: the sphere comes to rest after 5e-05 m, once round the height file is "
+        "rolling.speed_m_s: the sphere comes to rest after 5e-5 m, once round the height file is "
         "0.0002 m: give it"
         " more speed or set rolling.duration_s"
     )

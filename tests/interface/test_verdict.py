@@ -111,7 +111,7 @@ def test_lines_are_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch) -> N
     [
         ((), "at best indicative: a level of the released power (q = 1)"),
         (("surface.roughness_ra_um=2",), "is do not quote: rms slope: the rms slope is"),
-        (("plate.hardness_gpa=0.0001",), "It does not run: capacity"),
+        (("plate.hardness_gpa=0.001",), "It does not run: capacity"),
     ],
 )
 def test_the_check_ends_with_its_conclusion(changes: tuple[str, ...], words: str) -> None:
@@ -129,11 +129,11 @@ def random_texts(count: int) -> Iterator[str]:
         return float(f"{10 ** rng.uniform(low, high):.3g}")
 
     for _ in range(count):
-        spacing = decades(-2, 2)
+        spacing, modulus = decades(-2, 2), decades(-3, 3)
         changes = {
-            "sphere.radius_mm": decades(-2, 3),
-            "plate.youngs_modulus_gpa": decades(-3, 3),
-            "plate.hardness_gpa": decades(-3, 1) if rng.random() < 0.7 else None,
+            "sphere.radius_mm": decades(-2, 2.9),
+            "plate.youngs_modulus_gpa": modulus,
+            "plate.hardness_gpa": max(0.001, modulus * decades(-4, -1)) if modulus > 0.01 else None,
             "surface.roughness_ra_um": decades(-4, 3),
             "surface.correlation_length_um": decades(-1, 4),
             "surface.spacing_um": spacing,
@@ -149,8 +149,8 @@ def random_texts(count: int) -> Iterator[str]:
             changes |= densities | {"dynamics": {}, "plate.thickness_mm": decades(-1, 3)}
         try:
             scene = loads(PLAIN).with_(changes)
-            found = check_scene(scene, solve=False)
-            yield f"{found}\n{verdict.conclusion(scene, found)}"
+            findings = check_scene(scene, solve=False)
+            yield f"{findings}\n{verdict.conclusion(scene, findings)}"
         except SceneError as error:
             yield str(error)
 
@@ -160,4 +160,4 @@ def test_no_message_has_a_number_that_nobody_writes() -> None:
     texts = list(random_texts(60))
     odd = [match for text in texts for match in re.findall(r".{30}\de[+-]0.{9}", text)]
     assert odd == []
-    assert sum("expected verdict" in text for text in texts) > 6
+    assert sum("expected verdict" in text for text in texts) > 5
