@@ -4,7 +4,7 @@ The contact force is estimated from the statistics of the surface: the contact a
 with its pressure, an ellipsoid over the circle in which a smooth contact is at most an rms height
 apart, and their mean moves sphere, contact and plate as a linear chain. A looped record has the
 lines of its lap, which a sharp resonance may miss. Where waves shorter than the contact feed the
-resonance, the estimate is 0.2 to 1.2 of the force; elsewhere it is 1.3 to 1.6 of it.
+resonance, the estimate is 0.2 to 1.8 of the force; elsewhere it is 0.7 to 1.6 of it.
 """
 
 from __future__ import annotations

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from finished import VIBRATING, WITHOUT_DYNAMICS, caveat_texts, heard_again, marched, run_of
 
-from rolling.check import error_cost, findings
+from rolling.check import error_cost, findings, vibration
+from rolling.dynamics import of_scene
+from rolling.marches.force_law import force_law
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_files import read_run, write_run
 from rolling.results.run_result import Run, hear
@@ -129,6 +131,20 @@ def test_a_force_law_reaches_as_far_as_the_motion() -> None:
     assert numbers["force_outside_share"] == 0 and numbers["force_law_top_error"] is None
     # The force between the loads is off by less than it departs from the load.
     assert 0 < numbers["force_law_error_db"] < 3
+
+
+def test_the_check_knows_that_a_sharp_resonance_misses_the_lines_of_a_lap() -> None:
+    """Between the lines the force is 4 to 22 times smaller than the mean over all resonances.
+
+    A lap of 24 correlation lengths makes the spectrum uncertain by half.
+    """
+    run = marched(VIBRATING, ["surface.roughness_ra_um=0.005", "rolling.distance_mm=0.24"])
+    law = force_law(run.scene, run.result)
+    for thickness, speed in [(20, 0.6), (40, 0.8), (40, 1.2)]:
+        scene = run.scene.with_({"plate.thickness_mm": thickness, "rolling.speed_m_s": speed})
+        speeds = [scene.with_({"rolling.speed_m_s": speed * near}) for near in (0.97, 1, 1.03)]
+        forces = [np.std(of_scene.motion(near, law).force_n) for near in speeds]
+        assert 0.5 < vibration.force_rms(scene) / np.median(forces) < 2
 
 
 def test_impacts_that_yield_are_marked() -> None:
