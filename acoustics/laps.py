@@ -10,7 +10,7 @@ from acoustics.arrays import Array
 from acoustics.level import a_weighted_rms
 
 _OVERLAP_S = 0.01  # [s], at most a sixth of the record
-_SEARCH = 10  # overlaps within which the beginning of a lap is chosen
+_SEARCH = 2  # overlaps within which the beginning of a lap is chosen; more would leave out events
 
 
 @dataclass(frozen=True)
