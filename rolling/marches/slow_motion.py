@@ -14,8 +14,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.contact.solver import ContactError
-from rolling.dynamics import of_scene
-from rolling.marches.force_law import force_law
+from rolling.marches.force_law import law_motion
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 
@@ -67,7 +66,7 @@ def film_stretch(scene: Scene, result: Result) -> Stretch | None:
 
 def _largest_departure(scene: Scene, result: Result) -> tuple[int, float]:
     """Return position and speed [m/s] where the force departs most from the load in a lap."""
-    motion = of_scene.motion(scene, force_law(scene, result))
+    motion = law_motion(scene, result)
     departure = np.abs(motion.force_n / scene.load - 1.0)
     departure[motion.position_m > result.solved_steps * result.step] = 0.0
     largest = int(np.argmax(departure))
