@@ -102,8 +102,9 @@ def too_coarse(scene: Scene, error: float, source: str) -> str | None:
     if error <= WANTED_DB - MARGIN_DB:
         return None
     return (
-        f"the grid leaves an error of the release of about {error:.0f} dB of its fluctuation"
-        f" (rms, {source}), {WANTED_DB:g} dB are wanted: {advice(scene, error + MARGIN_DB)}"
+        f"the grid leaves an error of the release of about {error:.0f} dB of its fluctuation (rms,"
+        f" {source}), {WANTED_DB:g} dB and a margin of {MARGIN_DB:g} dB are wanted:"
+        f" {advice(scene, error + MARGIN_DB)}"
     )
 
 

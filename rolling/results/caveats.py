@@ -142,8 +142,11 @@ def _of_levels(
         )
     elif s.q == 1:
         bound = "an upper bound: all released energy counts as radiated"
-        above = f", {' to '.join(map(str, MEASURED_DB))} dB above the vibration (eight scenes)"
-        texts["upper_bound"] = f"Levels are levels of the released power (q = 1), {bound}{above}."
+        above = f"{' to '.join(map(str, MEASURED_DB))} dB above the vibration (eight scenes)"
+        texts["upper_bound"] = (
+            f"Levels are levels of the released power (q = 1), {bound}, {above}, and more at low"
+            " speed."
+        )
         if fixed or sound.levels.level_db is None:
             texts["upper_bound"] = f"The steady level is {bound} (q = 1)."
     else:
@@ -158,12 +161,12 @@ def _of_levels(
         )
     texts["unvalidated"] = "No level has been validated against a microphone."
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
-        noise = "taken as stationary Gaussian noise"
-        if sound.source == "vibration" and vibration and vibration.motion.flight_share:
+        noise, vibrates = "taken as stationary Gaussian noise", sound.source == "vibration"
+        if vibrates and vibration and vibration.motion.flight_share:
             noise = "from its scatter between thirds, because impacts are not Gaussian noise"
+        parts = "length, comb and time steps" if vibrates else "the length"
         texts["uncertainty"] = (
-            f"± covers the record's length alone, {noise}; it holds no error of model, grid or"
-            " solver."
+            f"± covers {parts} of the record, {noise}; it holds no error of model, grid or solver."
         )
         if errors is not None and errors.levels:
             law = ", solver and force law" if sound.source == "vibration" else " and solver"

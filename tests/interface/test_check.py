@@ -106,8 +106,8 @@ def test_the_usual_scene_is_warned_of_its_resonance_only() -> None:
             "rolling.load_n=1",
             "rolling.load_n=0.1",
             # -7.2 - 14.8 log10(2.52) - 4.9 log10(11.9) = -18.4; 2 10^(-2.6/24.6) = 1.57.
-            "about -18 dB of its fluctuation (rms, by a rule that is off by some 4 dB), -20 dB are"
-            " wanted: choose a surface.spacing_um of at most 1.28, or 0.5 for third octaves",
+            "about -18 dB of its fluctuation (rms, by a rule that is off by some 4 dB), -20 dB and"
+            " a margin of 1 dB are wanted: choose a surface.spacing_um of at most 1.28",
         ),
         (
             "rms slope",

@@ -75,5 +75,5 @@ def test_labels_and_terminal_show_folders_of_any_name_on_one_line(name: str) -> 
     runs = [RunFolder({}, scene, Path(name)), RunFolder({}, scene, Path("plain"))]
     for label in labels(runs):
         assert label.isprintable() and label.startswith("load 0.005 N (")
-    heads, _, *rows = levels_table(runs).rstrip().splitlines()
+    heads, *rows = levels_table(runs).rstrip().splitlines()
     assert len(rows) == 2 and all(line.isprintable() for line in (heads, *rows))

@@ -48,15 +48,16 @@ def test_a_sine_follows_the_chain() -> None:
 
 @pytest.mark.parametrize("density", [7850, 2500])
 def test_the_estimate_meets_the_motion(rolled: Run, density: float) -> None:
-    """A linear chain of smooth contact lies within 4 dB of the motion where contact holds.
+    """A linear chain of smooth contact lies within twice the ± of the motion where contact holds.
 
-    The stiffness of rough contact is a little lower, which shifts the resonance.
+    The ± of 4 dB is that of the comb: lines of this short lap are 625 Hz apart.
     """
     scene = rolled.scene.with_({"sphere.density_kg_m3": density})
     moved = heard_again(rolled, scene).summary
     without = {"dynamics": None, "sound.source": None, "plate.thickness_mm": None}
     held = heard_again(rolled, scene.with_({**without, "plate.loss_factor": None})).summary
-    assert held["vibration_estimate_laeq_db"] == pytest.approx(moved["vibration_laeq_db"], abs=4)
+    departure = held["vibration_estimate_laeq_db"] - moved["vibration_laeq_db"]
+    assert abs(departure) < 2 * moved["uncertainty_db"]["laeq"] < 9
     assert held["vibration_estimate_bodies"].endswith("on a 10 mm plate of 7850 kg/m³")
 
 

@@ -85,7 +85,7 @@ def test_rigid_plastic_limit_of_the_area() -> None:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        *((f"load {share} of the capacity", r"1e\+06 Pa .*2.4e-09 m2 is 0.0024 N.*lower load")
+        *((f"load {share} of the capacity", r"1000000 Pa .*2.4e-9 m2 is 0.0024 N.*lower load")
           for share in ("1", "1.001", "1e+06")),
         ("load 0.99 of the capacity", r"contact is [\d.]+ um wide .*one period of the surface"),
         # Hertz: 86.6 um on 60 by 40
