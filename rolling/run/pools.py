@@ -314,7 +314,8 @@ def _answering(text: str) -> str:
         cause: BaseException = error  # Dask wraps the error of the system
         while cause.__cause__ is not None:
             cause = cause.__cause__
-        reason = str(getattr(cause, "strerror", None) or cause)
+        # A time-out has no words of its own.
+        reason = str(getattr(cause, "strerror", None) or cause) or "a time-out"
     except Exception:  # of any kind where another program answers
         pass
     else:

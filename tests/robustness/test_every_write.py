@@ -26,6 +26,8 @@ from rolling import cli
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks on Windows"),
+    # From Python 3.12 on, which counts threads; those of idle libraries hold no lock.
+    pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning"),
 ]
 GROWING = ("open", "mkdir", "write", "fsync", "rename", "replace")  # which a full disk can refuse
 SYSTEM = {name: getattr(os, name) for name in (*GROWING, "unlink", "rmdir")}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -56,6 +57,8 @@ def started(words: Sequence[object], folder: Path) -> Iterator[subprocess.Popen[
             stdout=said,
             stderr=said,
             text=True,
+            # A shell that starts the tests in its background ignores ctrl-c for all below.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
     try:
         yield process
