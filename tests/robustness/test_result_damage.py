@@ -167,7 +167,7 @@ HOSTILE: list[tuple[str, Spoil]] = [
     ("distance_m", lambda file: file["snapshot"].attrs.__delitem__("distance_m")),
     ("another scene", lambda file: file.attrs.__delitem__("identity")),
     ("solved for another scene", lambda file: file.attrs.__setitem__("identity", "0" * 64)),
-    ("format 2, which version 0.2", lambda file: file.attrs.__setitem__("format", 2)),
+    ("format 2, which version 0.", lambda file: file.attrs.__setitem__("format", 2)),
 ]
 
 
