@@ -22,13 +22,12 @@ from rolling.sound.vibration_sound import Vibration
 
 BENT = 0.1  # range of the plate's displacement over its thickness up to which it is small
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
-WANTED_DB = 0.2  # standard error up to which an error estimate says enough
 # Caveats that stand beside every level, beside every player, and elsewhere; others are warnings.
 _BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", "on_axis", "infinite_plate")
 HEADLINE = (*_BOUNDS, "unvalidated", "uncertainty")
 REPEATS = ("short_loop", "short_track")
 _LOADS = ("quasi_static", "constant_load_release", "moving_load_release")
-STANDING = (*HEADLINE, *REPEATS, *_LOADS, "not_loopable")
+STANDING = (*HEADLINE, *REPEATS, *_LOADS, "not_loopable", "error_estimate_reach")
 
 
 @dataclass(frozen=True)
@@ -251,12 +250,10 @@ def _of_errors(scene: Scene, errors: RunErrors | None) -> dict[str, str]:
             "error estimate: nothing is known of heights below the spacing of the file, so the"
             " error of their absence is in no number"
         )
-    if errors.worst_uncertainty_db > WANTED_DB:
-        length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
+    if errors.worst_uncertainty_db > OFF_DB:
         texts["error_estimate_reach"] = (
-            f"error estimate: its standard errors reach {errors.worst_uncertainty_db:.1f} dB"
-            f" between 1 and 16 kHz, {WANTED_DB:g} dB are wanted: a longer"
-            f" rolling.{length} pays for more stretches"
+            "error estimate: its standard errors for third octaves reach"
+            f" {errors.worst_uncertainty_db:.1f} dB between 1 and 16 kHz"
         )
     if off := errors.off_db():
         bands = ", ".join(f"{name} Hz ({error:+.1f})" for name, error in off.items())
