@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from acoustics.arrays import Array
 from rolling.check import error_cost
 from rolling.check.error_cost import DETAIL, LEVELS, Layout
 from rolling.marches.piece import Piece
-from rolling.marches.result import Result
+from rolling.marches.result import ErrorStretches, Result
 from rolling.scene.scene import Scene
 from rolling.sound import error_estimate
 from rolling.sound.error_estimate import BandPowers, StretchSignals
@@ -49,6 +50,16 @@ def stretch_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) ->
         if (first, level) not in known
         for scale in [error_cost.level_cost(scene, level)]
     ]
+
+
+def own_stretches(scene: Scene, result: Result) -> ErrorStretches | None:
+    """Return the marches of stretches that a run needs, without those of another run."""
+    layout, stretches = stretch_layout(scene), result.stretches
+    if layout is None or stretches is None or stretches.steps != layout.steps:
+        return None
+    known = stretches.marches
+    wanted = [key for key in layout.marches(has_detail(scene)) if key in known]
+    return replace(stretches, marches={key: known[key] for key in wanted})
 
 
 def stretch_firsts(scene: Scene, result: Result) -> tuple[int, ...]:

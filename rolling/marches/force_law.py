@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Container, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -35,10 +35,12 @@ class Loads:
 
     marched : list of float, N. The loads in ascending order.
     lacking : list of float, N. Loads beyond them that the force reaches and that lack pieces.
+    wanted : set of float, N. All loads that the force reached, with the loads that failed.
     """
 
     marched: list[float]
     lacking: list[float]
+    wanted: set[float]
 
 
 def law_loads(scene: Scene, result: Result) -> Loads:
@@ -49,14 +51,15 @@ def law_loads(scene: Scene, result: Result) -> Loads:
     """
     assert result.complete
     marches = result.load_marches or LoadMarches(result.solved_steps)
-    further, loads = _first_loads(scene), [scene.load]
+    wanted, further, loads = set[float](), _first_loads(scene), [scene.load]
     while further:
+        wanted.update(further)
         if lacking := [load for load in further if load != scene.load and marches.missing(load)]:
-            return Loads(loads, lacking)
-        loads = sorted({*loads, *(load for load in further if load not in marches.faults)})
-        extremes = _extremes(scene, result, loads)
-        further = _beyond(scene, loads, marches.faults, *extremes)
-    return Loads(loads, [])
+            return Loads(loads, lacking, wanted)
+        faults = wanted & marches.faults.keys()  # another run of the march may have more
+        loads = sorted({*loads, *further} - faults)
+        further = _beyond(scene, loads, faults, *_extremes(scene, result, loads))
+    return Loads(loads, [], wanted)
 
 
 def law_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> list[Piece]:
@@ -72,15 +75,34 @@ def law_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> lis
         lacking = loads.lacking
         if not lacking:
             last = min(JUDGED_STEPS, result.solved_steps)
-            judged = [*_between(loads.marched), *_beyond_top(scene, result, loads.marched)]
             known = {*marches.judging, *marches.faults}
-            judged = [load for load in judged if load not in known]
+            judged = [load for load in _judged(scene, result, loads.marched) if load not in known]
             return [piece("judge", 0, last, load=load) for load in judged]
     return [
         piece("load", first, last, load=load)
         for load in lacking
         for first, last in marches.missing(load)
     ]
+
+
+def own_marches(scene: Scene, result: Result) -> LoadMarches | None:
+    """Return the marches that the force law of a run needs, without those of another run."""
+    marches = result.load_marches
+    if scene.dynamics is None or marches is None:
+        return None
+    loads = law_loads(scene, result)
+    judged = set(_judged(scene, result, loads.marched))
+    return replace(
+        marches,
+        approach={load: x for load, x in marches.approach.items() if load in loads.wanted},
+        judging={load: x for load, x in marches.judging.items() if load in judged},
+        faults={k: text for k, text in marches.faults.items() if k in loads.wanted | judged},
+    )
+
+
+def _judged(scene: Scene, result: Result, loads: Sequence[float]) -> list[float]:
+    """Return the loads [N] whose marches judge a law: between its loads, and the largest force."""
+    return [*_between(loads), *_beyond_top(scene, result, loads)]
 
 
 def _first_loads(scene: Scene) -> list[float]:

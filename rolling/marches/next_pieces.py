@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from rolling.check import cost
-from rolling.marches.error_stretches import stretch_pieces
-from rolling.marches.force_law import law_pieces, load_along
+from rolling.marches.error_stretches import own_stretches, stretch_pieces
+from rolling.marches.force_law import law_pieces, load_along, own_marches
 from rolling.marches.piece import Piece, march_piece
 from rolling.marches.result import Result, vibration_key
 from rolling.marches.slow_motion import film_stretch
@@ -44,11 +45,27 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
             result.moving = load_along(scene, result)
         moving = result.moving
         pieces += [piece("moving", *ends, forces=moving.force) for ends in moving.missing()]
-    if film and not pieces and result.slow_motion is None:
+    if film and not pieces:
         stretch = film_stretch(scene, result)
-        if stretch is not None:
+        if stretch is None:
+            result.slow_motion = None
+        elif not stretch.is_shown(result.slow_motion):
             pieces = [piece("film", stretch.first, stretch.last, stride=stretch.stride)]
     return pieces
+
+
+def own_part(scene: Scene, result: Result, film: bool) -> Result:
+    """Return a whole result with the marches that its own scene needs.
+
+    A result that began with the marches of another run has more of them.
+    """
+    return replace(
+        result,
+        load_marches=own_marches(scene, result),
+        stretches=own_stretches(scene, result),
+        moving=result.moving if scene.moves_release else None,
+        slow_motion=result.slow_motion if film else None,
+    )
 
 
 def march_all(

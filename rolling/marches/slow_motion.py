@@ -15,6 +15,7 @@ import numpy as np
 from acoustics.arrays import Array
 from rolling.contact.solver import ContactError
 from rolling.marches.force_law import law_motion
+from rolling.marches.observers import SlowMotion
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 
@@ -37,6 +38,13 @@ class Stretch:
     first: int
     last: int
     stride: int
+
+    def is_shown(self, film: SlowMotion | None) -> bool:
+        """Return whether a slow motion shows the stretch, or has no map because it failed."""
+        positions = range(self.first, self.last + 1, self.stride)
+        return film is not None and (
+            not len(film.positions) or film.positions.tolist() == [*positions]
+        )
 
 
 def film_stretch(scene: Scene, result: Result) -> Stretch | None:

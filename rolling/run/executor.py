@@ -13,7 +13,7 @@ from typing import Any
 
 from rolling.check import cost
 from rolling.contact.solver import ContactError
-from rolling.marches.next_pieces import next_pieces
+from rolling.marches.next_pieces import next_pieces, own_part
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.run.pools import Pool, Task
@@ -145,8 +145,10 @@ class RunLoop:
         """Queue the pieces that a run lacks next, or the task that completes it."""
         result = self._results[number]
         try:
-            pieces = next_pieces(self._scenes[number], result, self._film)
-            task = None if pieces else self._finish(number, result)
+            scene = self._scenes[number]
+            pieces = next_pieces(scene, result, self._film)
+            own = result if pieces else own_part(scene, result, self._film)
+            task = None if pieces else self._finish(number, own)
         except ContactError as error:
             self._fail(number, str(error))
             return

@@ -147,7 +147,9 @@ def _solve(
         if source is None:
             return Result.empty(scenes[number])
         result = result_file.read_result(source.folder / folders.RESULT, source.scene)
-        return replace(result, steps=scenes[number].track.steps, extremes={})
+        film = result.slow_motion
+        kept = film if film and len(film.positions) else None  # another stretch may not fail
+        return replace(result, steps=scenes[number].track.steps, extremes={}, slow_motion=kept)
 
     way_on = f"finished pieces are kept in {folder}; the same command goes on"
     pieces = folder / folders.PIECES

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from commands import SWEEP, contents, tree, words_of
+from finished import VIBRATING
 from scene_text import TINY
 
 from acoustics import level, wav
@@ -231,6 +232,21 @@ def test_a_thousand_runs_of_different_seeds_start_within_seconds(tmp_path: Path)
     with started(words_of(scene, tmp_path / "out", "--workers", "2"), tmp_path):
         wait_for(lambda: [*tmp_path.glob("out/pieces/*/*.npz")])
     assert time.monotonic() - began < 30.0  # five seconds on an idle machine
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", [0.1, 1])
+def test_runs_that_share_a_march_have_the_bytes_of_runs_alone(tmp_path: Path, first: float) -> None:
+    """Loads, film and marches of an earlier run of another speed leave no trace in a later one."""
+    moving = VIBRATING.replace("distance_mm: 0.48", "distance_mm: 2.8").replace("160", "120")
+    moving = moving.replace("load_n: 1,", "load_n: 0.05,")
+    speeds = "sweep: {rolling.speed_m_s: [%s]}\n"
+    whole, added = tmp_path / "whole", tmp_path / "added"
+    assert run(write(tmp_path, moving + speeds % "0.1, 1"), whole, "--no-report") == 0
+    for listed in (first, "0.1, 1"):
+        assert run(write(tmp_path, moving + speeds % listed), added, "--no-report") == 0
+    for name in ("speed_m_s=0.1/result.h5", "speed_m_s=1/result.h5"):
+        assert (added / name).read_bytes() == (whole / name).read_bytes()
 
 
 # ---- resound
