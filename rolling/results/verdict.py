@@ -85,22 +85,22 @@ def expected(scene: Scene, findings: Sequence[Finding]) -> tuple[str, str]:
     return (parts[0].word, parts[0].text) if parts else (TRUST, "no limit is broken")
 
 
-def conclusion(scene: Scene, found: Findings) -> str:
+def conclusion(scene: Scene, findings: Findings) -> str:
     """State in one sentence whether a scene runs, how long, and with which verdict at best."""
-    for finding in found:
+    for finding in findings:
         if finding.warning and finding.key in _REFUSED:
             return f"It does not run: {finding.quantity} ({finding.value})."
-    if found.excess:
-        return f"It does not run: {found.excess[0]}."
+    if findings.excess:
+        return f"It does not run: {findings.excess[0]}."
     if scene.surface.kind == "smooth":
-        return f"It runs, in {computing(found.seconds)}; a smooth surface is silent."
-    runs = zip(scene.runs(), found.runs, strict=True)
-    words = [expected(run.scene, of_run.findings) for run, of_run in runs]
+        return f"It runs, in {computing(findings.seconds)}; a smooth surface is silent."
+    runs = zip(scene.runs(), findings.runs, strict=True)
+    words = [expected(run.scene, checked.findings) for run, checked in runs]
     word, reason = max(words, key=lambda pair: WORDS.index(pair[0]))
     best = "" if word == DO_NOT_QUOTE else "at best "
-    which = "" if len(words) == 1 else " of the worst run"
+    place = "" if len(words) == 1 else " of the worst run"
     return (
-        f"It runs, in {computing(found.seconds)}; the expected verdict{which} is {best}{word}:"
+        f"It runs, in {computing(findings.seconds)}; the expected verdict{place} is {best}{word}:"
         f" {reason}."
     )
 
