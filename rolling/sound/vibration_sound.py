@@ -30,12 +30,12 @@ from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion
+from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, faded
 from rolling.sound.error_estimate import Gain
 
 P_REF_W = 1e-12  # reference sound power
-NEAR = 0.03  # relative change of the speed, over which a looped record's levels spread
 BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
 LONG_STEPS = 2_000_000  # steps of a motion that is too slow for a second one
@@ -191,7 +191,8 @@ def _comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
     order = np.arange(1, len(lines) + 1)
     gain = roughness_gain(scene, chain)
     powers = []
-    for ratio in np.linspace(1 - NEAR, 1 + NEAR, int(np.clip(16 * NEAR * chain.quality, *_SPEEDS))):
+    count = int(np.clip(16 * NEAR_SPEEDS * chain.quality, *_SPEEDS))
+    for ratio in np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count):
         frequency = order * (spacing * ratio)
         audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
         frequency = frequency[audible]
