@@ -173,7 +173,7 @@ def _record(summary: Mapping[str, Any]) -> list[Contribution]:
 
 
 def _grid(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
-    """Return the errors of grid, sub-grid detail, solver and force law, known or unknown."""
+    """Return the errors of grid, missing detail, solver and force law, known or unknown."""
     grid = summary.get("laeq_grid_error_db")
     if grid is None:
         return [_unknown_grid(summary, scene)]
