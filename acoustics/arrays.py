@@ -14,7 +14,7 @@ _LONGEST = 60  # letters of a value in words
 
 
 def real_array(name: str, values: Any, dimensions: int) -> Array:
-    """Return values as an array of floats; raise ValueError unless they are one and finite."""
+    """Return values as an array of floats; raise ValueError for anything else."""
     allowed = f"allowed: an array of finite numbers in {dimensions} dimensions"
     try:
         if np.iscomplexobj(values):

@@ -58,7 +58,7 @@ __all__ = [
 BandErrors = tuple[Mapping[str, float | None], Mapping[str, float | None]]
 # Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
 _SHADES = 36
-_HATCHES = ("////", "\\\\\\\\", "xxxx")  # of the bands of each of few curves that are off
+_HATCHES = ("////", "\\\\\\\\", "xxxx")  # marks of bands with large errors, one for each curve
 
 
 def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines]]:

@@ -84,7 +84,7 @@ def _definitions(path: Path) -> set[str]:
     return names
 
 
-@pytest.mark.parametrize("page", ["architecture.md", "numerics.md", "acoustics.md"])
+@pytest.mark.parametrize("page", ["architecture.md", "acoustics.md"])
 def test_places_in_the_code_exist(page: str):
     """Each module in a table exists, and so do the names in the cell after it."""
     rows = [
@@ -166,5 +166,5 @@ def test_the_first_table_of_the_readme_has_both_levels_of_the_same_runs():
     heading, _, *rows = [line.strip("|").split("|") for line in table[0].splitlines()]
     assert "vibration" in heading[1] and "upper bound" in heading[2]
     levels = [[float(cell.split("±")[0]) for cell in row[1:3]] for row in rows]
-    # 25 to 66 dB were measured on eight scenes.
+    # 32 to 66 dB were measured on eight scenes.
     assert levels and all(25 < release - vibration < 75 for vibration, release in levels)

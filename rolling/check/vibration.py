@@ -3,8 +3,8 @@
 The contact force is estimated from the statistics of the surface: the contact averages the heights
 with its pressure, an ellipsoid over the circle in which a smooth contact is at most an rms height
 apart, and their mean moves sphere, contact and plate as a linear chain. A looped record has the
-lines of its lap, which a sharp resonance may miss. Where waves shorter than the contact feed the
-resonance, the estimate is 0.2 to 1.8 of the force; elsewhere it is 0.7 to 1.6 of it.
+lines of its lap, which a sharp resonance may miss. docs/dynamics.md compares the
+estimate with runs.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ OWN_MARCH = "moving_release"  # key of the finding whose march no run shares
 LEAST_STEPS = 8  # in a period of the resonance, for the release under the moving load
 SPEED_OF_SOUND = 343.2  # [m/s] in air
 _NOTHING = 1e-200  # spectral density [m3] of a surface that the contact averages out
-NEAR, _SPEEDS = 0.03, 61  # relative change and number of speeds, as a sharp resonance needs them
+_SPEEDS = 61  # number of speeds, as a sharp resonance needs them
 _WAVES, _ACROSS, _LINES = 160, 160, 40_000  # points along, across, and over the resonance
 
 
@@ -114,7 +114,7 @@ def force_rms(scene: Scene) -> float | None:
 
     if scene.track.closed and scene.track.n_along <= 2 * _LINES:
         lines = coarse[0] * np.arange(1, math.floor(coarse[-1] / coarse[0]) + 1)
-        ratios = np.linspace(1 - NEAR, 1 + NEAR, _SPEEDS)
+        ratios = np.linspace(1 - of_scene.NEAR_SPEEDS, 1 + of_scene.NEAR_SPEEDS, _SPEEDS)
         typical = np.median([power(lines, ratio).sum() for ratio in ratios])
         return float(np.sqrt(coarse[0] * typical))
     fine = np.geomspace(coarse[0], coarse[-1], _LINES)

@@ -13,13 +13,7 @@ from rolling.dynamics.force_law import ForceLaw
 
 
 def sphere_mass(radius_m: float, density_kg_m3: float) -> float:
-    """Return the mass [kg] of a solid sphere, 4/3 pi R^3 rho.
-
-    Examples
-    --------
-    >>> f"{sphere_mass(5e-3, 7850) * 1e3:.3f} g"
-    '4.110 g'
-    """
+    """Return the mass [kg] of a solid sphere, 4/3 pi R^3 rho."""
     return float(4 / 3 * np.pi * radius_m**3 * density_kg_m3)
 
 
@@ -27,24 +21,15 @@ def sphere_mass(radius_m: float, density_kg_m3: float) -> float:
 class BendingPlate:
     """Infinite thin plate of uniform thickness.
 
-    Parameters
-    ----------
-    young_pa, poisson : float, Pa, 1
-        Young's modulus E and Poisson's ratio nu.
-    density_kg_m3, thickness_m : float, kg/m^3, m
-        Density rho_s and thickness h.
-
-    Examples
-    --------
     >>> steel = BendingPlate(210e9, 0.3, 7850, 10e-3)
     >>> f"{steel.mobility_s_kg:.3e} s/kg, {steel.critical_hz:.0f} Hz"
     '1.017e-04 s/kg, 1198 Hz'
     """
 
-    young_pa: float
-    poisson: float
-    density_kg_m3: float
-    thickness_m: float
+    young_pa: float  # modulus E
+    poisson: float  # ratio nu
+    density_kg_m3: float  # rho_s
+    thickness_m: float  # h
 
     @property
     def bending_stiffness_n_m(self) -> float:
@@ -82,14 +67,9 @@ def half_space_mobility(
     """Return the real part of the mobility [s/kg] of an elastic half-space under a point force.
 
     It is the damping of the ball by waves, C w^2 / (rho_s c_T^3), with C = 0.137 at nu = 0.3. It
-    grows with the square of the frequency, so a motion takes its value at the resonance.
+    grows with the square of the frequency, so a motion takes its value at the resonance
+    (G. F. Miller, H. Pursey, Proc. R. Soc. Lond. A 223 (1954) 521).
 
-    References
-    ----------
-    G. F. Miller, H. Pursey, Proc. R. Soc. Lond. A 223 (1954) 521.
-
-    Examples
-    --------
     >>> f"{half_space_mobility(14e3, 210e9, 0.3, 7850):.2e} s/kg"
     '4.10e-06 s/kg'
     """
@@ -130,25 +110,14 @@ def contact_stiffness(law: ForceLaw, load_n: float) -> float:
 class Chain:
     """Ball, contact and plate in a row, for small fluctuations about the load.
 
-    Parameters
-    ----------
-    mass_kg : float, kg
-        Mass M of the ball.
-    mobility_s_kg : float, s/kg
-        Mobility Y of the plate; 0 stands for a rigid plate.
-    stiffness_n_m : float, N/m
-        Contact stiffness k at the load.
-
-    Examples
-    --------
     >>> chain = Chain(4.11e-3, 1.018e-4, 3.17e7)
     >>> f"{chain.resonance_hz:.0f} Hz, Q = {chain.quality:.1f}"
     '13977 Hz, Q = 27.2'
     """
 
-    mass_kg: float
-    mobility_s_kg: float
-    stiffness_n_m: float
+    mass_kg: float  # M of the ball
+    mobility_s_kg: float  # Y of the plate; 0: a rigid plate
+    stiffness_n_m: float  # k of the contact at the load
 
     @property
     def resonance_hz(self) -> float:
@@ -183,14 +152,9 @@ class Chain:
         }
 
     def force(self, frequency_hz: ArrayLike, roughness_m: ArrayLike) -> NDArray[np.complex128]:
-        """Return the fluctuation of the contact force [N], phasors of exp(i w t).
+        """Return the fluctuation of the contact force [N], phasors of exp(i w t), above 0 Hz.
 
-        Parameters
-        ----------
-        frequency_hz : array (n,), Hz
-            Frequencies above 0.
-        roughness_m : array (n,) of complex, m
-            Effective roughness: minus the fluctuation of the approach under the constant load.
+        The roughness [m] is minus the fluctuation of the approach under the constant load.
         """
         iw = 2j * np.pi * np.asarray(frequency_hz, dtype=float)
         receptance = sum(self.mobilities(frequency_hz).values()) / iw

@@ -30,30 +30,14 @@ class ForceLaw:
     load the approach goes on straight, as Hertz would. Below the lowest it goes on as the
     quadratic, with its slope limited so that the force stays convex down to a finite lift-off.
     Along the track, lift-off and slopes are cubic splines, so the energy is smooth in both.
-
-    Parameters
-    ----------
-    position_m : array (n,), m
-        Equally spaced positions, ascending.
-    load_n : array (k,), N
-        Loads of the marches, positive and ascending, at least two.
-    approach_m : array (k, n), m
-        Approach under each load at each position.
-    period_m : float or None, m
-        Length of a closed track, n times the spacing. None: the track is open.
-
-    Raises
-    ------
-    ValueError
-        The arrays violate these conditions, or the approach does not rise with the load.
     """
 
     __repr__ = short_repr
 
-    position_m: Array
-    load_n: Array
-    approach_m: Array
-    period_m: float | None = None
+    position_m: Array  # (n,) equally spaced, ascending
+    load_n: Array  # (k,) positive, ascending, at least two
+    approach_m: Array  # (k, n) rising with the load
+    period_m: float | None = None  # n times the spacing; None: the track is open
 
     def __post_init__(self) -> None:
         position, load, approach = (

@@ -25,18 +25,10 @@ NO_LAPS: RunIn = (0, False)
 
 @dataclass(frozen=True)
 class Travel:
-    """Position of the ball along the track as a function of time.
+    """Position of the ball along the track as a function of time, by monotone cubics."""
 
-    Parameters
-    ----------
-    time_s : array (m,), s
-        Times, ascending from 0, at least two.
-    position_m : array (m,), m
-        Positions at these times, not descending; monotone cubics join them.
-    """
-
-    time_s: Array
-    position_m: Array
+    time_s: Array  # (m,) ascending from 0, at least two
+    position_m: Array  # (m,) not descending
 
     def __post_init__(self) -> None:
         time, position = np.asarray(self.time_s), np.asarray(self.position_m)
@@ -61,76 +53,34 @@ class Travel:
 
 @dataclass(frozen=True)
 class Stepping:
-    """Choices of the time steps and of the run-in.
+    """Choices of the time steps and of the run-in."""
 
-    Parameters
-    ----------
-    per_period : int
-        Minimum number of steps in a period of the resonance, which the steps keep in tune.
-    time_step_s : float or None, s
-        Time step, instead of the step from resonance and track.
-    start : tuple of float or None
-        Approach [m], ball velocity [m/s] and plate displacement [m] at the start; there is then
-        no run-in. Default: the static equilibrium.
-    settled : float
-        Change of the force in all laps to come, over the load, at which a motion has settled.
-    """
-
-    per_period: int = 40
-    time_step_s: float | None = None
-    start: State | None = None
-    settled: float = 1e-7
+    per_period: int = 40  # minimum number of steps in a period of the resonance
+    time_step_s: float | None = None  # instead of the step from resonance and track
+    start: State | None = None  # without a run-in; None: a run-in from the static equilibrium
+    settled: float = 1e-7  # change of the force in all laps to come, over the load, when settled
 
 
 @dataclass(frozen=True)
 class BodyMotion:
-    """Motion of ball and plate on a uniform grid of time.
-
-    Attributes
-    ----------
-    time_s, position_m : array (n,), s, m
-        Middles of the time steps, and positions along the track at them.
-    force_n : array (n,), N
-        Mean contact force of each step.
-    displacement_m, velocity_m_s : array (n,), m, m/s
-        Displacement z of the ball towards the plate, and its velocity.
-    plate_m : array (n,), m
-        Displacement w of the plate at the contact; the approach is z - w.
-    time_step_s : float, s
-        Distance of the times; the record lasts n of them.
-    energy_error : float
-        Error of the energy balance over the energy that moves: the loss to the plate plus the
-        range of the contact's energy U.
-    flight_share : float
-        Share of time without contact.
-    impacts : int
-        Number of returns to contact.
-    outside_share : float
-        Share of time in which the force is outside the marched loads.
-    laps : int
-        Laps of the run-in.
-    settled : bool
-        If true, the motion repeats from lap to lap; whole laps of it loop.
-    transient_s : float, s
-        Time in which the ringing that the start excites falls to 1e-3; zero after a run-in.
-    """
+    """Motion of ball and plate at the middles of n uniform time steps."""
 
     __repr__ = short_repr
 
     time_s: Array
     position_m: Array
-    force_n: Array
-    displacement_m: Array
-    velocity_m_s: Array
-    plate_m: Array
+    force_n: Array  # mean contact force of each step
+    displacement_m: Array  # z of the ball, towards the plate
+    velocity_m_s: Array  # of the ball
+    plate_m: Array  # w of the plate at the contact
     time_step_s: float
-    energy_error: float
-    flight_share: float
-    impacts: int
-    outside_share: float
-    laps: int
-    settled: bool
-    transient_s: float
+    energy_error: float  # over the energy that moves: loss to the plate plus range of the energy U
+    flight_share: float  # share of time without contact
+    impacts: int  # returns to contact
+    outside_share: float  # share of time with a force outside the marched loads
+    laps: int  # of the run-in
+    settled: bool  # whether the motion repeats from lap to lap, so that whole laps loop
+    transient_s: float  # in which the ringing of the start falls to 1e-3; 0 after a run-in
 
     @property
     def approach_m(self) -> Array:
@@ -152,34 +102,13 @@ def move(
     duration_s: float | None = None,
     stepping: Stepping | None = None,
 ) -> BodyMotion:
-    """Move a ball over a force law: M z.. = W - F(x, z - w), w. = Y (F - W).
+    """Move a ball at a speed [m/s] over a force law: M z.. = W - F(x, z - w), w. = Y (F - W).
 
     The time step is the shorter of a fraction of the resonance's period and the time from position
     to position. On a closed track at constant speed the ball runs in until two laps agree, and a
-    lap is a whole number of time steps. Where a lap is shorter than the decay of the resonance, its
-    amplitude depends on the place of the resonance between the multiples of the lap's frequency.
-    On a closed track at changing speed the ball runs in at its first speed. On an open track it
-    starts at rest in equilibrium.
-
-    Parameters
-    ----------
-    law : ForceLaw
-        Contact force over position and approach.
-    mass_kg, mobility_s_kg : float, kg, s/kg
-        Mass M of the ball and mobility Y of the plate, 0 for a rigid plate.
-    load_n : float, N
-        Load W that presses the ball.
-    speed : float or Travel, m/s
-        Constant speed, from the first position; or positions over time.
-    duration_s : float or None, s
-        Duration of the record. Default: a lap, the length of the open track, or the travel.
-    stepping : Stepping or None
-        Choices of the time steps and of the run-in.
-
-    Raises
-    ------
-    ValueError
-        The mass or load is not positive, or the travel leaves an open track.
+    lap is a whole number of time steps. At changing speed it runs in at its first speed. On an open
+    track it starts at rest in equilibrium. The default duration is that of a lap, of the open track
+    or of the travel.
     """
     choices = stepping or Stepping()
     if not mass_kg > 0 or not mobility_s_kg >= 0 or not load_n >= 0:

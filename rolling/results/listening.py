@@ -33,7 +33,7 @@ EXTENDED = (
 CONSEQUENCES = {  # of the rule that sets a gain
     "silence": "the record is silent, and the gain is 1",
     "the largest gain": "the gain is the largest there is, that of a record at 0 dB(A): this"
-    " one is below and stays quieter than others",
+    " record is below and stays quieter than others",
     "equal loudness": "the gain makes runs equally loud, so compare their levels by the"
     " numbers, not by ear",
 }

@@ -202,7 +202,7 @@ def _arrays(file: h5py.File) -> dict[str, h5py.Dataset]:
     known = {name for dimensions, _, _ in TABLE.values() for name in dimensions.split()}
     groups = {path.rpartition("/")[0] for path in TABLE}
     arrays, nodes = {}, [("", file)]
-    for group, node in nodes:  # which grows
+    for group, node in nodes:  # the list grows
         for name in node:
             path = f"{group}/{name}".lstrip("/")
             linked = isinstance(node.get(name, getlink=True), h5py.HardLink)

@@ -1,7 +1,7 @@
 """Level of the vibration that a run without dynamics leaves out, estimated by a linear chain.
 
 The approach under the constant load moves sphere, contact and plate, which a scene without dynamics
-need not describe: a sphere of steel on a plate of 10 mm of steel stand for the missing bodies.
+need not describe: a steel sphere on a steel plate of 10 mm replaces the missing bodies.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Sound of a vibration: from the contact force in time to the sound pressure at the listener.
 
 The contact force drives sphere and plate. Their pressures on the axis through the contact add up,
-with no factor left to choose. The levels belong to this pressure, sound power stands beside it.
+with no factor left to choose. The levels belong to this pressure, and sound power stands beside it.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion
+from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, faded
 from rolling.sound.error_estimate import Gain
 
 P_REF_W = 1e-12  # reference sound power
-NEAR = 0.03  # relative change of the speed, over which a looped record's levels spread
 BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
 LONG_STEPS = 2_000_000  # steps of a motion that is too slow for a second one
@@ -46,54 +46,26 @@ _SPEEDS = (60, 1000)  # minimum and maximum number of speeds
 class Vibration:
     """Vibration of a run and its sound.
 
-    Attributes
-    ----------
-    motion : BodyMotion
-        Motion of sphere and plate on a fine grid of time.
-    law : ForceLaw
-        Force law that it follows.
-    chain : Chain
-        Sphere, contact and plate as a linear chain.
-    load : float, N
-        Constant load that presses the sphere.
-    closed : bool
-        If true, the record repeats without a click; otherwise it is faded.
-    highest : float, Hz
-        Nyquist frequency of the steps at the maximum speed.
-    force : (samples,) array, N
-        Fluctuation of the contact force at the samples of the sound.
-    pressure : (samples,) array, Pa
-        Sound pressure of sphere and plate on the axis.
-    levels : SoundLevels, dB
-        Levels of the pressure.
-    uncertainty : LevelUncertainty, dB
-        Uncertainty of the levels from the parts in `spreads`.
-    spreads : dict, dB
-        Parts of the uncertainty of LAeq: from the length of the record, from its comb, and from
-        the time steps. A part without a number is missing.
-    mean_laeq : float or None, dB
-        Mean level over speeds within 3 %; None where the record has no comb.
-    plate_power, ball_power : (31,) array, W
-        Sound power in third octaves, NaN where it is unknown: above the coincidence of a plate
-        without a loss factor, of a half-space, and in bands that the steps do not resolve.
+    Sound power is NaN where it is unknown: above the coincidence of a plate without a loss factor,
+    for a half-space, and in bands that the steps do not resolve.
     """
 
     __repr__ = short_repr
 
-    motion: BodyMotion
+    motion: BodyMotion  # on a fine grid of time
     law: ForceLaw
     chain: Chain
-    load: float
-    closed: bool
-    highest: float
-    force: Array
-    pressure: Array
+    load: float  # [N] constant load that presses the sphere
+    closed: bool  # whether the record repeats without a click; otherwise it is faded
+    highest: float  # [Hz] Nyquist frequency of the steps at the maximum speed
+    force: Array  # [N] fluctuation of the contact force at the samples of the sound
+    pressure: Array  # [Pa] sound pressure of sphere and plate on the axis
     levels: level.SoundLevels
-    uncertainty: uncertainty.LevelUncertainty
-    spreads: dict[str, float]
-    mean_laeq: float | None
-    plate_power: Array
-    ball_power: Array
+    uncertainty: uncertainty.LevelUncertainty  # from all parts in `spreads`
+    spreads: dict[str, float]  # [dB] known parts of LAeq's: record, comb, time_step
+    mean_laeq: float | None  # [dB] mean level over speeds within 3 %; None: no comb
+    plate_power: Array  # (31,) [W]
+    ball_power: Array  # (31,) [W]
 
     @cached_property
     def force_ratio(self) -> Array:
@@ -142,22 +114,10 @@ def vibrate(
     laps: float = 1.0,
     motion: BodyMotion | None = None,
 ) -> Vibration:
-    """Move sphere and plate over a force law, and let them radiate.
+    """Move sphere and plate over a force law, or take their known motion, and let them radiate.
 
-    Parameters
-    ----------
-    scene : Scene
-        Scene with dynamics.
-    law : ForceLaw
-        Force law of its track.
-    highest : float, Hz
-        Nyquist frequency of the steps at the maximum speed.
-    whole_laps : bool
-        If true, the record holds whole laps of a closed track.
-    laps : float
-        Laps of the track in the record. Default: 1.
-    motion : BodyMotion or None
-        The motion, where it is known. Default: it is computed.
+    `highest` is the Nyquist frequency [Hz] of the steps at the maximum speed. The record holds
+    `laps` laps of the track, whole laps of a closed track if `whole_laps`.
     """
     motion, chain = motion or of_scene.motion(scene, law), of_scene.chain_over(scene, law)
     closed = whole_laps and bool(motion.settled)
@@ -210,14 +170,10 @@ def _radiated(scene: Scene, motion: BodyMotion, closed: bool) -> tuple[Array, Ar
 
 
 class Comb(NamedTuple):
-    """Levels of a looped record over speeds within 3 %, by the linear chain.
+    """Levels of a looped record over speeds within 3 %, by the linear chain."""
 
-    spread_db : float, dB. Rms difference of LAeq from the level of the mean power.
-    mean_laeq_db : float, dB. Level of the mean power.
-    """
-
-    spread_db: float
-    mean_laeq_db: float | None
+    spread_db: float  # rms difference of LAeq from the level of the mean power
+    mean_laeq_db: float | None  # level of the mean power
 
 
 def _comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
@@ -235,7 +191,8 @@ def _comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
     order = np.arange(1, len(lines) + 1)
     gain = roughness_gain(scene, chain)
     powers = []
-    for ratio in np.linspace(1 - NEAR, 1 + NEAR, int(np.clip(16 * NEAR * chain.quality, *_SPEEDS))):
+    count = int(np.clip(16 * NEAR_SPEEDS * chain.quality, *_SPEEDS))
+    for ratio in np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count):
         frequency = order * (spacing * ratio)
         audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
         frequency = frequency[audible]
@@ -289,7 +246,7 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
     chain, sources = chain or of_scene.smooth_chain(scene), _sources(scene)
 
     def gain(frequency: Array) -> Array:
-        transfer = sum(axis_transfer(frequency, each, scene.sound.distance_m) for each in sources)
+        transfer = sum(axis_transfer(frequency, body, scene.sound.distance_m) for body in sources)
         return np.square(np.abs(transfer * chain.force(frequency, np.ones(len(frequency)))))
 
     return gain
@@ -310,10 +267,7 @@ def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
 
 
 def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
-    """Return the sound of a run whose source is the vibration.
-
-    The power along the track stays the release's. There is no steady level, and no factor.
-    """
+    """Return the sound of a run whose source is the vibration, without steady level and factor."""
     return replace(
         release,
         source="vibration",
@@ -346,7 +300,7 @@ def _powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
     plate = np.full(len(ball), np.nan)
     if isinstance(ground, ThinPlate):
         plate = band_power(force, rate, ground)
-        if not ground.loss_factor:  # which decides the power above coincidence
+        if not ground.loss_factor:  # it decides the power above coincidence
             plate[EDGES_HZ[1:] > ground.critical_hz] = np.nan
     known = known_bands(highest)
     return np.where(known, plate, np.nan), np.where(known, ball, np.nan)

@@ -27,7 +27,7 @@ function hearBlind(name, number) {
 
 function beginTest() {
   Object.assign(abx, { trials: 0, right: 0 });
-  setMode("equal"); // the louder one would be told by its level alone
+  setMode("equal"); // otherwise the level alone would tell the runs apart
   chooseX();
   $("#abx-result").textContent = "Listen, then say what X is.";
 }
