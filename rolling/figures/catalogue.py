@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from rolling.figures import contact, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
+from rolling.surface.scene_surface import scene_surface
 from rolling.terminal.files import make_below, write_bytes
 
 if TYPE_CHECKING:
@@ -48,6 +49,11 @@ def _vibrates(runs: Sequence[Run]) -> bool:
     return runs[0].vibration is not None
 
 
+def _filters(runs: Sequence[Run]) -> bool:
+    """Tell whether a vibrating ball rolls over heights that its contact can filter."""
+    return _vibrates(runs) and scene_surface(runs[0].scene).statistics.rq > 0
+
+
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(
@@ -74,7 +80,7 @@ SINGLE = {
     "sources": FigureKind(vibration.sources, vibration.source_table, _vibrates),
     "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _vibrates),
     "contact_filter": FigureKind(
-        vibration.contact_filter, vibration.contact_filter_table, _vibrates
+        vibration.contact_filter, vibration.contact_filter_table, _filters
     ),
     "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _vibrates),
 }

@@ -114,9 +114,11 @@ def mean_bands(
 ) -> Axes:
     """Plot the mean A-weighted third octaves of a table, a line per value of `curves`."""
     ax, table = axes_of(ax), mean_band_table(frame, curves)
-    groups = [*table.groupby("curve", sort=False)]
-    for k, (label, rows) in enumerate(groups[:_MOST_CURVES]):
+    # Values that are equal in print have curves of one name.
+    groups = [rows for _, rows in table.groupby(np.arange(len(table)) // len(MID_HZ))]
+    for k, rows in enumerate(groups[:_MOST_CURVES]):
         look, mean = look_of(k, len(groups)), rows["mean_a_weighted_level_db"]
+        label = rows["curve"].iloc[0]
         spread = rows["standard_deviation_db"]
         ax.plot(MID_HZ, mean, markersize=4, label=label or None, **look)
         if len(groups) <= MOST_NAMED:

@@ -141,7 +141,7 @@ def _of_levels(
         )
     elif s.q == 1:
         bound = "an upper bound: all released energy counts as radiated"
-        above = f"{' to '.join(map(str, MEASURED_DB))} dB above the vibration (eight scenes)"
+        above = f"{' to '.join(map(str, MEASURED_DB))} dB above the vibration (71 runs)"
         texts["upper_bound"] = (
             f"Levels are levels of the released power (q = 1), {bound}, {above}, and more at low"
             " speed."

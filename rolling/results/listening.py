@@ -56,10 +56,11 @@ def laps_in_words(sound: ContactSound) -> str:
     count = f"{len(laps(sound)) // len(lap)} laps of the record"
     if sound.loops:
         return f"{count} of {rounded(sound.duration, 3)} s, which closes on itself"
+    change = round(20 * math.log10(lap.factor), 1) + 0.0  # without the sign of a zero
     return (
         f"{count}, which does not close: {rounded(len(lap) / rate, 3)} s of its"
         f" {rounded(sound.duration, 3)} s, cross-faded over {rounded(lap.overlap / rate * 1e3)} ms"
-        f" at points of equal slope and scaled by {20 * math.log10(lap.factor):+.1f} dB to its LAeq"
+        f" at points of equal slope and scaled by {change:+.1f} dB to its LAeq"
     )
 
 

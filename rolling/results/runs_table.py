@@ -180,12 +180,23 @@ def level_name(summary: Mapping[str, Any]) -> str:
     """Name the level of a run: LAeq of the vibration, or of the released power with its q."""
     if summary["source"] == "vibration":
         return "LAeq on the axis"
+    if _fixed_gain(summary):
+        return "LAeq under the fixed gain"
     return f"level of the released power (q = {summary.get('q') or 1:g})"
+
+
+def _fixed_gain(summary: Mapping[str, Any]) -> bool:
+    """Tell whether the gain of the scene decides the level of a release."""
+    return summary["source"] == "release" and summary.get("q", 1) is None
 
 
 def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
     """State the levels beside those of runs of one source; empty where there are none."""
-    known = [summary for summary in summaries if above_vibration_db(summary) is not None]
+    known = [
+        summary
+        for summary in summaries
+        if above_vibration_db(summary) is not None and not _fixed_gain(summary)
+    ]
     sources = {summary["source"] for summary in known}
     if len(sources) != 1:
         return ""
@@ -221,6 +232,8 @@ def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return the cells of a run in the table of levels by their heads."""
     source, q = summary["source"], summary.get("q") or 1
     level = "LAeq, axis|dB(A)" if source == "vibration" else f"released power|q = {q:g}, dB(A)"
+    if fixed := _fixed_gain(summary):
+        level = "fixed gain|dB(A)"
     cells = {level: level_text(summary, "laeq_db")}
     if source == "vibration":
         compact = summary.get("compact_source_level_db")
@@ -232,7 +245,7 @@ def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
         beside = {f"vibration|{known}": key}
     for head, key in beside.items():
         cells[head] = "-" if summary.get(key) is None else f"{summary[key]:.1f}"
-    above, judged = above_vibration_db(summary), summary.get("verdict")
+    above, judged = None if fixed else above_vibration_db(summary), summary.get("verdict")
     cells["apart|dB"] = "-" if above is None else f"{above:.0f}"
     cells["verdict|"] = judged["word"] if judged else "-"
     cells["plastic|ratio"] = f"{summary['plastic_ratio']:.3f}"

@@ -74,7 +74,7 @@ def summarize(
         "load_n": scene.load,
         "steps": result.steps,
         "source": sound.source,
-        "q": scene.sound.q if sound.source == "release" else None,
+        "q": None if sound.source == "vibration" or scene.sound.gain_pa_per_w_m2 else scene.sound.q,
         **asdict(sound.levels),
         "steady_level_db": sound.steady_level,
         "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},

@@ -156,6 +156,16 @@ def test_the_terminal_shows_levels_with_uncertainty_and_each_caveat_once(
     assert text.count("microphone") == 1
 
 
+def test_a_level_of_a_fixed_gain_is_none_of_a_share_q(tmp_path: Path) -> None:
+    scene = file.loads(TINY, ("sound.gain_pa_per_w_m2=2",))
+    run = hear("run", {}, tmp_path / "gain", scene, run_of(scene).result)
+    write_run(run)
+    text = levels_table([run])
+    assert run.summary["q"] is None and "fixed gain" in text.splitlines()[0]
+    assert "q = 1, dB" not in text and "above the vibration" not in text
+    assert "q = 1" not in repr(run)
+
+
 @pytest.mark.parametrize(
     ("level", "spread", "text"),
     [(30.04, 0.01, "30.0 ± 0.1"), (30.06, None, "30.1"), (None, None, "silent")],

@@ -10,6 +10,7 @@ from finished import VIBRATING, WITHOUT_DYNAMICS, caveat_texts, heard_again, mar
 
 from rolling.check import error_cost, findings, vibration
 from rolling.dynamics import of_scene
+from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_files import read_run, write_run
@@ -96,6 +97,8 @@ def test_a_smooth_plate_is_silent() -> None:
     assert run.summary["laeq_db"] is None and run.vibration is not None
     assert not run.vibration.pressure.any()
     assert run.vibration.rms_ratio < 1e-3  # what the solver's error of 1e-4 leaves
+    assert single_picture("contact_filter", run) is None  # there are no heights to filter
+    assert single_picture("sources", run) is not None
 
 
 def test_a_flight_longer_than_the_record_is_told() -> None:
