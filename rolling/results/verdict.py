@@ -170,6 +170,10 @@ def _record(summary: Mapping[str, Any]) -> list[Contribution]:
         record = math.sqrt(max(spread**2 - sum(db**2 for db in others.values()), 0.0))
         text = f"the length of the record leaves ± {rounded(record)} dB"
         parts.append(_sized("uncertainty", record, text))
+        text = f"length, comb and time steps together leave ± {rounded(spread)} dB"
+        together = _sized("laeq_uncertainty", spread, text)
+        if all(together.rank[0] > part.rank[0] for part in parts):
+            parts.append(together)
     return parts
 
 

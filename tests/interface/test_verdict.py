@@ -47,6 +47,11 @@ KNOWN: dict[str, Any] = {
         ({"laeq_subgrid_error_db": None}, "indicative", "below its spacing"),
         ({"laeq_subgrid_error_db": 5.6}, "do not quote", "below its spacing"),
         ({"uncertainty_db": {"laeq": 2.1}, "comb_spread_db": 2.0}, "indicative", "by 2 dB"),
+        (
+            {"uncertainty_db": {"laeq": 3.1}, "comb_spread_db": 2.2},
+            "do not quote",
+            "together leave ± 3.1",
+        ),
         ({"motion_step_error_db": 4.0}, "do not quote", "the time steps of the motion leave 4 dB"),
         ({"laeq_grid_error_db": None, "force_law_error_db": 4.0}, "do not quote", "force law"),
         ({"source": "release", "force_law_error_db": 4.0}, "indicative", "upper bound"),
