@@ -10,6 +10,7 @@ import json
 import logging
 import os
 import pickle
+import socket
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -18,6 +19,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, Self, cast
+from urllib.parse import urlsplit
 
 from rolling.check import cost
 from rolling.run import worker
@@ -306,6 +308,7 @@ def _answering(text: str) -> str:
             address = str(json.loads(Path(text).read_text(encoding="utf-8"))["address"])
         if not address.rpartition(":")[2].isdecimal():
             address += f":{PORT}"
+        _call(address)
         with ThreadPoolExecutor(1) as thread:  # a notebook has a loop of its own in this one
             thread.submit(asyncio.run, _ask(address)).result()
     except TimeoutError:
@@ -321,6 +324,16 @@ def _answering(text: str) -> str:
     else:
         return address
     raise SceneError([f"--cluster: {text}: no scheduler answers ({reason})"])
+
+
+def _call(address: str) -> None:
+    """Open and close a plain connection, whose error is always the system's own.
+
+    Dask tries again and again, and may end with a time-out instead.
+    """
+    place = urlsplit(address if "://" in address else f"tcp://{address}")
+    if place.scheme in ("tcp", "tls") and place.hostname and place.port:
+        socket.create_connection((place.hostname, place.port), CONNECT_SECONDS).close()
 
 
 async def _ask(address: str) -> None:
