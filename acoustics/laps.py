@@ -48,29 +48,10 @@ class Lap:
 
 
 def crossfaded_lap(record: Array, fade: int, sample_rate_hz: float) -> Lap:
-    """Return a lap of a record that does not close, without its faded ends.
+    """Return a lap of a record that does not close, without the faded samples at its ends.
 
-    The end is cross-faded with the part of the beginning that is most alike, with equal slopes.
-
-    Parameters
-    ----------
-    record : array (n,), any unit. Record that is faded at both ends.
-    fade : int. Samples of the fade at either end.
-    sample_rate_hz : float, Hz. Sample rate.
-
-    Returns
-    -------
-    Lap
-        The lap, with the A-weighted rms of the record; the whole record if it is too short.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from acoustics.laps import crossfaded_lap
-    >>> tone = np.sin(2 * np.pi * 1234 * np.arange(4800) / 48000)
-    >>> lap = crossfaded_lap(tone, 480, 48000)  # a tone is most alike after whole periods
-    >>> len(lap.samples(tone)) == len(lap), lap.correlation > 0.999
-    (True, True)
+    The end is cross-faded with the part of the beginning that is most alike, with equal slopes. A
+    record that is too short is its own lap.
     """
     end = len(record) - fade
     most = (end - fade) // 6

@@ -180,29 +180,11 @@ def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
 
 
 def record_scatter_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
-    """Return the standard uncertainty of LAeq that the thirds of a record show, dB.
+    """Return the standard uncertainty of LAeq [dB] that the thirds of a record show.
 
     The mean squares of three thirds estimate the spread of their mean without a law for the noise.
-    Three values estimate a spread poorly, so it is widened by the factor 1.32 of Student's
-    distribution with two degrees of freedom, for the same probability of 68 %.
-
-    Parameters
-    ----------
-    pressure_pa : array (n,), Pa. Sound pressure; one lap of a record that repeats itself.
-    sample_rate_hz : float, Hz. Sample rate.
-
-    Returns
-    -------
-    float or None, dB
-        None for silence, and for a record of fewer than three samples.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from acoustics.uncertainty import record_scatter_db
-    >>> noise = np.random.default_rng(1).standard_normal(48000)
-    >>> record_scatter_db(noise, 48000) < 0.1
-    True
+    Three values estimate a spread poorly, so it is widened for the same probability of 68 %. It is
+    None for silence, and for a record of fewer than three samples.
     """
     thirds = np.array_split(np.square(a_weighted(pressure_pa, sample_rate_hz)), 3)
     if not len(thirds[-1]) or not np.any(pressure_pa):

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from acoustics.numbers import rounded
 from acoustics.plots import COLOURS, LINE_STYLES, MARKERS
 from rolling.accuracy.variants import OWN, REFERENCE, SOLVER, tolerance_text
 
@@ -152,8 +153,8 @@ def diagram(study: xr.Dataset) -> Figure:
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
     best = frame[frame.curve == REFERENCE].iloc[0]
     figure.suptitle(
-        f"{study.attrs['name']}: error against time over {study.attrs['length_m'] * 1e3:.3g} mm"
-        f" of track\nreference: {_settings(best)}"
+        f"{study.attrs['name']}: error against time over"
+        f" {rounded(study.attrs['length_m'] * 1e3, 3)} mm of track\nreference: {_settings(best)}"
     )
     return figure
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from acoustics.numbers import rounded
 from rolling.check import cost, long_steps, vibration
-from rolling.check.finding import Finding, si
+from rolling.check.finding import Finding, rounded_up, si
 from rolling.check.resolution import HEARING
 from rolling.scene.scene import STEEL_DENSITY, Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
@@ -33,9 +33,9 @@ def _near(scene: Scene) -> list[Finding]:
     if distance >= NEAR * scene.radius:
         return []
     warning = (
-        f"the listener is {distance:.3g} m away, within {NEAR:g} radii of the sphere, where the"
-        " levels of a small source do not hold: choose a sound.distance_m of at least"
-        f" {NEAR * scene.radius:.3g}"
+        f"the listener is {rounded(distance, 3)} m away, within {NEAR:g} radii of the sphere, where"
+        " the levels of a small source do not hold: choose a sound.distance_m of at least"
+        f" {rounded_up(NEAR * scene.radius)}"
     )
     return [Finding("listener", "listener", si(distance, "m"), warning)]
 

@@ -201,7 +201,10 @@ class HalfSpace:
             The window exceeds the longest transform, or the pressures are no numbers in two
             dimensions.
         """
-        pressure = real_array("pressure", pressure, 2)
+        return self.deflect(real_array("pressure", pressure, 2))
+
+    def deflect(self, pressure: Array) -> Array:
+        """Compute the deflection [m] as `deflection`, whose check it leaves out."""
         m, n = pressure.shape
         convolution = self.convolution(*_window_kernels.reach(pressure))
         block = convolution.block(m, n)

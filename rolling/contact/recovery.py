@@ -51,7 +51,7 @@ def step_energy(
     offset = old.window.row - window.row, old.window.column - window.column
     if not old.window.covers(new.loaded):
         p_old, offset = old.window.moved(old.pressure, window), (0, 0)
-        u_old = half_space.deflection(p_old)
+        u_old = half_space.deflect(p_old)
     work = np.empty((window.rows, window.columns))
     cell = half_space.spacing**2
     release, loading = _window_kernels.node_work(

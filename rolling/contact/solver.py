@@ -320,7 +320,7 @@ class _Solve:
         p, u, before = np.array(start.pressure, dtype=float), start.deflection, start.previous
         fresh = u is None
         if u is None:
-            u = half_space.deflection(p)
+            u = half_space.deflect(p)
         if edges is not None:
             edges.find(u if before is None else _extrapolated(u, before))
         near, seen = NEAR if start.close else np.inf, 0
@@ -350,7 +350,7 @@ class _Solve:
             carried = descent.settle(effort)
             exhausted = descent.is_exhausted
             p.ravel()[candidates.node] = descent.pressure
-            u, fresh = half_space.deflection(p), True
+            u, fresh = half_space.deflect(p), True
             near, seen = NEAR, candidates.node.size
             if edges is not None:
                 edges.find(u)

@@ -16,7 +16,7 @@ from rolling.dynamics.force_law import ForceLaw
 DECAYS = 14  # a transient falls to 1e-6 in as many decay times
 FADE_DECAYS = 7  # and to 1e-3 in as many
 MOST_LAPS = 400  # laps of a run-in that does not settle, more of them if they are short:
-MOST_STEPS = 10_000_000
+MOST_STEPS = 2_000_000  # which 28 decay times of Q 5,600 take
 
 State = tuple[float, float, float]  # approach [m], ball velocity [m/s], plate displacement [m]
 RunIn = tuple[int, bool]  # laps, settled

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from acoustics.bands import BAND_NAMES, MID_HZ, band_uncertainty_db, reliable
+from acoustics.numbers import rounded
 from rolling.lee2025.cases import band_columns
 
 ROUGHNESS, LOAD, LENGTH = "roughness_um", "load_n", "correlation_um"
@@ -166,7 +167,7 @@ def bounded(
     """Compare a statistic over the surfaces with bounds at each roughness and load."""
     values = _means(cases, column, statistic).stack()
     return [
-        Comparison(_pair(roughness, load), low < value < high, f"{value:.3g}")
+        Comparison(_pair(roughness, load), low < value < high, rounded(value, 3))
         for (roughness, load), value in values.items()
     ]
 
@@ -194,7 +195,7 @@ def exceeds(cases: pd.DataFrame, column: str, level_db: float) -> list[Compariso
     for roughness, highest in _means(cases, column).max(axis=1).dropna().items():
         beyond = highest - level_db
         turns = duration * 10 ** (beyond / LG_LENGTH_DB)
-        measured = f"{highest:.1f} dB in {duration:g} s, at the bound in {turns:.2g} s"
+        measured = f"{highest:.1f} dB in {duration:g} s, at the bound in {rounded(turns)} s"
         holds, near = beyond > LG_LENGTH_DB, beyond > -LG_LENGTH_DB
         comparisons.append(Comparison(label(ROUGHNESS, roughness), holds, measured, near))
     return comparisons

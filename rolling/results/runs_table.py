@@ -163,7 +163,8 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
         for key, name in (("grid_signal_db", "grid"), ("solver_signal_db", "solver"))
         if summary[key] is not None
     ]
-    corrected, detail = uncertain(summary["laeq_db"] - grid - solver, spread), ""
+    whole = spread and math.hypot(spread, grid_spread)
+    corrected, detail = uncertain(summary["laeq_db"] - grid - solver, whole), ""
     if subgrid := summary.get("laeq_subgrid_error_db"):
         of_detail = summary["laeq_subgrid_error_uncertainty_db"] or 0.0
         detail = f" {subgrid:+.2f} ± {of_detail:.2f} dB from missing detail below the spacing,"

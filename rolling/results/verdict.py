@@ -10,6 +10,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
 from rolling.check import error_cost, long_steps, resolution
 from rolling.check.finding import Finding, computing
@@ -19,7 +22,9 @@ from rolling.scene.scene import Scene
 WORDS = TRUST, INDICATIVE, DO_NOT_QUOTE = "trust", "indicative", "do not quote"
 LIMITS_DB = 1.0, 3.0  # up to the first a level is trusted, up to the second it is indicative
 MOST_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which on no level is quoted
-MEASURED_DB = 26, 70  # release with q = 1 over the vibration, on 71 runs of docs/dynamics.md
+# Level of a half-space's pressure on the axis over the true level [dB] by frequency times distance
+# [Hz m]; below, the first error is the least.
+_NEAR_HALF_SPACE = (100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5)
 _REFUSED = ("memory", "disk", "capacity", "positions")  # warnings of scenes that do not run
 # Warnings of broken limits, and of doubtful ones, by their key. They have no decibels.
 _BROKEN = ("slope", "contact_radius", "contact_thickness")
@@ -45,19 +50,10 @@ class Contribution(NamedTuple):
 
 
 def verdict(summary: Mapping[str, Any], scene: Scene) -> dict[str, Any] | None:
-    """Judge the LAeq of a run; None for a silent run.
+    """Judge the LAeq of a run by its summary and caveats; None for a silent run.
 
-    Parameters
-    ----------
-    summary : mapping
-        Numbers of summary.json, with its caveats.
-    scene : Scene
-        Scene of the run.
-
-    Returns
-    -------
-    dict or None
-        `word`, `reason` and `decibels` of the largest contribution, and all `contributions`.
+    The dictionary has `word`, `reason` and `decibels` of the largest contribution, and all
+    `contributions`.
     """
     if summary.get("laeq_db") is None:
         return None
@@ -241,7 +237,21 @@ def _limits(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
         if key == "step_length":
             error = long_steps.LEVEL_ERROR_DB * scene.track.step / long_steps.contact_radius(scene)
             parts.append(_sized(key, error, text))
+        elif key == "half_space_sound" and (bands := summary.get("third_octave_a_db")):
+            if summary.get("source") == "vibration":
+                error = _half_space_error_db(bands, scene.sound.distance_m)
+                text = f"the sound of the half-space is up to {rounded(error)} dB too loud so near"
+                parts.append(_sized(key, error, text))
         elif key in (*_BROKEN, *_DOUBTFUL):
             word = DO_NOT_QUOTE if key in _BROKEN else INDICATIVE
             parts.append(Contribution(key, word, None, text))
     return parts
+
+
+def _half_space_error_db(bands: Mapping[str, float | None], distance: float) -> float:
+    """Return how far the A-weighted bands [dB] of a half-space are too loud at a distance [m]."""
+    places, errors = np.array(_NEAR_HALF_SPACE).T
+    levels = np.array([-np.inf if bands[name] is None else bands[name] for name in BAND_NAMES])
+    power = 10 ** (levels / 10)
+    true = power * 10 ** (-np.interp(np.log(MID_HZ * distance), np.log(places), errors) / 10)
+    return 10 * math.log10(power.sum() / true.sum()) if true.sum() else 0.0

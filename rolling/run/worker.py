@@ -39,6 +39,8 @@ MOST_BREAKS = 3  # of processes by a task, before its runs have failed
 KILLED = f"a worker process was killed {MOST_BREAKS} times while it had this run; out of memory?"
 _PR_SET_PDEATHSIG = 1  # of prctl(2)
 _MOST_PIECE = 2**30  # bytes of the file of a piece
+# Errors of numpy and zipfile for a file that is missing, cut off or damaged; the piece is marched
+# again.
 _DAMAGED = (
     *(OSError, EOFError, ValueError, KeyError, MemoryError, SyntaxError, NotImplementedError),
     *(zipfile.BadZipFile, zlib.error),

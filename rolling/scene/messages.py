@@ -19,6 +19,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
+from acoustics.numbers import rounded
+
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
 
@@ -120,7 +122,7 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
 def implausible(value: float, sizes: Plausible) -> str:
     """Write that no material has a size, and the size that was meant if it is a slip of units."""
     meant = [
-        f"{value * size:.4g} ({value:g} {unit})"
+        f"{rounded(value * size, 4)} ({rounded(value, 6)} {unit})"
         for unit, size in sizes.slips.items()
         if sizes.least <= value * size <= sizes.most
     ]

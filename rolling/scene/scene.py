@@ -25,6 +25,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from acoustics.numbers import rounded
 from rolling.scene import messages
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import Key, SceneError, fault
@@ -185,7 +186,7 @@ class Scene(Section):
     def _has_source(cls, sound: Sound, info: ValidationInfo) -> Sound:
         sphere, dynamics = info.data.get("sphere"), info.data.get("dynamics", ...)
         if sphere is not None and sound.distance_m <= sphere.radius_mm * 1e-3:
-            words = f"more than {sphere.radius_mm * 1e-3:.6g}, the sphere's radius in m"
+            words = f"more than {rounded(sphere.radius_mm * 1e-3, 6)}, the sphere's radius in m"
             got = messages.plain_number(sound.distance_m)
             rule = "the listener stands outside the sphere"
             raise fault(f"got {got}, allowed: {words}: {rule}", "sound", "distance_m")

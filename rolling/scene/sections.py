@@ -53,7 +53,8 @@ MAX_FAULTS = 100  # maximum number of faults that are named
 # Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
 # maximum.
 _SMALLEST = 1e-15
-YOUNG, HARDNESS, DENSITY = MATERIALS.values()
+YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
+DENSITY = MATERIALS["density_kg_m3"]
 HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
 _MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
 _MAX_DEPTH = 16  # maximum nesting of values typed in Python
@@ -216,7 +217,8 @@ class Plate(Section):
         if self.hardness_gpa is not None and self.hardness_gpa >= most:
             words = (
                 f"got {plain_number(self.hardness_gpa)}, allowed: below a fifth of"
-                f" youngs_modulus_gpa, {most:.4g}; without a hardness the plate is purely elastic"
+                f" youngs_modulus_gpa, {rounded(most, 4)}; without a hardness the plate is purely"
+                " elastic"
             )
             raise fault(words, "plate", "hardness_gpa")
         return self

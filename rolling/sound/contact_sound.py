@@ -14,6 +14,7 @@ from acoustics import extension, level, radiation, resampling, uncertainty, wav
 from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.laps import Lap, crossfaded_lap
+from acoustics.numbers import rounded
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
 from rolling.sound.solver_error import resolved_fluctuation
@@ -115,8 +116,8 @@ class ContactSound:
         value, spread = extension.kurtosis(whole), extension.kurtosis_uncertainty(whole)
         if not abs(value - 3.0) <= COVERAGE * spread:
             return (
-                f"its record has a kurtosis of {value:.3g}, and noise of its length and spectrum"
-                f" 3 ± {COVERAGE * spread:.2g}"
+                f"its record has a kurtosis of {rounded(value, 3)}, and noise of its length and"
+                f" spectrum 3 ± {rounded(COVERAGE * spread)}"
             )
         return ""
 

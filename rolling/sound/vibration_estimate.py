@@ -56,18 +56,8 @@ def estimate(
 ) -> tuple[float | None, float]:
     """Estimate LAeq [dB] of the vibration, and the rms of its contact force over the load.
 
-    LAeq is None where the approach does not fluctuate within hearing.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene without dynamics.
-    approach : (steps + 1,) array, m
-        Approach under the constant load at each position.
-    step : float, m
-        Length of a step.
-    closed : bool
-        If true, the steps are whole laps of the track.
+    The approach [m] under the constant load stands at the ends of steps [m], of whole laps if
+    `closed`. LAeq is None where it does not fluctuate within hearing.
     """
     motion, steps = scene.motion, len(approach) - 1
     duration = motion.duration(steps * step)

@@ -29,7 +29,7 @@ from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.motion import BodyMotion
+from rolling.dynamics.motion import MOST_STEPS, BodyMotion
 from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, faded
@@ -38,7 +38,6 @@ from rolling.sound.error_estimate import Gain
 P_REF_W = 1e-12  # reference sound power
 BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
-LONG_STEPS = 2_000_000  # steps of a motion that is too slow for a second one
 _SPEEDS = (60, 1000)  # minimum and maximum number of speeds
 
 
@@ -142,7 +141,7 @@ def vibrate(
         force=force,
         pressure=pressure,
         levels=levels,
-        uncertainty=_widened(spread, spreads, chain.resonance_hz),
+        uncertainty=_joined(spread, spreads, chain.resonance_hz),
         spreads=spreads,
         mean_laeq=comb and comb.mean_laeq_db,
         plate_power=plate,
@@ -209,7 +208,7 @@ def _step_error(
     scene: Scene, law: ForceLaw, motion: BodyMotion, laeq_db: float | None, closed: bool
 ) -> float | None:
     """Return the change of LAeq by steps twice as long [dB]; None for silence or a long run-in."""
-    if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > LONG_STEPS:
+    if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > MOST_STEPS:
         return None
     twice = of_scene.motion(scene, law, 2 * motion.time_step_s)
     _, pressure = _radiated(scene, twice, closed)
@@ -217,7 +216,7 @@ def _step_error(
     return UNKNOWN_DB if coarse is None else min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
-def _widened(
+def _joined(
     spread: uncertainty.LevelUncertainty, spreads: dict[str, float], resonance_hz: float
 ) -> uncertainty.LevelUncertainty:
     """Return uncertainties [dB] of the record joined with the other parts of LAeq's.

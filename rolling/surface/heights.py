@@ -159,28 +159,11 @@ def continued(
     autocorrelation: str,
     seed: Sequence[int],
 ) -> Array:
-    """Continue heights of a law to half the spacing, at the centres of the quarters of cells.
+    """Continue heights [m] of a law and its rms height [m] to half the spacing [m].
 
     Waves that the grid holds stay, less the share that shorter waves folded onto them. The shorter
-    waves up to the end of the finer grid are new.
-
-    Parameters
-    ----------
-    heights : (m, n) array, m
-        Heights on a grid, periodic along and across.
-    spacing : float, m
-        Their spacing.
-    rq : float, m
-        Rms height of the law.
-    correlation_length, autocorrelation
-        As in `gaussian`.
-    seed : sequence of int
-        Seed of the new waves.
-
-    Returns
-    -------
-    (2 m, 2 n) array, m
-        Heights.
+    waves up to the end of the finer grid are new, and the nodes are the centres of the quarters of
+    cells.
     """
     shape = 2 * heights.shape[0], 2 * heights.shape[1]
     law = correlation_length, autocorrelation

@@ -18,6 +18,7 @@ from rolling.results.labels import labels
 from rolling.results.run_files import write_run
 from rolling.results.run_result import hear
 from rolling.results.runs_table import (
+    error_line,
     level_text,
     levels_table,
     numbers,
@@ -34,6 +35,22 @@ SWEEP = f"""\
   rolling.speed_m_s: [0.1, 0.2]
   surface.seed: [1, 2, 3]
 """
+
+
+def test_a_corrected_level_is_as_uncertain_as_level_and_correction() -> None:
+    """The ± of 0.3 dB of the record and of 0.4 dB of the grid make 0.5 dB."""
+    summary = {
+        "source": "release",
+        "laeq_db": 50.0,
+        "uncertainty_db": {"laeq": 0.3},
+        "laeq_grid_error_db": 1.0,
+        "laeq_grid_error_uncertainty_db": 0.4,
+        "laeq_solver_error_db": 0.0,
+        "error_estimate": {"stretches": 4, "steps": 239, "order": 1.5},
+        "grid_signal_db": None,
+        "solver_signal_db": None,
+    }
+    assert "corrected 49.0 ± 0.5 dB(A)" in error_line("run", summary)
 
 
 @dataclass(frozen=True)

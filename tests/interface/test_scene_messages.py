@@ -55,7 +55,7 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         *(
             ("hardness_gpa: 2.1", f"{key}: {got}", message)
             for key, got, message in (
-                ("hardness_gpa", 2.1e9, "; did you mean 2.1 (2.1e+09 Pa)?"),
+                ("hardness_gpa", 2.1e9, "; did you mean 2.1 (2.1e9 Pa)?"),
                 ("hardness_gpa", 200, "; did you mean 0.2 (200 MPa) or 1.961 (200 HV)?"),
                 ("hardness_gpa", 42, "6: plate.hardness_gpa: got 42, allowed: below a fifth of"),
                 ("hardness_gpa", 0, "0.001 to 150 GPa, from gels to diamond; nearest: 0.001"),

@@ -13,6 +13,7 @@ import pytest
 from finished import VIBRATING
 from scene_text import PLAIN
 
+from acoustics.bands import BAND_NAMES
 from rolling.check.findings import check_scene
 from rolling.results import caveats, runs_table, verdict
 from rolling.results.labels import Labelled
@@ -33,6 +34,12 @@ KNOWN: dict[str, Any] = {
     "laeq_subgrid_error_uncertainty_db": 0.1,
     "caveats": [],
 }
+
+
+def near_half_space(band: str) -> dict[str, Any]:
+    """Return the changes for a ball on a half-space that is heard in one band, at 1 m."""
+    caveat = {"key": "half_space_sound", "text": "sound of a half-space: too loud"}
+    return {"caveats": [caveat], "third_octave_a_db": dict.fromkeys(BAND_NAMES) | {band: 40.0}}
 
 
 @pytest.mark.parametrize(
@@ -66,6 +73,9 @@ KNOWN: dict[str, Any] = {
             "do not quote",
             "slope: steep",
         ),
+        # The published excess of a half-space is 5.2 dB at 1 kHz m, and 0.5 dB from 10 kHz m on.
+        (near_half_space("1000"), "do not quote", "5.2 dB too loud so near"),
+        (near_half_space("12500"), "trust", "0.5 dB too loud so near"),
         ({"caveats": [{"key": "resonance", "text": ""}]}, "trust", "length of the record"),
         ({"source": "release", "release_over_vibration_db": 45.2}, "indicative", "upper bound"),
         ({"source": "release", "laeq_grid_error_db": 9}, "do not quote", "the grid leaves"),
