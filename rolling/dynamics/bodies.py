@@ -12,11 +12,6 @@ from acoustics.radiation import ThinPlate
 from rolling.dynamics.force_law import ForceLaw
 
 
-def sphere_mass(radius_m: float, density_kg_m3: float) -> float:
-    """Return the mass [kg] of a solid sphere, 4/3 pi R^3 rho."""
-    return float(4 / 3 * np.pi * radius_m**3 * density_kg_m3)
-
-
 @dataclass(frozen=True)
 class BendingPlate:
     """Infinite thin plate of uniform thickness.

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 from rolling.check import cost
 from rolling.marches.error_stretches import own_stretches, stretch_pieces
 from rolling.marches.force_law import law_pieces, load_along, own_marches
-from rolling.marches.piece import Piece, march_piece
+from rolling.marches.piece import Piece
 from rolling.marches.result import Result, vibration_key
 from rolling.marches.slow_motion import film_stretch
 from rolling.scene.scene import Scene
@@ -66,21 +65,3 @@ def own_part(scene: Scene, result: Result, film: bool) -> Result:
         moving=result.moving if scene.moves_release else None,
         slow_motion=result.slow_motion if film else None,
     )
-
-
-def march_all(
-    scene: Scene,
-    film: bool = False,
-    progress: Callable[[float], object] = lambda seconds: None,
-) -> Result:
-    """March all pieces of a scene without a sweep in this process, and return the result.
-
-    `progress` receives the expected time [s] of each piece when it is done. Raise ContactError
-    where the contact cannot be solved.
-    """
-    result = Result.empty(scene)
-    while pieces := next_pieces(scene, result, film):
-        for piece in pieces:
-            result.add(piece, march_piece(piece))
-            progress(piece.cost)
-    return result

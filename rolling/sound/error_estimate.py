@@ -94,11 +94,6 @@ class BandPowers:
     groups: tuple[tuple[int, ...], ...]
     tolerance_ratio: float
 
-    @property
-    def shared_bands(self) -> list[list[str]]:
-        """The nominal frequencies of bands that share an estimate, several in each list."""
-        return [[BAND_NAMES[band] for band in group] for group in self.groups if len(group) > 1]
-
 
 @dataclass(frozen=True)
 class RecordLevels:

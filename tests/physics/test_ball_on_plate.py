@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import hertz_law
+from helpers import hertz_law, sphere_mass
 from scipy.integrate import solve_ivp
 
 from rolling.dynamics.bodies import (
     BendingPlate,
     Chain,
     contact_stiffness,
-    sphere_mass,
 )
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion, Stepping, Travel, move

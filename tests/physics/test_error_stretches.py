@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from finished import caveat_texts, run_of
+from helpers import march_all
 from scene_text import BODIES, NARROW, PLAIN
 
 from rolling.check import error_cost
 from rolling.check.error_cost import LEVELS
 from rolling.marches import error_stretches
-from rolling.marches.next_pieces import march_all, next_pieces
+from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import Piece, contact_identity, march_piece
 from rolling.marches.result import Result
 from rolling.results import runs_table

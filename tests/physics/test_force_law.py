@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import STEEL, hertz_law, make_track, roll, rough
+from helpers import STEEL, hertz_law, make_track, roll, rough, sphere_mass
 
 from rolling.contact.closed_forms import hertz_approach
 from rolling.contact.state import RollingContact
-from rolling.dynamics.bodies import BendingPlate, sphere_mass
+from rolling.dynamics.bodies import BendingPlate
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import Stepping, move
 

@@ -7,11 +7,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from helpers import march_all
 
 from rolling.dynamics import of_scene
 from rolling.marches import force_law as laws
 from rolling.marches.force_law import force_law, law_error, law_loads, law_pieces, load_along
-from rolling.marches.next_pieces import march_all, next_pieces
+from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import Piece, march_piece
 from rolling.marches.result import LoadMarches, MovingRelease, Result
 from rolling.scene.file import loads

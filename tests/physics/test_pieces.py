@@ -10,13 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import march_all
 from scene_text import PLAIN, TINY
 
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.subcells import half_space_of
-from rolling.marches.next_pieces import march_all, next_pieces
+from rolling.marches.next_pieces import next_pieces
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity, march_piece
 from rolling.marches.result import Result

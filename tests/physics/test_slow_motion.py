@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers import march_all
 from scene_text import BODIES, NARROW
 
 from rolling.dynamics import of_scene
 from rolling.marches import slow_motion
 from rolling.marches.force_law import force_law
-from rolling.marches.next_pieces import march_all, next_pieces
+from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import march_piece
 from rolling.marches.result import Result
 from rolling.marches.slow_motion import COLD_STEPS, film_stretch, loudest

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers import march_all
 
-from rolling.marches.next_pieces import march_all
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.sound import solver_error

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from helpers import march_all
 
-from rolling.marches.next_pieces import march_all, next_pieces
+from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import march_piece
 from rolling.results.run_result import Run, hear
 from rolling.scene.file import loads

@@ -15,6 +15,10 @@ from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.subcells import half_space_of
 from rolling.dynamics.force_law import ForceLaw
+from rolling.marches.next_pieces import next_pieces
+from rolling.marches.piece import march_piece
+from rolling.marches.result import Result
+from rolling.scene.scene import Scene
 
 __all__ = [
     "STEEL",
@@ -22,10 +26,12 @@ __all__ = [
     "gap_and_deflection",
     "hertz_law",
     "make_track",
+    "march_all",
     "releases",
     "roll",
     "rough",
     "space_of",
+    "sphere_mass",
     "step_energies",
 ]
 
@@ -64,3 +70,17 @@ def hertz_law(
     loads = load_n * np.array([0.5, 1.0, 2.0])
     depth = (loads / (4 / 3 * contact_modulus_pa * np.sqrt(radius_m))) ** (2 / 3)
     return ForceLaw(np.arange(height.size, dtype=float), loads, depth[:, None] - height)
+
+
+def march_all(scene: Scene, film: bool = False) -> Result:
+    """March all pieces of a scene without a sweep in this process, and return the result."""
+    result = Result.empty(scene)
+    while pieces := next_pieces(scene, result, film):
+        for piece in pieces:
+            result.add(piece, march_piece(piece))
+    return result
+
+
+def sphere_mass(radius_m: float, density_kg_m3: float) -> float:
+    """Return the mass [kg] of a solid sphere, 4/3 pi R^3 rho."""
+    return float(4 / 3 * np.pi * radius_m**3 * density_kg_m3)
