@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from rolling import _own_acoustics
 
-__version__ = "0.3.0.dev0"
+__version__ = "0.3.0"
 
 if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling import check, plot
