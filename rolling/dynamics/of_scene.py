@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from acoustics.arrays import Array
+from acoustics.rectangular_plate import RectangularPlate
 from rolling.contact import closed_forms
 from rolling.dynamics import bodies
 from rolling.dynamics.bodies import BendingPlate, Chain
@@ -24,6 +26,30 @@ def plate(scene: Scene) -> BendingPlate | None:
     return BendingPlate(
         p.youngs_modulus_gpa * 1e9, p.poissons_ratio, p.density_kg_m3, p.thickness_mm * 1e-3
     )
+
+
+def rectangular_plate(scene: Scene) -> RectangularPlate | None:
+    """Return the plate with edges, or None for a plate without edges."""
+    bending, edges, loss_factor = plate(scene), scene.plate.edges_mm, scene.plate.loss_factor
+    if bending is None or edges is None or loss_factor is None:
+        return None
+    return RectangularPlate(
+        bending.mass_per_area_kg_m2,
+        bending.bending_stiffness_n_m,
+        loss_factor,
+        *(1e-3 * edge for edge in edges),
+    )
+
+
+def contact_points(scene: Scene, time_s: Array) -> Array:
+    """Return the contact points on a plate with edges at times [s], (n, 2) [m] from a corner."""
+    ends = 1e-3 * np.array(list(scene.plate.contact_ends_mm.values()))
+    if len(ends) == 1:
+        return np.tile(ends, (len(time_s), 1))
+    way = float(np.hypot(*(ends[1] - ends[0])))
+    passed = np.asarray(scene.motion.distance(time_s)) % (2 * way)
+    share = np.minimum(passed, 2 * way - passed) / way
+    return np.asarray(ends[0] + share[:, None] * (ends[1] - ends[0]))
 
 
 def bending_limit_hz(bending: BendingPlate) -> float:
