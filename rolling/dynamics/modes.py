@@ -21,7 +21,7 @@ from rolling.dynamics._motion_kernels import StepBodies
 
 # Bands of the tail: the ratio of their edges, and their number. The damping ratio of a band dw
 # about w is dw / (pi w). Chosen by Zener's impacts on plates of 3 to 20 mm: docs/dynamics.md.
-RATIO, BANDS = 1.5, 4
+RATIO, BANDS = 1.5, 6
 _RESOLVED = 2.5  # phase of a mode in half a step up to which it is tuned
 _DIRECT = 300_000  # answers of modes that are summed without a table
 _BLOCK = 1_000_000  # answers of modes that are held at once
@@ -136,7 +136,8 @@ def step_bodies(
     root[np.abs(root) < 1e-6 * w] = 1e-6  # critical damping
     fast = -zeta * w - root
     slow, fast = np.exp(np.square(w) / fast * step_s), np.exp(fast * step_s)
-    turn, mean = (w * (slow - fast) / (2 * root)).real, (slow + fast).real / 2
+    turn = np.ascontiguousarray((w * (slow - fast) / (2 * root)).real)
+    mean = (slow + fast).real / 2
     x = w * step_s / 2
     gain = _sinc(x - x0) * _sinc(x + x0) / np.square(_sinc(x) * np.cos(x0))
     reach = modes.reach * np.sqrt(np.where(x < _RESOLVED, gain, 1.0))
