@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple
 
@@ -173,6 +173,12 @@ class Chain:
     def contact_time_s(self) -> float:
         """Viscosity of the contact over its stiffness [s]."""
         return self.contact_loss_factor / (2 * np.pi * self.resonance_hz)
+
+    @property
+    def own_decay_s(self) -> float:
+        """Decay time [s] with the mobility of the plate at the resonance, between its modes too."""
+        own = float(self.mobilities([self.resonance_hz])["plate"].real[0])
+        return replace(self, mobility_s_kg=own, modes=None).decay_s
 
     def steps(self, step_s: float) -> StepBodies:
         """Return the bodies as time steps [s] move them, in tune at the resonance."""

@@ -50,6 +50,15 @@ class Modes:
         asked: NDArray[np.complex128] = self._table(np.log(np.clip(frequency_hz, least, most)))
         return asked
 
+    def decay_s(self, angular_frequency: float) -> float:
+        """Return the time [s] in which a mode of a frequency [rad/s] falls by the factor e."""
+        return float(1 / (self.damping_ratio[0] * angular_frequency))
+
+    def lowest(self, mass_kg: float) -> float:
+        """Return the lowest angular frequency [rad/s] of the plate with a mass on the contact."""
+        compliance = float(np.sum(self.weight * np.square(self.reach)))
+        return min(float(self.angular_frequency.min()), (mass_kg * compliance) ** -0.5)
+
     def answers(self, frequency_hz: Array) -> NDArray[np.complex128]:
         """Return displacement over static displacement of each mode, (frequencies, modes)."""
         ratio = 2 * np.pi * frequency_hz[:, None] / self.angular_frequency
