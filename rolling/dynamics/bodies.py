@@ -200,8 +200,11 @@ class Chain:
     def force(self, frequency_hz: ArrayLike, roughness_m: ArrayLike) -> NDArray[np.complex128]:
         """Return the fluctuation of the contact force [N], phasors of exp(i w t), above 0 Hz.
 
-        The roughness [m] is minus the fluctuation of the approach under the constant load.
+        The roughness [m] is minus the fluctuation of the approach under the constant load. It
+        moves the spring of the contact, and not its damper.
         """
         iw = 2j * np.pi * np.asarray(frequency_hz, dtype=float)
         receptance = sum(self.mobilities(frequency_hz).values()) / iw
+        if self.contact_loss_factor > 0:
+            receptance *= 1 + self.contact_time_s * iw
         return np.asarray(roughness_m, dtype=complex) / receptance

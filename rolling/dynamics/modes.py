@@ -141,8 +141,8 @@ def step_bodies(
         none = np.zeros(0)
         return StepBodies(*parts, none, none, none, none, np.zeros(0, np.int64), np.ones(2))
     w, zeta = modes.angular_frequency, modes.damping_ratio
+    zeta = np.where(np.abs(zeta - 1) < 1e-8, 1 + 1e-8, zeta)  # critical damping has one root
     root = w * np.sqrt(np.square(zeta) - 1 + 0j)
-    root[np.abs(root) < 1e-6 * w] = 1e-6  # critical damping
     fast = -zeta * w - root
     slow, fast = np.exp(np.square(w) / fast * step_s), np.exp(fast * step_s)
     turn = np.ascontiguousarray((w * (slow - fast) / (2 * root)).real)
