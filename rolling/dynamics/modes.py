@@ -57,7 +57,7 @@ class Modes:
     def lowest(self, mass_kg: float) -> float:
         """Return the lowest angular frequency [rad/s] of the plate with a mass on the contact."""
         compliance = float(np.sum(self.weight * np.square(self.reach)))
-        return min(float(self.angular_frequency.min()), (mass_kg * compliance) ** -0.5)
+        return min(float(self.angular_frequency.min()), float((mass_kg * compliance) ** -0.5))
 
     def answers(self, frequency_hz: Array) -> NDArray[np.complex128]:
         """Return displacement over static displacement of each mode, (frequencies, modes)."""

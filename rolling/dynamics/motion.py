@@ -129,7 +129,7 @@ def move(
     return run.settled_record()
 
 
-class Stretch(NamedTuple):
+class Steps(NamedTuple):
     """Steps taken: their positions, the rows of the kernel, the last state, and energies.
 
     A row has the force [N], the approach [m], the velocity of the ball [m/s] and the displacement
@@ -151,7 +151,7 @@ def advance(
     state: State,
     places_m: Array,
     points_m: Array | None = None,
-) -> Stretch:
+) -> Steps:
     """Advance a state by one step to each position, and return the record and the last state.
 
     `Chain.steps` gives the bodies for a time step. The next stretch goes on from the last state,
@@ -163,7 +163,7 @@ def advance(
     end, energies = _motion_kernels.advance(
         state, load_n, bodies, places_m, points, law.table, record
     )
-    return Stretch(places_m, record, State(*end), energies)
+    return Steps(places_m, record, State(*end), energies)
 
 
 def at_rest(
@@ -252,7 +252,7 @@ class _Run:
             return self.point
         return self.path(np.asarray((np.arange(steps) + 0.5) * self.step))
 
-    def advance(self, state: State, places: Array, points: Array | None = None) -> Stretch:
+    def advance(self, state: State, places: Array, points: Array | None = None) -> Steps:
         """Advance by a step to each of these positions, and return the record."""
         at = self.point if points is None else points
         return advance(self.law, self.bodies, self.load, state, places, at)
@@ -333,7 +333,7 @@ class _Run:
             self._refuse_beyond(places)
         return self.motion(self.advance(state, places, self.points(self.steps)), run_in, transient)
 
-    def motion(self, lap: Stretch, run_in: RunIn, transient: float = 0.0) -> BodyMotion:
+    def motion(self, lap: Steps, run_in: RunIn, transient: float = 0.0) -> BodyMotion:
         """Return the motion of steps taken."""
         force, approach, velocity, plate = np.ascontiguousarray(lap.record.T)
         change, work, track, plate_loss, contact_loss, moved = lap.energies
