@@ -10,9 +10,12 @@ F = (U(d1) - U(d0)) / (d1 - d0), a discrete gradient:
 
     M (u1 - u0) / h = W - F,   (z1 - z0) / h = (u1 + u0) / 2,   (w1 - w0) / h = Y (F - W)
 
-With d = z - w this is one equation for d1, whose left side rises:
+Modes of a plate with edges, if there are any, add w1 - w0 = C (F - W) - B (`_mode_kernels`). With
+d = z - w this is one equation for d1, whose left side rises:
 
-    (d1 - d0) + give F = push,   give = h^2 / (2 M) + h Y,   push = h u0 + give W
+    (d1 - d0) + give F = push,   give = h^2 / (2 M) + h Y + C,   push = h u0 + give W + B
+
+A viscous force D (d1 - d0) / h of the contact divides give and push by 1 + give D / h.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -25,6 +28,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.contact.compiling import njit
+from rolling.dynamics._mode_kernels import free_modes, move_modes, set_shapes
 
 
 class LawTable(NamedTuple):
@@ -42,6 +46,15 @@ class LawTable(NamedTuple):
     edges: Array
     values: Array
     slopes: Array
+
+
+class State(NamedTuple):
+    """State of ball and plate; the plate is counted from its rest under the load."""
+
+    approach: float  # [m]
+    velocity: float  # [m/s] of the ball, towards the plate
+    plate: float  # [m] displacement at the contact
+    modes: Array = np.zeros((2, 0))  # Q and P of each mode [J^0.5], (2, modes)
 
 
 @njit(cache=True)
@@ -253,39 +266,71 @@ def pressed(approach, sigma, push, give, table, pieces):
 
 
 @njit(cache=True)
-def advance(state, step, load, mass, mobility, places, table, record):
+def stepped(approach, sigma, stored, push, give, drag, table, pieces):
+    """Return approach, sigma and mean force of a step, in contact or not.
+
+    `drag` [N/m] is the viscosity of the contact over the time step.
+    """
+    end, stiff = 0.0, 1.0 + give * drag
+    new, mean = lifted(approach, stored, push / stiff, give / stiff, pieces[0, 2])
+    if np.isnan(new):
+        new, end, mean = pressed(approach, sigma, push / stiff, give / stiff, table, pieces)
+    if drag > 0.0:
+        mean += drag * (new - approach)
+        if mean < 0.0:  # surfaces that part faster than the contact springs back do not pull
+            new, mean = approach + push, 0.0
+            end = root_of_force(new, table, pieces)
+    return new, end, mean
+
+
+@njit(cache=True)
+def advance(state, load, bodies, places, points, table, record):
     """Set the rows of `record` to force, approach, ball velocity and plate displacement.
 
-    Row i is of the middle of step i, where the ball is at place i: the mean force, and the means of
-    the states at both ends. `state` is approach [m], velocity [m/s] and plate displacement [m].
+    Row i is of the middle of step i, where the ball is at place i and touches a plate with edges at
+    point i, or at the only point: the mean force, and the means of the states at both ends.
 
-    Returns the state at the end, and energies [J]: the change of kinetic energy plus U, the work of
-    load and track, the loss to the plate, and the range of U. The work of the track is the change
-    of U from one step's law to the next at the same approach.
+    Returns the state at the end, and energies [J]: the change of kinetic energy, U and modes, the
+    work of load and track, the losses to plate and contact, and the range of U. The work of the
+    track is the change of U from one step's law and point to the next.
     """
-    approach, velocity, plate = state
-    give = step * step / (2.0 * mass) + step * mobility
+    approach, velocity, plate = state.approach, state.velocity, state.plate
+    step, mass, modes = bodies.step, bodies.mass, state.modes.copy()
     law = table.values[0].copy()
-    pieces = np.empty((table.breaks.shape[0], 4))
+    pieces, shape = np.empty((table.breaks.shape[0], 4)), np.empty(modes.shape[1])
     first, energy, kinetic, lowest, highest = np.nan, np.nan, 0.0, np.inf, -np.inf
-    load_work, track_work, loss = 0.0, 0.0, 0.0
+    load_work, track_work, loss, contact_loss = 0.0, 0.0, 0.0, 0.0
+    modal = -0.5 * np.sum(modes * modes)
     for i in range(places.shape[0]):
         law_at(places[i], table, law)
         set_pieces(law, table, pieces)
+        give = step * step / (2.0 * mass) + step * bodies.mobility
+        back, compliance = 0.0, 0.0
+        if shape.shape[0]:
+            if i == 0 or points.shape[0] > 1:
+                set_shapes(points[i], bodies, shape)
+            displacement, back, compliance = free_modes(shape, bodies, modes[0], modes[1])
+            if points.shape[0] > 1:
+                approach -= displacement - plate
+            plate = displacement
+            give += compliance
         sigma = root_of_force(approach, table, pieces)
         stored = energy_to(sigma, table, pieces)
         if i == 0:
             first = stored
         else:
             track_work += stored - energy
-        push = step * velocity + give * load
-        new, mean = lifted(approach, stored, push, give, law[0])
-        end = 0.0
-        if np.isnan(new):
-            new, end, mean = pressed(approach, sigma, push, give, table, pieces)
+        drag = 0.0
+        if bodies.contact_time > 0.0:
+            drag = bodies.contact_time / step * stiffness_at(sigma, table, pieces)
+        push = step * velocity + give * load + back
+        new, end, mean = stepped(approach, sigma, stored, push, give, drag, table, pieces)
         energy = energy_to(end, table, pieces)
         gain = step * (load - mean) / mass
-        sink = step * mobility * (mean - load)
+        sink = step * bodies.mobility * (mean - load)
+        if shape.shape[0]:
+            sink += compliance * (mean - load) - back
+            move_modes(mean - load, shape, bodies, modes[0], modes[1])
         record[i, 0] = mean
         record[i, 1] = 0.5 * (approach + new)
         record[i, 2] = velocity + 0.5 * gain
@@ -294,10 +339,14 @@ def advance(state, step, load, mass, mobility, places, table, record):
             kinetic += mass * gain * (velocity + 0.5 * gain)
         load_work += load * (new - approach)
         loss += sink * (mean - load)
+        if drag > 0.0:
+            contact_loss += mean * (new - approach) - (energy - stored)
         velocity += gain
         plate += sink
         approach = new
         lowest = min(lowest, energy)
         highest = max(highest, energy)
-    change = kinetic + (energy - first)
-    return (approach, velocity, plate), (change, load_work, track_work, loss, highest - lowest)
+    modal += 0.5 * np.sum(modes * modes)
+    change, loss = kinetic + (energy - first) + modal, loss - modal
+    energies = (change, load_work, track_work, loss, contact_loss, highest - lowest)
+    return State(approach, velocity, plate, modes), energies

@@ -135,6 +135,8 @@ def _of_levels(
             f" at {s.distance_m:g} m without a room."
         )
         body = "an infinite plate without modes, edges or supports"
+        if scene.plate.edges_mm is not None:
+            body = "a plate that is simply supported at its edges"
         texts["infinite_plate"] = (
             f"The sphere rolls on {'a half-space' if scene.plate.thickness_mm is None else body},"
             " pressed by a constant force without mass; friction, rocking and rotation are left"
@@ -288,6 +290,8 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
         text = "motion: it does not repeat from lap to lap, so its record does not loop"
         if motion.flight_share > 0:
             text += "; impacts need not repeat"
+        elif len(scene.plate.contact_ends_mm) > 1:
+            text += "; the contact moves on the plate"
         elif scene.motion.is_constant(scene.duration):
             text += "; it has not run in, so another record may have another level"
         texts["not_settled"] = text
