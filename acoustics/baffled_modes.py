@@ -6,6 +6,7 @@ the pressure at a listener by Rayleigh's integral, and the sound power over wave
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -64,13 +65,13 @@ def mode_pressures(edges_m: Edges, orders: Orders, listener_m: Listener) -> Mode
     x, y, z = listener_m
     beside = [max(-place, place - edge, 0.0) for place, edge in zip((x, y), edges_m, strict=True)]
     beyond = [max(place, edge - place) for place, edge in zip((x, y), edges_m, strict=True)]
-    nearest, farthest = np.hypot(np.hypot(*beside), z), np.hypot(np.hypot(*beyond), z)
+    nearest, farthest = math.hypot(*beside, z), math.hypot(*beyond, z)
     spread = max(farthest - nearest, 0.02 * min(edges_m))
     step = _PHASE_RAD * SOUND_M_S / (np.pi * spread)
-    middle = float(nearest + farthest) / 2
+    middle = (nearest + farthest) / 2
     frequency = step * np.arange(max(_POINTS, int(np.ceil(AUDIBLE_HZ[1] / step)) + 2))
     rows = [_integrals(edges_m, orders, listener_m, middle, f) for f in frequency]
-    return ModePressures(float(step), middle, np.array(rows))
+    return ModePressures(step, middle, np.array(rows))
 
 
 def _integrals(
@@ -82,7 +83,7 @@ def _integrals(
 ) -> Complex:
     """Return the integral [m] of each mode at one frequency, times exp(i k middle)."""
     k, z = 2 * np.pi * frequency_hz / SOUND_M_S, abs(listener_m[2])
-    most = orders.max(axis=0)
+    most = orders.max(axis=0, initial=1)
     offsets, shapes = [], []
     for edge, at, order in zip(edges_m, listener_m[:2], most, strict=True):
         nodes, weights = _panels(edge, at, z, k + np.pi * order / edge)
@@ -91,10 +92,11 @@ def _integrals(
         shapes.append(weights * waves)
     distance = np.sqrt(np.square(offsets[0])[:, None] + np.square(offsets[1]) + z**2)
     phase, rows = k * (middle_m - distance), orders.T - 1
-    parts = (
-        (shapes[0] @ (wave(phase) / distance) @ shapes[1].T)[*rows] for wave in (np.cos, np.sin)
+    real, imaginary = (
+        (shapes[0] @ (wave / distance) @ shapes[1].T)[rows[0], rows[1]]
+        for wave in (np.cos(phase), np.sin(phase))
     )
-    return np.asarray(next(parts) + 1j * next(parts))
+    return np.asarray(real + 1j * imaginary)
 
 
 def _panels(edge: float, at: float, near: float, wave_number: float) -> tuple[Array, Array]:

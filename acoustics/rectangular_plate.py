@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
@@ -77,9 +78,9 @@ class RectangularPlate:
         """Modal mass of every mode [kg]."""
         return self.mass_per_area_kg_m2 * self.length_m * self.width_m / 4
 
-    def shapes(self, points_m: ArrayLike) -> Array:
+    def shapes(self, points_m: ArrayLike, modes: slice = slice(None)) -> Array:
         """Return the shape of each mode at points (n, 2) [m], an array (n, modes)."""
-        return self._shapes(self.orders, points_m)
+        return self._shapes(self.orders[modes], points_m)
 
     def residual_compliance_m_n(self, point_m: ArrayLike) -> float:
         """Return the static compliance [m/N] at a point of the modes above MODES_HZ."""
@@ -149,9 +150,7 @@ class RectangularPlate:
         """
         shapes = self.shapes(contact_m)[0]
         if path_m is None:
-            path_m = float(
-                np.hypot(np.hypot(*(listener_m[:2] - np.ravel(contact_m))), listener_m[2])
-            )
+            path_m = math.dist((*np.ravel(contact_m), 0.0), listener_m)
         parts = self._parts(np.atleast_1d(np.asarray(frequency_hz)))
         return np.concatenate(
             [self.mode_transfer(part, listener_m, path_m) @ shapes for part in parts]
