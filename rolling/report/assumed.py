@@ -29,6 +29,13 @@ def _source(run: Run) -> dict[str, str]:
     scene, factor = run.scene, run.sound.factor
     if run.sound.source == "vibration":
         ball = "plate and sphere" if scene.sound.ball else "plate"
+        if scene.plate.edges_mm is not None:
+            places = run.summary["listeners"]
+            words = ("[" + ", ".join(f"{x:g}" for x in place["at_mm"]) + "]" for place in places)
+            return {
+                "source": f"vibration of {ball}, the plate in an infinite rigid baffle",
+                "listener [mm] from the corner of the plate": "; ".join(words),
+            }
         return {
             "source": f"vibration of {ball}, the pressure on the axis through the contact",
             "distance": f"{scene.sound.distance_m:g} m",
@@ -55,7 +62,10 @@ def _bodies(run: Run) -> dict[str, str]:
     bending = "half-space"
     if plate.thickness_mm is not None:
         critical = rounded(summary["critical_hz"], 4)
-        bending = f"infinite plate {plate.thickness_mm:g} mm thick, coincidence at {critical} Hz"
+        size = "infinite plate"
+        if plate.edges_mm is not None:
+            size = f"simply supported plate {plate.edges_mm[0]:g} x {plate.edges_mm[1]:g} mm,"
+        bending = f"{size} {plate.thickness_mm:g} mm thick, coincidence at {critical} Hz"
     quality, error = summary["resonance_q"], summary["force_law_error_n"]
     damping = "undamped" if quality is None else f"Q {rounded(quality, 3)}"
     law = (

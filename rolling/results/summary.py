@@ -231,11 +231,13 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     largest = float(motion.force_n.max())
     # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
     highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
-    plate = of_scene.plate(scene)
+    plate, compact = of_scene.plate(scene), compact_source_db(scene, vibration)
+    mean = "compact_source_level_db" if scene.plate.edges_mm is None else "hemisphere_mean_level_db"
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return {
         **_difference(scene, release.levels, vibration.levels),
-        "compact_source_level_db": compact_source_db(scene, vibration),
+        mean: compact,
+        **_listeners(scene, vibration),
         "plate_power_level_db": _total(vibration.plate_power),
         "ball_power_level_db": _total(vibration.ball_power),
         "plate_power_third_octave_db": vibration.power_levels(),
@@ -271,6 +273,23 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "motion_settled": bool(motion.settled),
         "motion_laps": motion.laps,
         "motion_transient_s": known(motion.transient_s),
+    }
+
+
+def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
+    """Return places and levels of the listeners of a plate with edges."""
+    if scene.plate.edges_mm is None:
+        return {}
+    listeners = zip(scene.listeners, vibration.listener_levels(), strict=True)
+    return {
+        "listeners": [
+            {
+                "at_mm": [round(1e3 * x, 6) for x in place],
+                "laeq_db": levels.laeq_db,
+                "level_db": levels.level_db,
+            }
+            for place, levels in listeners
+        ]
     }
 
 

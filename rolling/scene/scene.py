@@ -493,8 +493,8 @@ class Scene(Section):
 
     @property
     def listener_place(self) -> str:
-        """The place of the first listener in words: a distance, or coordinates on the plate."""
-        if self.sound.listener_mm is None:
+        """Place of the first listener in words: a distance, or coordinates from the corner."""
+        if self.sound.listener_mm is None or self.sound.source != "vibration":
             return f"{self.sound.distance_m:g} m"
         return f"[{', '.join(f'{x:g}' for x in self.sound.listener_mm[0])}] mm"
 
