@@ -153,7 +153,8 @@ def _blocks(edges_m: Edges, frequency_hz: Array) -> Iterator[NDArray[np.int64]]:
     low = np.log(np.clip(frequency_hz / near, 1e-9, 1.0)) / _RATIO
     number = np.floor(low + np.maximum(frequency_hz - near, 0.0) / width)
     order = np.argsort(number, kind="stable")
-    yield from np.split(order, np.flatnonzero(np.diff(number[order])) + 1)
+    if len(order):
+        yield from np.split(order, np.flatnonzero(np.diff(number[order])) + 1)
 
 
 def _resistances(edges_m: Edges, orders: Orders, frequency_hz: float) -> Array:
