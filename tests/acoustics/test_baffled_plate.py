@@ -141,7 +141,7 @@ def test_far_pressure_carries_the_power() -> None:
 
 
 def test_a_small_ball_off_its_axis_is_a_dipole_and_its_image() -> None:
-    """A dipole along the axis, and an image beside which it is small, give the square of a cosine."""
+    """A dipole along the axis and its near image: together the square of a cosine."""
     ball = Ball(1e-3, 7850)
     on, off = (axis_transfer([1000.0], ball, 1.0, cosine)[0] for cosine in (1.0, 0.5))
     assert off / on == pytest.approx(0.25, rel=1e-3)
