@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple
 
@@ -174,6 +174,12 @@ class Chain:
         """Viscosity of the contact over its stiffness [s]."""
         return self.contact_loss_factor / (2 * np.pi * self.resonance_hz)
 
+    @property
+    def own_decay_s(self) -> float:
+        """Decay time [s] with the mobility of the plate at the resonance, between its modes too."""
+        own = float(self.mobilities([self.resonance_hz])["plate"].real[0])
+        return replace(self, mobility_s_kg=own, modes=None).decay_s
+
     def steps(self, step_s: float) -> StepBodies:
         """Return the bodies as time steps [s] move them, in tune at the resonance."""
         mobility = self.mobility_s_kg if self.modes is None else 0.0
@@ -194,8 +200,11 @@ class Chain:
     def force(self, frequency_hz: ArrayLike, roughness_m: ArrayLike) -> NDArray[np.complex128]:
         """Return the fluctuation of the contact force [N], phasors of exp(i w t), above 0 Hz.
 
-        The roughness [m] is minus the fluctuation of the approach under the constant load.
+        The roughness [m] is minus the fluctuation of the approach under the constant load. It
+        moves the spring of the contact, and not its damper.
         """
         iw = 2j * np.pi * np.asarray(frequency_hz, dtype=float)
         receptance = sum(self.mobilities(frequency_hz).values()) / iw
+        if self.contact_loss_factor > 0:
+            receptance *= 1 + self.contact_time_s * iw
         return np.asarray(roughness_m, dtype=complex) / receptance

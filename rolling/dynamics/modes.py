@@ -21,7 +21,7 @@ from rolling.dynamics._motion_kernels import StepBodies
 
 # Bands of the tail: the ratio of their edges, and their number. The damping ratio of a band dw
 # about w is dw / (pi w). Chosen by Zener's impacts on plates of 3 to 20 mm: docs/dynamics.md.
-RATIO, BANDS = 1.5, 4
+RATIO, BANDS = 1.5, 6
 _RESOLVED = 2.5  # phase of a mode in half a step up to which it is tuned
 _DIRECT = 300_000  # answers of modes that are summed without a table
 _BLOCK = 1_000_000  # answers of modes that are held at once
@@ -49,6 +49,15 @@ class Modes:
         least, most = np.exp(self._table.x[[0, -1]])
         asked: NDArray[np.complex128] = self._table(np.log(np.clip(frequency_hz, least, most)))
         return asked
+
+    def decay_s(self, angular_frequency: float) -> float:
+        """Return the time [s] in which a mode of a frequency [rad/s] falls by the factor e."""
+        return float(1 / (self.damping_ratio.min() * angular_frequency))
+
+    def lowest(self, mass_kg: float) -> float:
+        """Return the lowest angular frequency [rad/s] of the plate with a mass on the contact."""
+        compliance = float(np.sum(self.weight * np.square(self.reach)))
+        return min(float(self.angular_frequency.min()), float((mass_kg * compliance) ** -0.5))
 
     def answers(self, frequency_hz: Array) -> NDArray[np.complex128]:
         """Return displacement over static displacement of each mode, (frequencies, modes)."""
@@ -132,11 +141,12 @@ def step_bodies(
         none = np.zeros(0)
         return StepBodies(*parts, none, none, none, none, np.zeros(0, np.int64), np.ones(2))
     w, zeta = modes.angular_frequency, modes.damping_ratio
+    zeta = np.where(np.abs(zeta - 1) < 1e-8, 1 + 1e-8, zeta)  # critical damping has one root
     root = w * np.sqrt(np.square(zeta) - 1 + 0j)
-    root[np.abs(root) < 1e-6 * w] = 1e-6  # critical damping
     fast = -zeta * w - root
     slow, fast = np.exp(np.square(w) / fast * step_s), np.exp(fast * step_s)
-    turn, mean = (w * (slow - fast) / (2 * root)).real, (slow + fast).real / 2
+    turn = np.ascontiguousarray((w * (slow - fast) / (2 * root)).real)
+    mean = (slow + fast).real / 2
     x = w * step_s / 2
     gain = _sinc(x - x0) * _sinc(x + x0) / np.square(_sinc(x) * np.cos(x0))
     reach = modes.reach * np.sqrt(np.where(x < _RESOLVED, gain, 1.0))

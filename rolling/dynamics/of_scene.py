@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -82,10 +82,14 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
 
 def _modes(scene: Scene) -> Modes | None:
     """Return the modes of a plate with edges, weighted by their shapes at the contact points."""
-    rectangle = rectangular_plate(scene)
-    if rectangle is None:
-        return None
-    ends = np.array(list(scene.plate.contact_ends_mm.values())) * 1e-3
+    rectangle, ends = rectangular_plate(scene), scene.plate.contact_ends_mm
+    return None if rectangle is None else _modes_between(rectangle, tuple(ends.values()))
+
+
+@lru_cache(maxsize=8)
+def _modes_between(rectangle: RectangularPlate, ends_mm: tuple[tuple[float, float], ...]) -> Modes:
+    """Return the modes of a plate for a path, or for the only point [mm]."""
+    ends = 1e-3 * np.array(ends_mm)
     share = np.linspace(0, 1, _STATIONS if len(ends) > 1 else 1)[:, None]
     return modes_of(rectangle, ends[0] + share * (ends[-1] - ends[0]))
 
