@@ -30,6 +30,7 @@ _POINTS = 6  # frequencies of a table that a polynomial joins
 _PHASE_RAD = 0.8  # between frequencies of a table; interpolation then errs by 1.3e-3 at most
 # Frequencies that share the directions of a sound power: maximum ratio, and phase along an edge.
 _RATIO, _SHIFT_RAD = 0.03, 0.6
+_OWN_RATIO = 0.01  # of modes that share them at their own frequencies; more blurs coincidence
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,16 +142,18 @@ def own_resistance(edges_m: Edges, orders: Orders, frequency_hz: Array) -> Array
     Each mode vibrates at a frequency of its own [Hz].
     """
     power = np.empty(len(orders))
-    for modes in _blocks(edges_m, frequency_hz):
+    for modes in _blocks(None, frequency_hz, _OWN_RATIO):
         power[modes] = _resistances(edges_m, orders[modes], float(np.mean(frequency_hz[modes])))
     return power
 
 
-def _blocks(edges_m: Edges, frequency_hz: Array) -> Iterator[NDArray[np.int64]]:
+def _blocks(
+    edges_m: Edges | None, frequency_hz: Array, ratio: float = _RATIO
+) -> Iterator[NDArray[np.int64]]:
     """Yield the places of frequencies so near one another that they share directions."""
-    width = _SHIFT_RAD * SOUND_M_S / (np.pi * max(edges_m))
-    near = width / _RATIO
-    low = np.log(np.clip(frequency_hz / near, 1e-9, 1.0)) / _RATIO
+    width = _SHIFT_RAD * SOUND_M_S / (np.pi * max(edges_m)) if edges_m else np.inf
+    near = width / ratio if edges_m else 1e6
+    low = np.log(np.clip(frequency_hz / near, 1e-15, 1.0)) / ratio
     number = np.floor(low + np.maximum(frequency_hz - near, 0.0) / width)
     order = np.argsort(number, kind="stable")
     if len(order):

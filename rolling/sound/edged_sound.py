@@ -120,7 +120,7 @@ def power_per_force(scene: Scene, plate: RectangularPlate, frequency: Array) -> 
     points = points_on_path(scene)
     octaves = math.log(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
     count = int(np.clip(_PER_WIDTH * octaves / plate.loss_factor, *_GRID))
-    if len(frequency) <= count:
+    if len(frequency) <= count or not len(plate.orders):
         return plate.power_per_force(frequency, points)
     grid, power = _power_table(plate, tuple(map(tuple, points.tolist())), count)
     return np.asarray(np.exp(np.interp(np.log(frequency), np.log(grid), power)))
