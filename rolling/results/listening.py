@@ -41,11 +41,12 @@ PLAYERS = ("afplay", "pw-play", "paplay", "aplay", "ffplay -nodisp -autoexit", "
 
 
 def laps(sound: ContactSound) -> Array:
-    """Return the record [Pa], or as many of its laps as last five seconds."""
-    samples = round(LEAST_S * sound.sample_rate)
-    if len(sound.pressure) >= samples:
-        return sound.pressure
-    return np.tile(sound.lap.samples(sound.pressure), math.ceil(samples / len(sound.lap)))
+    """Return the record of all channels [Pa], or as many of its laps as last five seconds."""
+    samples, record = round(LEAST_S * sound.sample_rate), sound.channels
+    if len(record) >= samples:
+        return record
+    lap = sound.lap.samples(record)
+    return np.tile(lap, (math.ceil(samples / len(lap)), *[1] * (lap.ndim - 1)))
 
 
 def laps_in_words(sound: ContactSound) -> str:
@@ -109,10 +110,17 @@ def wav_title(run: Run) -> str:
 def facts(run: Run) -> str:
     """Write the facts that the comment of a sound file holds."""
     s, factor = run.scene.sound, run.sound.factor
-    source = f"vibration of {'plate and sphere' if s.ball else 'plate'} on the axis"
+    source = f"vibration of {'plate and sphere' if s.ball else 'plate'}"
+    source += " on the axis" if run.scene.plate.edges_mm is None else " with edges"
+    place = f"distance {s.distance_m:g} m"
+    if run.sound.source == "vibration" and run.scene.sound.listener_mm is not None:
+        count = 1 if run.sound.right is None else 2
+        places = (str(list(at)) for at in run.scene.sound.listener_mm[:count])
+        place = f"listeners left and right at {' and '.join(places)} mm"
+        place = place if count == 2 else f"listener at {run.scene.listener_place}"
     if factor is not None:
         source = f"q {s.q:g}, {factor:.6g} Pa per W/m2 of fluctuation"
-    return f"{wav_title(run)}; distance {s.distance_m:g} m, {source}; {run.sound.ends}"
+    return f"{wav_title(run)}; {place}, {source}; {run.sound.ends}"
 
 
 def _rule(run: Run, gain: float) -> str:

@@ -30,8 +30,8 @@ FLOORS = {
     "acoustics": (
         ("arrays", "numbers"),
         ("bands", "radiation", "weighting"),
-        ("plot_style", "resampling", "spectrum"),
-        ("extension", "level", "loudness", "sound_power"),
+        ("baffled_modes", "plot_style", "resampling", "spectrum"),
+        ("extension", "level", "loudness", "rectangular_plate", "sound_power"),
         ("laps", "plots", "uncertainty", "wav"),
     ),
 }
