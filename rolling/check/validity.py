@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from acoustics.numbers import rounded
-from rolling.check import cost, long_steps, vibration
+from rolling.check import cost, free_sphere, long_steps, vibration
 from rolling.check.finding import Finding, rounded_up, si
 from rolling.check.resolution import HEARING
 from rolling.scene.scene import STEEL_DENSITY, Scene
@@ -24,7 +24,8 @@ DOMINANT = 0.7
 def findings(scene: Scene) -> list[Finding]:
     """Judge whether the model holds for a scene; a height file is read."""
     resonance = _bouncing(scene) if scene.dynamics is None else vibration.resonance(scene)
-    return [*_half_space(scene), *_near(scene), resonance, *vibration.findings(scene)]
+    moving = [*vibration.findings(scene), *free_sphere.findings(scene)]
+    return [*_half_space(scene), *_near(scene), resonance, *moving]
 
 
 def _near(scene: Scene) -> list[Finding]:

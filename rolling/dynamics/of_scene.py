@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact import closed_forms
-from rolling.dynamics import bodies
+from rolling.dynamics import bodies, drop
 from rolling.dynamics.bodies import BendingPlate, Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion, Stepping, Travel, move
@@ -71,4 +71,7 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
         places = np.minimum(scene.motion.distance(times), scene.track.distance)
         speed = Travel(times, np.asarray(places, dtype=float))
     stepping = Stepping(time_step_s=time_step_s)
+    if scene.rolling.drop_mm is not None:
+        step = time_step_s or drop.time_step_s(scene, law, linear)
+        stepping = Stepping(time_step_s=step, start=drop.start(scene, law, linear))
     return move(law, scene.mass, linear.mobility_s_kg, scene.load, speed, duration, stepping)

@@ -35,7 +35,9 @@ def vibration_key(scene: Scene) -> str:
     data, plate = scene.model_dump(mode="json"), scene.plate
     bodies = scene.sphere.density_kg_m3, plate.density_kg_m3, plate.thickness_mm
     speed = data["rolling"]["speed_m_s"]
-    return digest([speed, scene.track.steps, bodies, data["dynamics"]])
+    free = {key: data["rolling"][key] for key in ("resistance", "drop_mm")}
+    free = {key: value for key, value in free.items() if value is not None}
+    return digest([speed, scene.track.steps, bodies, data["dynamics"], *([free] if free else [])])
 
 
 @dataclass

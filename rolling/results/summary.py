@@ -20,7 +20,7 @@ from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
-from rolling.dynamics import of_scene
+from rolling.dynamics import drop, of_scene
 from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result
@@ -233,8 +233,10 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
     plate = of_scene.plate(scene)
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    dropped = {"drop_mm": scene.rolling.drop_mm, "restitution": drop.restitution(motion)}
     return {
         **_difference(scene, release.levels, vibration.levels),
+        **(dropped if scene.rolling.drop_mm is not None else {}),
         "compact_source_level_db": compact_source_db(scene, vibration),
         "plate_power_level_db": _total(vibration.plate_power),
         "ball_power_level_db": _total(vibration.ball_power),

@@ -289,6 +289,13 @@ def faded(signal: Array, duration: float) -> Array:
     return resampling.fade(signal - mean, ends)
 
 
+def faded_out(signal: Array, duration: float) -> Array:
+    """Return a signal that begins in silence, faded at its end."""
+    share = resampling.fade(np.ones(len(signal)), fade_length(len(signal), duration))
+    share[: len(share) // 2] = 1.0
+    return signal * share
+
+
 def fade_length(samples: int, duration: float) -> int:
     """Return the number of samples of the fade at either end of a record."""
     return max(1, int(samples * min(FADE_S / duration, 0.1)))

@@ -32,7 +32,7 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import MOST_STEPS, BodyMotion
 from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import ContactSound, faded
+from rolling.sound.contact_sound import ContactSound, faded, faded_out
 from rolling.sound.error_estimate import Gain
 
 P_REF_W = 1e-12  # reference sound power
@@ -124,6 +124,8 @@ def vibrate(
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
     comb = _comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
+    if scene.rolling.drop_mm is not None:  # one event, no sample of a noise
+        spread = _certain(spread)
     parts = {
         "record": spread.laeq_db,
         "comb": comb and comb.spread_db,
@@ -154,10 +156,13 @@ def _radiated(scene: Scene, motion: BodyMotion, closed: bool) -> tuple[Array, Ar
     duration = len(motion.force_n) * motion.time_step_s
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
     fluctuation = motion.force_n - scene.load
-    if not closed:
+    if scene.rolling.drop_mm is not None:
+        fluctuation = faded_out(motion.force_n, duration)  # it begins in silence
+    elif not closed:
         fluctuation = faded(fluctuation, duration)
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
-    if scene.surface.kind == "smooth" or motion.flight_share == 1:
+    smooth = scene.surface.kind == "smooth" and scene.rolling.drop_mm is None
+    if smooth or motion.flight_share == 1:
         fluctuation = np.zeros_like(fluctuation)
     pressure = pressure_on_axis(
         fluctuation, motion.sample_rate_hz, _sources(scene), scene.sound.distance_m, closed=True
@@ -214,6 +219,18 @@ def _step_error(
     _, pressure = _radiated(scene, twice, closed)
     coarse = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ).laeq_db
     return UNKNOWN_DB if coarse is None else min(abs(laeq_db - coarse), UNKNOWN_DB)
+
+
+def _certain(spread: uncertainty.LevelUncertainty) -> uncertainty.LevelUncertainty:
+    """Return uncertainties without a part [dB] from the length of the record."""
+
+    def certain(decibels: float | None) -> float | None:
+        return None if decibels is None else 0.0
+
+    whole = asdict(spread)
+    bands = {name: certain(db) for name, db in whole.pop("third_octave_db").items()}
+    known = {name: certain(db) for name, db in whole.items()}
+    return uncertainty.LevelUncertainty(**known, third_octave_db=bands)
 
 
 def _joined(
