@@ -83,15 +83,18 @@ def time_step_s(scene: Scene, law: ForceLaw, chain: Chain) -> float:
     return min(impact_s(scene) / IMPACT_STEPS, resonance, law.spacing_m / speed)
 
 
-def restitution(motion: BodyMotion) -> float | None:
+def restitution(scene: Scene, motion: BodyMotion) -> float | None:
     """Return speed after over speed before the first impact; None without an end of it."""
     apart = motion.force_n == 0
-    touching = np.flatnonzero(~apart)
-    if not len(touching) or touching[0] == 0:
+    first = int(np.argmin(apart))
+    if first == 0:  # it never hits the plate
         return None
-    after = np.flatnonzero(apart[touching[0] :])
-    if not len(after):
+    after = first + int(np.argmax(apart[first:]))
+    if after == first:
         return None
-    velocity = motion.velocity_m_s - motion.velocity_m_s[0]  # it starts at rest
-    before = touching[0] - 1
-    return float(-velocity[touching[0] + after[0]] / velocity[before]) if velocity[before] else None
+    acceleration = scene.load / scene.mass
+    velocity = motion.velocity_m_s[after] - motion.velocity_m_s[0]  # it starts at rest
+    velocity += acceleration * motion.time_step_s / 2
+    height = height_m(scene) - (motion.approach_m[after] - motion.approach_m[0])
+    square = velocity**2 + 2 * acceleration * height
+    return math.sqrt(max(square, 0.0)) / speed_m_s(scene)

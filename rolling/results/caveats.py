@@ -166,7 +166,7 @@ def _of_levels(
             noise = "from its scatter between thirds, because impacts are not Gaussian noise"
         parts = "length, comb and time steps" if vibrates else "the length"
         covered = f"{parts} of the record, {noise}"
-        if scene.rolling.drop_mm is not None:
+        if sound.once:
             covered = "the time steps; the record is one fall, and its level that of its length"
         texts["uncertainty"] = f"± covers {covered}; it holds no error of model, grid or solver."
         if errors is not None and errors.levels:
@@ -182,14 +182,13 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
     """Return the caveats of a record that does not loop, or whose repetition is heard."""
     texts = {}
     if not sound.loops:
-        faded = "its end" if scene.rolling.drop_mm is not None else "both ends"
         texts["not_loopable"] = (
             "The ends of the record do not fit together: a loop of it is cross-faded."
             if sound.closed
-            else f"The record does not close on itself: it is faded at {faded}, and a loop of it"
+            else f"The record does not close on itself: it is {sound.ends}, and a loop of it"
             " is cross-faded."
         )
-    if sound.levels.level_db is None:
+    if sound.levels.level_db is None or sound.once:
         return texts
     lap = scene.track.lap_steps * scene.track.step
     period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
@@ -217,8 +216,12 @@ def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:
         }
     if moving is None:
         return {
-            "constant_load_release": "The release is computed under the constant load;"
-            " dynamics.release: true computes it under the moving load."
+            "constant_load_release": "The release is computed under the constant load"
+            + (
+                "; dynamics.release: true computes it under the moving load."
+                if scene.rolling.drop_mm is None
+                else ": that of a sphere that rolls from the start."
+            )
         }
     if moving.fault:
         return {

@@ -43,7 +43,7 @@ PLAYERS = ("afplay", "pw-play", "paplay", "aplay", "ffplay -nodisp -autoexit", "
 def laps(sound: ContactSound) -> Array:
     """Return the record [Pa], or as many of its laps as last five seconds."""
     samples = round(LEAST_S * sound.sample_rate)
-    if len(sound.pressure) >= samples:
+    if sound.once or len(sound.pressure) >= samples:
         return sound.pressure
     return np.tile(sound.lap.samples(sound.pressure), math.ceil(samples / len(sound.lap)))
 
@@ -51,7 +51,7 @@ def laps(sound: ContactSound) -> Array:
 def laps_in_words(sound: ContactSound) -> str:
     """Say how listen.wav follows from the record."""
     lap, rate = sound.lap, sound.sample_rate
-    if len(sound.pressure) >= LEAST_S * rate:
+    if sound.once or len(sound.pressure) >= LEAST_S * rate:
         return f"the record, {sound.ends}"
     count = f"{len(laps(sound)) // len(lap)} laps of the record"
     if sound.loops:

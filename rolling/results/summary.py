@@ -233,7 +233,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
     plate = of_scene.plate(scene)
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-    dropped = {"drop_mm": scene.rolling.drop_mm, "restitution": drop.restitution(motion)}
+    dropped = {"drop_mm": scene.rolling.drop_mm, "restitution": drop.restitution(scene, motion)}
     return {
         **_difference(scene, release.levels, vibration.levels),
         **(dropped if scene.rolling.drop_mm is not None else {}),

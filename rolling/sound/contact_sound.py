@@ -68,6 +68,8 @@ class ContactSound:
         where it repeats.
     source : str
         Source of the pressure, release or vibration. Power and its rms belong to the release.
+    once : bool
+        If true, the record is one event, which is faded at its end only and heard once.
     """
 
     __repr__ = short_repr
@@ -90,6 +92,7 @@ class ContactSound:
     resolved_rms: float
     has_seam: bool = False
     source: str = "release"
+    once: bool = False
 
     @property
     def loops(self) -> bool:
@@ -126,7 +129,7 @@ class ContactSound:
         """End of the record in words."""
         if self.closed:
             return "does not loop, the surface has a seam" if self.has_seam else "loops"
-        return "faded at both ends"
+        return "faded at its end" if self.once else "faded at both ends"
 
     @property
     def sample_rate(self) -> int:

@@ -65,6 +65,7 @@ class Vibration:
     mean_laeq: float | None  # [dB] mean level over speeds within 3 %; None: no comb
     plate_power: Array  # (31,) [W]
     ball_power: Array  # (31,) [W]
+    once: bool = False  # whether the record is one event, the fall of the sphere
 
     @cached_property
     def force_ratio(self) -> Array:
@@ -119,12 +120,14 @@ def vibrate(
     `laps` laps of the track, whole laps of a closed track if `whole_laps`.
     """
     motion, chain = motion or of_scene.motion(scene, law), of_scene.chain_over(scene, law)
-    closed = whole_laps and bool(motion.settled)
+    once, closed = scene.rolling.drop_mm is not None, whole_laps and bool(motion.settled)
+    if once:  # the time steps resolve an impact, whatever the steps of the track
+        highest = max(highest, motion.sample_rate_hz / 2)
     force, pressure = _radiated(scene, motion, closed)
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
     comb = _comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
-    if scene.rolling.drop_mm is not None:  # one event, no sample of a noise
+    if once:  # and no sample of a noise
         spread = _certain(spread)
     parts = {
         "record": spread.laeq_db,
@@ -148,6 +151,7 @@ def vibrate(
         mean_laeq=comb and comb.mean_laeq_db,
         plate_power=plate,
         ball_power=ball,
+        once=once,
     )
 
 
@@ -290,6 +294,7 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
         pressure=vibrating.pressure,
         factor=None,
         closed=vibrating.closed,
+        once=vibrating.once,
         levels=vibrating.levels,
         uncertainty=vibrating.uncertainty,
         steady_level=None,
