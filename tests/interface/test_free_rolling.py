@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from rolling.check.findings import check_scene
+from rolling.results.verdict import expected
 from rolling.scene.file import loads, resound
 from rolling.scene.identity import contact_keys
 from rolling.scene.messages import SceneError
@@ -93,3 +95,37 @@ def test_a_sphere_rolls_out(load: str) -> None:
 
 def test_no_resistance_keeps_the_speed() -> None:
     assert scene("rolling.resistance=0").motion.is_constant(10.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "words"),
+    [
+        (["rolling.drop_mm=1"], "drop", "before the sphere hits the plate"),
+        (["rolling.drop_mm=300"], "drop_width", "choose a surface.width_um of at least 970"),
+        (["rolling.drop_mm=0.01", "rolling.resistance=0.2", "rolling.distance_mm=3"], "", ""),
+        (["sphere.radius_mm=80"], "ball_modes", "sphere.radius_mm of at most 67"),
+    ],
+)
+def test_check(changes: list[str], key: str, words: str) -> None:
+    warnings = {
+        finding.key: finding.warning
+        for finding in check_scene(scene(*changes), solve=False)
+        if finding.key in ("drop", "drop_width", "ball_modes", "impacts_yield")
+    }
+    assert words in (warnings.pop(key) or "") if key else not any(warnings.values())
+
+
+@pytest.mark.parametrize(("modulus", "elastic_mm"), [("", 0.23), ("210", 3.6)])
+def test_check_says_from_which_height_an_impact_yields(modulus: str, elastic_mm: float) -> None:
+    """A steel ball of 10 mm on 2.1 GPa yields from 0.23 mm if it is rigid, and from 3.6 mm."""
+    ball = [f"sphere.youngs_modulus_gpa={modulus}", "sphere.poissons_ratio=0.3"] if modulus else []
+    steel = scene(
+        *("sphere.radius_mm=5", "sphere.density_kg_m3=7850", "plate.youngs_modulus_gpa=210"),
+        *("plate.poissons_ratio=0.3", "plate.hardness_gpa=2.1", "plate.density_kg_m3=7850", *ball),
+    )
+    for height, yields in ((0.97 * elastic_mm, False), (1.03 * elastic_mm, True)):
+        checked = check_scene(steel.with_({"rolling.drop_mm": height}), solve=False)
+        warnings = [finding.warning for finding in checked if finding.key == "impacts_yield"]
+        assert [warning is not None for warning in warnings] == [yields]
+        word, reason = expected(steel.with_({"rolling.drop_mm": height}), checked)
+        assert (word == "do not quote" and "elastic drop" in reason) == yields
