@@ -196,9 +196,7 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
     known = [
         summary
         for summary in summaries
-        if above_vibration_db(summary) is not None
-        and not _fixed_gain(summary)
-        and "drop_mm" not in summary  # whose impacts release nothing
+        if above_vibration_db(summary) is not None and not _fixed_gain(summary)
     ]
     sources = {summary["source"] for summary in known}
     if len(sources) != 1:

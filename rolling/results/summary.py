@@ -21,6 +21,7 @@ from acoustics.level import SoundLevels, level_db
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
+from rolling.dynamics.motion import BodyMotion
 from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result
@@ -233,10 +234,9 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
     plate = of_scene.plate(scene)
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-    dropped = {"drop_mm": scene.rolling.drop_mm, "restitution": drop.restitution(scene, motion)}
     return {
         **_difference(scene, release.levels, vibration.levels),
-        **(dropped if scene.rolling.drop_mm is not None else {}),
+        **_fall(scene, motion),
         "compact_source_level_db": compact_source_db(scene, vibration),
         "plate_power_level_db": _total(vibration.plate_power),
         "ball_power_level_db": _total(vibration.ball_power),
@@ -273,6 +273,18 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "motion_settled": bool(motion.settled),
         "motion_laps": motion.laps,
         "motion_transient_s": known(motion.transient_s),
+    }
+
+
+def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:
+    """Return height and restitution of a fall; its impacts compare with no release."""
+    if scene.rolling.drop_mm is None:
+        return {}
+    return {
+        "drop_mm": scene.rolling.drop_mm,
+        "restitution": drop.restitution(scene, motion),
+        "release_over_vibration_db": None,
+        "equivalent_q": None,
     }
 
 
