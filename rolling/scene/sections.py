@@ -13,16 +13,7 @@ import os
 import re
 from collections.abc import Mapping
 from itertools import chain
-from typing import (
-    TYPE_CHECKING,
-    Annotated,
-    Any,
-    ClassVar,
-    Final,
-    Literal,
-    Self,
-    dataclass_transform,
-)
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
 
 import numpy as np
 from pydantic import (
@@ -243,7 +234,7 @@ class Plate(Section):
 # ---- rolling
 
 
-WEIGHT: Final = "weight"
+WEIGHT: Literal["weight"] = "weight"
 SPEED = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 
 
