@@ -13,6 +13,7 @@ from rolling.dynamics import drop
 from rolling.scene.scene import STEEL_DENSITY, Scene
 
 STEEL_GPA, STEEL_POISSON = 210.0, 0.3
+MAX_CONTACT = 0.2  # contact radius over sphere radius
 LOWEST_MODE = 0.84  # frequency of the lowest mode times diameter over the speed of shear waves
 
 
@@ -73,13 +74,19 @@ def impact_radius(scene: Scene) -> float:
 
 
 def _room(scene: Scene) -> Finding:
-    """Compare the contact of the first impact with the surface and with the thickness."""
+    """Compare the contact of the first impact with surface, sphere and thickness."""
     radius, period = impact_radius(scene), cost.shortest_period(scene)
     thickness, warning = scene.plate.thickness_mm, None
     if 2 * radius > period:
         warning = (
             f"the surface has {si(period, 'm')}: harder impacts than that holds are extrapolated"
-            f" by Hertz; choose a surface.width_um of at least {rounded_up(2e6 * radius)}"
+            f" by Hertz; choose a surface.width_um of at least {rounded_up(2e6 * radius)}, and a"
+            " track as long"
+        )
+    elif radius > MAX_CONTACT * scene.radius:
+        warning = (
+            f"it is {rounded(radius / scene.radius)} of the sphere's radius, a half-space holds up"
+            f" to {MAX_CONTACT:g}: choose a lower rolling.drop_mm"
         )
     elif thickness is not None and 1e3 * radius > vibration.THICK * thickness:
         warning = (

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from rolling.check.findings import check_scene
@@ -93,6 +96,16 @@ def test_a_sphere_rolls_out(load: str) -> None:
         resound(given, ["rolling.speed_m_s=0.2"])
 
 
+def test_a_sphere_rolls_out_over_a_height_file(tmp_path: Path) -> None:
+    """It passes the file several times, and the march is that of one passage."""
+    np.save(tmp_path / "heights.npy", np.zeros((32, 16)))
+    surface = {"kind": "file", "path": "heights.npy", "spacing_um": 4}
+    data = scene().to_dict() | {"surface": surface}
+    data["rolling"] = {"speed_m_s": 0.1, "resistance": 0.2}
+    track = Scene.from_dict(data, tmp_path).track
+    assert (track.lap_steps, track.steps) == (32, int(0.1**2 * 0.7 / 0.2 / 9.80665 / 4e-6))
+
+
 def test_no_resistance_keeps_the_speed() -> None:
     assert scene("rolling.resistance=0").motion.is_constant(10.0)
 
@@ -104,6 +117,14 @@ def test_no_resistance_keeps_the_speed() -> None:
         (["rolling.drop_mm=300"], "drop_width", "choose a surface.width_um of at least 970"),
         (["rolling.drop_mm=0.01", "rolling.resistance=0.2", "rolling.distance_mm=3"], "", ""),
         (["sphere.radius_mm=80"], "ball_modes", "sphere.radius_mm of at most 67"),
+        (
+            [
+                *("rolling.drop_mm=300", "plate.youngs_modulus_gpa=0.001"),
+                *("surface.width_um=12000", "rolling.distance_mm=40"),
+            ],
+            "drop_width",
+            "choose a lower rolling.drop_mm",
+        ),
     ],
 )
 def test_check(changes: list[str], key: str, words: str) -> None:

@@ -185,3 +185,18 @@ def test_law_stands_for_contact_solved_in_each_step(contact: RollingContact) -> 
     expected = solved_inside(contact, start)
     assert np.ptp(expected) > 1
     assert np.std(motion.force_n - expected) < 0.02 * np.std(expected)
+
+
+@pytest.mark.law("Force law: above its loads the approach grows as Hertz's, from the slope there.")
+def test_law_goes_on_as_hertz() -> None:
+    law = uneven_law(3)
+    top, x = float(law.load_n[-1]), law.position_m
+
+    def hertz(force: float) -> float:
+        return hertz_approach(force, 5e-3, STEEL)
+
+    h = 1e-6 * top
+    slope = (law.approach(x, top) - law.approach(x, top - h)) / (hertz(top) - hertz(top - h))
+    for force in (1.5 * top, 100 * top, 1e4 * top):
+        beyond = law.approach(x, top) + slope * (hertz(force) - hertz(top))
+        assert np.allclose(law.approach(x, force), beyond, rtol=1e-5, atol=0)
