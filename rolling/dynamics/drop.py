@@ -16,6 +16,7 @@ from rolling.dynamics.motion import BodyMotion, State, Stepping
 from rolling.scene.scene import Scene
 
 IMPACT_STEPS = 40  # in the time of the first impact: force off by 0.3 %, restitution by 0.001
+LONGEST_S = 1 / 96e3  # which resolves hearing
 WIDEST = 4.0  # ratio of neighbouring loads of the force law of a drop
 
 
@@ -80,7 +81,7 @@ def time_step_s(scene: Scene, law: ForceLaw, chain: Chain) -> float:
     """Return the time step [s] that resolves the first impact, the resonance and the track."""
     speed = scene.motion.fastest(scene.duration)
     resonance = 1 / (Stepping().per_period * chain.resonance_hz)
-    return min(impact_s(scene) / IMPACT_STEPS, resonance, law.spacing_m / speed)
+    return min(impact_s(scene) / IMPACT_STEPS, resonance, law.spacing_m / speed, LONGEST_S)
 
 
 def restitution(scene: Scene, motion: BodyMotion) -> float | None:

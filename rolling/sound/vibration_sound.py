@@ -119,10 +119,11 @@ def vibrate(
     `highest` is the Nyquist frequency [Hz] of the steps at the maximum speed. The record holds
     `laps` laps of the track, whole laps of a closed track if `whole_laps`.
     """
-    motion, chain = motion or of_scene.motion(scene, law), of_scene.chain_over(scene, law)
-    once, closed = scene.rolling.drop_mm is not None, whole_laps and bool(motion.settled)
+    once = scene.rolling.drop_mm is not None
     if once:  # the time steps resolve an impact, whatever the steps of the track
-        highest = max(highest, motion.sample_rate_hz / 2)
+        highest = max(highest, wav.SAMPLE_RATE_HZ / 2)
+    motion, chain = motion or of_scene.motion(scene, law), of_scene.chain_over(scene, law)
+    closed = whole_laps and bool(motion.settled)
     force, pressure = _radiated(scene, motion, closed)
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
     comb = _comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
