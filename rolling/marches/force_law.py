@@ -194,7 +194,8 @@ def law_over(
     period = count * result.step if closed else None
     known, approach = _rising(scene, np.array(loads), rows[:, :count])
     try:
-        return ForceLaw(position, known, approach, period)
+        smooth = closed_forms.hertz_approach(1.0, scene.radius, scene.contact_modulus)
+        return ForceLaw(position, known, approach, period, smooth)
     except ValueError as error:
         raise ContactError(f"{error}; take a longer track") from error
 
