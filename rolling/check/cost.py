@@ -7,6 +7,7 @@ import os
 from collections.abc import Sequence
 
 from rolling.contact import closed_forms
+from rolling.dynamics import drop
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
 from rolling.surface import heights, refined
@@ -143,6 +144,23 @@ def expected_seconds(scene: Scene) -> float:
     return scene.track.solved_steps * step_ms(scene) * 1e-3
 
 
+def shortest_period(scene: Scene) -> float:
+    """Return the length or width [m] of the surface, whichever is less."""
+    return min(scene.track.n_along, scene.track.n_across) * scene.spacing
+
+
+def fall_seconds(scene: Scene) -> tuple[int, float]:
+    """Estimate number and time [s] of the marches for the impacts of a drop; none without one."""
+    if scene.rolling.drop_mm is None:
+        return 0, 0.0
+    contact, period = (scene.radius, scene.contact_modulus), shortest_period(scene)
+    loads = [load for sign in (-1, 1) for load in drop.loads(scene, sign)]
+    held = [load for load in loads if 2 * closed_forms.hertz_radius(load, *contact) <= period]
+    # Another load would roll out elsewhere.
+    heavier = [scene.with_({"rolling.load_n": x, "rolling.resistance": None}) for x in held]
+    return len(held), scene.track.solved_steps * sum(map(step_ms, heavier)) * 1e-3
+
+
 def surface_seconds(scene: Scene) -> tuple[float, float]:
     """Estimate the times [s] for a random surface in each worker, and then beside the workers."""
     if not isinstance(scene.surface, Gaussian):
@@ -205,6 +223,8 @@ def _record(scene: Scene) -> float:
         stiffness = 2 * scene.contact_modulus * radius
         resonance = math.sqrt(stiffness / scene.mass) / (2 * math.pi)
         rate = max(TIME_STEPS * resonance, motion.fastest(duration) / scene.step)
+        if scene.rolling.drop_mm is not None:
+            rate = max(rate, drop.IMPACT_STEPS / drop.impact_s(scene))
         time_steps = duration * rate
     return (
         STEP * scene.track.steps

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from acoustics.numbers import rounded
-from rolling.check import cost, long_steps, vibration
+from rolling.check import cost, free_sphere, long_steps, vibration
 from rolling.check.finding import Finding, rounded_up, si
+from rolling.check.free_sphere import MAX_CONTACT
 from rolling.check.resolution import HEARING
 from rolling.scene.scene import STEEL_DENSITY, Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
 
 MAX_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
-MAX_CONTACT = 0.2  # contact radius over sphere radius
 NEAR = 3.0  # sphere radii within which a listener is too near
 # These are limits of the length v / f0 of the waves that feed the resonance, divided by the sum of
 # contact radius and correlation length: the contact averages shorter waves out, and the surface has
@@ -24,7 +24,8 @@ DOMINANT = 0.7
 def findings(scene: Scene) -> list[Finding]:
     """Judge whether the model holds for a scene; a height file is read."""
     resonance = _bouncing(scene) if scene.dynamics is None else vibration.resonance(scene)
-    return [*_half_space(scene), *_near(scene), resonance, *vibration.findings(scene)]
+    moving = [*vibration.findings(scene), *free_sphere.findings(scene)]
+    return [*_half_space(scene), *_near(scene), resonance, *moving]
 
 
 def _near(scene: Scene) -> list[Finding]:

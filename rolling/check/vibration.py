@@ -22,6 +22,7 @@ from rolling.check.resolution import HEARING
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
+from rolling.scene.sections import WEIGHT
 from rolling.scene.surfaces import Gaussian
 from rolling.surface import heights
 
@@ -82,7 +83,7 @@ def _force(scene: Scene) -> Finding:
         warning = (
             f"it fluctuates by about {rounded(ratio)} of the load, and the sphere loses contact:"
             " impacts need a small step, and more loads are marched; choose a lower"
-            " rolling.speed_m_s or a higher rolling.load_n"
+            f" rolling.speed_m_s{' or a higher rolling.load_n' * (scene.rolling.load_n != WEIGHT)}"
         )
     extremes = f"{rounded(max(low, 0), 3)} to {rounded(high, 3)}"
     value = f"about {extremes}, rms {rounded(ratio)} (from the statistics)"
@@ -256,9 +257,11 @@ def _edges(scene: Scene) -> list[Finding]:
 def _marches(scene: Scene) -> list[Finding]:
     """State the cost of the marches at other loads and of the release under the moving load."""
     assert scene.dynamics is not None  # asked for by the caller
-    others, seconds = scene.dynamics.loads - 1, cost.expected_seconds(scene)
-    value = f"{others} more marches, {computing(others * seconds)}, and more where the force leaves"
-    result = [Finding("force_law", "force law", f"{value} them", None, others * seconds)]
+    (falling, total), seconds = cost.fall_seconds(scene), cost.expected_seconds(scene)
+    others = scene.dynamics.loads - 1
+    total += others * seconds
+    value = f"{others + falling} more marches, {computing(total)}, and more where the force leaves"
+    result = [Finding("force_law", "force law", f"{value} them", None, total)]
     if not scene.moves_release:
         return result
     speed, frequency = scene.motion.slowest(scene.duration), bounce_hz(scene)

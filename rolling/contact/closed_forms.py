@@ -80,6 +80,58 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
     return hertz_radius(load, radius, contact_modulus) ** 2 / radius
 
 
+def hertz_force(energy: float, radius: float, contact_modulus: float) -> float:
+    """Return the force of a smooth elastic sphere that stores an energy: U = 2/5 F a^2 / R.
+
+    It is the largest force of an impact with this energy on a rigid base.
+
+    Parameters
+    ----------
+    energy : float, J
+        Elastic energy U of the contact.
+    radius, contact_modulus : float, m, Pa
+        Radius R of the sphere and contact modulus E*, as for `hertz_radius`.
+
+    Returns
+    -------
+    float, N
+        Normal force F.
+
+    Examples
+    --------
+    >>> f"{hertz_force(2e-3, 5e-3, 230e9):.0f} N"  # a steel ball from 50 mm
+    '567 N'
+    """
+    energy, radius = positive("energy", energy), positive("radius", radius)
+    contact_modulus = positive("contact_modulus", contact_modulus)
+    return float((2.5 * energy) ** 0.6 * (16 / 9 * radius * contact_modulus**2) ** 0.2)
+
+
+def hertz_impact_time(mass: float, speed: float, radius: float, contact_modulus: float) -> float:
+    """Return the time of an elastic impact on a rigid base: 2.8683 (m^2 / (R E*^2 v))^(1/5).
+
+    Parameters
+    ----------
+    mass, speed : float, kg, m/s
+        Mass m of the sphere, and its speed v before the impact.
+    radius, contact_modulus : float, m, Pa
+        Radius R of the sphere and contact modulus E*, as for `hertz_radius`.
+
+    Returns
+    -------
+    float, s
+        Time of contact.
+
+    Examples
+    --------
+    >>> f"{hertz_impact_time(4.11e-3, 1.0, 5e-3, 230e9) * 1e6:.0f} us"
+    '26 us'
+    """
+    mass, speed = positive("mass", mass), positive("speed", speed)
+    stiffness = positive("radius", radius) * positive("contact_modulus", contact_modulus) ** 2
+    return float(2.8683 * (mass**2 / (stiffness * speed)) ** 0.2)
+
+
 def smooth_release_power(load: float, speed: float, radius: float, contact_modulus: float) -> float:
     """Return the release power of a smooth elastic rolling sphere: 3 W v a / (16 R).
 

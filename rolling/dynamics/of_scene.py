@@ -9,7 +9,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.contact import closed_forms
-from rolling.dynamics import bodies
+from rolling.dynamics import bodies, drop
 from rolling.dynamics.bodies import BendingPlate, Bodies, Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.modes import Modes, modes_of
@@ -116,6 +116,9 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
         places = np.minimum(scene.motion.distance(times), scene.track.distance)
         speed = Travel(times, np.asarray(places, dtype=float))
     stepping = Stepping(time_step_s=time_step_s)
+    if scene.rolling.drop_mm is not None:
+        step = time_step_s or drop.time_step_s(scene, law, linear)
+        stepping = Stepping(time_step_s=step, start=drop.start(scene, law, linear))
     path = None
     if len(scene.plate.contact_ends_mm) > 1:
         path = partial(contact_points, scene)

@@ -17,7 +17,7 @@ import numpy as np
 from acoustics.arrays import Array
 from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
-from rolling.dynamics import of_scene
+from rolling.dynamics import drop, of_scene
 from rolling.dynamics.force_law import HIGHEST, LEAST, LOWEST, ForceLaw
 from rolling.dynamics.motion import BodyMotion
 from rolling.marches.piece import Piece
@@ -115,6 +115,9 @@ def _first_loads(scene: Scene) -> list[float]:
 def _ladder(scene: Scene, sign: int) -> Iterator[float]:
     """Yield loads [N] above (1) or below (-1) the scene's: by the span, and far from it wider."""
     assert scene.dynamics is not None
+    if scene.rolling.drop_mm is not None:
+        yield from drop.loads(scene, sign)
+        return
     span, ratio, power = scene.dynamics.span, 1.0, sign
     while max(span**power, span**-power) <= NEAR:
         ratio, power = span**power, power + sign
@@ -191,7 +194,8 @@ def law_over(
     period = count * result.step if closed else None
     known, approach = _rising(scene, np.array(loads), rows[:, :count])
     try:
-        return ForceLaw(position, known, approach, period)
+        smooth = closed_forms.hertz_approach(1.0, scene.radius, scene.contact_modulus)
+        return ForceLaw(position, known, approach, period, smooth)
     except ValueError as error:
         raise ContactError(f"{error}; take a longer track") from error
 

@@ -38,7 +38,9 @@ def vibration_key(scene: Scene) -> str:
     parts = [scene.track.steps, bodies, data["dynamics"]]
     if plate.edges_mm is not None or plate.contact_loss_factor:
         parts.append([data["plate"][name] for name in VIBRATING_PLATE])
-    return digest([data["rolling"]["speed_m_s"], *parts])
+    free = {key: data["rolling"][key] for key in ("resistance", "drop_mm")}
+    free = {key: value for key, value in free.items() if value is not None}
+    return digest([data["rolling"]["speed_m_s"], *parts, *([free] if free else [])])
 
 
 @dataclass

@@ -8,6 +8,7 @@ from rolling.report.text import NOTHING
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
+from rolling.scene.sections import WEIGHT
 from rolling.scene.surfaces import Gaussian, HeightFile
 
 
@@ -96,10 +97,11 @@ def _contact(run: Run) -> dict[str, str]:
         if plate.hardness_gpa
         else "no hardness: purely elastic"
     )
+    load = "the weight of the sphere" if scene.rolling.load_n == WEIGHT else "constant"
     ends = scene.motion.slowest(duration), scene.motion.fastest(duration)
     speeds = " to ".join(dict.fromkeys(rounded(speed, 4) for speed in ends))
     return {
-        "load": f"{rounded(scene.load, 6)} N, constant",
+        "load": f"{rounded(scene.load, 6)} N, {load}",
         "speed": f"{speeds} m/s",
         "sphere": f"R {sphere.radius_mm:g} mm, {elastic}",
         "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g},"

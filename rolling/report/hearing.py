@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -170,10 +171,10 @@ def _reason(run: Run) -> str:
 def _shaken(run: Run) -> str:
     """State the frequency at which the ball rings on its contact, and how long it flies."""
     summary = run.summary
-    flies = ""
+    flies = _fallen(summary)
     if summary["flight_share"] > 0:
         times = "time" if summary["impacts"] == 1 else "times"
-        flies = (
+        flies += (
             f" It flies for {percent(summary['flight_share'])} of the time, and hits the plate"
             f" {summary['impacts']} {times}."
         )
@@ -181,6 +182,16 @@ def _shaken(run: Run) -> str:
         f"The ball rings on its contact at {kilohertz(summary['resonance_hz'])}, where waves of the"
         f" surface of {rounded(summary['resonance_wavelength_m'] * 1e6)} µm shake it.{flies}"
     )
+
+
+def _fallen(summary: Mapping[str, Any]) -> str:
+    """State the height of a fall, and the speed that the first impact leaves."""
+    if "drop_mm" not in summary:
+        return ""
+    fall = f" It falls from {rounded(summary['drop_mm'])} mm above the surface"
+    if summary["restitution"] is None:
+        return f"{fall}."
+    return f"{fall}, and its first impact leaves {percent(summary['restitution'])} of its speed."
 
 
 def _rate(length: float, speed: float) -> str:

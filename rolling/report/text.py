@@ -63,6 +63,7 @@ COLUMNS = (
     Column("force_rms_n", "", "force, rms", "N", 1.0, ".3g", True),
     Column("force_max_ratio", "", "maximum of F/W", "", 1.0, ".3f", True),
     Column("force_min_ratio", "", "minimum of F/W", "", 1.0, ".3f", True),
+    Column("restitution", "", "restitution of the first impact", "", 1.0, ".3f", True),
     Column("loudness_sone", "", "loudness", "sone", 1.0, ".3g", True),
     Column("sharpness_acum", "", "sharpness", "acum", 1.0, ".3g", True),
     Column("plastic_ratio", "", "plastic ratio", "", 1.0, ".3f"),

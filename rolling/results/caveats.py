@@ -77,7 +77,7 @@ def caveats(
             # A measured error of the grid, or a force, stands for its estimate before the run.
             if finding.warning
             and not (knows_grid and finding.key == resolution.KEY)
-            and not (vibration and finding.key == "force_ratio")
+            and not (vibration and finding.key in ("force_ratio", "impacts_yield"))
         }
         | _of_errors(scene, errors)
         | _of_vibration(scene, vibration)
@@ -170,9 +170,10 @@ def _of_levels(
         if vibrates and vibration and vibration.motion.flight_share:
             noise = "from its scatter between thirds, because impacts are not Gaussian noise"
         parts = "length, comb and time steps" if vibrates else "the length"
-        texts["uncertainty"] = (
-            f"± covers {parts} of the record, {noise}; it holds no error of model, grid or solver."
-        )
+        covered = f"{parts} of the record, {noise}"
+        if sound.once:
+            covered = "the time steps; the record is one fall, and its level that of its length"
+        texts["uncertainty"] = f"± covers {covered}; it holds no error of model, grid or solver."
         if errors is not None and errors.levels:
             law = ", solver and force law" if sound.source == "vibration" else " and solver"
             texts["uncertainty"] += (
@@ -205,10 +206,10 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
         texts["not_loopable"] = (
             "The ends of the record do not fit together: a loop of it is cross-faded."
             if sound.closed
-            else "The record does not close on itself: it is faded at both ends, and a loop of it"
+            else f"The record does not close on itself: it is {sound.ends}, and a loop of it"
             " is cross-faded."
         )
-    if sound.levels.level_db is None:
+    if sound.levels.level_db is None or sound.once:
         return texts
     lap = scene.track.lap_steps * scene.track.step
     period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
@@ -236,8 +237,12 @@ def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:
         }
     if moving is None:
         return {
-            "constant_load_release": "The release is computed under the constant load;"
-            " dynamics.release: true computes it under the moving load."
+            "constant_load_release": "The release is computed under the constant load"
+            + (
+                "; dynamics.release: true computes it under the moving load."
+                if scene.rolling.drop_mm is None
+                else ": that of a sphere that rolls from the start."
+            )
         }
     if moving.fault:
         return {
@@ -305,7 +310,8 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
         if motion.flight_share == 1:
             text += ": the record is shorter than a flight; choose a longer one"
         texts["impacts"] = text
-    if scene.track.closed and not motion.settled and scene.surface.kind != "smooth":
+    repeats = scene.surface.kind != "smooth" and scene.rolling.drop_mm is None
+    if scene.track.closed and not motion.settled and repeats:
         text = "motion: it does not repeat from lap to lap, so its record does not loop"
         if motion.flight_share > 0:
             text += "; impacts need not repeat"

@@ -27,6 +27,8 @@ class Word(NamedTuple):
 WORDS = {  # in the order in which labels name them
     "rolling.load_n": Word("load", "N"),
     "rolling.speed_m_s": Word("speed", "m/s"),
+    "rolling.resistance": Word("rolling resistance", "", "no rolling resistance"),
+    "rolling.drop_mm": Word("drop", "mm", "no drop"),
     "surface.kind": Word("surface"),
     _PATH: Word("heights"),
     "surface.roughness_ra_um": Word("Ra", "µm"),

@@ -43,7 +43,7 @@ PLAYERS = ("afplay", "pw-play", "paplay", "aplay", "ffplay -nodisp -autoexit", "
 def laps(sound: ContactSound) -> Array:
     """Return the record of all channels [Pa], or as many of its laps as last five seconds."""
     samples, record = round(LEAST_S * sound.sample_rate), sound.channels
-    if len(record) >= samples:
+    if sound.once or len(record) >= samples:
         return record
     lap = sound.lap.samples(record)
     return np.tile(lap, (math.ceil(samples / len(lap)), *[1] * (lap.ndim - 1)))
@@ -52,7 +52,7 @@ def laps(sound: ContactSound) -> Array:
 def laps_in_words(sound: ContactSound) -> str:
     """Say how listen.wav follows from the record."""
     lap, rate = sound.lap, sound.sample_rate
-    if len(sound.pressure) >= LEAST_S * rate:
+    if sound.once or len(sound.pressure) >= LEAST_S * rate:
         return f"the record, {sound.ends}"
     count = f"{len(laps(sound)) // len(lap)} laps of the record"
     if sound.loops:

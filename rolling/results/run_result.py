@@ -268,7 +268,7 @@ def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration
     motion, laps = force_law.law_motion(scene, result), result.steps / result.solved_steps
     whole_laps = whole_laps and release.constant_speed
     vibration = vibrate(scene, law, release.highest, whole_laps, laps, motion)
-    if not vibration.motion.flight_share:
+    if not vibration.motion.flight_share or vibration.once:
         return vibration
     # A record with impacts is no Gaussian noise.
     scatter = record_scatter(vibration.pressure, laps if vibration.motion.settled else 1.0)

@@ -20,7 +20,8 @@ from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
-from rolling.dynamics import of_scene
+from rolling.dynamics import drop, of_scene
+from rolling.dynamics.motion import BodyMotion
 from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result
@@ -236,6 +237,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return {
         **_difference(scene, release.levels, vibration.levels),
+        **_fall(scene, motion),
         mean: compact_source_db(scene, vibration),
         **_listeners(scene, vibration),
         "plate_power_level_db": _total(vibration.plate_power),
@@ -291,6 +293,18 @@ def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
             }
             for place, levels in listeners
         ]
+    }
+
+
+def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:
+    """Return height and restitution of a fall; its impacts compare with no release."""
+    if scene.rolling.drop_mm is None:
+        return {}
+    return {
+        "drop_mm": scene.rolling.drop_mm,
+        "restitution": drop.restitution(scene, motion),
+        "release_over_vibration_db": None,
+        "equivalent_q": None,
     }
 
 

@@ -20,7 +20,9 @@ _MAPPINGS = (
     *("provenance", "packages", "listen", "error_estimate", "levelling"),
 )
 _TEXTS = ("name", "label", "source", "text")
-_NUMBER = re.compile(r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share)")
+_NUMBER = re.compile(
+    r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|restitution)"
+)
 
 
 def read_summary(path: Path) -> dict[str, Any]:

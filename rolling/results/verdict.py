@@ -27,11 +27,12 @@ MOST_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which o
 _NEAR_HALF_SPACE = (100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5)
 _REFUSED = ("memory", "disk", "capacity", "positions")  # warnings of scenes that do not run
 # Warnings of broken limits, and of doubtful ones, by their key. They have no decibels.
-_BROKEN = ("slope", "contact_radius", "contact_thickness")
+_BROKEN = ("slope", "contact_radius", "contact_thickness", "impacts_yield")
 _DOUBTFUL = (
     *("force_ratio", "not_settled", "plate_deflection", "bending", "coincidence", "nyquist"),
     *("half_space_sound", "grid_tone", "seam", "form", "correlation_nodes", "hertz_nodes"),
     *("resonance_wave", "solver", "no_moving_release", "window"),
+    *("drop", "drop_width", "ball_modes"),
 )
 
 
@@ -88,7 +89,7 @@ def conclusion(scene: Scene, findings: Findings) -> str:
             return f"It does not run: {finding.quantity} ({finding.value})."
     if findings.excess:
         return f"It does not run: {findings.excess[0]}."
-    if scene.surface.kind == "smooth":
+    if scene.surface.kind == "smooth" and scene.rolling.drop_mm is None:
         return f"It runs, in {computing(findings.seconds)}; a smooth surface is silent."
     runs = zip(scene.runs(), findings.runs, strict=True)
     words = [expected(run.scene, checked.findings) for run, checked in runs]
@@ -224,7 +225,8 @@ def _motion(summary: Mapping[str, Any]) -> list[Contribution]:
         parts.append(_sized("force_outside", decibels, text))
     if (flight := summary.get("flight_share") or 0.0) > 0:
         text = f"contact is lost for {rounded(100 * flight)} % of the time"
-        scatter = summary.get("record_scatter_db") or 0.0
+        # A fall is one event, and its parts differ in any case.
+        scatter = 0.0 if "drop_mm" in summary else summary.get("record_scatter_db") or 0.0
         parts.append(_sized("impacts", scatter, text, INDICATIVE))
     return parts
 

@@ -14,9 +14,8 @@ from ruamel.yaml.comments import CommentedSeq
 
 from rolling.scene import library, messages, yaml_text
 from rolling.scene.messages import Key, SceneError, all_keys, shown
-from rolling.scene.motion import Motion
-from rolling.scene.scene import Scene, put
-from rolling.scene.sections import VIBRATING_PLATE, Rolling, Sound
+from rolling.scene.scene import Scene, motion_of, put
+from rolling.scene.sections import VIBRATING_PLATE, WEIGHT, Rolling, Sound, Sphere
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.yaml_text import TextError
 
@@ -138,6 +137,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
 
 RESOUND_KEYS = (
     "rolling.speed_m_s",
+    "rolling.drop_mm",
     "sphere.density_kg_m3",
     *(f"plate.{name}" for name in VIBRATING_PLATE),
     "dynamics.release",
@@ -158,9 +158,10 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
         track ends.
     """
     names = {override: override.partition("=")[0].strip() for override in overrides}
-    solved = {*all_keys(Scene)} - {*RESOUND_KEYS, "sound"}
+    free = [key for key in RESOUND_KEYS if key not in _bound_keys(scene)]
+    solved = {*all_keys(Scene)} - {*free, "sound"}
     faults = [
-        f"--set: {name}: needs a new run; without solving again allowed: {', '.join(RESOUND_KEYS)}"
+        f"--set: {name}: needs a new run; without solving again allowed: {', '.join(free)}"
         for name in names.values()
         if name in solved
     ]
@@ -171,7 +172,8 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
         made = not isinstance(scene.surface, HeightFile)
         rolled = float(scene.motion.distance(scene.rolling.duration_s))
         try:
-            motion = Motion.of(Rolling.model_validate(data["rolling"]).speed_m_s)
+            sphere = Sphere.model_validate(data["sphere"])
+            motion = motion_of(sphere, Rolling.model_validate(data["rolling"]))
             duration = motion.duration(scene.track.distance if made else rolled)
             data["rolling"]["duration_s"] = float(f"{duration:.12g}")
         except ValidationError:
@@ -179,6 +181,15 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
         except ValueError as error:
             faults.append(f"--set: rolling.speed_m_s: {error}, the end of the stored run")
     return Scene.from_dict(data, scene.folder, places, faults)
+
+
+def _bound_keys(scene: Scene) -> set[str]:
+    """Return keys that change the load or the rolling out, and with it the contact or the track."""
+    rolls_out = scene.rolling.resistance is not None
+    bound = {"rolling.speed_m_s"} if rolls_out else set[str]()
+    if rolls_out or scene.rolling.load_n == WEIGHT:
+        bound.add("sphere.density_kg_m3")
+    return bound
 
 
 # ---- schema
@@ -197,10 +208,13 @@ def schema() -> dict[str, Any]:
     numbers = {"type": "array", "minItems": 1, "uniqueItems": True, "items": {"type": "number"}}
     names = {**numbers, "items": {"type": "string"}}
     labelled = {"type": "object", "minProperties": 1}
+    lists = dict.fromkeys(messages.numeric_keys(Scene), numbers) | {
+        key: numbers | {"items": {"anyOf": [{"type": "number"}, {"enum": [*words]}]}}
+        for key, words in messages.words_for_numbers(Scene).items()
+    }
     result["properties"]["sweep"] |= {
         "properties": {
-            key: {"anyOf": [numbers if key in messages.numeric_keys(Scene) else names, labelled]}
-            for key in messages.keys(Scene)
+            key: {"anyOf": [lists.get(key, names), labelled]} for key in messages.keys(Scene)
         }
         | dict.fromkeys(messages.section_keys(Scene), labelled),
         "additionalProperties": False,

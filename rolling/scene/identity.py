@@ -27,6 +27,8 @@ _NOT_CONTACT = {
     "rolling.speed_m_s",
     "rolling.duration_s",
     "rolling.distance_mm",
+    "rolling.resistance",
+    "rolling.drop_mm",
     "sphere.density_kg_m3",
     *(f"plate.{name}" for name in VIBRATING_PLATE),
     "numerics.error_estimate",
@@ -46,7 +48,7 @@ def contact_keys(scene: Scene) -> dict[str, Any]:
         for key, value in _flat(scene.model_dump(mode="json", exclude_none=True)).items()
         if key not in _NOT_CONTACT and key.partition(".")[0] not in _NOT_CONTACT
     }
-    keys["numerics.tolerance"] = scene.tolerance
+    keys |= {"numerics.tolerance": scene.tolerance, "rolling.load_n": scene.load}
     if scene.height_path is not None:
         del keys[_PATH]
         keys[_HEIGHTS] = file_digest(scene.height_path)

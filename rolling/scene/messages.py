@@ -13,7 +13,7 @@ import re
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -237,6 +237,16 @@ def numeric_keys(root: type[BaseModel]) -> frozenset[str]:
     return frozenset(
         name for name, field in keys(root).items() if {int, float} & {*_kinds(field.annotation)}
     )
+
+
+@cache
+def words_for_numbers(root: type[BaseModel]) -> dict[str, tuple[str, ...]]:
+    """Return the words that may stand for a number, by dotted key."""
+    words = {
+        name: [kind for kind in _kinds(keys(root)[name].annotation) if get_origin(kind) is Literal]
+        for name in sorted(numeric_keys(root))
+    }
+    return {name: get_args(kinds[0]) for name, kinds in words.items() if kinds}
 
 
 @cache

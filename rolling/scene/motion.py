@@ -52,6 +52,13 @@ class Motion:
             return cls((0.0,), (float(speed),))
         return cls(tuple(float(t) for t, _ in speed), tuple(float(v) for _, v in speed))
 
+    @classmethod
+    def rolling_out(cls, speed: float, deceleration: float) -> Motion:
+        """Make the motion from a speed [m/s] to rest at a deceleration [m/s2], 0 for none."""
+        if not deceleration > 0:
+            return cls((0.0,), (speed,))
+        return cls((0.0, speed / deceleration), (speed, 0.0))
+
     def is_constant(self, duration: float) -> bool:
         """Tell whether the speed stays the same from the start to a time [s]."""
         speeds = self._speeds_until(duration)
@@ -95,6 +102,11 @@ class Motion:
     def final_distance(self) -> float:
         """Maximum distance [m] that the sphere reaches, infinite unless the last speed is zero."""
         return np.inf if self.speeds[-1] > 0 else float(self._knots[2][-1])
+
+    @property
+    def rest_time(self) -> float:
+        """Time [s] from which the sphere rests, infinite unless the last speed is zero."""
+        return np.inf if self.speeds[-1] > 0 else self.times[-1]
 
     @cached_property
     def _knots(self) -> tuple[Array, Array, Array, Array]:

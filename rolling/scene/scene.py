@@ -29,9 +29,10 @@ from acoustics.numbers import rounded
 from rolling.scene import messages
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import Key, SceneError, fault
-from rolling.scene.motion import Motion
+from rolling.scene.motion import ROUNDING, Motion
 from rolling.scene.sections import (
     MAX_FAULTS,
+    WEIGHT,
     Dynamics,
     Numerics,
     Plate,
@@ -47,6 +48,8 @@ from rolling.scene.surfaces import Gaussian, HeightFile, MadeSurface, Surface
 from rolling.scene.track import Track, file_track, height_nodes, made_track, rolled
 
 STEEL_DENSITY = 7850.0  # [kg/m3]
+GRAVITY = 9.80665  # [m/s2]
+_FREE = 5 / 7  # of the force over the mass: a solid sphere that rolls has 7/5 of its mass
 
 # Rule of `numerics.tolerance: auto`. The solver's error of the release over its fluctuation is
 # proportional to tolerance times deflection over roughness: a violation of the gap by that length
@@ -65,6 +68,9 @@ NAME = (
     "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
     " quotes)"
 )
+
+
+_IN_FLIGHT = "which a sphere with rolling.drop_mm has not: nothing is released in flight"
 
 
 def _name(value: Any) -> Any:
@@ -154,10 +160,34 @@ class Scene(Section):
     @field_validator("rolling")
     @classmethod
     def _has_duration(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
-        lengths = rolling.duration_s, rolling.distance_mm
-        if lengths == (None, None) and isinstance(info.data.get("surface"), MadeSurface):
+        lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance or None
+        if not any(lengths) and isinstance(info.data.get("surface"), MadeSurface):
             words = "missing; give it or a rolling.distance_mm"
             raise fault(words, "rolling", "duration_s")
+        return rolling
+
+    @field_validator("rolling")
+    @classmethod
+    def _has_weight(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
+        sphere = info.data.get("sphere")
+        if sphere is None:
+            return rolling
+        if rolling.load_n == WEIGHT and sphere.density_kg_m3 is None:
+            words = f"got {WEIGHT}, which needs sphere.density_kg_m3"
+            if "load_n" not in rolling.model_fields_set:
+                words = "missing; give it, or sphere.density_kg_m3 for the weight of the sphere"
+            raise fault(words, "rolling", "load_n")
+        if rolling.resistance is not None and sphere.density_kg_m3 is None:
+            words = "missing; rolling.resistance needs the mass of the sphere"
+            raise fault(words, "sphere", "density_kg_m3")
+        rest = motion_of(sphere, rolling).rest_time
+        if rolling.resistance and rolling.duration_s and rolling.duration_s > rest * (1 + ROUNDING):
+            raise fault(
+                f"the sphere comes to rest after {rounded(rest, 6)} s, rolling.duration_s is"
+                f" {messages.plain_number(rolling.duration_s)}: give it more speed, or leave out"
+                " the duration",
+                *("rolling", "duration_s"),
+            )
         return rolling
 
     @field_validator("rolling")
@@ -192,15 +222,23 @@ class Scene(Section):
     @classmethod
     def _has_track(cls, numerics: Numerics, info: ValidationInfo) -> Numerics:
         surface, rolling = info.data.get("surface"), info.data.get("rolling")
-        if isinstance(surface, MadeSurface) and rolling is not None:
-            _made_track(surface, rolling, numerics)
+        sphere = info.data.get("sphere")
+        if isinstance(surface, MadeSurface) and rolling is not None and sphere is not None:
+            _made_track(surface, rolling, numerics, motion_of(sphere, rolling))
         return numerics
 
     @field_validator("dynamics")
     @classmethod
     def _has_masses(cls, dynamics: Dynamics | None, info: ValidationInfo) -> Dynamics | None:
         bodies = {name: info.data.get(name) for name in ("sphere", "plate")}
+        rolling = info.data.get("rolling")
+        dropped = rolling is not None and rolling.drop_mm is not None
+        if dynamics is not None and dynamics.release and dropped:
+            raise fault(f"got true, {_IN_FLIGHT}", "dynamics", "release")
         if dynamics is None:
+            if dropped:
+                words = "only goes with dynamics; `dynamics: {}` takes its defaults"
+                raise fault(words, "rolling", "drop_mm")
             if bodies["plate"] is not None and bodies["plate"].thickness_mm is not None:
                 rule = "without that section the plate does not bend"
                 raise fault(f"only goes with dynamics: {rule}", "plate", "thickness_mm")
@@ -230,6 +268,9 @@ class Scene(Section):
         elif sound.source == "vibration" and dynamics is None:
             words = "needs the section dynamics; `dynamics: {}` takes its defaults"
             raise fault(f'got "vibration", which {words}', "sound", "source")
+        rolling = info.data.get("rolling")
+        if sound.source == "release" and rolling is not None and rolling.drop_mm is not None:
+            raise fault(f'got "release", {_IN_FLIGHT}', "sound", "source")
         return sound
 
     @field_validator("sound")
@@ -429,11 +470,13 @@ class Scene(Section):
             The height file is missing or holds no heights, or the sphere never gets round it.
         """
         if isinstance(self.surface, MadeSurface):
-            return _made_track(self.surface, self.rolling, self.numerics)
+            return _made_track(self.surface, self.rolling, self.numerics, self.motion)
         name, step_nodes = self.surface.path, self.numerics.step_nodes
         try:
             nodes = height_nodes(self.folder / name, name, self.surface.n_across)
-            wanted = rolled(self.rolling.duration_s, self.rolling.distance_mm, self.motion)
+            rolling = self.rolling
+            lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance
+            wanted = rolled(*lengths, self.motion)
             return file_track(nodes, self.spacing, step_nodes, self.motion, wanted)
         except PydanticCustomError as error:
             context = error.context or {}
@@ -442,7 +485,7 @@ class Scene(Section):
     @property
     def motion(self) -> Motion:
         """Distance and speed over time."""
-        return Motion.of(self.rolling.speed_m_s)
+        return motion_of(self.sphere, self.rolling)
 
     @property
     def duration(self) -> float:
@@ -458,7 +501,7 @@ class Scene(Section):
     @property
     def mass(self) -> float:
         """Mass of the sphere [kg]; it is of steel unless the scene gives a density."""
-        return (self.sphere.density_kg_m3 or STEEL_DENSITY) * 4 / 3 * math.pi * self.radius**3
+        return _mass(self.sphere)
 
     @property
     def contact_modulus(self) -> float:
@@ -522,7 +565,7 @@ class Scene(Section):
     @property
     def load(self) -> float:
         """Normal load [N]."""
-        return self.rolling.load_n
+        return _load(self.sphere, self.rolling)
 
     @property
     def moves_release(self) -> bool:
@@ -541,9 +584,30 @@ class Scene(Section):
         return self.rolling.start_um * 1e-6
 
 
-def _made_track(surface: MadeSurface, rolling: Rolling, numerics: Numerics) -> Track:
-    spacing, motion = surface.spacing_um * 1e-6, Motion.of(rolling.speed_m_s)
-    wanted = rolled(rolling.duration_s, rolling.distance_mm, motion)
+def _mass(sphere: Sphere) -> float:
+    """Return the mass of a sphere [kg]."""
+    radius = sphere.radius_mm * 1e-3
+    return (sphere.density_kg_m3 or STEEL_DENSITY) * 4 / 3 * math.pi * radius**3
+
+
+def _load(sphere: Sphere, rolling: Rolling) -> float:
+    """Return the load [N], by default the weight of the sphere."""
+    return GRAVITY * _mass(sphere) if isinstance(rolling.load_n, str) else rolling.load_n
+
+
+def motion_of(sphere: Sphere, rolling: Rolling) -> Motion:
+    """Return distance and speed over time of a sphere that keeps its speed, or rolls out."""
+    if rolling.resistance is None or not isinstance(rolling.speed_m_s, float):
+        return Motion.of(rolling.speed_m_s)
+    acceleration = _load(sphere, rolling) / _mass(sphere)
+    return Motion.rolling_out(rolling.speed_m_s, _FREE * rolling.resistance * acceleration)
+
+
+def _made_track(
+    surface: MadeSurface, rolling: Rolling, numerics: Numerics, motion: Motion
+) -> Track:
+    spacing = surface.spacing_um * 1e-6
+    wanted = rolled(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
     assert wanted is not None  # refused before
     return made_track(surface.n_across, spacing, numerics.step_nodes, motion, wanted)
 

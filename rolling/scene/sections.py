@@ -335,6 +335,7 @@ class Plate(Section):
 # ---- rolling
 
 
+WEIGHT: Literal["weight"] = "weight"
 SPEED = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 
 
@@ -365,26 +366,54 @@ Speed = Annotated[
 ]
 
 
+LOAD = f"greater than 0, or {WEIGHT}"
+
+
+def _load(value: Any) -> Any:
+    """Return a load [N], or the word for the weight of the sphere."""
+    if value == WEIGHT:
+        return value
+    if is_number(value) and value > 0:
+        return float(value)
+    raise fault(f"got {shown(value)}, allowed: {LOAD}", "rolling", "load_n")
+
+
+_LOADS = [{"type": "string", "const": WEIGHT}, {"type": "number", "exclusiveMinimum": 0}]
+Load = Annotated[
+    float | Literal["weight"], *(BeforeValidator(_load), WithJsonSchema({"anyOf": _LOADS}))
+]
+
+
 class Rolling(Section):
     """Load, speed and duration of the rolling.
 
     Attributes
     ----------
-    load_n : float
-        Normal load [N], constant
+    load_n : float or "weight"
+        Normal load [N], constant; weight or absent: the weight of the sphere, which needs
+        sphere.density_kg_m3
     speed_m_s : float or pairs of float
         Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0, linear between
         them, constant after the last
+    resistance : float, optional
+        Coefficient of rolling resistance c [-] of a free solid sphere, which starts at the speed
+        and rolls out by 5/7 c load/mass; absent: the speed is kept
+    drop_mm : float, optional
+        Height [mm] above the surface from which the sphere is let go at the start, while it moves
+        at the speed; needs dynamics and the sound of the vibration; absent: it rolls from the start
     duration_s : float, optional
-        Time rolled [s]; absent with distance_mm, and with a height file: once round the file
+        Time rolled [s]; absent with distance_mm, with resistance: until the sphere rests, and with
+        a height file: once round the file
     distance_mm : float, optional
         Distance rolled [mm] instead of a duration, so that every speed meets the same surface
     start_um : float
         Start position along the track [um]
     """
 
-    load_n: float = Field(gt=0)
+    load_n: Load = WEIGHT
     speed_m_s: Speed
+    resistance: float | None = Field(default=None, ge=0, le=1)
+    drop_mm: float | None = Field(default=None, gt=0)
     duration_s: float | None = Field(default=None, gt=0)
     distance_mm: float | None = Field(default=None, gt=0)
     start_um: float = 0.0
@@ -393,6 +422,13 @@ class Rolling(Section):
     def _one_length(self) -> Rolling:
         if self.duration_s is not None and self.distance_mm is not None:
             raise fault("given beside duration_s, allowed: one of them", "rolling", "distance_mm")
+        return self
+
+    @model_validator(mode="after")
+    def _rolls_out(self) -> Rolling:
+        if self.resistance is not None and isinstance(self.speed_m_s, tuple):
+            words = "only goes with one speed_m_s, at which the sphere starts, not with pairs"
+            raise fault(words, "rolling", "resistance")
         return self
 
 

@@ -104,6 +104,7 @@ def _refuse_form(name: Any, listed: Any, root: type[BaseModel]) -> None:
 def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
     """Raise the first fault of the values of one key."""
     numeric, seen = name in messages.numeric_keys(root), dict[str, Value]()
+    words_too = messages.words_for_numbers(root).get(name, ())
     for i, (value, form) in enumerate(choices(listed)):
         at: Key = ("sweep", name, i)
         if isinstance(listed, dict):
@@ -113,8 +114,9 @@ def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
                 raise fault(f"got {shown(value)} as a label, allowed: {words}", *at)
             if name in messages.section_keys(root) and not isinstance(form, dict):
                 raise fault(f"got {shown(form)}, allowed: a section", *at, value)
-        elif numeric and not messages.is_number(value):
-            raise fault(f"got {shown(value)}, allowed: a number", *at)
+        elif numeric and not messages.is_number(value) and value not in words_too:
+            numbers = " or ".join(["a number", *words_too])
+            raise fault(f"got {shown(value)}, allowed: {numbers}", *at)
         elif not numeric and (not isinstance(value, str) or not value):
             raise fault(f"got {shown(value)}, allowed: text", *at)
         before = seen.setdefault(_written(value).casefold(), value)

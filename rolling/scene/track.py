@@ -16,6 +16,7 @@ from rolling.scene.motion import ROUNDING, Motion
 MIN_NODES = 8  # minimum number of nodes along and across
 MAX_NODES = 10**9  # maximum of nodes and steps along the track; more is an error of the unit
 _SPEED, _PATH = ("rolling", "speed_m_s"), ("surface", "path")
+_RESISTANCE = "rolling", "resistance"
 _DURATION, _DISTANCE = ("rolling", "duration_s"), ("rolling", "distance_mm")
 
 
@@ -64,11 +65,13 @@ class Rolled(NamedTuple):
     key: tuple[str, str]
 
 
-def rolled(duration_s: float | None, distance_mm: float | None, motion: Motion) -> Rolled | None:
+def rolled(
+    duration_s: float | None, distance_mm: float | None, resistance: float | None, motion: Motion
+) -> Rolled | None:
     """Return the distance of a scene; raise a fault where the sphere comes to rest before it."""
     if distance_mm is None:
         if duration_s is None:
-            return None
+            return Rolled(motion.final_distance, resistance, _RESISTANCE) if resistance else None
         return Rolled(float(motion.distance(duration_s)), duration_s, _DURATION)
     if distance_mm * 1e-3 > motion.final_distance * (1 + ROUNDING):
         raise fault(

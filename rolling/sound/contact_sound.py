@@ -70,6 +70,8 @@ class ContactSound:
         Source of the pressure, release or vibration. Power and its rms belong to the release.
     right : (samples,) array, Pa, or None
         Sound pressure at the second listener, the right channel; None for a single listener.
+    once : bool
+        If true, the record is one event, which is faded at its end only and heard once.
     """
 
     __repr__ = short_repr
@@ -93,6 +95,7 @@ class ContactSound:
     has_seam: bool = False
     source: str = "release"
     right: Array | None = None
+    once: bool = False
 
     @property
     def channels(self) -> Array:
@@ -136,7 +139,7 @@ class ContactSound:
         """End of the record in words."""
         if self.closed:
             return "does not loop, the surface has a seam" if self.has_seam else "loops"
-        return "faded at both ends"
+        return "faded at its end" if self.once else "faded at both ends"
 
     @property
     def sample_rate(self) -> int:
@@ -297,6 +300,13 @@ def faded(signal: Array, duration: float) -> Array:
     # Of two samples nothing is left, whatever their mean.
     mean = float(signal @ share) / (share.sum() or 1.0)
     return resampling.fade(signal - mean, ends)
+
+
+def faded_out(signal: Array, duration: float) -> Array:
+    """Return a signal that begins in silence, faded at its end."""
+    share = resampling.fade(np.ones(len(signal)), fade_length(len(signal), duration))
+    share[: len(share) // 2] = 1.0
+    return signal * share
 
 
 def fade_length(samples: int, duration: float) -> int:

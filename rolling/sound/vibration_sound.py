@@ -34,7 +34,7 @@ from rolling.dynamics.motion import MOST_STEPS, BodyMotion
 from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
-from rolling.sound.contact_sound import ContactSound, faded
+from rolling.sound.contact_sound import ContactSound, faded, faded_out
 from rolling.sound.error_estimate import Gain
 
 P_REF_W = 1e-12  # reference sound power
@@ -68,6 +68,7 @@ class Vibration:
     mean_laeq: float | None  # [dB] mean level over speeds within 3 %; None: no comb
     plate_power: Array  # (31,) [W]
     ball_power: Array  # (31,) [W]
+    once: bool = False  # whether the record is one event, the fall of the sphere
 
     @property
     def pressure(self) -> Array:
@@ -134,6 +135,9 @@ def vibrate(
     `highest` is the Nyquist frequency [Hz] of the steps at the maximum speed. The record holds
     `laps` laps of the track, whole laps of a closed track if `whole_laps`.
     """
+    once = scene.rolling.drop_mm is not None
+    if once:  # the time steps resolve an impact, whatever the steps of the track
+        highest = max(highest, wav.SAMPLE_RATE_HZ / 2)
     motion, chain = motion or of_scene.motion(scene, law), of_scene.chain_over(scene, law)
     closed = whole_laps and bool(motion.settled)
     force, pressures = _radiated(scene, motion, closed)
@@ -141,6 +145,8 @@ def vibrate(
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
     comb = _comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
+    if once:  # and no sample of a noise
+        spread = _certain(spread)
     parts = {
         "record": spread.laeq_db,
         "comb": comb and comb.spread_db,
@@ -163,6 +169,7 @@ def vibrate(
         mean_laeq=comb and comb.mean_laeq_db,
         plate_power=plate,
         ball_power=ball,
+        once=once,
     )
 
 
@@ -176,10 +183,13 @@ def _radiated(
     duration = len(motion.force_n) * motion.time_step_s
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
     fluctuation = motion.force_n - scene.load
-    if not closed:
+    if scene.rolling.drop_mm is not None:
+        fluctuation = faded_out(motion.force_n, duration)  # it begins in silence
+    elif not closed:
         fluctuation = faded(fluctuation, duration)
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
-    if scene.surface.kind == "smooth" or motion.flight_share == 1:
+    smooth = scene.surface.kind == "smooth" and scene.rolling.drop_mm is None
+    if smooth or motion.flight_share == 1:
         fluctuation = np.zeros_like(fluctuation)
     force, plate = _heard(fluctuation, samples), of_scene.rectangular_plate(scene)
     if plate is not None:
@@ -259,6 +269,18 @@ def _step_error(
     return UNKNOWN_DB if coarse is None else min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
+def _certain(spread: uncertainty.LevelUncertainty) -> uncertainty.LevelUncertainty:
+    """Return uncertainties without a part [dB] from the length of the record."""
+
+    def certain(decibels: float | None) -> float | None:
+        return None if decibels is None else 0.0
+
+    whole = asdict(spread)
+    bands = {name: certain(db) for name, db in whole.pop("third_octave_db").items()}
+    known = {name: certain(db) for name, db in whole.items()}
+    return uncertainty.LevelUncertainty(**known, third_octave_db=bands)
+
+
 def _joined(
     spread: uncertainty.LevelUncertainty, spreads: dict[str, float], chain: Chain
 ) -> uncertainty.LevelUncertainty:
@@ -330,6 +352,7 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
         right=vibrating.pressures[1] if len(vibrating.pressures) > 1 else None,
         factor=None,
         closed=vibrating.closed,
+        once=vibrating.once,
         levels=vibrating.levels,
         uncertainty=vibrating.uncertainty,
         steady_level=None,

@@ -55,7 +55,7 @@ def test_messages_of_files(tmp_path: Path) -> None:
     assert fault(latin) == f"{latin}:2: not UTF-8 text (byte 0xf6)"
     bad = tmp_path / "bad.yaml"
     bad.write_text(PLAIN.replace("load_n: 20", "load_n: 0"))
-    assert fault(bad) == f"{bad}:15: rolling.load_n: got 0, allowed: greater than 0"
+    assert fault(bad) == f"{bad}:15: rolling.load_n: got 0, allowed: greater than 0, or weight"
 
 
 def test_aliases_and_merges_keep_a_line() -> None:
@@ -64,7 +64,7 @@ def test_aliases_and_merges_keep_a_line() -> None:
     )
     assert faults(text) == [
         "s.yaml:2: sphere.radius_mm: got -5, allowed: greater than 0",
-        "s.yaml:15: rolling.load_n: got -5, allowed: greater than 0",
+        "s.yaml:15: rolling.load_n: got -5, allowed: greater than 0, or weight",
     ]
     assert loads(PLAIN.replace("load_n: 20", "<<: {load_n: 20}")).load == 20
 
@@ -182,7 +182,7 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
         ("rolling.load_n", 'got "rolling.load_n", allowed: key=value, as in rolling.load_n=50'),
         ("=5", 'got "=5", allowed: key=value, as in rolling.load_n=50'),
         ("rolling.load_n=-1", "rolling.load_n: got -1, allowed: greater than 0"),
-        ("rolling.load_n=", "rolling.load_n: missing; Normal load [N]"),
+        ("rolling.load_n=", "rolling.load_n: missing; give it, or sphere.density"),
         ("numerics.step_nodes=[1", "numerics.step_nodes: not YAML: expected ',' or ']', but got"),
         ("sound={q: 2}", "sound.q: got 2, allowed: less than or equal to 1"),
         ("recovery.rule=men", 'recovery.rule: got "men", allowed: mean or left_end, nearest: mean'),

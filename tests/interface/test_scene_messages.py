@@ -103,8 +103,12 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         ("width_um: 64", "width_um: 4", "12: surface.width_um: got 4, allowed: a whole number"),
         ("width_um: 64", "width_um: 1e12", "got 1000000000000, allowed: less than 1e9 nodes"),
         # rolling
-        ("load_n: 20", "load_n: true", "15: rolling.load_n: got true, allowed: a number"),
-        ("load_n: 20", "load_n:", "15: rolling.load_n: missing; Normal load [N]"),
+        (
+            "load_n: 20",
+            "load_n: true",
+            "15: rolling.load_n: got true, allowed: greater than 0, or weight",
+        ),
+        ("load_n: 20", "load_n:", "15: rolling.load_n: missing; give it, or sphere.density_kg_m3"),
         ("load_n: 20", "load_n: !big 20", "15: rolling.load_n: got the tag !big, allowed: plain"),
         ("load_n: 20", "load_n: [[[[[[1]]]]]]", "[0][0][0][0]: nested too deeply"),
         ("load_n: 20", "load: 20\n  load_n: 20", "15: rolling.load: unknown key, nearest: load_n"),

@@ -108,7 +108,8 @@ def test_bare_keys_stand_for_dotted_ones() -> None:
 def test_none_removes_an_optional_key() -> None:
     assert built().with_(hardness_gpa=None).hardness == np.inf
     assert faults(lambda: built().with_(load_n=None)) == [
-        "scene: rolling.load_n: missing; Normal load [N], constant"
+        "scene: rolling.load_n: missing; give it, or sphere.density_kg_m3 for the weight of the"
+        " sphere"
     ]
 
 

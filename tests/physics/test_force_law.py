@@ -185,3 +185,21 @@ def test_law_stands_for_contact_solved_in_each_step(contact: RollingContact) -> 
     expected = solved_inside(contact, start)
     assert np.ptp(expected) > 1
     assert np.std(motion.force_n - expected) < 0.02 * np.std(expected)
+
+
+@pytest.mark.law("Force law: above its loads the slope over F^(2/3) becomes that of Hertz.")
+@pytest.mark.parametrize("known", [False, True])
+def test_law_goes_on_as_hertz(known: bool) -> None:
+    """Without that slope it keeps its own; with it, the last 0.35 of its way are straight."""
+    hertz = hertz_approach(1.0, 5e-3, STEEL)
+    law = replace(uneven_law(3), smooth_slope=hertz if known else None)
+    top, x = float(law.load_n[-1]), law.position_m
+
+    def slope(force: float) -> np.ndarray:
+        rise = law.approach(x, force * (1 + 1e-4)) - law.approach(x, force)
+        return rise / (force ** (2 / 3) * ((1 + 1e-4) ** (2 / 3) - 1))
+
+    assert np.allclose(law.approach(x, top), law.approach_m[-1], rtol=1e-12, atol=0)
+    assert np.allclose(slope(top), slope(top * (1 - 1e-4)), rtol=1e-3, atol=0)
+    for force in (3 * top, 100 * top, 1e4 * top):
+        assert np.allclose(slope(force), hertz if known else slope(top), rtol=1e-3, atol=0)

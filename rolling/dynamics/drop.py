@@ -1,0 +1,102 @@
+"""Sphere that is let go from a height: its first impact by Hertz, its start, and its restitution.
+
+The plate takes some of the energy, so the impact of a rigid plate is the hardest.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from rolling.contact import closed_forms
+from rolling.dynamics.bodies import Chain
+from rolling.dynamics.force_law import HIGHEST, LOWEST, ForceLaw
+from rolling.dynamics.motion import BodyMotion, Stepping
+from rolling.scene.scene import Scene
+
+IMPACT_STEPS = 40  # in the time of the first impact: force off by 0.3 %, restitution by 0.001
+LONGEST_S = 1 / 96e3  # which resolves hearing
+WIDEST = 4.0  # ratio of neighbouring loads of the force law of a drop
+
+
+def height_m(scene: Scene) -> float:
+    """Return the height [m] above the surface from which the sphere is let go, 0 for none."""
+    return 1e-3 * (scene.rolling.drop_mm or 0.0)
+
+
+def energy_j(scene: Scene) -> float:
+    """Return the energy [J] that the load gives the sphere until it hits the plate."""
+    return scene.load * height_m(scene)
+
+
+def speed_m_s(scene: Scene) -> float:
+    """Return the speed [m/s] at which the sphere hits the plate."""
+    return math.sqrt(2 * energy_j(scene) / scene.mass)
+
+
+def fall_s(scene: Scene) -> float:
+    """Return the time [s] of the fall."""
+    return speed_m_s(scene) * scene.mass / scene.load
+
+
+def impact_s(scene: Scene) -> float:
+    """Return the time [s] of the first impact."""
+    speed, modulus = speed_m_s(scene), scene.contact_modulus
+    return closed_forms.hertz_impact_time(scene.mass, speed, scene.radius, modulus)
+
+
+def largest_force_n(scene: Scene) -> float:
+    """Return the largest force [N] of the first impact."""
+    return closed_forms.hertz_force(energy_j(scene), scene.radius, scene.contact_modulus)
+
+
+def elastic_height_m(scene: Scene) -> float:
+    """Return the height [m] from which the pressure of the impact reaches the hardness."""
+    radius = math.pi * scene.radius * scene.hardness / (2 * scene.contact_modulus)
+    force = 2 / 3 * math.pi * scene.hardness * radius**2
+    return 0.4 * force * radius**2 / scene.radius / scene.load
+
+
+def loads(scene: Scene, sign: int) -> list[float]:
+    """Return loads [N] above (1) the scene's, up to the force of the impact, or below it (-1)."""
+    if sign < 0:
+        count = math.floor(-math.log(LOWEST, WIDEST))
+        return [scene.load * WIDEST**-k for k in range(1, count + 1)]
+    ratio = max(largest_force_n(scene) / scene.load, HIGHEST)
+    count = math.ceil(math.log(ratio) / math.log(WIDEST))
+    return [scene.load * ratio ** (k / count) for k in range(1, count + 1)]
+
+
+def start(scene: Scene, law: ForceLaw, chain: Chain) -> tuple[float, float, float]:
+    """Return approach [m], velocity [m/s] and plate [m] of a sphere let go above its first place.
+
+    A motion is seen from an infinite plate that the load alone would sink, at a constant speed.
+    """
+    lift_off = float(law.approach(law.position_m[0], 0.0))
+    sinking = chain.mobility_s_kg * scene.load if chain.modes is None else 0.0
+    return lift_off - height_m(scene), -sinking, 0.0
+
+
+def time_step_s(scene: Scene, law: ForceLaw, chain: Chain) -> float:
+    """Return the time step [s] that resolves the first impact, the resonance and the track."""
+    speed = scene.motion.fastest(scene.duration)
+    resonance = 1 / (Stepping().per_period * chain.resonance_hz)
+    return min(impact_s(scene) / IMPACT_STEPS, resonance, law.spacing_m / speed, LONGEST_S)
+
+
+def restitution(scene: Scene, motion: BodyMotion) -> float | None:
+    """Return speed after over speed before the first impact; None without an end of it."""
+    apart = motion.force_n == 0
+    first = int(np.argmin(apart))
+    if first == 0:  # it never hits the plate
+        return None
+    after = first + int(np.argmax(apart[first:]))
+    if after == first:
+        return None
+    acceleration = scene.load / scene.mass
+    velocity = motion.velocity_m_s[after] - motion.velocity_m_s[0]  # it starts at rest
+    velocity += acceleration * motion.time_step_s / 2
+    height = height_m(scene) - (motion.approach_m[after] - motion.approach_m[0])
+    square = velocity**2 + 2 * acceleration * height
+    return math.sqrt(max(square, 0.0)) / speed_m_s(scene)
