@@ -157,7 +157,7 @@ def _radiated(scene: Scene, motion: BodyMotion, closed: bool) -> tuple[Array, Ar
     if not closed:
         fluctuation = faded(fluctuation, duration)
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
-    if scene.surface.kind == "smooth" or motion.flight_share == 1:
+    if scene.is_smooth or motion.flight_share == 1:
         fluctuation = np.zeros_like(fluctuation)
     pressure = pressure_on_axis(
         fluctuation, motion.sample_rate_hz, _sources(scene), scene.sound.distance_m, closed=True
