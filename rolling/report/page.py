@@ -269,7 +269,8 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
     for run in runs:
         scene, track = run.scene, run.scene.track
         places = (scene.height_path, track.n_along, track.n_across)
-        sharing.setdefault(f"{scene.surface.model_dump_json()} {places}", []).append(run)
+        ball = scene.sphere.surface and (scene.sphere.surface, track.turn_nodes)
+        sharing.setdefault(f"{scene.surface.model_dump_json()} {ball} {places}", []).append(run)
     surfaces = []
     for members in sharing.values():
         picture = single_picture("surface", members[0])
@@ -279,6 +280,7 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
                 "labels": [run.label for run in members],
                 "words": assumed.surface_words(members[0].scene),
                 "statistics": members[0].summary["surface"],
+                "turns": members[0].scene.track.turn_nodes > 0,
                 "picture": _exhibit(picture),
             }
         )

@@ -44,6 +44,10 @@ WORDS = {  # in the order in which labels name them
     "sphere.surface.grade": Word("grade"),
     "sphere.surface.roughness_ra_um": Word("sphere Ra", "µm"),
     "sphere.surface.correlation_length_um": Word("sphere correlation length", "µm"),
+    "sphere.surface.correlation_length_across_um": Word("sphere correlation length across", "µm"),
+    "sphere.surface.autocorrelation": Word("sphere autocorrelation"),
+    "sphere.surface.height_unit": Word("sphere height unit"),
+    "sphere.surface.spacing_um": Word("sphere spacing", "µm", minor=True),
     "sphere.surface.seed": Word("sphere seed"),
     "sphere.surface.waviness": Word("waviness", "", "no waviness"),
     "sphere.surface.faults": Word("sphere faults", "", "no sphere faults"),
@@ -149,8 +153,8 @@ def printable(text: str) -> str:
 def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
     """Choose the keys that labels name, and return a text of each of them for each run."""
     swept = list(dict.fromkeys(key for run in runs for key in run.values))
-    sections = {key for key in swept if key not in WORDS}  # swept under labels
-    keys = [*swept, *(key for key in WORDS if key.partition(".")[0] not in sections)]
+    sections = tuple(f"{key}." for key in swept if key not in WORDS)  # swept under labels
+    keys = [*swept, *(key for key in WORDS if not key.startswith(sections))]
     texts = {key: _texts(key, runs) for key in dict.fromkeys(keys)}
     minor = {key: WORDS.get(key, Word(key)).minor for key in texts}
     differing = sorted((key for key in texts if len(set(texts[key])) > 1), key=minor.__getitem__)

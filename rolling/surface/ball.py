@@ -64,8 +64,7 @@ def _read(scene: Scene, ball: BallHeightFile) -> Array:
 
 def _form(ball: BallSurface, nodes: int) -> Array:
     """Return the heights [m] of the waves around a circumference of some nodes."""
-    angle: Array = _angle(nodes)
-    line = np.zeros(nodes)
+    angle, line = _angle(nodes), np.zeros(nodes)
     if isinstance(ball, GradedBall):
         phases = np.random.default_rng((ball.seed, _FORM)).uniform(0, 2 * np.pi, len(FORM_ORDERS))
         for order, phase in zip(FORM_ORDERS, phases, strict=True):
@@ -79,7 +78,7 @@ def _form(ball: BallSurface, nodes: int) -> Array:
 
 def _angle(nodes: int) -> Array:
     """Return the angles of the nodes of a turn [rad]."""
-    return 2 * np.pi / nodes * np.arange(nodes)
+    return np.asarray(2 * np.pi / nodes * np.arange(nodes), dtype=np.float64)
 
 
 def rolled_together(plate: Array, ball: Array, track: Track, start: float) -> Array:
