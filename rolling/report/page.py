@@ -280,7 +280,7 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
                 "labels": [run.label for run in members],
                 "words": assumed.surface_words(members[0].scene),
                 "statistics": members[0].summary["surface"],
-                "turns": members[0].scene.track.turn_nodes > 0,
+                "parts": runs_table.surface_parts(members[0].summary),
                 "picture": _exhibit(picture),
             }
         )
