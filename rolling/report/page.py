@@ -24,7 +24,7 @@ from rolling import __version__
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
 from rolling.report import assumed, film, hearing, maps, text
-from rolling.results import caveats, listening
+from rolling.results import caveats, listening, runs_table
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.sound.contact_sound import ContactSound
