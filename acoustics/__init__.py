@@ -69,14 +69,8 @@ __all__ = [
 
 _SUBMODULES = ("plots", "wav")
 _MODULES = (
-    "bands",
-    "extension",
-    "level",
-    "modulation",
-    "radiation",
-    "spectrum",
-    "uncertainty",
-    "weighting",
+    *("bands", "extension", "level", "modulation"),
+    *("radiation", "spectrum", "uncertainty", "weighting"),
 )
 
 

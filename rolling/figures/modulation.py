@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from acoustics.modulation import EnvelopeSpectrum, envelope_spectrum
+from acoustics.modulation import envelope_spectrum
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS
 from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid
@@ -43,22 +43,19 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> rolling.plot.modulation(run)  # doctest: +SKIP
     """
-    spectrum, turn_hz = _spectrum(run)
-    ax = axes_of(ax)
+    table, ax = modulation_table(run), axes_of(ax)
+    (low, high), turn_hz = run.summary["turn_band_hz"], run.summary["turn_hz"]
     for multiple in range(1, MULTIPLES + 1):
         name = "multiples of v/(2πR)" if multiple == 1 else None
         ax.axvline(multiple * turn_hz, color=COLOURS[1], linestyle=":", linewidth=1, label=name)
-    shown = spectrum.frequency_hz <= (MULTIPLES + 0.5) * turn_hz
-    frequency, values = spectrum.frequency_hz[shown], spectrum.modulation[shown]
-    ax.plot(frequency, values, color=COLOURS[0], linewidth=1)
+    ax.plot(table["frequency_hz"], table["modulation"], color=COLOURS[0], linewidth=1)
     ax.set_xlim(0.0, (MULTIPLES + 0.5) * turn_hz)
     ax.set_ylim(bottom=0.0)
     ax.set_xlabel("frequency of the modulation [Hz]")
     ax.set_ylabel("modulation [-]")
-    low, high = (rounded(edge, 3) for edge in spectrum.band_hz)
     facts = [
         *distance_and_duration([run]),
-        f"Hilbert envelope of the octave from {low} to {high} Hz, the loudest in dB(A)",
+        f"Hilbert envelope of the octave from {low:.0f} to {high:.0f} Hz, the loudest in dB(A)",
         f"{rounded(turn_hz, 4)} turns per second",
     ]
     return finish(finish_grid(ax), f"Modulation: {run.title}", facts)
@@ -66,17 +63,10 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
 
 def modulation_table(run: Run) -> pd.DataFrame:
     """Tabulate the modulation [-] of the loudest octave over frequency [Hz]."""
-    spectrum, turn_hz = _spectrum(run)
-    shown = spectrum.frequency_hz <= (MULTIPLES + 0.5) * turn_hz
-    columns = {"frequency_hz": spectrum.frequency_hz, "modulation": spectrum.modulation}
-    return pd.DataFrame({name: values[shown] for name, values in columns.items()})
-
-
-def _spectrum(run: Run) -> tuple[EnvelopeSpectrum, float]:
-    """Return the envelope spectrum of a run and the turns per second."""
     if not run.summary.get("turn_band_hz"):
         raise ValueError(f"{run.title}: has less than two turns of a sphere with a surface")
-    low, high = run.summary["turn_band_hz"]
-    sound = run.sound
+    (low, high), sound = run.summary["turn_band_hz"], run.sound
     spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, (low, high), sound.closed)
-    return spectrum, run.summary["turn_hz"]
+    shown = spectrum.frequency_hz <= (MULTIPLES + 0.5) * run.summary["turn_hz"]
+    columns = {"frequency_hz": spectrum.frequency_hz, "modulation": spectrum.modulation}
+    return pd.DataFrame({name: values[shown] for name, values in columns.items()})
