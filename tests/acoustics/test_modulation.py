@@ -16,7 +16,7 @@ def modulated(frequency_hz: float, share: float, carrier_hz: float = 2000.0) -> 
     return np.asarray(beat * np.sin(2 * np.pi * carrier_hz * T))
 
 
-@pytest.mark.law("modulation: the line of a modulated tone is its degree of modulation")
+@pytest.mark.law("Modulation: the line of a modulated tone is its degree of modulation.")
 @pytest.mark.parametrize(("frequency", "closed"), [(4.0, True), (4.0, False), (4.5, False)])
 def test_the_line_of_a_modulated_tone_is_its_share(frequency: float, closed: bool) -> None:
     """Between two lines a Hann window lowers it by 1.42 dB."""

@@ -31,7 +31,7 @@ FLOORS = {
         ("arrays", "numbers"),
         ("bands", "radiation", "weighting"),
         ("plot_style", "resampling", "spectrum"),
-        ("extension", "level", "loudness", "sound_power"),
+        ("extension", "level", "loudness", "modulation", "sound_power"),
         ("laps", "plots", "uncertainty", "wav"),
     ),
 }

@@ -23,7 +23,7 @@ from rolling.surface.scene_surface import heights, scene_surface
 ROUGH = {"kind": "gaussian", "roughness_ra_um": 0.005, "correlation_length_um": 10, "seed": 4}
 
 
-@pytest.mark.law("ball surface: a rough ball on a smooth plate is a smooth ball on the same field")
+@pytest.mark.law("Ball surface: a rough ball on a smooth plate is a smooth ball on the same field.")
 def test_a_rough_ball_on_a_smooth_plate_is_a_smooth_ball_on_that_field() -> None:
     """Bit by bit, over one turn and the beginning of the next."""
     scene, ra, length = small_ball(**ROUGH), 0.005 * 1e-6, 10 * 1e-6
@@ -43,7 +43,7 @@ def test_equal_seeds_of_ball_and_plate_make_different_heights(kind: str) -> None
     assert abs(np.corrcoef(plate.ravel(), ball.ravel())[0, 1]) < 0.3  # 1 if they were equal
 
 
-@pytest.mark.law("ball surface: mean squares of ball and plate add")
+@pytest.mark.law("Ball surface: mean squares of ball and plate add.")
 def test_equal_roughness_of_ball_and_plate_adds_three_decibels() -> None:
     """Within 0.3 dB: 20 turns on a wide plate have some 1,400 patches of a correlation length."""
     law = {**ROUGH, "spacing_um": 2, "width_um": 256}
@@ -99,7 +99,7 @@ def test_a_track_one_node_longer_than_a_turn_does_not_close() -> None:
     assert longer.track.turns == pytest.approx(315 / 314)
 
 
-@pytest.mark.law("ball surface: a wave of order k has k periods in a turn")
+@pytest.mark.law("Ball surface: a wave of order k has k periods in a turn.")
 def test_waves_of_a_circumference_make_lines_at_multiples_of_the_turn() -> None:
     """The approach under a constant load follows them: they are long for the contact."""
     orders = {3: 0.004, 7: 0.002}
@@ -111,7 +111,7 @@ def test_waves_of_a_circumference_make_lines_at_multiples_of_the_turn() -> None:
     assert others.max() < 0.02 * lines[7]  # tones of the grid and of the varying curvature
 
 
-@pytest.mark.law("ball surface: one pit is heard once per turn")
+@pytest.mark.law("Ball surface: one pit is heard once per turn.")
 def test_a_pit_of_the_ball_ticks_once_per_turn() -> None:
     """Lines at multiples of v/(2 pi R) stand 10 times above the median of the lines about them."""
     pit = {"kind": "pit", "at_mm": [0.2, 0], "size_um": 12, "depth_um": 0.1}

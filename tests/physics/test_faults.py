@@ -23,7 +23,7 @@ def fields(kind: str, at_mm: Any = (0.2, 0), **keys: Any) -> Any:
     return heights / 2e-6
 
 
-@pytest.mark.law("faults: depth and size are as stated")
+@pytest.mark.law("Faults: depth and size are as stated.")
 @pytest.mark.parametrize("kind", ["pit", "dent", "bump", "scratch", "groove"])
 def test_a_fault_has_its_depth_in_the_middle_and_ends_at_its_size(kind: str) -> None:
     share = fields(kind, **{"length_um": 60} if kind == "scratch" else {})
