@@ -116,11 +116,8 @@ def surface_words(scene: Scene) -> str:
     if ball is None:
         return _words(scene.surface)
     turn = scene.track.turn_nodes * scene.spacing
-    return (
-        f"plate {_words(scene.surface)}; sphere {_words(ball)}, once round in"
-        f" {rounded(turn * 1e3, 6)} mm, {rounded(scene.track.turns, 3)} turns rolled; the numbers"
-        " are those of the sum"
-    )
+    rolled = f"{rounded(turn * 1e3, 6)} mm, {rounded(scene.track.turns, 3)} turns rolled"
+    return f"{_words(scene.surface)}; the sphere: {_words(ball)}, once round in {rolled}"
 
 
 def _words(surface: Surface | BallSurface) -> str:

@@ -88,7 +88,7 @@ def conclusion(scene: Scene, findings: Findings) -> str:
             return f"It does not run: {finding.quantity} ({finding.value})."
     if findings.excess:
         return f"It does not run: {findings.excess[0]}."
-    if scene.is_smooth:
+    if all(run.scene.is_smooth for run in scene.runs()):
         return f"It runs, in {computing(findings.seconds)}; a smooth surface is silent."
     runs = zip(scene.runs(), findings.runs, strict=True)
     words = [expected(run.scene, checked.findings) for run, checked in runs]

@@ -103,7 +103,7 @@ def test_check_states_turns_and_judges_the_slope_of_faults() -> None:
 def test_a_smooth_ball_is_a_scene_without_its_surface_in_words_only() -> None:
     scene = small_ball(kind="smooth")
     assert scene.is_smooth
-    assert "sphere smooth, once round in 0.628 mm, 1 turns rolled" in surface_words(scene)
+    assert "the sphere: smooth, once round in 0.628 mm, 1 turns rolled" in surface_words(scene)
     graded = small_ball(kind="graded", grade="G10", waviness={3: 0.1})
     assert "of grade G10, 0.25 µm from spherical form" in surface_words(graded)
     assert "waves of order 3 (0.1 µm)" in surface_words(graded)
