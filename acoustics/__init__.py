@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     )
     from acoustics.extension import extend, kurtosis, kurtosis_uncertainty
     from acoustics.level import SoundLevels, laeq_db, level_db, sound_levels
+    from acoustics.modulation import EnvelopeSpectrum, envelope_spectrum, loudest_octave
     from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
     from acoustics.spectrum import Psd, line_spectrum, welch
     from acoustics.uncertainty import LevelUncertainty, level_uncertainty
@@ -41,11 +42,13 @@ __all__ = [
     "MID_HZ",
     "P_REF_PA",
     "RHO_C",
+    "EnvelopeSpectrum",
     "LevelUncertainty",
     "Psd",
     "SoundLevels",
     "a_weighting_db",
     "band_uncertainty_db",
+    "envelope_spectrum",
     "extend",
     "intensity",
     "kurtosis",
@@ -54,6 +57,7 @@ __all__ = [
     "level_db",
     "level_uncertainty",
     "line_spectrum",
+    "loudest_octave",
     "plots",
     "reliable",
     "sound_levels",
@@ -64,7 +68,10 @@ __all__ = [
 ]
 
 _SUBMODULES = ("plots", "wav")
-_MODULES = ("bands", "extension", "level", "radiation", "spectrum", "uncertainty", "weighting")
+_MODULES = (
+    *("bands", "extension", "level", "modulation"),
+    *("radiation", "spectrum", "uncertainty", "weighting"),
+)
 
 
 def __getattr__(name: str) -> Any:

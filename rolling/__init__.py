@@ -7,7 +7,8 @@ instant.
 
 Scenes
     read_scene, Scene and its sections Sphere, Plate, Gaussian, Smooth, HeightFile, Rolling,
-    Numerics, Recovery, Dynamics, Sound; check (module), SceneError
+    Numerics, Recovery, Dynamics, Sound; surfaces of the sphere GaussianBall, SmoothBall,
+    GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError
 Runs
     simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError,
     FolderError
@@ -31,6 +32,8 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.contact.march import march
     from rolling.contact.solver import ContactError, solve_contact
     from rolling.interface import SweepError, open_run, save_run, simulate, simulate_sweep
+    from rolling.scene.balls import BallHeightFile, GaussianBall, GradedBall, SmoothBall
+    from rolling.scene.faults import SurfaceFault
     from rolling.scene.file import read_scene
     from rolling.scene.messages import SceneError
     from rolling.scene.scene import Scene
@@ -39,6 +42,7 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.terminal.files import FolderError
 
 _SECTIONS, _SURFACES = "rolling.scene.sections", "rolling.scene.surfaces"
+_BALLS = "rolling.scene.balls"
 _RUNS = "rolling.interface"
 _PLACES = {  # module and name in it; None stands for the module itself
     "read_scene": ("rolling.scene.file", "read_scene"),
@@ -48,6 +52,11 @@ _PLACES = {  # module and name in it; None stands for the module itself
     "Gaussian": (_SURFACES, "Gaussian"),
     "Smooth": (_SURFACES, "Smooth"),
     "HeightFile": (_SURFACES, "HeightFile"),
+    "GaussianBall": (_BALLS, "GaussianBall"),
+    "SmoothBall": (_BALLS, "SmoothBall"),
+    "GradedBall": (_BALLS, "GradedBall"),
+    "BallHeightFile": (_BALLS, "BallHeightFile"),
+    "SurfaceFault": ("rolling.scene.faults", "SurfaceFault"),
     "Rolling": (_SECTIONS, "Rolling"),
     "Numerics": (_SECTIONS, "Numerics"),
     "Recovery": (_SECTIONS, "Recovery"),
@@ -70,10 +79,13 @@ _PLACES = {  # module and name in it; None stands for the module itself
 }
 
 __all__ = [
+    "BallHeightFile",
     "ContactError",
     "Dynamics",
     "FolderError",
     "Gaussian",
+    "GaussianBall",
+    "GradedBall",
     "HalfSpace",
     "HeightFile",
     "Numerics",
@@ -83,8 +95,10 @@ __all__ = [
     "Scene",
     "SceneError",
     "Smooth",
+    "SmoothBall",
     "Sound",
     "Sphere",
+    "SurfaceFault",
     "SweepError",
     "check",
     "closed_forms",

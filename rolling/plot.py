@@ -17,6 +17,7 @@ from typing import Any
 
 from acoustics.arrays import instance
 from rolling.figures.contact import contact_pressure, recovery_events, surface
+from rolling.figures.modulation import modulation
 from rolling.figures.picture import listed
 from rolling.figures.sound import (
     power_density,
@@ -38,6 +39,7 @@ __all__ = [
     "levels",
     "mean_third_octaves",
     "mobilities",
+    "modulation",
     "power_density",
     "recovery_events",
     "release_power",

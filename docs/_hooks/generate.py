@@ -80,25 +80,35 @@ def _schema() -> Json:
 def scene_reference(schema: Json) -> str:
     """Return the reference of scene files: one table for each section of the schema."""
     parts = ["## Top level", "", _keys(schema, schema)]
-    for name, section in schema["properties"].items():
+    for title, model in _sections("", schema, schema).items():
+        parts += ["", f"## {title}", "", model.get("description", ""), "", _keys(model, schema)]
+    return "\n".join(parts)
+
+
+def _sections(prefix: str, outer: Json, schema: Json) -> dict[str, Json]:
+    """Return the sections in a model and inside them by title; lists of sections come last."""
+    sections: dict[str, Json] = {}
+    lists: dict[str, Json] = {}
+    for name, section in outer["properties"].items():
         for model in _models(section, schema):
             kind = model["properties"].get("kind", {}).get("const")
-            parts += [
-                "",
-                f"## {name}" + (f": {kind}" if kind else ""),
-                "",
-                model.get("description", ""),
-                "",
-            ]
-            parts.append(_keys(model, schema))
-    return "\n".join(parts)
+            sections[f"{prefix}{name}" + (f": {kind}" if kind else "")] = model
+            inner = _sections(f"{prefix}{name}.", model, schema)
+            lists |= {title: inner.pop(title) for title in [*inner] if "." not in title}
+            sections |= inner
+        for part in section.get("anyOf", ()):
+            for model in _models(part.get("items", {}), schema):
+                lists[name] = model
+    return sections | lists
 
 
 def _models(field: Json, schema: Json) -> Iterator[Json]:
     """Yield the models that a field refers to."""
-    for part in (field, *field.get("oneOf", ()), *field.get("anyOf", ()), *field.get("allOf", ())):
-        if "$ref" in part:
-            yield schema["$defs"][part["$ref"].rpartition("/")[2]]
+    if "$ref" in field:
+        yield schema["$defs"][field["$ref"].rpartition("/")[2]]
+    for kind in ("oneOf", "anyOf", "allOf"):
+        for part in field.get(kind, ()):
+            yield from _models(part, schema)
 
 
 def _keys(model: Json, schema: Json) -> str:
@@ -133,6 +143,12 @@ def _values(field: Json, sections: list[Json]) -> str:
             _values(part, []) for part in field["anyOf"] if part.get("type") != "null"
         )
     words = {"object": "lists by dotted key", "array": "list of pairs"}
+    if "patternProperties" in field:
+        return "amplitude by order"
+    if "items" in field:
+        item = field["items"]
+        inner = "sections" if "$ref" in item else f"{item.get('type')}s"
+        return f"list of {inner}" if "prefixItems" not in item else "list of pairs"
     limits = {"exclusiveMinimum": "> {:g}", "minimum": ">= {:g}", "maximum": "<= {:g}"}
     bounds = " and ".join(sign.format(field[key]) for key, sign in limits.items() if key in field)
     return f"{words.get(field.get('type', ''), field.get('type', ''))} {bounds}".strip()

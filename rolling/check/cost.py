@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 from rolling.contact import closed_forms
 from rolling.dynamics import drop
+from rolling.scene.balls import BallSurface, Roughness
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import Gaussian
 from rolling.surface import heights, refined
 from rolling.surface.scene_surface import scene_surface
 
@@ -59,28 +59,31 @@ def roughness(scene: Scene) -> tuple[float, float]:
     """Estimate rms roughness [m] and rms slope [-] without making random heights.
 
     The slope is the norm of the gradient over one spacing. A height file is read, or SceneError
-    is raised.
+    is raised. Mean squares of plate and sphere add; faults and waves of the circumference are left
+    out, but for the slope of these waves.
     """
-    s, spacing = scene.surface, scene.spacing
-    if isinstance(s, Gaussian):
-        rq = s.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
-        decay, exponent = heights.AUTOCORRELATIONS[s.autocorrelation]
-        # The mean square of a difference over one spacing is 2 (rq^2 - C(spacing)).
-        drops = [
-            -math.expm1(-decay * (s.spacing_um / length) ** exponent)
-            for length in correlation_lengths(s)
-        ]
-        return rq, rq * math.sqrt(2 * sum(drops)) / spacing
-    if scene.height_path is None:
-        return 0.0, 0.0
-    statistics = scene_surface(scene).statistics
-    return statistics.rq, statistics.rms_slope
+    if scene.height_paths:
+        statistics = scene_surface(scene).statistics
+        return statistics.rq, statistics.rms_slope
+    parts = [_roughness(law, scene.surface.spacing_um) for law in scene.laws]
+    ball = scene.sphere.surface
+    if ball is not None and ball.has_form:
+        parts.append((0.0, _form_slope(ball, scene.radius)))
+    return math.hypot(*(rq for rq, _ in parts)), math.hypot(*(slope for _, slope in parts))
 
 
-def correlation_lengths(surface: Gaussian) -> tuple[float, float]:
-    """Return the correlation lengths along and across the track [um]."""
-    along = surface.correlation_length_um
-    return along, surface.correlation_length_across_um or along
+def _roughness(law: Roughness, spacing_um: float) -> tuple[float, float]:
+    """Return rms roughness [m] and rms slope [-] of a law."""
+    decay, exponent = heights.AUTOCORRELATIONS[law.autocorrelation]
+    # The mean square of a difference over one spacing is 2 (rq^2 - C(spacing)).
+    drops = [-math.expm1(-decay * (spacing_um / length) ** exponent) for length in law.lengths_um]
+    return law.rq_m, law.rq_m * math.sqrt(2 * sum(drops)) / (spacing_um * 1e-6)
+
+
+def _form_slope(ball: BallSurface, radius: float) -> float:
+    """Return the rms slope [-] of the waves around a circumference of a radius [m]."""
+    slopes = [k * a * 1e-6 / radius / math.sqrt(2) for k, a in (ball.waviness or {}).items()]
+    return math.hypot(*slopes)
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:
@@ -105,9 +108,9 @@ def subcells(scene: Scene, is_read: bool = True) -> int:
     chosen = scene.numerics.subcells
     if chosen != "auto":
         return chosen
-    if not has_blended_edges(scene) or not (is_read or scene.height_path is None):
+    if not has_blended_edges(scene) or not (is_read or not scene.height_paths):
         return 1
-    if scene.height_path is None:
+    if not scene.height_paths:
         slope = SLOPE_MARGIN * roughness(scene)[1]
     else:
         step = refined.median_step(scene_surface(scene).heights)
@@ -163,13 +166,19 @@ def fall_seconds(scene: Scene) -> tuple[int, float]:
 
 def surface_seconds(scene: Scene) -> tuple[float, float]:
     """Estimate the times [s] for a random surface in each worker, and then beside the workers."""
-    if not isinstance(scene.surface, Gaussian):
+    if not scene.laws:
         return 0.0, 0.0
-    nodes, edges = scene.track.n_along * scene.track.n_across, 0.0
+    nodes, edges = _surface_nodes(scene), 0.0
     if has_blended_edges(scene):
         edges = EDGES if (r := subcells(scene)) == 1 else SUBCELL_HEIGHTS * (r / 2) ** 2
     per_node = nodes * math.log2(nodes)
     return per_node * (MAKING + edges), per_node * (MAKING + STATISTICS)
+
+
+def _surface_nodes(scene: Scene) -> int:
+    """Return the nodes of the surface and of a turn of a sphere that has a surface."""
+    track = scene.track
+    return (track.n_along + track.turn_nodes) * track.n_across
 
 
 # ---- memory and disk
@@ -184,12 +193,12 @@ def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
     parts = {"surface": 0.0, "window": 0.0, "record": 0.0}
     for scene in scenes:
         track, r = scene.track, subcells(scene, is_read=False)
-        rq = roughness(scene)[0] if scene.height_path is None else 0.0
+        rq = roughness(scene)[0] if not scene.height_paths else 0.0
         side = min(window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across))
-        nodes = track.n_along * track.n_across
+        nodes = _surface_nodes(scene)
         window = (WINDOW + WINDOW_SUBCELL * r**2) * side**2
         own = {
-            "surface": (NODE + NODE_SUBCELL * r**2) * nodes * (scene.surface.kind != "smooth"),
+            "surface": (NODE + NODE_SUBCELL * r**2) * nodes * (not scene.is_smooth),
             "window": window * (ESTIMATE if scene.numerics.error_estimate else 1.0),
             "record": _record(scene),
         }

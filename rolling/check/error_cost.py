@@ -112,7 +112,7 @@ def cost_share(scene: Scene, power: float = COST_POWER) -> float:
 
     The power of `cost.STEP_LAWS` makes it a share of time.
     """
-    if not scene.numerics.error_estimate or scene.surface.kind == "smooth":
+    if not scene.numerics.error_estimate or scene.is_smooth:
         return 0.0
     if (stretches := layout(scene)) is None:
         return 0.0

@@ -168,8 +168,9 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     runs = scene.runs()
     scenes = [run.scene for run in runs]
     for run in scenes:  # a file is judged by its header before it is read
-        if run.height_path is not None and (faults := refusals.excess([run], 1, None)):
-            raise SceneError([f"surface.path: {fault}" for fault in faults.values()])
+        if run.height_paths and (faults := refusals.excess([run], 1, None)):
+            section = next(iter(run.height_paths))
+            raise SceneError([f"{section}.path: {fault}" for fault in faults.values()])
     probes = _solved(scenes) if solve else [None] * len(runs)
     with progress.step("judging the numbers of the scene"):
         by_run = tuple(
@@ -243,13 +244,32 @@ def _track(scene: Scene) -> list[Finding]:
     track, duration = scene.track, scene.duration
     sides = f"{si(track.n_along * track.spacing, 'm')} x {si(track.n_across * track.spacing, 'm')}"
     closed = "" if track.closed else ", not closed"
+    turns = [_turns(scene)] if track.turn_nodes else []
     return [
+        *turns,
         Finding("steps", "steps", f"{track.steps} of {si(track.step, 'm')}"),
         Finding("surface", "surface", f"{sides}, {track.n_along} x {track.n_across} nodes"),
         Finding("distance", "distance rolled", f"{si(track.distance, 'm')}{closed}"),
         Finding("duration", "duration", si(duration, "s")),
         Finding("samples", "sound samples", f"{round(duration * cost.SAMPLE_RATE)}"),
     ]
+
+
+def _turns(scene: Scene) -> Finding:
+    """State turns, circumference in nodes, and the distance after which the record closes."""
+    track = scene.track
+    turn = track.turn_nodes * track.spacing
+    off = si(abs(turn - 2 * math.pi * scene.radius), "m")
+    value = f"{rounded(track.turns, 4)} of {track.turn_nodes} nodes ({off} off the circumference)"
+    if not track.closed:
+        nodes = track.turn_nodes
+        if isinstance(scene.surface, HeightFile):
+            nodes = track.closing_nodes
+        unit = math.lcm(nodes, max(1, math.ceil(scene.numerics.step_nodes)))
+        least = math.ceil(track.distance / (unit * track.spacing) - 1e-9)
+        distance = rounded(least * unit * track.spacing * 1e3, 8)
+        value += f"; a rolling.distance_mm of {distance} closes"
+    return Finding("turns", "turns of the sphere", value)
 
 
 def _march(scene: Scene) -> list[Finding]:

@@ -103,7 +103,7 @@ def _seam(scene: Scene, levelling: Levelling) -> Finding:
 
 def _share_on_seam(scene: Scene, radius: float) -> float:
     """Return the share of the track on which a contact of a radius [m] lies on the seam."""
-    lap = scene.track.n_along * scene.track.spacing
+    lap = scene.track.plate_nodes * scene.track.spacing
     within = min(2 * radius, lap)
 
     def rolled(place: float) -> float:

@@ -210,7 +210,7 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
     reasons: list[str] = []
     seconds, made = 0.0, set[object]()
     for scene in scenes:
-        nodes = scene.track.n_along * scene.track.n_across
+        nodes = (scene.track.n_along + scene.track.turn_nodes) * scene.track.n_across
         nodes = 0 if isinstance(scene.surface, HeightFile) else nodes
         solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
         reason = ""

@@ -15,7 +15,7 @@ from rolling.check import cost, long_steps
 from rolling.check.finding import Finding, rounded_down, rounded_up, si
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import Gaussian, MadeSurface
+from rolling.scene.surfaces import MadeSurface
 from rolling.surface import refined
 
 KEY = "resolution"
@@ -53,12 +53,12 @@ def grid_signal_db(scene: Scene) -> float | None:
     The numbers of nodes within rms roughness over slope and within the loaded area decide. None is
     returned for a surface that is not random or has no slope.
     """
-    if not isinstance(scene.surface, Gaussian):
+    if not scene.laws:
         return None
     rq, slope = cost.roughness(scene)
     if not slope > 0:
         return None
-    flat = scene.surface.autocorrelation.startswith("exponential")
+    flat = any(law.autocorrelation.startswith("exponential") for law in scene.laws)
     # A rough elastic contact carries E* slope / sqrt(2 pi) on its loaded area, a smooth one Hertz's
     # mean pressure, and no area more than the hardness.
     rough = scene.contact_modulus * slope / math.sqrt(2 * math.pi)
@@ -80,9 +80,10 @@ def grid_signal_db(scene: Scene) -> float | None:
 def _spacing(scene: Scene) -> list[Finding]:
     """Judge the spacing of a random surface by the error that it leaves."""
     error = grid_signal_db(scene)
-    if error is None or not isinstance(scene.surface, Gaussian):
+    if error is None:
         return []
-    nodes = min(cost.correlation_lengths(scene.surface)) / scene.surface.spacing_um
+    shortest = min(min(law.lengths_um) for law in scene.laws)
+    nodes = shortest / scene.surface.spacing_um
     value = f"about {error:.0f} dB of the fluctuation"
     warning = too_coarse(scene, error, "by a rule that is off by some 4 dB")
     if warning is None and error > BANDS_DB:

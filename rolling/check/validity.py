@@ -8,7 +8,7 @@ from rolling.check.finding import Finding, rounded_up, si
 from rolling.check.free_sphere import MAX_CONTACT
 from rolling.check.resolution import HEARING
 from rolling.scene.scene import STEEL_DENSITY, Scene
-from rolling.scene.surfaces import Gaussian, HeightFile
+from rolling.scene.surfaces import HeightFile
 
 MAX_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
 NEAR = 3.0  # sphere radii within which a listener is too near
@@ -44,9 +44,11 @@ def _near(scene: Scene) -> list[Finding]:
 def _half_space(scene: Scene) -> list[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
     slope, share = cost.roughness(scene)[1], long_steps.contact_radius(scene) / scene.radius
-    steep = wide = None
+    steep = wide = sharp = None
     if slope > MAX_SLOPE:
         advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
+        if scene.sphere.surface is not None:
+            advice += ", of plate or sphere"
         if isinstance(scene.surface, HeightFile):
             advice = "filter the shortest wavelengths out of the heights"
         steep = (
@@ -57,10 +59,19 @@ def _half_space(scene: Scene) -> list[Finding]:
             f"the contact radius is {rounded(share)} of the sphere's, a half-space holds up to"
             f" {MAX_CONTACT:g}: lower rolling.load_n or enlarge sphere.radius_mm"
         )
-    return [
+    findings = [
         Finding("slope", "rms slope", rounded(slope), steep),
         Finding("contact_radius", "contact radius / radius", rounded(share), wide),
     ]
+    if scene.faults:
+        slope = max(fault.steepest for fault in scene.faults)
+        if slope > MAX_SLOPE:
+            sharp = (
+                f"the steepest fault has a slope of {rounded(slope)}, a half-space holds up to"
+                f" {MAX_SLOPE:g}: lower its depth_um or enlarge its size_um"
+            )
+        findings.append(Finding("fault_slope", "steepest fault", rounded(slope), sharp))
+    return findings
 
 
 def _bouncing(scene: Scene) -> Finding:
@@ -75,8 +86,8 @@ def _bouncing(scene: Scene) -> Finding:
     density, correlation = scene.sphere.density_kg_m3, 0.0
     steel = f"as if of steel, {STEEL_DENSITY:g} kg/m3 (sphere.density_kg_m3)"
     ball = steel if density is None else f"of {density:g} kg/m3"
-    if isinstance(scene.surface, Gaussian):
-        correlation = scene.surface.correlation_length_um * 1e-6
+    if scene.laws:
+        correlation = min(law.lengths_m[0] for law in scene.laws)
     wave = speed / frequency / (vibration.hertz_radius(scene) + correlation)
     if wave < FELT:
         part = "its part is some 30 dB or more below the release"

@@ -21,9 +21,9 @@ from rolling.check.finding import Finding, computing, rounded_down, rounded_up, 
 from rolling.check.resolution import HEARING
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
+from rolling.scene.balls import Roughness
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
-from rolling.scene.surfaces import Gaussian
 from rolling.surface import heights
 
 PEAKS = 4.0  # standard deviations of Gaussian noise that some 10^4 periods exceed once
@@ -75,7 +75,8 @@ def _force(scene: Scene) -> Finding:
     """Estimate the fluctuation of the contact force over the load, and its extremes."""
     rms = force_rms(scene)
     if rms is None or scene.dynamics is None:
-        return Finding("force_ratio", "contact force over load", "not estimated for a height file")
+        reason = "for a height file" if scene.height_paths else "for faults and waviness alone"
+        return Finding("force_ratio", "contact force over load", f"not estimated {reason}")
     ratio = rms / scene.load
     low, high = 1 - PEAKS * ratio, 1 + PEAKS * ratio
     warning = None
@@ -87,6 +88,8 @@ def _force(scene: Scene) -> Finding:
         )
     extremes = f"{rounded(max(low, 0), 3)} to {rounded(high, 3)}"
     value = f"about {extremes}, rms {rounded(ratio)} (from the statistics)"
+    if scene.faults:
+        value += "; faults are left out"
     if scene.motion.fastest(scene.duration) / bounce_hz(scene) < 2 * hertz_radius(scene):
         value += "; short waves may multiply it"
     return Finding("force_ratio", "contact force over load", value, warning)
@@ -97,13 +100,12 @@ def force_rms(scene: Scene) -> float | None:
 
     Return None for a height file, whose statistics the scene does not know.
     """
-    surface = scene.surface
-    if not isinstance(surface, Gaussian):
-        return 0.0 if surface.kind == "smooth" else None
+    if not scene.laws:
+        return 0.0 if scene.is_smooth else None
     chain, speed = of_scene.smooth_chain(scene), scene.motion.fastest(scene.duration)
     longest, shortest = scene.track.n_along * scene.spacing, 2 * scene.step
     coarse = np.geomspace(2 * math.pi / longest, 2 * math.pi / shortest, _WAVES)
-    density = _mean_heights(scene, surface, coarse)
+    density = np.sum([_mean_heights(scene, law, coarse) for law in scene.laws], axis=0)
     if longest <= shortest or not density.max() > _NOTHING:
         return 0.0
     kept = np.log(np.maximum(density, _NOTHING))
@@ -123,12 +125,11 @@ def force_rms(scene: Scene) -> float | None:
     return float(np.sqrt(np.trapezoid(power(fine), fine)))
 
 
-def _mean_heights(scene: Scene, surface: Gaussian, along: Array) -> Array:
+def _mean_heights(scene: Scene, law: Roughness, along: Array) -> Array:
     """Return the two-sided spectral density [m3] of the heights that the contact averages."""
-    rq = cost.roughness(scene)[0]
-    decay, exponent = heights.AUTOCORRELATIONS[surface.autocorrelation]
-    lengths = cost.correlation_lengths(surface)
-    first, second = (length * 1e-6 * decay ** (-1 / exponent) for length in lengths)
+    rq, whole = law.rq_m, cost.roughness(scene)[0]
+    decay, exponent = heights.AUTOCORRELATIONS[law.autocorrelation]
+    first, second = (length * decay ** (-1 / exponent) for length in law.lengths_m)
     widest = math.pi / scene.spacing
     across = np.concatenate(([0.0], np.geomspace(1e-4 * widest, widest, _ACROSS)))
     scaled = np.square(along[:, None] * first) + np.square(across * second)
@@ -137,7 +138,7 @@ def _mean_heights(scene: Scene, surface: Gaussian, along: Array) -> Array:
     else:
         plane = rq**2 * first * second / (2 * math.pi * (1 + scaled) ** 1.5)
     # The highest asperities carry where smooth surfaces would be an rms height apart.
-    radius = math.sqrt(hertz_radius(scene) ** 2 + scene.radius * rq)
+    radius = math.sqrt(hertz_radius(scene) ** 2 + scene.radius * whole)
     q = radius * np.hypot(along[:, None], across)
     pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3
     density: Array = 2 * np.trapezoid(plane * pressure**2, across, axis=1)
@@ -151,9 +152,7 @@ def _waves(scene: Scene) -> Finding:
     """
     speed, frequency = scene.motion.fastest(scene.duration), bounce_hz(scene)
     wave, warning = speed / frequency, None
-    shortest = 0.0
-    if isinstance(scene.surface, Gaussian):
-        shortest = scene.surface.correlation_length_um * 1e-6
+    shortest = min((law.lengths_m[0] for law in scene.laws), default=0.0)
     if wave < shortest:
         warning = (
             f"at {rounded(speed, 3)} m/s they are shorter than the correlation length of"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 
-from rolling.figures import contact, sound, sweep, vibration
+from rolling.figures import contact, modulation, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
 from rolling.surface.scene_surface import scene_surface
@@ -54,6 +54,11 @@ def _filters(runs: Sequence[Run]) -> bool:
     return _vibrates(runs) and scene_surface(runs[0].scene).statistics.rq > 0
 
 
+def _turns(runs: Sequence[Run]) -> bool:
+    """Tell whether a record has turns of a sphere with a surface that can be told apart."""
+    return bool(runs[0].summary.get("turn_band_hz"))
+
+
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(
@@ -68,6 +73,7 @@ COMPARING = {
 SINGLE = {
     "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
     "spectrogram": FigureKind(sound.spectrogram, None, among=True),
+    "modulation": FigureKind(modulation.modulation, modulation.modulation_table, _turns),
     "surface": FigureKind(contact.surface, None),
     "contact_pressure": FigureKind(
         contact.contact_pressure, None, lambda runs: runs[0].result.snapshot is not None, among=True

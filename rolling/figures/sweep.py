@@ -232,8 +232,9 @@ def _others(runs: Sequence[Run], key: str) -> list[str]:
 
 def _number(scene: Scene, key: str) -> float:
     """Read the number at a dotted key of a scene."""
-    section, _, last = key.partition(".")
-    value: Any = getattr(getattr(scene, section, None), last, None)
+    value: Any = scene
+    for name in key.split("."):
+        value = getattr(value, name, None)
     value = scene.load if key == "rolling.load_n" else value  # the weight is a number, too
     if not isinstance(value, int | float) or isinstance(value, bool):
         raise ValueError(f"{key}: the scene {scene.name} has no number there")

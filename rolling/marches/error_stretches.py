@@ -28,7 +28,7 @@ from rolling.surface.scene_surface import has_detail
 
 def stretch_layout(scene: Scene) -> Layout | None:
     """Return the stretches that the estimate of a scene asks for, or None."""
-    if not scene.numerics.error_estimate or scene.surface.kind == "smooth":
+    if not scene.numerics.error_estimate or scene.is_smooth:
         return None
     return error_cost.layout(scene)
 

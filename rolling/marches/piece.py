@@ -190,11 +190,12 @@ def _contact_of(piece: Piece) -> RollingContact:
     scene = piece.scene
     try:
         contact = rolling_contact(scene)
-        same = scene.height_path is None or contact_identity(scene) == piece.identity
+        same = not scene.height_paths or contact_identity(scene) == piece.identity
     except SceneError as error:
         raise ContactError(f"the surface that was solved is gone: {error}") from error
     if not same:
-        raise ContactError(f"{scene.height_path} is not the surface that was solved")
+        files = " or ".join(map(str, scene.height_paths.values()))
+        raise ContactError(f"{files} is not the surface that was solved")
     if piece.kind == "error":
         return level_contact(scene, piece.level, piece.first, piece.last - piece.first)
     if piece.kind == "moving":

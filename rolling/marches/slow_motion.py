@@ -52,7 +52,7 @@ def film_stretch(scene: Scene, result: Result) -> Stretch | None:
 
     Return None for a smooth surface, which has no events, and for a run that is too short.
     """
-    if scene.surface.kind == "smooth" or not result.complete:
+    if scene.is_smooth or not result.complete:
         return None
     vibrates = scene.dynamics is not None and scene.sound.source == "vibration"
     try:

@@ -7,9 +7,17 @@ from acoustics.radiation import RHO_C
 from rolling.report.text import NOTHING
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
+from rolling.scene.balls import (
+    GRADES,
+    BallHeightFile,
+    BallSurface,
+    GradedBall,
+    Roughness,
+    RoundSurface,
+)
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
-from rolling.scene.surfaces import Gaussian, HeightFile
+from rolling.scene.surfaces import HeightFile, Surface
 
 
 def assumptions(run: Run) -> dict[str, str]:
@@ -115,18 +123,43 @@ def _contact(run: Run) -> dict[str, str]:
 
 def surface_words(scene: Scene) -> str:
     """Describe the surface of a scene."""
-    surface = scene.surface
-    if isinstance(surface, Gaussian):
-        across = surface.correlation_length_across_um
-        length = f"{surface.correlation_length_um:g} µm"
-        if across:
-            length += f" along, {across:g} µm across"
-        law = surface.autocorrelation.replace("_", " ")
-        return (
-            f"random, Ra {surface.roughness_ra_um:g} µm, correlation length {length} ({law}),"
-            f" seed {surface.seed}"
-        )
-    if not isinstance(surface, HeightFile):
-        return "smooth"
-    profile = "" if surface.width_um is None else ", a profile that is the same all across"
-    return f"heights of {printable(surface.path)}{profile}"
+    ball = scene.sphere.surface
+    if ball is None:
+        return _words(scene.surface)
+    turn = scene.track.turn_nodes * scene.spacing
+    rolled = f"{rounded(turn * 1e3, 6)} mm, {rounded(scene.track.turns, 3)} turns rolled"
+    return f"{_words(scene.surface)}; the sphere: {_words(ball)}, once round in {rolled}"
+
+
+def _words(surface: Surface | BallSurface) -> str:
+    """Describe the surface of plate or sphere."""
+    faults = sum(fault.count or 1 for fault in surface.faults or ())
+    text = _kind_words(surface)
+    if isinstance(surface, RoundSurface) and surface.waviness:
+        orders = ", ".join(f"{k} ({a:g} µm)" for k, a in surface.waviness.items())
+        text += f", waves of order {orders}"
+    return f"{text}, {faults} fault{'s' * (faults > 1)}" if faults else text
+
+
+def _kind_words(surface: Surface | BallSurface) -> str:
+    """Describe a surface without waviness and faults."""
+    if isinstance(surface, HeightFile | BallHeightFile):
+        profile = ", a profile that is the same all across"
+        laid = isinstance(surface, HeightFile) and surface.width_um is not None
+        return f"heights of {printable(surface.path)}{profile * laid}"
+    if isinstance(surface, GradedBall):
+        deviation = f"{GRADES[surface.grade].deviation_um:g} µm from spherical form"
+        return f"of grade {surface.grade}, {deviation}, {_law_words(surface.law)}"
+    return "smooth" if surface.law is None else _law_words(surface.law)
+
+
+def _law_words(law: Roughness) -> str:
+    """Describe random heights."""
+    across, length = law.correlation_length_across_um, f"{law.correlation_length_um:g} µm"
+    if across:
+        length += f" along, {across:g} µm across"
+    name = law.autocorrelation.replace("_", " ")
+    return (
+        f"random, Ra {law.roughness_ra_um:g} µm, correlation length {length} ({name}),"
+        f" seed {law.seed}"
+    )

@@ -16,7 +16,6 @@ from acoustics.weighting import a_weighting_db
 from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
 from rolling.results.run_result import Run
-from rolling.scene.surfaces import Gaussian
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it
 ALIKE = 0.05  # relative difference of pitch that is not named
@@ -150,9 +149,9 @@ def _reason(run: Run) -> str:
     text = f"The sphere rolls over its own contact width, {_rate(width, speed)}"
     if run.sound.source == "vibration":
         return f"{text}. {_shaken(run)}"
-    if not isinstance(scene.surface, Gaussian):
+    if not scene.laws:
         return f"{text}."
-    length = scene.surface.correlation_length_um * 1e-6
+    length = max(scene.laws, key=lambda law: law.rq_m).lengths_m[0]  # of the rougher surface
     frequency, power = _weighted(run)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())

@@ -24,7 +24,7 @@ from rolling import __version__
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
 from rolling.report import assumed, film, hearing, maps, text
-from rolling.results import caveats, listening
+from rolling.results import caveats, listening, runs_table
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.sound.contact_sound import ContactSound
@@ -269,7 +269,8 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
     for run in runs:
         scene, track = run.scene, run.scene.track
         places = (scene.height_path, track.n_along, track.n_across)
-        sharing.setdefault(f"{scene.surface.model_dump_json()} {places}", []).append(run)
+        ball = scene.sphere.surface and (scene.sphere.surface, track.turn_nodes)
+        sharing.setdefault(f"{scene.surface.model_dump_json()} {ball} {places}", []).append(run)
     surfaces = []
     for members in sharing.values():
         picture = single_picture("surface", members[0])
@@ -279,6 +280,7 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
                 "labels": [run.label for run in members],
                 "words": assumed.surface_words(members[0].scene),
                 "statistics": members[0].summary["surface"],
+                "parts": runs_table.surface_parts(members[0].summary),
                 "picture": _exhibit(picture),
             }
         )

@@ -272,7 +272,7 @@ def _of_errors(scene: Scene, errors: RunErrors | None) -> dict[str, str]:
         source = f"measured within {levels.grid_signal_uncertainty_db:.0f} dB by the error estimate"
         if coarse := resolution.too_coarse(scene, levels.grid_signal_db, source):
             texts[resolution.KEY] = f"error of the grid: {coarse}"
-    if scene.height_path:
+    if scene.height_paths:
         texts["unknown_detail"] = (
             "error estimate: nothing is known of heights below the spacing of the file, so the"
             " error of their absence is in no number"
@@ -310,7 +310,7 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
         if motion.flight_share == 1:
             text += ": the record is shorter than a flight; choose a longer one"
         texts["impacts"] = text
-    repeats = scene.surface.kind != "smooth" and scene.rolling.drop_mm is None
+    repeats = not scene.is_smooth and scene.rolling.drop_mm is None
     if scene.track.closed and not motion.settled and repeats:
         text = "motion: it does not repeat from lap to lap, so its record does not loop"
         if motion.flight_share > 0:

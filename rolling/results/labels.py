@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from rolling.scene.scene import Scene
+from rolling.scene.section import Section
 from rolling.scene.sweep import Value
 
 LONGEST = 72  # characters of a label: the width of a row in a legend
@@ -38,7 +39,20 @@ WORDS = {  # in the order in which labels name them
     "surface.height_unit": Word("height unit"),
     "surface.level": Word("levelling"),
     "surface.seed": Word("seed"),
+    "surface.faults": Word("faults", "", "no faults"),
     "sphere.radius_mm": Word("sphere radius", "mm"),
+    "sphere.surface.kind": Word("sphere surface"),
+    "sphere.surface.path": Word("sphere heights"),
+    "sphere.surface.grade": Word("grade"),
+    "sphere.surface.roughness_ra_um": Word("sphere Ra", "µm"),
+    "sphere.surface.correlation_length_um": Word("sphere correlation length", "µm"),
+    "sphere.surface.correlation_length_across_um": Word("sphere correlation length across", "µm"),
+    "sphere.surface.autocorrelation": Word("sphere autocorrelation"),
+    "sphere.surface.height_unit": Word("sphere height unit"),
+    "sphere.surface.spacing_um": Word("sphere spacing", "µm", minor=True),
+    "sphere.surface.seed": Word("sphere seed"),
+    "sphere.surface.waviness": Word("waviness", "", "no waviness"),
+    "sphere.surface.faults": Word("sphere faults", "", "no sphere faults"),
     "sphere.youngs_modulus_gpa": Word("sphere Young's modulus", "GPa", "rigid sphere"),
     "sphere.poissons_ratio": Word("sphere Poisson's ratio"),
     "sphere.density_kg_m3": Word("sphere density", "kg/m³", "sphere density as steel"),
@@ -147,8 +161,8 @@ def printable(text: str) -> str:
 def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
     """Choose the keys that labels name, and return a text of each of them for each run."""
     swept = list(dict.fromkeys(key for run in runs for key in run.values))
-    sections = {key for key in swept if key not in WORDS}  # swept under labels
-    keys = [*swept, *(key for key in WORDS if key.partition(".")[0] not in sections)]
+    sections = tuple(f"{key}." for key in swept if key not in WORDS)  # swept under labels
+    keys = [*swept, *(key for key in WORDS if not key.startswith(sections))]
     texts = {key: _texts(key, runs) for key in dict.fromkeys(keys)}
     minor = {key: WORDS.get(key, Word(key)).minor for key in texts}
     differing = sorted((key for key in texts if len(set(texts[key])) > 1), key=minor.__getitem__)
@@ -178,13 +192,13 @@ def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:
             break
     texts = []
     for run, label, value in zip(runs, swept, values, strict=True):
-        section, _, last = key.partition(".")
+        section, _, last = key.rpartition(".")
         if isinstance(label, str) and key != _PATH and label != value:  # swept under labels
             texts.append(f"{word.name} {printable(label)}")
         elif value is not None:
             texts.append(written[value])
         else:  # a key that the kind of surface lacks has no words
-            texts.append(word.absent if hasattr(getattr(run.scene, section), last) else "")
+            texts.append(word.absent if hasattr(_inside(run.scene, section), last) else "")
     return texts
 
 
@@ -192,8 +206,20 @@ def _value(scene: Scene, key: str) -> Any:
     """Read the value of a dotted key, or None; a height file is its place on the disk."""
     if key == _PATH:
         return scene.height_path and scene.height_path.resolve()
-    section, _, last = key.partition(".")
-    return getattr(getattr(scene, section), last, None) if last else None
+    value = _inside(scene, key)
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name}: {number:g}" for name, number in value.items())
+    if isinstance(value, list):
+        return f"({len(value)})"
+    return None if isinstance(value, Section) else value
+
+
+def _inside(scene: Scene, key: str) -> Any:
+    """Read the value of a dotted key, None where a section lacks it."""
+    value: Any = scene
+    for name in key.split("."):
+        value = getattr(value, name, None)
+    return value
 
 
 def _written(word: Word, value: Any, detail: int) -> str:

@@ -121,7 +121,7 @@ def run_errors(
     tight, fine = (
         error_stretches.plastic_areas(scene, result, level) for level in ("tight", "fine")
     )
-    detail = None if scene.height_path else error_estimate.NO_DETAIL
+    detail = None if scene.height_paths else error_estimate.NO_DETAIL
     if with_detail := error_stretches.detail_powers(scene, result):
         detail = error_estimate.detail_errors(with_detail, record)
     return RunErrors(
@@ -211,7 +211,7 @@ def _not_linear(vibration: Vibration | None) -> str:
 
 def _reason(scene: Scene, result: Result, sound: ContactSound) -> str | None:
     """Explain why a run has no estimate, or return None."""
-    if scene.surface.kind == "smooth":
+    if scene.is_smooth:
         return "a smooth surface makes no sound whose error could be estimated"
     if result.stretches and result.stretches.fault:
         return f"a stretch could not be solved again: {result.stretches.fault}"

@@ -317,8 +317,8 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     surfaces = dict.fromkeys(
         f"surface: Ra {rounded(s['ra'] * 1e6, 4)} µm, Rq {rounded(s['rq'] * 1e6, 4)} µm, skewness"
         f" {s['skewness']:.2f}, kurtosis {s['kurtosis']:.2f}, rms slope"
-        f" {rounded(s['rms_slope'], 3)}"
-        for s in (summary["surface"] for _, summary in runs)
+        f" {rounded(s['rms_slope'], 3)}{surface_parts(summary)}"
+        for summary, s in ((summary, summary["surface"]) for _, summary in runs)
     )
     tilts = dict.fromkeys(
         f"tilt: {levelling['text']}"
@@ -332,6 +332,14 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
         others = f"{more} more warning{'s' * (more > 1)}"
         ranked[MOST_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
     return [wrapped(line) for line in (" ".join(beside), "", *surfaces, *tilts, *repeats, *ranked)]
+
+
+def surface_parts(summary: Mapping[str, Any]) -> str:
+    """Write the roughness of plate and sphere, whose sum a sphere with a surface rolls over."""
+    if "ball_ra_m" not in summary:
+        return ""
+    plate, ball = (rounded(summary[f"{name}_ra_m"] * 1e6, 4) for name in ("plate", "ball"))
+    return f"; plate Ra {plate} µm and sphere Ra {ball} µm, added up over the turns"
 
 
 def _spread(key: str) -> str:

@@ -18,6 +18,7 @@ from acoustics import loudness, uncertainty, wav
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
+from acoustics.modulation import envelope_spectrum
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
@@ -33,9 +34,10 @@ from rolling.sound import vibration_estimate
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration, compact_source_db
 from rolling.surface.levelling import Levelling
-from rolling.surface.scene_surface import scene_surface
+from rolling.surface.scene_surface import SceneSurface, scene_surface
 from rolling.terminal import program
 
+LEAST_TURNS = 2.0  # of a record whose modulation by the turns is judged
 _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
 
 
@@ -90,6 +92,7 @@ def summarize(
         "seconds": float(times.sum()),
         "surface": asdict(surface.statistics),
         "levelling": _levelling(surface.levelling) if surface.levelling else None,
+        **_turns(scene, surface, sound),
         **_vibration(scene, release, vibration),
         **law,
         **_moving(result, moving),
@@ -192,6 +195,24 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
         "seam_neighbours_m": seam.neighbours,
         "seam_stands_out": seam.stands_out,
         "text": height_files.tilt_text(levelling),
+    }
+
+
+def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str, Any]:
+    """Return the turns of a sphere with a surface, and how they modulate its loudest octave."""
+    track, constant = scene.track, scene.motion.is_constant(sound.duration)
+    if not track.turn_nodes or surface.part_ra is None:
+        return {}
+    plate_ra, ball_ra = surface.part_ra
+    numbers = {"turns": track.turns, "plate_ra_m": plate_ra, "ball_ra_m": ball_ra}
+    turn_hz = track.turns / sound.duration if constant else None
+    if turn_hz is None or track.turns < LEAST_TURNS or sound.levels.laeq_db is None:
+        return numbers | {"turn_hz": turn_hz, "turn_modulation": None, "turn_band_hz": None}
+    spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, closed=sound.closed)
+    return numbers | {
+        "turn_hz": turn_hz,
+        "turn_modulation": spectrum.at(turn_hz),
+        "turn_band_hz": list(spectrum.band_hz),
     }
 
 

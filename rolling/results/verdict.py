@@ -89,7 +89,8 @@ def conclusion(scene: Scene, findings: Findings) -> str:
             return f"It does not run: {finding.quantity} ({finding.value})."
     if findings.excess:
         return f"It does not run: {findings.excess[0]}."
-    if scene.surface.kind == "smooth" and scene.rolling.drop_mm is None:
+    scenes = (run.scene for run in scene.runs())
+    if all(part.is_smooth and part.rolling.drop_mm is None for part in scenes):
         return f"It runs, in {computing(findings.seconds)}; a smooth surface is silent."
     runs = zip(scene.runs(), findings.runs, strict=True)
     words = [expected(run.scene, checked.findings) for run, checked in runs]

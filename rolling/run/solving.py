@@ -120,7 +120,7 @@ def _solve(
     lacking = [run for run in own if not run.is_done]
     folders.tidy(folder, own, alone=len(own) == len(runs))
     for run in own:
-        if run.is_done and run.scene.height_path is not None:  # its file may have been edited
+        if run.is_done and run.scene.height_paths:  # its file may have been edited
             result_file.read_result(run.folder / folders.RESULT, run.scene)
     if not lacking:
         progress.line(f"{folder}: all runs are done")

@@ -124,8 +124,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
             except TextError as error:
                 faults.append(f"--set: {name}: {_bare(error)}")
                 continue
-            section, _, last = name.partition(".")
-            key = (section, last) if last else (section,)
+            key = messages.key_of(name)
             for inner in [other for other in places if other[: len(key)] == key]:
                 del places[inner]
             places[key] = "--set"

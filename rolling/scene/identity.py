@@ -33,7 +33,6 @@ _NOT_CONTACT = {
     *(f"plate.{name}" for name in VIBRATING_PLATE),
     "numerics.error_estimate",
 }
-_PATH, _HEIGHTS = "surface.path", "surface.sha256"
 _CHUNK = 2**20  # bytes
 
 
@@ -49,9 +48,9 @@ def contact_keys(scene: Scene) -> dict[str, Any]:
         if key not in _NOT_CONTACT and key.partition(".")[0] not in _NOT_CONTACT
     }
     keys |= {"numerics.tolerance": scene.tolerance, "rolling.load_n": scene.load}
-    if scene.height_path is not None:
-        del keys[_PATH]
-        keys[_HEIGHTS] = file_digest(scene.height_path)
+    for section, path in scene.height_paths.items():
+        del keys[f"{section}.path"]
+        keys[f"{section}.sha256"] = file_digest(path)
     return keys | {
         "track.n_along": track.n_along,
         "track.n_across": track.n_across,
@@ -81,13 +80,14 @@ def differences(old: Scene, new: Scene) -> list[str]:
     if names != runs:
         return [f"sweep: got the runs {shown(runs)}, has {shown(names)}"]
     if scene_identity(old) != scene_identity(new):
-        return [f"{_PATH}: the heights are others than those of the earlier run"]
+        section = next(iter(new.height_paths), "surface")
+        return [f"{section}.path: the heights are others than those of the earlier run"]
     return []
 
 
 def _is_path(key: str) -> bool:
     """Tell whether a dotted key holds the path of a height file, swept or not."""
-    return _PATH in key or key.rpartition(".")[2] == "path"
+    return "surface.path" in key or key.rpartition(".")[2] == "path"
 
 
 def contains(small: Scene, large: Scene) -> bool:
@@ -108,7 +108,9 @@ def file_digest(path: Path) -> str:
         stamp = path.stat()
         return _file_digest(path, (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
     except OSError as error:
-        raise SceneError([f"{_PATH}: {path}: not readable ({error.strerror or error})"]) from error
+        raise SceneError(
+            [f"surface.path: {path}: not readable ({error.strerror or error})"]
+        ) from error
 
 
 @lru_cache(maxsize=1000)
@@ -125,11 +127,19 @@ def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
     data = {name: value for name, value in scene.to_dict().items() if name != "sweep"}
     for values, forms in sweeps.product(scene.sweep):
         swept = sweeps.with_values(data, forms)
-        if "path" in swept["surface"]:
-            surface = dict(swept["surface"])
-            surface["sha256"] = file_digest(scene.folder / surface.pop("path"))
-            swept["surface"] = surface
+        swept["surface"] = _digested(swept["surface"], scene.folder)
+        if "surface" in swept["sphere"]:
+            ball = _digested(swept["sphere"]["surface"], scene.folder)
+            swept["sphere"] = {**swept["sphere"], "surface": ball}
         yield sweeps.run_name(values), _numbers(swept)
+
+
+def _digested(surface: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the values of a surface with the digest of its file in place of the path."""
+    values = dict(surface)
+    if "path" in values:
+        values["sha256"] = file_digest(folder / values.pop("path"))
+    return values
 
 
 def _numbers(value: Any) -> Any:

@@ -30,6 +30,7 @@ _WORDS = {
     "bool_type": "true or false",
     "dict_type": "a section of keys",
     "float_type": "a number",
+    "list_type": "a list",
     "int_type": "a whole number",
     "model_type": "a section of keys",
     "model_attributes_type": "a section of keys",
@@ -86,23 +87,20 @@ def fault(message: str, *at: str | int) -> PydanticCustomError:
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
     """Return key and message of a pydantic fault of plain values."""
-    key, kind, value = error["loc"], error["type"], error["input"]
+    kind, value = error["type"], error["input"]
     context, words = error.get("ctx", {}), re.sub(r"^\w+ should (be )?|'", "", error["msg"])
     if kind == "fault":
-        return context["at"] or key, context["message"]
-    section = root.model_fields.get(str(key[0]))
-    by = section.discriminator if section else None
-    if by and len(key) > 1:  # pydantic names the kind of a section in between
-        key = (key[0], *key[2:])
+        return context["at"] or _held(error["loc"], root).key, context["message"]
+    key, model, field, outer = _held(error["loc"], root)
     choices = re.findall(r"'([^']*)'", context.get("expected", ""))
-    if section and kind.startswith("union_tag"):
-        key = (*key, str(by))
+    if field and kind.startswith("union_tag"):
+        by = str(field.discriminator)
+        key = (*key, by)
         value = _value(data, key)
-        choices = [_default(model, str(by)) for model in _models(section)]
+        choices = [_default(kinds, by) for kinds in _models(field)]
         words = ", ".join(choices)
         if value is None:
             return key, f"missing, allowed: {words}"
-    model = root if len(key) == 1 or not section else _model(section, data.get(str(key[0])))
     siblings = list(model.model_fields) if model else []
     if kind == "missing":
         text = model.descriptions().get(str(key[-1]), "") if model else ""  # type: ignore[attr-defined]
@@ -110,7 +108,8 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
     if kind == "extra_forbidden":
         # A key of another kind of the section is no slip.
         elsewhere = [] if dotted(key) in keys(root) else [*root.model_fields, *keys(root)]
-        of = f" of kind {_value(data, (key[0], str(by)))}" if by else ""
+        kind_of = outer.discriminator if outer else None
+        of = f" of kind {_value(data, (*key[:-1], str(kind_of)))}" if kind_of else ""
         like = nearest(str(key[-1]), siblings, elsewhere)
         return key, f"unknown key{of}{like}, allowed: {', '.join(siblings)}"
     if kind in ("greater_than_equal", "less_than_equal") and key[-1] in MATERIALS:
@@ -135,9 +134,9 @@ def implausible(value: float, sizes: Plausible) -> str:
 def unknown_name(name: str, root: type[BaseModel]) -> str:
     """Write that a dotted name is unknown, with the nearest and all names of its section."""
     known = all_keys(root)
-    section = name.rpartition(".")[0] + "."
-    siblings = [key for key in known if key.startswith(section) and section != "sweep."]
-    listed = ", ".join(key.removeprefix(section) for key in siblings)
+    section = name.rpartition(".")[0]
+    siblings = [key for key in known if section and key.rpartition(".")[0] == section != "sweep"]
+    listed = ", ".join(key.rpartition(".")[2] for key in siblings)
     return f"unknown key{nearest(name, siblings or known)}{f', allowed: {listed}' * bool(listed)}"
 
 
@@ -214,21 +213,35 @@ def dotted(key: Key) -> str:
     return "".join(parts).removeprefix(".")
 
 
+def key_of(name: str) -> Key:
+    """Return the place of a dotted name; the keys of a sweep are dotted names themselves."""
+    head, _, rest = name.partition(".")
+    return ("sweep", rest) if head == "sweep" and rest else tuple(name.split("."))
+
+
 @cache
 def keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Map every dotted key inside the sections to its field."""
-    return {
+    """Map every dotted key inside the sections to its field, keys of inner sections last."""
+    listed = {
         f"{section}.{name}": field
         for section, outer in root.model_fields.items()
         for model in _models(outer)
         for name, field in model.model_fields.items()
     }
+    inner = {
+        f"{section}.{name}": field
+        for section, outer in listed.items()
+        for model in _models(outer)
+        for name, field in model.model_fields.items()
+    }
+    return listed | inner
 
 
 @cache
 def section_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
     """Map every section to its field."""
-    return {name: field for name, field in root.model_fields.items() if any(_models(field))}
+    fields = {**root.model_fields, **keys(root)}
+    return {name: field for name, field in fields.items() if any(_models(field))}
 
 
 @cache
@@ -252,16 +265,38 @@ def words_for_numbers(root: type[BaseModel]) -> dict[str, tuple[str, ...]]:
 @cache
 def all_keys(root: type[BaseModel]) -> list[str]:
     """List every name that an override can set, including sections and swept keys."""
-    swept = [f"sweep.{key}" for key in (*keys(root), *section_keys(root))]
+    swept = [f"sweep.{key}" for key in dict.fromkeys((*keys(root), *section_keys(root)))]
     return [*root.model_fields, *keys(root), *swept]
 
 
-def _model(field: FieldInfo, section: Any) -> type[BaseModel] | None:
-    """Return the model of a section, by default that of its first kind; None for a plain value."""
-    models, by = list(_models(field)), str(field.discriminator)
-    kind = section.get(by) if isinstance(section, Mapping) else None
-    own = (model for model in models if field.discriminator and _default(model, by) == kind)
-    return next(own, models[0] if models else None)
+class _Held(NamedTuple):
+    """Place of a value, with the model that has its last part.
+
+    It has the field of that part, and the field of the section around it.
+    """
+
+    key: Key
+    model: type[BaseModel] | None
+    field: FieldInfo | None
+    outer: FieldInfo | None
+
+
+def _held(place: Key, root: type[BaseModel]) -> _Held:
+    """Find the model of a place, without the kinds of sections that pydantic names in it."""
+    held, inner = _Held((), None, None, None), root if place else None
+    parts = iter(place)
+    for part in parts:
+        field = inner.model_fields.get(str(part)) if inner and isinstance(part, str) else None
+        if isinstance(part, int):  # a place in a list of sections
+            held = held._replace(key=(*held.key, part))
+            inner = next(_listed(held.field), None) if held.field else None
+            continue
+        held = _Held((*held.key, part), inner, field, held.field)
+        models, by = list(_models(field)) if field else [], field and field.discriminator
+        if by and (kind := next(parts, None)) is not None:
+            models = [model for model in models if _default(model, str(by)) == kind]
+        inner = models[0] if models else None
+    return held
 
 
 def _default(model: type[BaseModel], key: str) -> Any:
@@ -273,6 +308,13 @@ def _models(field: FieldInfo) -> Iterator[type[BaseModel]]:
     for kind in _kinds(field.annotation):
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             yield kind
+
+
+def _listed(field: FieldInfo) -> Iterator[type[BaseModel]]:
+    """Yield the models of a list of sections."""
+    for kind in _kinds(field.annotation):
+        if get_origin(kind) is list and issubclass(get_args(kind)[0], BaseModel):
+            yield get_args(kind)[0]
 
 
 def _kinds(annotation: Any) -> tuple[Any, ...]:

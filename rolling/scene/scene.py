@@ -28,24 +28,31 @@ from pydantic_core import PydanticCustomError
 from acoustics.numbers import rounded
 from rolling.scene import messages
 from rolling.scene import sweep as sweeps
+from rolling.scene.balls import BallHeightFile, Roughness, refuse_ball, turn_nodes
+from rolling.scene.faults import SurfaceFault, refuse_misplaced
 from rolling.scene.messages import Key, SceneError, fault
 from rolling.scene.motion import ROUNDING, Motion
+from rolling.scene.section import MAX_FAULTS, Section, plain
 from rolling.scene.sections import (
-    MAX_FAULTS,
     WEIGHT,
     Dynamics,
     Numerics,
     Plate,
     Recovery,
     Rolling,
-    Section,
     Sound,
     Sphere,
-    plain,
     refuse_free_factors,
 )
-from rolling.scene.surfaces import Gaussian, HeightFile, MadeSurface, Surface
-from rolling.scene.track import Track, file_track, height_nodes, made_track, rolled
+from rolling.scene.surfaces import Gaussian, HeightFile, MadeSurface, Smooth, Surface
+from rolling.scene.track import (
+    Track,
+    file_track,
+    height_nodes,
+    made_track,
+    refuse_turn,
+    rolled,
+)
 
 STEEL_DENSITY = 7850.0  # [kg/m3]
 GRAVITY = 9.80665  # [m/s2]
@@ -223,8 +230,12 @@ class Scene(Section):
     def _has_track(cls, numerics: Numerics, info: ValidationInfo) -> Numerics:
         surface, rolling = info.data.get("surface"), info.data.get("rolling")
         sphere = info.data.get("sphere")
-        if isinstance(surface, MadeSurface) and rolling is not None and sphere is not None:
-            _made_track(surface, rolling, numerics, motion_of(sphere, rolling))
+        if surface is None or sphere is None:
+            return numerics
+        if sphere.surface is not None:
+            refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
+        if isinstance(surface, Gaussian | Smooth) and rolling is not None:
+            _made_track(sphere, surface, rolling, numerics)
         return numerics
 
     @field_validator("dynamics")
@@ -438,9 +449,9 @@ class Scene(Section):
 
     def place(self, name: str) -> str:
         """Return file and line (or --set) of a dotted key, for messages."""
-        section, _, last = name.partition(".")
         swept: Key = ("sweep", name)
-        return messages.place(swept if swept in self._places else (section, last), self._places)
+        key = swept if swept in self._places else messages.key_of(name)
+        return messages.place(key, self._places)
 
     # ---- quantities in SI ----
 
@@ -451,8 +462,38 @@ class Scene(Section):
 
     @property
     def height_path(self) -> Path | None:
-        """File of the heights; None when the surface is generated."""
+        """File of the plate's heights; None when its surface is generated."""
         return self._folder / self.surface.path if isinstance(self.surface, HeightFile) else None
+
+    @property
+    def height_paths(self) -> dict[str, Path]:
+        """Files of heights by the section that reads them."""
+        sections = {"surface": self.surface, "sphere.surface": self.sphere.surface}
+        return {
+            name: self._folder / section.path
+            for name, section in sections.items()
+            if isinstance(section, HeightFile | BallHeightFile)
+        }
+
+    @property
+    def laws(self) -> tuple[Roughness, ...]:
+        """Laws of the random heights of plate and sphere, none beside heights from a file."""
+        parts = self.surface, self.sphere.surface
+        laws = (part.law for part in parts if not isinstance(part, HeightFile | None))
+        return () if self.height_paths else tuple(law for law in laws if law is not None)
+
+    @property
+    def faults(self) -> list[SurfaceFault]:
+        """Single faults of plate and sphere."""
+        ball = self.sphere.surface
+        return [*(self.surface.faults or ()), *((ball and ball.faults) or ())]
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether plate and sphere are perfectly smooth."""
+        ball = self.sphere.surface
+        formed = ball is not None and ball.has_form
+        return not (self.height_paths or self.laws or self.faults or formed)
 
     @cached_property
     def track(self) -> Track:
@@ -469,15 +510,22 @@ class Scene(Section):
         SceneError
             The height file is missing or holds no heights, or the sphere never gets round it.
         """
-        if isinstance(self.surface, MadeSurface):
-            return _made_track(self.surface, self.rolling, self.numerics, self.motion)
-        name, step_nodes = self.surface.path, self.numerics.step_nodes
+        surface, step_nodes = self.surface, self.numerics.step_nodes
         try:
-            nodes = height_nodes(self.folder / name, name, self.surface.n_across)
-            rolling = self.rolling
-            lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance
-            wanted = rolled(*lengths, self.motion)
-            return file_track(nodes, self.spacing, step_nodes, self.motion, wanted)
+            if isinstance(surface, HeightFile):
+                nodes = height_nodes(self.folder / surface.path, surface.path, surface.n_across)
+                rolling = self.rolling
+                lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance
+                wanted = rolled(*lengths, self.motion)
+                turn = _turn(self.sphere, surface)
+                track = file_track(nodes, self.spacing, step_nodes, self.motion, wanted, turn)
+                _refuse_faults(self.sphere, surface, track)
+            else:
+                track = _made_track(self.sphere, surface, self.rolling, self.numerics)
+            ball = self.sphere.surface
+            if isinstance(ball, BallHeightFile):
+                refuse_turn(self.folder / ball.path, ball.path, track)
+            return track
         except PydanticCustomError as error:
             context = error.context or {}
             raise SceneError([f"{messages.dotted(context['at'])}: {context['message']}"]) from error
@@ -604,24 +652,44 @@ def motion_of(sphere: Sphere, rolling: Rolling) -> Motion:
 
 
 def _made_track(
-    surface: MadeSurface, rolling: Rolling, numerics: Numerics, motion: Motion
+    sphere: Sphere, surface: Gaussian | Smooth, rolling: Rolling, numerics: Numerics
 ) -> Track:
-    spacing = surface.spacing_um * 1e-6
+    spacing, motion = surface.spacing_um * 1e-6, motion_of(sphere, rolling)
     wanted = rolled(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
     assert wanted is not None  # refused before
-    return made_track(surface.n_across, spacing, numerics.step_nodes, motion, wanted)
+    turn = _turn(sphere, surface)
+    track = made_track(surface.n_across, spacing, numerics.step_nodes, motion, wanted, turn)
+    _refuse_faults(sphere, surface, track)
+    return track
+
+
+def _turn(sphere: Sphere, surface: Surface) -> int:
+    """Return the nodes of a turn of a sphere that has a surface, otherwise 0."""
+    if sphere.surface is None:
+        return 0
+    return turn_nodes(sphere.radius_mm, surface.spacing_um)
+
+
+def _refuse_faults(sphere: Sphere, surface: Surface, track: Track) -> None:
+    """Raise a fault for faults of plate or sphere that lie beyond their surfaces."""
+    spacing, ball = surface.spacing_um, sphere.surface
+    width = track.n_across * spacing
+    length, turn = track.plate_nodes * spacing, track.turn_nodes * spacing
+    refuse_misplaced(surface.faults or (), length, width, spacing, ("surface", "faults"))
+    if ball is not None:
+        at = "sphere", "surface", "faults"
+        refuse_misplaced(ball.faults or (), turn, width, spacing, at)
 
 
 def automatic_tolerance(scene: Scene) -> float:
     """Return the tolerance [-] of `auto`, with one digit, from roughness and Hertz deflection.
 
-    It is 1e-4, and less in proportion where the rms roughness is below a tenth of the deflection.
+    It is 1e-4, and less in proportion where the rms roughness of plate and sphere together is below
+    a tenth of the deflection. Faults and waves of the circumference do not count as roughness.
     """
-    if isinstance(scene.surface, HeightFile):
+    if scene.height_paths:
         return FILE_TOLERANCE
-    rq = 0.0
-    if isinstance(scene.surface, Gaussian):
-        rq = scene.surface.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
+    rq = math.hypot(*(law.rq_m for law in scene.laws))
     deflection = (9 * scene.load**2 / (16 * scene.radius * scene.contact_modulus**2)) ** (1 / 3)
     tolerance = min(TOLERANCE, max(LEAST_TOLERANCE, TOLERANCE * rq / deflection / SMOOTH))
     digit = 10.0 ** math.floor(math.log10(tolerance) + 1e-9)
@@ -633,6 +701,7 @@ def _full_key(name: str) -> str:
     if name in messages.all_keys(Scene):
         return name
     last = [key for key in messages.keys(Scene) if key.rpartition(".")[2] == name]
+    last = [key for key in last if key.count(".") == last[0].count(".")]  # outer sections first
     if len(last) == 1:
         return last[0]
     words = f"stands for {' or '.join(last)}, give one of these"
@@ -641,14 +710,16 @@ def _full_key(name: str) -> str:
 
 def put(data: dict[str, Any], name: str, value: Any) -> None:
     """Put the value of a dotted name into plain values, and take the name out of the sweep."""
-    section, dot, last = name.partition(".")
-    if dot and data.get(section) is None:
-        data[section] = {}
-    inside = data[section] if dot else data
-    if not isinstance(inside, dict):  # another value in place of the section, a fault by itself
-        return
-    inside[last or section] = value
-    if section != "sweep" and isinstance(data.get("sweep"), dict):
+    *sections, last = messages.key_of(name)
+    inside: Any = data
+    for section in sections:
+        if inside.get(section) is None:
+            inside[section] = {}
+        inside = inside[section]
+        if not isinstance(inside, dict):  # another value in place of the section, a fault by itself
+            return
+    inside[last] = value
+    if sections[:1] != ["sweep"] and isinstance(data.get("sweep"), dict):
         data["sweep"].pop(name, None)
 
 

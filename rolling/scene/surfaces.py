@@ -7,8 +7,10 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
+from rolling.scene.balls import Roughness
+from rolling.scene.faults import SurfaceFault
 from rolling.scene.messages import fault, plain_number
-from rolling.scene.sections import Section
+from rolling.scene.section import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 
@@ -32,6 +34,11 @@ class MadeSurface(Section):
         """Nodes across the track."""
         return round(self.width_um / self.spacing_um)
 
+    @property
+    def law(self) -> Roughness | None:
+        """Law of the random heights, None without random heights."""
+        return None
+
 
 def _refuse_width(width_um: float, spacing_um: float) -> None:
     """Raise a fault for a width that is no whole number of nodes, too small or too large."""
@@ -47,7 +54,7 @@ def _refuse_width(width_um: float, spacing_um: float) -> None:
         raise fault(f"got {plain_number(width_um)}, allowed: {words}", "surface", "width_um")
 
 
-class Gaussian(MadeSurface):
+class Gaussian(Roughness, MadeSurface):
     """Random periodic surface with Gaussian heights.
 
     Attributes
@@ -69,16 +76,12 @@ class Gaussian(MadeSurface):
         Correlation length across the track [um]; absent: the same as along
     seed : int
         Seed of the random heights
+    faults : list of SurfaceFault, optional
+        Single faults of the surface
     """
 
     kind: Literal["gaussian"] = "gaussian"
-    autocorrelation: Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"] = (
-        "gaussian"
-    )
-    roughness_ra_um: float = Field(gt=0, le=1000)
-    correlation_length_um: float = Field(gt=0)
-    correlation_length_across_um: float | None = Field(default=None, gt=0)
-    seed: int = Field(ge=0)
+    faults: list[SurfaceFault] | None = None
 
 
 class Smooth(MadeSurface):
@@ -92,9 +95,12 @@ class Smooth(MadeSurface):
         Node spacing [um], along and across
     width_um : float
         Width across the track [um], a whole number of nodes, at least 8
+    faults : list of SurfaceFault, optional
+        Single faults of the surface
     """
 
     kind: Literal["smooth"] = "smooth"
+    faults: list[SurfaceFault] | None = None
 
 
 class HeightFile(Section):
@@ -117,6 +123,8 @@ class HeightFile(Section):
     width_um : float, optional
         Width across the track [um] of a profile of one line, whose heights are the same all
         across: a whole number of nodes, at least 8; absent: the file holds lines side by side
+    faults : list of SurfaceFault, optional
+        Single faults of the surface, added to the heights of the file
     """
 
     SECTION: ClassVar[str] = "surface"
@@ -128,6 +136,7 @@ class HeightFile(Section):
     spacing_um: float = Field(gt=0)
     level: Literal["auto", "plane", "none"] = "auto"
     width_um: float | None = Field(default=None, gt=0)
+    faults: list[SurfaceFault] | None = None
 
     @model_validator(mode="after")
     def _whole_width(self) -> HeightFile:

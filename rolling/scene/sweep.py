@@ -18,7 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from rolling.scene import messages
 from rolling.scene.messages import Key, dotted, fault, plain_number, shown
-from rolling.scene.sections import MAX_FAULTS
+from rolling.scene.section import MAX_FAULTS
 
 MAX_RUNS = 10_000  # maximum number of runs of a sweep
 LONGEST_LABEL = 100  # letters
@@ -147,14 +147,20 @@ def product(sweep: Mapping[str, Any]) -> Iterator[tuple[dict[str, Value], dict[s
 
 def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, Any]:
     """Return the plain values of a scene with the values of one run, sections first."""
-    result = dict(data)
-    for name, form in sorted(forms.items(), key=lambda item: "." in item[0]):
-        section, dot, last = name.partition(".")
-        if not dot:
-            result[section] = form
-        elif isinstance(result.get(section, {}), dict):
-            result[section] = {**result.get(section, {}), last: form}
-    return result
+    result: Any = data
+    for name, form in sorted(forms.items(), key=lambda item: item[0].count(".")):
+        result = _changed(result, messages.key_of(name), form)
+    return dict(result)
+
+
+def _changed(values: Any, key: Key, form: Any) -> Any:
+    """Return plain values with another value at a key; values in place of a section stay."""
+    if not key:
+        return form
+    if not isinstance(values, Mapping):
+        return values
+    name = str(key[0])
+    return {**values, name: _changed(values.get(name, {}), key[1:], form)}
 
 
 def with_paths(data: Mapping[str, Any], moved: Callable[[str], str]) -> dict[str, Any]:
@@ -163,17 +169,20 @@ def with_paths(data: Mapping[str, Any], moved: Callable[[str], str]) -> dict[str
     Swept paths keep their text as labels.
     """
 
-    def section(surface: Any) -> Any:
-        has_path = isinstance(surface, dict) and isinstance(surface.get("path"), str)
-        return {**surface, "path": moved(surface["path"])} if has_path else surface
+    def section(name: str, values: Any) -> Any:
+        if name == "path" and isinstance(values, str):
+            return moved(values)
+        inner = {"surface": "path", "sphere": "surface"}.get(name)
+        if inner and isinstance(values, dict) and inner in values:
+            return {**values, inner: section(inner, values[inner])}
+        return values
 
-    result = {**data, "surface": section(data["surface"])}
+    result = {name: section(name, values) for name, values in data.items()}
     sweep = result["sweep"] = dict(data.get("sweep", {}))
-    if "surface" in sweep:
-        sweep["surface"] = {label: section(each) for label, each in sweep["surface"].items()}
-    if "surface.path" in sweep:
-        paths = choices(sweep["surface.path"])
-        sweep["surface.path"] = {str(label): moved(path) for label, path in paths}
+    for name, listed in sweep.items():
+        last = name.rpartition(".")[2]
+        if last in ("path", "surface", "sphere"):
+            sweep[name] = {str(label): section(last, form) for label, form in choices(listed)}
     return result
 
 
@@ -204,9 +213,10 @@ def faults_of_runs(
             if alike not in in_words:
                 in_words[alike] = messages.explained(error, swept, root)
             key, message = in_words[alike]
-            name = next((name for name in (dotted(key), str(key[0])) if name in values), None)
+            outer = {dotted(key[:n]): n for n in range(len(key), 0, -1)}
+            name = next((name for name in outer if name in values), None)
             if name is not None:
-                inner = () if name == dotted(key) else key[1:]
+                inner = key[outer[name] :]
                 listed, value = sweep[name], values[name]
                 place = str(value) if isinstance(listed, dict) else listed.index(value)
                 faults[("sweep", name, place, *inner), message] = None

@@ -15,6 +15,10 @@ from rolling.scene.motion import ROUNDING, Motion
 
 MIN_NODES = 8  # minimum number of nodes along and across
 MAX_NODES = 10**9  # maximum of nodes and steps along the track; more is an error of the unit
+# Widths of surface that lie behind and ahead of a track that does not close under a sphere with a
+# surface: half a width at either end is as it would be on a longer track, and over a width the end
+# is faded into the beginning. A contact is narrower than the surface.
+MARGIN_WIDTHS = 2
 _SPEED, _PATH = ("rolling", "speed_m_s"), ("surface", "path")
 _RESISTANCE = "rolling", "resistance"
 _DURATION, _DISTANCE = ("rolling", "duration_s"), ("rolling", "distance_mm")
@@ -27,7 +31,7 @@ class Track:
     Attributes
     ----------
     n_along, n_across : int
-        Nodes of the surface.
+        Nodes of the surface, plate and sphere together.
     steps : int
         Number of steps; there is one position more.
     step, spacing : float, m
@@ -36,6 +40,10 @@ class Track:
         If true, the last position coincides with the first.
     lap_steps : int
         Steps after which the positions repeat.
+    plate_nodes : int
+        Period of the plate's surface along the track.
+    turn_nodes : int
+        Nodes of a turn of a sphere that has a surface, 0 for a smooth sphere.
     """
 
     n_along: int
@@ -45,6 +53,8 @@ class Track:
     spacing: float
     closed: bool
     lap_steps: int
+    plate_nodes: int
+    turn_nodes: int = 0
 
     @property
     def solved_steps(self) -> int:
@@ -55,6 +65,18 @@ class Track:
     def distance(self) -> float:
         """Distance rolled [m]."""
         return self.steps * self.step
+
+    @property
+    def turns(self) -> float:
+        """Turns of a sphere that has a surface, 0 for a smooth sphere."""
+        if not self.turn_nodes:
+            return 0.0
+        return self.distance / (self.turn_nodes * self.spacing)
+
+    @property
+    def closing_nodes(self) -> int:
+        """Nodes after which surface and sphere first close together."""
+        return math.lcm(self.plate_nodes, self.turn_nodes or 1)
 
 
 class Rolled(NamedTuple):
@@ -83,10 +105,16 @@ def rolled(
 
 
 def made_track(
-    n_across: int, spacing: float, step_nodes: float, motion: Motion, wanted: Rolled
+    n_across: int,
+    spacing: float,
+    step_nodes: float,
+    motion: Motion,
+    wanted: Rolled,
+    turn_nodes: int = 0,
 ) -> Track:
     """Make the track over a generated surface, rounded so that it closes on itself.
 
+    Under a sphere with a surface it closes after whole turns only; otherwise its surface is longer.
     A distance that is too short or too long raises a fault.
     """
     step = _fraction(step_nodes)
@@ -113,8 +141,12 @@ def made_track(
             *wanted.key,
         )
     n_along = units * unit_nodes
-    steps = int(n_along / step)
-    return Track(n_along, n_across, steps, spacing * float(step), spacing, True, steps)
+    steps, length = int(n_along / step), spacing * float(step)
+    if not turn_nodes or n_along % turn_nodes == 0:
+        return Track(n_along, n_across, steps, length, spacing, True, steps, n_along, turn_nodes)
+    n_along += MARGIN_WIDTHS * n_across
+    lap_steps = _lap_steps(n_along, step)
+    return Track(n_along, n_across, steps, length, spacing, False, lap_steps, n_along, turn_nodes)
 
 
 def file_track(
@@ -123,13 +155,15 @@ def file_track(
     step_nodes: float,
     motion: Motion,
     wanted: Rolled | None,
+    turn_nodes: int = 0,
 ) -> Track:
     """Make the track over the heights of a file of some nodes, by default once round it.
 
-    A sphere that rests too early raises a fault.
+    Under a sphere with a surface it closes after whole turns of both only. A sphere that rests too
+    early raises a fault.
     """
-    n_along, n_across = nodes
-    fraction, step, lap = _fraction(step_nodes), spacing * step_nodes, n_along * spacing
+    plate_nodes, n_across = nodes
+    fraction, step, lap = _fraction(step_nodes), spacing * step_nodes, plate_nodes * spacing
     if wanted is None and motion.final_distance * (1 + ROUNDING) < lap:
         raise fault(
             f"the sphere comes to rest after {rounded(motion.final_distance, 4)} m, once round the"
@@ -142,9 +176,20 @@ def file_track(
             f"the sphere rolls {rounded(distance, 4)} m, more than {rounded(MAX_NODES)} steps", *key
         )
     steps = max(1, _within_reach(distance, step, motion))
-    nodes_round = n_along * fraction.denominator
-    lap_steps = nodes_round // math.gcd(fraction.numerator, nodes_round)
-    return Track(n_along, n_across, steps, step, spacing, steps % lap_steps == 0, lap_steps)
+    n_along = math.lcm(plate_nodes, turn_nodes or 1)
+    if turn_nodes:
+        n_along = min(n_along, math.ceil(steps * fraction) + MARGIN_WIDTHS * n_across)
+    lap_steps = _lap_steps(n_along, fraction)
+    closed = steps % lap_steps == 0
+    return Track(
+        n_along, n_across, steps, step, spacing, closed, lap_steps, plate_nodes, turn_nodes
+    )
+
+
+def _lap_steps(n_along: int, step: Fraction) -> int:
+    """Return the steps, in nodes, after which the positions on a surface repeat."""
+    nodes = n_along * step.denominator
+    return nodes // math.gcd(step.numerator, nodes)
 
 
 def _within_reach(distance: float, length: float, motion: Motion) -> int:
@@ -170,12 +215,7 @@ def height_nodes(path: Path, name: str, width_nodes: int | None) -> tuple[int, i
     width_nodes : int or None
         Nodes across that the scene gives for a profile of one line; None: it gives none.
     """
-    try:
-        rows, columns = height_files.nodes(path)
-    except height_files.HeightFormatError as error:
-        missing = isinstance(error.__cause__, FileNotFoundError)
-        place = f" (looked in {path.parent.absolute()})" if missing else ""
-        raise fault(f"{error.of(cut(name))}{place}", *_PATH) from error
+    rows, columns = _nodes(path, name, _PATH)
     if (columns == 1) != (width_nodes is not None):
         words = f"only goes with a profile of one line, but {name} has {columns} lines side by side"
         if columns == 1:
@@ -192,3 +232,30 @@ def height_nodes(path: Path, name: str, width_nodes: int | None) -> tuple[int, i
             *_PATH,
         )
     return nodes
+
+
+def refuse_turn(path: Path, name: str, track: Track) -> None:
+    """Raise a fault for a height file that holds no turn of the sphere over the width.
+
+    `name` is the path as the scene has it.
+    """
+    at = "sphere", "surface", "path"
+    rows, columns = _nodes(path, name, at)
+    if rows != track.turn_nodes or columns not in (1, track.n_across):
+        radius = rounded(rows * track.spacing * 1e3 / (2 * math.pi), 8)
+        raise fault(
+            f"{name}: got {rows} x {columns} nodes, allowed: {track.turn_nodes} nodes around the"
+            f" sphere x 1 or {track.n_across} across; {rows} nodes are a turn of sphere.radius_mm"
+            f" {radius}",
+            *at,
+        )
+
+
+def _nodes(path: Path, name: str, at: tuple[str, ...]) -> tuple[int, int]:
+    """Read the nodes along and across of a height file; raise a fault at a key without any."""
+    try:
+        return height_files.nodes(path)
+    except height_files.HeightFormatError as error:
+        missing = isinstance(error.__cause__, FileNotFoundError)
+        place = f" (looked in {path.parent.absolute()})" if missing else ""
+        raise fault(f"{error.of(cut(name))}{place}", *at) from error

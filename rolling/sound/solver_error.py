@@ -33,7 +33,7 @@ def doubt(scene: Scene, audible_rms: float, resolved_rms: float) -> str | None:
     The rms values [W] are the fluctuation of the release power within hearing, and the part of it
     that may be the solver's error.
     """
-    if scene.surface.kind == "smooth" or not resolved_rms:  # no sound could be hidden
+    if scene.is_smooth or not resolved_rms:  # no sound could be hidden
         return None
     error = f"the solver's error of up to {rounded(resolved_rms)} W rms"
     advice = f"lower numerics.tolerance, {rounded(scene.tolerance, 6)} here"

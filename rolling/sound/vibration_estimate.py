@@ -61,7 +61,7 @@ def estimate(
     """
     motion, steps = scene.motion, len(approach) - 1
     duration = motion.duration(steps * step)
-    if scene.surface.kind == "smooth" or steps < 4:
+    if scene.is_smooth or steps < 4:
         return None, 0.0
     signal, constant = approach[:-1], motion.is_constant(duration)
     if not constant:

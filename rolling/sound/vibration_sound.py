@@ -188,7 +188,7 @@ def _radiated(
     elif not closed:
         fluctuation = faded(fluctuation, duration)
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
-    smooth = scene.surface.kind == "smooth" and scene.rolling.drop_mm is None
+    smooth = scene.is_smooth and scene.rolling.drop_mm is None
     if smooth or motion.flight_share == 1:
         fluctuation = np.zeros_like(fluctuation)
     force, plate = _heard(fluctuation, samples), of_scene.rectangular_plate(scene)

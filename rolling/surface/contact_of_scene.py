@@ -8,7 +8,6 @@ from functools import cached_property
 from acoustics.arrays import Array
 from rolling.contact.state import RollingContact
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import Gaussian
 from rolling.surface import refined
 from rolling.surface.scene_surface import has_detail, heights
 
@@ -34,12 +33,12 @@ def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
 
 
 def continues(scene: Scene) -> bool | None:
-    """Return whether the law of a surface ends before its grid does; None without a law.
+    """Return whether the laws of a surface end before its grid does; None without a law.
 
     The spectrum of a surface of a few correlation lengths has a tail, from the edge of its period
-    alone, that is no detail between nodes.
+    alone, that is no detail between nodes. Single faults follow no law.
     """
-    return not has_detail(scene) if isinstance(scene.surface, Gaussian) else None
+    return not has_detail(scene) if scene.laws and not scene.faults else None
 
 
 def auto_subcells(contact: RollingContact) -> int:

@@ -49,7 +49,7 @@ def gaussian(
     ra: float,
     correlation_length: tuple[float, float],
     autocorrelation: str,
-    seed: int,
+    seed: int | Sequence[int],
 ) -> Array:
     """Generate periodic Gaussian heights [m] of exact Ra and zero mean.
 
@@ -67,7 +67,7 @@ def gaussian(
         Correlation lengths along and across the track.
     autocorrelation : str
         Key of AUTOCORRELATIONS; its r / L is the norm of (x / L_along, y / L_across).
-    seed : int
+    seed : int or sequence of int
         Seed of numpy's default generator.
 
     Raises
@@ -81,7 +81,7 @@ def gaussian(
     return heights
 
 
-def white_noise(shape: tuple[int, int], seed: int) -> Array:
+def white_noise(shape: tuple[int, int], seed: int | Sequence[int]) -> Array:
     """Generate white noise of unit variance from a seed."""
     return np.random.default_rng(seed).standard_normal(shape)
 
@@ -154,21 +154,21 @@ def has_detail(
 def continued(
     heights: Array,
     spacing: float,
-    rq: float,
-    correlation_length: tuple[float, float],
-    autocorrelation: str,
+    laws: Sequence[tuple[float, tuple[float, float], str]],
     seed: Sequence[int],
 ) -> Array:
-    """Continue heights [m] of a law and its rms height [m] to half the spacing [m].
+    """Continue heights [m], the sum of surfaces of some laws, to half the spacing [m].
+
+    A law is the rms height [m], the correlation lengths [m] and the key of AUTOCORRELATIONS.
 
     Waves that the grid holds stay, less the share that shorter waves folded onto them. The shorter
     waves up to the end of the finer grid are new, and the nodes are the centres of the quarters of
     cells.
     """
     shape = 2 * heights.shape[0], 2 * heights.shape[1]
-    law = correlation_length, autocorrelation
+    rq, pairs = laws[0][0], [(own, (lengths, name)) for own, lengths, name in laws]
     coarse, fine = (
-        _density(size, step, *law)[0]
+        np.sum([(own / rq) ** 2 * _density(size, step, *law)[0] for own, law in pairs], axis=0)
         for size, step in ((heights.shape, spacing), (shape, spacing / 2))
     )
     lines = rq * np.sqrt(fine) * np.fft.rfft2(np.random.default_rng(seed).standard_normal(shape))

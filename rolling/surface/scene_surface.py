@@ -6,7 +6,6 @@ most runs of a sweep share it, and small ones before it, so that a sweep may alt
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -19,6 +18,8 @@ from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian, HeightFile
 from rolling.surface import heights as surface
 from rolling.surface import levelling
+from rolling.surface.ball import ball_heights, rolled_together
+from rolling.surface.faults import add_faults
 from rolling.surface.heights import Correlation, Statistics
 from rolling.surface.levelling import Levelling
 from rolling.terminal import progress
@@ -33,6 +34,7 @@ class SceneSurface:
     heights: Array  # [m], shape (along, across)
     spacing: float  # [m]
     levelling: Levelling | None = None  # of heights from a file
+    part_ra: tuple[float, float] | None = None  # [m] of plate and sphere, where both have a surface
 
     @cached_property
     def statistics(self) -> Statistics:
@@ -89,77 +91,90 @@ def identity(scene: Scene) -> tuple[Any, ...]:
 
     A file that was written again counts as another file.
     """
-    track, path = scene.track, scene.height_path
-    try:
-        stamp = path.stat() if path else None
-    except OSError as error:
-        raise SceneError(
-            [f"surface.path: {path}: not readable ({error.strerror or error})"]
-        ) from error
+    track, stamps = scene.track, []
+    for section, path in scene.height_paths.items():
+        try:
+            stamp = path.stat()
+        except OSError as error:
+            words = f"{path}: not readable ({error.strerror or error})"
+            raise SceneError([f"{section}.path: {words}"]) from error
+        stamps.append((stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
+    ball = scene.sphere.surface
     return (
         scene.surface.model_dump_json(),
+        ball and (ball.model_dump_json(), track.turn_nodes, scene.start),
         scene.folder,
         track.n_along,
         track.n_across,
-        (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino) if stamp else None,
+        *stamps,
     )
 
 
 def _making(scene: Scene) -> str:
     """Name the work of `_make` in a few words."""
-    if scene.height_path:
-        return f"reading the heights of {scene.height_path}"
+    if scene.height_paths:
+        return f"reading the heights of {', '.join(map(str, scene.height_paths.values()))}"
     return f"making a surface of {scene.track.n_along:,} x {scene.track.n_across:,} nodes"
 
 
 def _make(scene: Scene) -> SceneSurface:
-    """Generate or read the surface of a scene, and level heights from a file."""
-    s, spacing = scene.surface, scene.spacing
+    """Make the surface of plate and sphere of a scene."""
+    plate, plane = _plate(scene)
+    add_faults(plate, scene.surface.faults or (), scene.spacing)
+    if scene.sphere.surface is None:
+        return SceneSurface(plate, scene.spacing, plane)
+    try:
+        ball = ball_heights(scene, scene.sphere.surface)
+    except surface.SurfaceError as error:
+        raise SceneError([f"sphere.surface: {error}"]) from error
+    part_ra = _ra(plate), _ra(ball)
+    total = rolled_together(plate, ball, scene.track, scene.start)
+    return SceneSurface(total, scene.spacing, plane, part_ra)
+
+
+def _ra(heights: Array) -> float:
+    """Return the arithmetic mean roughness of heights [m]."""
+    return float(np.abs(heights - heights.mean()).mean())
+
+
+def _plate(scene: Scene) -> tuple[Array, Levelling | None]:
+    """Generate or read the heights of the plate [m], and level heights from a file."""
+    s, track = scene.surface, scene.track
     if isinstance(s, HeightFile) and scene.height_path:
         read = levelling.read_heights(scene.height_path, s.height_unit, s.n_across)
-        heights, plane = levelling.level(read, spacing, s.level)
-        return SceneSurface(heights, spacing, plane)
-    track = scene.track
+        return levelling.level(read, scene.spacing, s.level)
     shape = track.n_along, track.n_across
     if isinstance(s, Gaussian):
-        heights = surface.gaussian(
-            shape, spacing, s.roughness_ra_um * 1e-6, _lengths(s), s.autocorrelation, s.seed
-        )
-        return SceneSurface(heights, spacing)
-    return SceneSurface(surface.smooth(shape), spacing)
+        ra = s.roughness_ra_um * 1e-6
+        law = s.autocorrelation
+        return surface.gaussian(shape, scene.spacing, ra, s.lengths_m, law, s.seed), None
+    return surface.smooth(shape), None
 
 
 def has_detail(scene: Scene) -> bool:
     """Return whether a scene's surface follows a law that goes on below the spacing."""
-    s = scene.surface
-    return isinstance(s, Gaussian) and surface.has_detail(
-        scene.spacing, _lengths(s), s.autocorrelation
+    return any(
+        surface.has_detail(scene.spacing, law.lengths_m, law.autocorrelation) for law in scene.laws
     )
 
 
 def continued_rows(scene: Scene, first: int, rows: int) -> Array:
-    """Return rows of a generated surface at half the spacing, with the detail of its law [m]."""
-    s, whole = scene.surface, heights(scene)
-    assert isinstance(s, Gaussian)
-    rq = s.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
+    """Return rows of a generated surface at half the spacing, with the detail of its laws [m]."""
+    whole = heights(scene)
     patch = whole[(first + np.arange(rows)) % len(whole)]
-    seed = s.seed, first % len(whole), rows
-    return surface.continued(patch, scene.spacing, rq, _lengths(s), s.autocorrelation, seed)
-
-
-def _lengths(s: Gaussian) -> tuple[float, float]:
-    """Return the correlation lengths along and across the track [m]."""
-    across = s.correlation_length_across_um or s.correlation_length_um
-    return s.correlation_length_um * 1e-6, across * 1e-6
+    seed = scene.laws[0].seed, first % len(whole), rows
+    laws = [(law.rq_m, law.lengths_m, law.autocorrelation) for law in scene.laws]
+    return surface.continued(patch, scene.spacing, laws, seed)
 
 
 def wider_times(scene: Scene) -> int | None:
     """Return the factor on the width that keeps the sphere's line on its nodes.
 
     It is 2, or 3 for an odd number of nodes across. It is None for smooth plates, which have no
-    width to judge, and for height files, of which nothing is known beyond their edges.
+    width to judge, for height files, of which nothing is known beyond their edges, and where faults
+    or the surface of the sphere add to the heights.
     """
-    if not isinstance(scene.surface, Gaussian):
+    if not isinstance(scene.surface, Gaussian) or scene.faults or scene.sphere.surface:
         return None
     return 2 if scene.track.n_across % 2 == 0 else 3
 
@@ -183,7 +198,7 @@ def wider_heights(scene: Scene, times: int) -> Array:
     left, right = np.split(other, 2, axis=1)
     own = surface.white_noise((track.n_along, track.n_across), s.seed)
     narrow, wide = (
-        surface.filtered(noise, scene.spacing, _lengths(s), s.autocorrelation)
+        surface.filtered(noise, scene.spacing, s.lengths_m, s.autocorrelation)
         for noise in (own, np.hstack([left, own, right]))
     )
     return wide * (s.roughness_ra_um * 1e-6 / float(np.abs(narrow).mean()))

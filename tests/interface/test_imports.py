@@ -31,7 +31,7 @@ FLOORS = {
         ("arrays", "numbers"),
         ("bands", "radiation", "weighting"),
         ("baffled_modes", "plot_style", "resampling", "spectrum"),
-        ("extension", "level", "loudness", "rectangular_plate", "sound_power"),
+        ("extension", "level", "loudness", "modulation", "rectangular_plate", "sound_power"),
         ("laps", "plots", "uncertainty", "wav"),
     ),
 }

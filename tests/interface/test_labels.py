@@ -16,7 +16,7 @@ from scene_text import PLAIN
 
 from rolling.results import labels
 from rolling.results.labels import LONGEST
-from rolling.scene import file
+from rolling.scene import file, messages
 from rolling.scene.scene import Scene
 
 SCENE = file.loads(PLAIN)
@@ -47,13 +47,7 @@ def of(*cases: Case) -> list[str]:
 
 def test_every_key_of_the_scene_has_words() -> None:
     """Every key has words, except name, description and sweep."""
-    keys = set()
-    for section, outer in Scene.model_fields.items():
-        models = [outer.annotation]
-        if section == "surface":
-            models = list(outer.annotation.__args__)
-        for model in models:
-            keys |= {f"{section}.{key}" for key in getattr(model, "model_fields", {})}
+    keys = {*messages.keys(Scene)} - {*messages.section_keys(Scene)}
     assert len(keys) > 25
     assert keys <= set(labels.WORDS)
     assert len({word.name for word in labels.WORDS.values()}) == len(labels.WORDS)

@@ -198,7 +198,7 @@ def test_all_faults_at_once() -> None:
 
 
 def test_keys_of_another_kind_of_surface() -> None:
-    words = "unknown key of kind smooth, allowed: kind, spacing_um, width_um"
+    words = "unknown key of kind smooth, allowed: kind, spacing_um, width_um, faults"
     assert faults(PLAIN.replace("kind: gaussian", "kind: smooth")) == [
         f"s.yaml:{line}: surface.{key}: {words}"
         for line, key in ((9, "roughness_ra_um"), (10, "correlation_length_um"), (13, "seed"))

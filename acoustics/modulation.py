@@ -1,0 +1,146 @@
+"""Modulation of a record: the spectrum of the envelope of a band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from acoustics.arrays import Array, short_repr
+from acoustics.bands import EDGES_HZ, third_octave_mean_square
+from acoustics.spectrum import check_record, line_spectrum
+from acoustics.weighting import a_weighting_db
+
+OCTAVE = 3  # third octaves
+
+
+@dataclass(frozen=True)
+class EnvelopeSpectrum:
+    """Spectrum of the envelope of a band of a record.
+
+    Parameters
+    ----------
+    frequency_hz : array (n,), Hz. Frequencies of the lines, without 0 Hz.
+    modulation : array (n,). Amplitude of the envelope in each line over its mean [-].
+    band_hz : (float, float), Hz. Edges of the band.
+    """
+
+    __repr__ = short_repr
+
+    frequency_hz: Array
+    modulation: Array
+    band_hz: tuple[float, float]
+
+    def at(self, frequency_hz: float) -> float:
+        """Return the largest modulation of the lines next to a frequency.
+
+        Parameters
+        ----------
+        frequency_hz : float, Hz. Frequency of the modulation.
+
+        Returns
+        -------
+        float. Modulation [-]; 0 beyond the last line.
+        """
+        if not len(self.frequency_hz):
+            return 0.0
+        width = float(self.frequency_hz[0])
+        near = np.abs(self.frequency_hz - frequency_hz) <= 1.5 * width
+        return float(self.modulation[near].max(initial=0.0))
+
+
+def loudest_octave(signal: Array, sample_rate_hz: float) -> tuple[float, float]:
+    """Return the edges of the octave with the largest A-weighted mean square.
+
+    An octave is three neighbouring third octaves; the lowest of equal ones is taken.
+
+    Parameters
+    ----------
+    signal : array (n,), any unit. Record.
+    sample_rate_hz : float, Hz. Sample rate.
+
+    Returns
+    -------
+    (float, float), Hz
+        Lower and upper edge.
+
+    Raises
+    ------
+    ValueError
+        The record is empty or holds values that are not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import loudest_octave
+    >>> tone = np.sin(2 * np.pi * 1000 * np.arange(4800) / 48000)
+    >>> [round(edge) for edge in loudest_octave(tone, 48000)]
+    [562, 1122]
+    """
+    frequency, mean_square = line_spectrum(signal, sample_rate_hz)
+    audible = frequency > 0
+    weighted = mean_square[audible] * 10 ** (a_weighting_db(frequency[audible]) / 10)
+    power = third_octave_mean_square(frequency[audible], weighted)
+    first = int(np.argmax(np.convolve(power, np.ones(OCTAVE), "valid")))
+    return float(EDGES_HZ[first]), float(EDGES_HZ[first + OCTAVE])
+
+
+def envelope_spectrum(
+    signal: Array,
+    sample_rate_hz: float,
+    band_hz: tuple[float, float] | None = None,
+    closed: bool = False,
+) -> EnvelopeSpectrum:
+    """Compute the spectrum of the Hilbert envelope of a band of a record.
+
+    The envelope is the magnitude of the analytic signal of the band. A tone whose amplitude is
+    modulated by the share m has a line of m at the frequency of the modulation.
+
+    Parameters
+    ----------
+    signal : array (n,), any unit. Record.
+    sample_rate_hz : float, Hz. Sample rate.
+    band_hz : (float, float), Hz. Edges of the band. Default: `loudest_octave`.
+    closed : bool. If true, the end of the record leads to its beginning, and no window is needed;
+        otherwise the envelope has a Hann window. Default: false.
+
+    Returns
+    -------
+    EnvelopeSpectrum
+        Lines up to the width of the band; all 0 for a record without sound in the band.
+
+    Raises
+    ------
+    ValueError
+        The record is empty or holds values that are not finite, or the band is empty.
+
+    References
+    ----------
+    R. B. Randall and J. Antoni, Rolling element bearing diagnostics - a tutorial, Mechanical
+    Systems and Signal Processing 25 (2011), 485-520.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import envelope_spectrum
+    >>> t = np.arange(48000) / 48000
+    >>> tone = (1 + 0.5 * np.cos(2 * np.pi * 4 * t)) * np.sin(2 * np.pi * 1000 * t)
+    >>> round(envelope_spectrum(tone, 48000, closed=True).at(4.0), 6)
+    0.5
+    """
+    check_record(signal)
+    low, high = loudest_octave(signal, sample_rate_hz) if band_hz is None else band_hz
+    if not 0 <= low < high:
+        raise ValueError(f"band_hz: got ({low:g}, {high:g}), allowed: edges that rise from 0 Hz")
+    count = len(signal)
+    frequency = np.fft.rfftfreq(count, 1 / sample_rate_hz)
+    analytic = np.zeros(count, dtype=complex)
+    inside = (frequency >= low) & (frequency < high)
+    analytic[: len(frequency)][inside] = 2 * np.fft.rfft(signal)[inside]
+    envelope = np.abs(np.fft.ifft(analytic))
+    window = np.ones(count) if closed else 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
+    mean = float(window @ envelope / window.sum())
+    lines = 2 * np.abs(np.fft.rfft(window * (envelope - mean))) / window.sum()
+    kept = (frequency > 0) & (frequency <= high - low)
+    modulation = lines[kept] / mean if mean > 0 else np.zeros(np.count_nonzero(kept))
+    return EnvelopeSpectrum(np.asarray(frequency[kept], dtype=float), modulation, (low, high))
