@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
 from acoustics.rectangular_plate import MODES_HZ, RectangularPlate
-from rolling.dynamics._motion_kernels import StepBodies
+from rolling.dynamics._mode_kernels import StepBodies
 
 # Bands of the tail: the ratio of their edges, and their number. The damping ratio of a band dw
 # about w is dw / (pi w). Chosen by Zener's impacts on plates of 3 to 20 mm: docs/dynamics.md.
 RATIO, BANDS = 1.5, 6
-_RESOLVED = 2.5  # phase of a mode in half a step up to which it is tuned
+_FASTEST = 1.5  # phase in half a step at which faster modes ring, with their own compliance
 _DIRECT = 300_000  # answers of modes that are summed without a table
 _BLOCK = 1_000_000  # answers of modes that are held at once
 _HIGHEST_HZ = 2e6  # of the table
@@ -140,7 +140,8 @@ def step_bodies(
     if modes is None:
         none = np.zeros(0)
         return StepBodies(*parts, none, none, none, none, np.zeros(0, np.int64), np.ones(2))
-    w, zeta = modes.angular_frequency, modes.damping_ratio
+    w = np.minimum(modes.angular_frequency, 2 * _FASTEST / step_s)
+    zeta = modes.damping_ratio
     zeta = np.where(np.abs(zeta - 1) < 1e-8, 1 + 1e-8, zeta)  # critical damping has one root
     root = w * np.sqrt(np.square(zeta) - 1 + 0j)
     fast = -zeta * w - root
@@ -149,8 +150,7 @@ def step_bodies(
     mean = (slow + fast).real / 2
     x = w * step_s / 2
     gain = _sinc(x - x0) * _sinc(x + x0) / np.square(_sinc(x) * np.cos(x0))
-    reach = modes.reach * np.sqrt(np.where(x < _RESOLVED, gain, 1.0))
-    fall, keep = 1 - mean - zeta * turn, mean - zeta * turn
+    reach, fall, keep = modes.reach * np.sqrt(gain), 1 - mean - zeta * turn, mean - zeta * turn
     return StepBodies(*parts, fall, turn, keep, reach, modes.counts, modes.sides)
 
 
