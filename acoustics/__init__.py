@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         reliable,
         third_octave_mean_square,
     )
-    from acoustics.extension import extend, kurtosis, kurtosis_uncertainty
+    from acoustics.gaussianity import kurtosis, kurtosis_uncertainty
     from acoustics.level import SoundLevels, laeq_db, level_db, sound_levels
     from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
     from acoustics.spectrum import Psd, line_spectrum, welch
@@ -46,7 +46,6 @@ __all__ = [
     "SoundLevels",
     "a_weighting_db",
     "band_uncertainty_db",
-    "extend",
     "intensity",
     "kurtosis",
     "kurtosis_uncertainty",
@@ -64,7 +63,7 @@ __all__ = [
 ]
 
 _SUBMODULES = ("plots", "wav")
-_MODULES = ("bands", "extension", "level", "radiation", "spectrum", "uncertainty", "weighting")
+_MODULES = ("bands", "gaussianity", "level", "radiation", "spectrum", "uncertainty", "weighting")
 
 
 def __getattr__(name: str) -> Any:

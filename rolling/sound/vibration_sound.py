@@ -159,8 +159,13 @@ def _radiated(scene: Scene, motion: BodyMotion, closed: bool) -> tuple[Array, Ar
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
     if scene.surface.kind == "smooth" or motion.flight_share == 1:
         fluctuation = np.zeros_like(fluctuation)
+    return radiated(scene, fluctuation, motion.sample_rate_hz, samples)
+
+
+def radiated(scene: Scene, fluctuation: Array, rate_hz: float, samples: int) -> tuple[Array, Array]:
+    """Return force fluctuation [N] and pressure [Pa] of a closed record at samples of sound."""
     pressure = pressure_on_axis(
-        fluctuation, motion.sample_rate_hz, _sources(scene), scene.sound.distance_m, closed=True
+        fluctuation, rate_hz, _sources(scene), scene.sound.distance_m, closed=True
     )
     return _heard(fluctuation, samples), _heard(pressure, samples)
 

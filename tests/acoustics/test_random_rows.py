@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from acoustics.extension import extend, kurtosis
 
 from acoustics import level
 from acoustics.bands import third_octave_mean_square
-from acoustics.extension import extend, kurtosis
 from acoustics.resampling import band_limit
 from acoustics.spectrum import line_spectrum
 
