@@ -19,6 +19,7 @@ from acoustics.arrays import Array
 LINES = 25  # over which a Hann window smooths, at most
 THIRD_OCTAVE = 2 ** (1 / 6) - 2 ** (-1 / 6)  # its width over its middle: the other limit
 WIDER = 4  # times as many lines for the level by which the lines are divided before
+FEW = 3.0  # lines to either side over which the power is averaged before its logarithm is taken
 _FLOOR = 1e-26  # of the largest power of a line, below which only rounding remains
 LEAST_BLOCK = 2**16  # positions that are drawn at once
 _TURNS = np.array([1, 1j, -1, -1j])  # phases; the sum of many lines is Gaussian
@@ -69,8 +70,10 @@ class RandomRows:
         self.blend = min(count, self.block) // 4
         own = np.arange(lines.shape[1], dtype=float) + self._lowest
         power = np.square(np.abs(lines))
-        least = np.maximum(_FLOOR * power.max(axis=1, keepdims=True), np.finfo(float).tiny)
-        power = np.log(np.maximum(power, least))
+        floor = np.maximum(_FLOOR * power.max(axis=1, keepdims=True), np.finfo(float).tiny)
+        # Single lines may be silent, as those of a part that was subtracted.
+        power = sum(weight * power[:, line] for line, weight in _windows(own, own, least=FEW))
+        power = np.log(np.maximum(power, floor))
         smooth = sum(weight * power[:, line] for line, weight in _windows(own, own, WIDER))
         self._white = lines * np.exp(-0.5 * smooth)
         ratio = count / self.block
@@ -117,9 +120,11 @@ class RandomRows:
             yield block[:, : self.block - self.blend]
 
 
-def _windows(place: Array, own: Array, wider: int = 1) -> list[tuple[Array, Array]]:
+def _windows(
+    place: Array, own: Array, wider: int = 1, least: float = 0.0
+) -> list[tuple[Array, Array]]:
     """Return indices and weights of lines about places, one pair for each neighbour."""
-    half = wider * np.minimum(LINES, THIRD_OCTAVE * place) / 2 + 0.5
+    half = np.maximum(wider * np.minimum(LINES, THIRD_OCTAVE * place) / 2 + 0.5, least)
     reach = wider * (LINES // 2)
     weights = np.zeros((2 * reach + 1, len(place)))
     index = np.empty(weights.shape, dtype=np.intp)

@@ -115,9 +115,8 @@ class LongMotion:
         if law.period_m is not None and speed > 0:
             lasts = min(DECAYS * self._chain.decay_s, law.period_m / speed)
             steps = math.ceil(lasts / self.step)
-        places = np.asarray(
-            begin - speed * self.step * (np.arange(steps, 0, -1) - 0.5), dtype=float
-        )
+        before = self.step * (np.arange(steps, 0, -1) - 0.5)
+        places = np.asarray(begin - speed * before, dtype=float)
         first = float(places[0]) if steps else begin
         state: State = (float(law.approach(first, self._scene.load)), 0.0, 0.0)
         if not steps:

@@ -102,10 +102,15 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
 def sentence(numbers: Mapping[str, Any], run_laeq_db: float | None) -> str:
     """Say length, level, kurtosis, impacts and the solved share of a long record."""
     solved, rolled = (rounded(numbers[f"{name}_mm"], 3) for name in ("solved", "rolled"))
+    track = "all solved"
+    if numbers["solved_mm"] < numbers["rolled_mm"]:
+        share = rounded(100 * numbers["solved_share"])
+        track = (
+            f"of which the first {solved} mm ({share} % of the time) are solved and the others"
+            f" follow their statistics at random (seed {numbers['seed']})"
+        )
     text = (
-        f"{rounded(numbers['seconds'], 4)} s over {rolled} mm, of which the first {solved} mm"
-        f" ({100 * numbers['solved_share']:.2g} % of the time) are solved and the others follow"
-        f" their statistics at random (seed {numbers['seed']}): LAeq"
+        f"{rounded(numbers['seconds'], 4)} s over {rolled} mm, {track}: LAeq"
         f" {_decibels(numbers['laeq_db'])} (the run {_decibels(run_laeq_db)}), kurtosis"
         f" {'-' if numbers['kurtosis'] is None else format(numbers['kurtosis'], '.2f')}"
     )

@@ -53,7 +53,10 @@ def _seconds(text: str) -> float:
 
 def _speed(text: str) -> float | tuple[float, float]:
     start, colon, end = text.partition(":")
-    return (float(start), float(end)) if colon else float(start)
+    try:
+        return (float(start), float(end)) if colon else float(start)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"got {text!r}, allowed: V or START:END in m/s") from error
 
 
 def _whole(text: str) -> int:

@@ -1,94 +1,115 @@
-"""An extended record has the band levels of its record, and does not repeat it."""
+"""Random rows have the spectra and cross-spectra of the given ones, and do not repeat them."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from acoustics.extension import extend, kurtosis
 
-from acoustics import level
-from acoustics.bands import third_octave_mean_square
-from acoustics.resampling import band_limit
-from acoustics.spectrum import line_spectrum
-
-RATE = 48000
+from acoustics import kurtosis
+from acoustics.continued_rows import ContinuedRows
+from acoustics.random_rows import RandomRows
 
 
-def bursts(samples: int, seed: int = 1) -> np.ndarray:
-    """Return a record of single clicks with a spectrum that is not flat."""
-    random = np.random.default_rng(seed)
-    clicks = np.where(random.random(samples) < 0.002, random.standard_normal(samples), 0.0)
-    ringing = np.exp(-np.arange(200) / 20.0) * np.sin(np.arange(200))
-    return band_limit(np.fft.irfft(np.fft.rfft(clicks) * np.fft.rfft(ringing, samples)), RATE)
+def coloured(count: int, seed: int, length: float = 30.0) -> np.ndarray:
+    """Return two rows whose correlation is 0.6, with a Gaussian spectrum of 100 dB of range."""
+    white = np.random.default_rng(seed).standard_normal((2, count))
+    frequency = np.fft.rfftfreq(count)
+    rows = np.fft.irfft(
+        np.fft.rfft(white) * np.exp(-((frequency * length) ** 2) / 2), count
+    ) / np.sqrt(0.5 / length)
+    return np.stack((rows[0], 0.6 * rows[0] + 0.8 * rows[1]))
 
 
-def bands(record: np.ndarray) -> np.ndarray:
-    return third_octave_mean_square(*line_spectrum(record, RATE))
+def drawn(rows: np.ndarray, closed: bool, seed: int = 0, count: int = 4) -> np.ndarray:
+    stretches = RandomRows(rows, closed).stretches(np.random.default_rng(seed))
+    return np.concatenate([next(stretches) for _ in range(count)], axis=1)
 
 
-def largest_difference_db(record: np.ndarray, longer: np.ndarray) -> float:
-    before, after = bands(record), bands(longer)
-    there = before > 1e-20 * before.max()  # rounding leaves something in the other bands
-    assert there.sum() > 10 and after[~there].sum() < 1e-20 * after.sum()
-    return float(np.abs(10 * np.log10(after[there] / before[there])).max())
+def bands(row: np.ndarray) -> np.ndarray:
+    """Return the mean squares of a row in five bands of wavelengths from 1000 to 15 positions."""
+    parts = row[: len(row) // 2500 * 2500].reshape(-1, 2500) * np.hanning(2500)
+    power = np.mean(np.square(np.abs(np.fft.rfft(parts))), axis=0)
+    return np.add.reduceat(power, [2, 6, 15, 40, 90, 170])[:-1]
 
 
-def autocorrelation(record: np.ndarray) -> np.ndarray:
-    lines = np.abs(np.fft.rfft(record)) ** 2
-    values = np.fft.irfft(lines, len(record))
-    return values / values[0]
+@pytest.mark.parametrize("closed", [True, False])
+def test_drawn_rows_have_the_spectra_and_the_correlation_of_the_given_rows(closed: bool) -> None:
+    # 20,000 positions hold some 600 independent values: 4 % of the power, 0.03 of a correlation.
+    given = coloured(20_000 if closed else 200_000, 1)[:, :20_000]
+    rows = drawn(given, closed)
+    assert np.allclose(np.mean(rows**2, axis=1), np.mean(given**2, axis=1), rtol=0.12)
+    assert np.corrcoef(rows)[0, 1] == pytest.approx(np.corrcoef(given)[0, 1], abs=0.06)
+    ratio = 10 * np.log10(bands(rows[0]) / bands(given[0]))
+    assert np.all(np.abs(ratio) < 1.5)  # eight pieces of the given row: 1.5 dB
+    assert kurtosis(rows[0]) == pytest.approx(3.0, abs=0.1)
 
 
-@pytest.mark.parametrize(("samples", "longer"), [(24000, 480000), (21601, 1 << 18), (4801, 240001)])
-def test_bands_agree_within_a_tenth_of_a_decibel(samples: int, longer: int) -> None:
-    record = bursts(samples)
-    assert largest_difference_db(record, extend(record, longer, RATE)) < 0.1
+def test_drawn_rows_are_unbiased_over_many_given_rows() -> None:
+    """The division by a smooth level keeps a steep spectrum from leaking into its higher bands."""
+    ratios = [
+        10 * np.log10(bands(drawn(rows, True, seed, 1)[0]) / bands(rows[0]))
+        for seed, rows in enumerate(coloured(5_000, seed) for seed in range(16))
+    ]
+    assert np.all(np.abs(np.mean(ratios, axis=0)) < 1.0)  # 16 rows of 2 dB each, twice 0.5
 
 
-def test_level_of_the_whole_record_is_kept() -> None:
-    record = bursts(24000)
-    longer = extend(record, 10 * RATE, RATE)
-    assert level.laeq_db(longer, RATE) == pytest.approx(level.laeq_db(record, RATE), abs=0.1)
+def test_blends_keep_the_variance_and_no_stretch_repeats() -> None:
+    process = RandomRows(coloured(2_000, 3), True)
+    stretches = process.stretches(np.random.default_rng(1))
+    rows = np.stack([next(stretches)[0] for _ in range(24)])
+    power = np.mean(rows**2, axis=0)
+    blended, rest = power[: process.blend].mean(), power[process.blend :].mean()
+    assert blended == pytest.approx(rest, rel=0.15)  # 500 positions of 24 stretches: 7 %
+    assert abs(np.corrcoef(rows[0], rows[1])[0, 1]) < 0.1
+    joint = np.abs(np.diff(rows.ravel()))
+    seams = joint[rows.shape[1] - 1 :: rows.shape[1]]
+    assert seams.max() < 1.5 * joint.max() and seams.mean() < 2 * joint.mean()
 
 
-def test_no_repetition_shows_in_the_autocorrelation() -> None:
-    """The repeated record has a correlation of 1 at every multiple of its length.
-
-    The extended one has that of independent noise there, 1/sqrt(number of lines) at most a few
-    times.
-    """
-    record = bursts(4800)
-    longer = extend(record, 100 * 4800, RATE)
-    around = np.concatenate([np.arange(-480, 481) + k * 4800 for k in range(1, 50)])
-    assert autocorrelation(np.tile(record, 100))[4800] == pytest.approx(1.0)
-    assert np.abs(autocorrelation(longer)[around]).max() < 0.05
+def test_rows_are_given_first_and_do_not_depend_on_the_parts_in_which_they_are_read() -> None:
+    given = coloured(3_000, 4)
+    whole = ContinuedRows(given, True, 7).between(0, 200_000)
+    parts = ContinuedRows(given, True, 7)
+    ends = [0, 10, 2_990, 3_100, 66_000, 150_000, 200_000]
+    read = [parts.between(a, b) for a, b in zip(ends, ends[1:], strict=False)]
+    assert np.array_equal(np.concatenate(read, axis=1), whole)
+    assert np.array_equal(whole[:, :3_000], given)
+    assert not np.array_equal(whole, ContinuedRows(given, True, 8).between(0, 200_000))
 
 
-def test_laps_within_the_record_do_not_show_either() -> None:
-    lap = band_limit(np.random.default_rng(2).standard_normal(480), RATE)
-    longer = extend(np.tile(lap, 50), 10 * RATE, RATE, laps=50.0)
-    assert autocorrelation(extend(np.tile(lap, 50), 10 * RATE, RATE))[480] > 0.8
-    around = np.concatenate([np.arange(-24, 25) + k * 480 for k in range(1, 50)])
-    assert np.abs(autocorrelation(longer)[around]).max() < 0.12
-    assert largest_difference_db(np.tile(lap, 50), longer) < 0.1
+def test_pits_are_inserted_as_given_at_the_rate_at_which_they_occur() -> None:
+    given = coloured(20_000, 5)
+    pit = -20 * np.exp(-np.square(np.arange(-60, 61) / 20))
+    for place in (3_000, 9_000, 15_500):
+        given[:, place - 60 : place + 61] += pit
+    rows = ContinuedRows(given, True, 1)
+    later = rows.between(0, 2_000_000)[0, 20_000:]
+    deep = np.flatnonzero(np.diff((later < -12).astype(int)) == 1)
+    assert rows.inserted == pytest.approx(297, abs=4 * np.sqrt(297))  # 3 in 20,000, Poisson
+    assert len(deep) == pytest.approx(rows.inserted, abs=2)
+    assert later[deep[0] : deep[0] + 60].min() == pytest.approx(given[0].min(), abs=2)
+    calm = later[later > -5]
+    assert np.std(calm) == pytest.approx(np.std(given[0][given[0] > -5]), rel=0.1)
 
 
-def test_it_is_gaussian_whatever_the_record_is() -> None:
-    record = bursts(24000)
-    assert kurtosis(record) > 6
-    assert kurtosis(extend(record, 10 * RATE, RATE)) == pytest.approx(3.0, abs=0.1)
+@pytest.mark.parametrize(("count", "turns"), [(4_000, 4), (600, 0.6)])
+def test_the_turn_of_a_ball_repeats_as_far_as_it_is_solved(count: int, turns: float) -> None:
+    """A tick once per turn of 1,000 positions stays; the rest of a short track is random."""
+    given = 0.3 * coloured(count, 6)
+    given[:, 200::1_000] += 15
+    rows = ContinuedRows(given, turns > 1, 2, 1_000).between(0, 60_000)[0]
+    ticks = np.flatnonzero(rows > 10)
+    assert np.array_equal(ticks, np.arange(200, 60_000, 1_000))
+    between = rows.reshape(-1, 1_000)[5:, 700:]
+    assert np.std(between.mean(axis=0)) < 0.75 * np.std(between)  # 0.5 of four turns, else less
 
 
-def test_equal_records_give_equal_samples_and_seeds_other_ones() -> None:
-    record = bursts(2400)
-    first, again = extend(record, 48000, RATE), extend(record.copy(), 48000, RATE)
-    other = extend(record, 48000, RATE, seed=1)
-    assert np.array_equal(first, again)
-    assert abs(np.corrcoef(first, other)[0, 1]) < 0.05
+@pytest.mark.parametrize("rows", [np.zeros((2, 500)), np.ones((1, 64)), np.tile(1e-9, (3, 99))])
+def test_constant_rows_stay_constant(rows: np.ndarray) -> None:
+    later = ContinuedRows(rows, False, 0).between(0, 100_000)
+    assert np.array_equal(later, np.tile(rows[:, :1], 100_000))
 
 
-def test_silence_stays_silent_and_shorter_records_are_refused() -> None:
-    assert not extend(np.zeros(480), 4800, RATE).any()
-    assert np.isnan(kurtosis(np.zeros(480)))
-    with pytest.raises(ValueError, match="extended to more than that"):
-        extend(np.ones(480), 480, RATE)
+def test_too_few_positions_are_refused() -> None:
+    with pytest.raises(ValueError, match="need 16 positions or more, got 15"):
+        RandomRows(np.zeros((1, 15)), True)
