@@ -9,7 +9,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.random_rows import RandomRows
 
-SIGMAS = 5.0  # departure of a row that no Gaussian row of this length has
+SIGMAS = 7.0  # deviations that no Gaussian row has, even if they are estimated too small
 CALM = 1.5  # sigmas at which such a stretch begins and ends
 LEAST_SIGMA = 0.01  # of the largest value, for single stretches in a smooth row
 QUARTILES = 1.349  # distance between the quartiles of a Gaussian row in standard deviations

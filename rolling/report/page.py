@@ -152,7 +152,7 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
                 "run": run,
                 "playback": gain,
                 "wav": maps.uri("audio/wav", record),
-                "long": _long(run),
+                "long": long_record(run),
                 "repeats": [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS],
                 "pictures": pictures,
             }
@@ -160,7 +160,7 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
     return views
 
 
-def _long(run: Run) -> dict[str, str] | None:
+def long_record(run: Run) -> dict[str, str] | None:
     """Return the long record of a run and its facts; None where there is none."""
     if run.long is None:
         return None

@@ -61,11 +61,19 @@ def laps_in_words(sound: ContactSound) -> str:
     )
 
 
+def heard(run: Run) -> tuple[Array, str]:
+    """Return the record [Pa] for the ear, the long one if the scene asks for it, and say it."""
+    if run.long is not None:
+        return run.long.pressure, sentence(run.long.numbers, run.sound.levels.laeq_db)
+    content = laps_in_words(run.sound)
+    if run.scene.sound.listen_s is not None:
+        content += f"; no long record: {run.no_long}"
+    return laps(run.sound), content
+
+
 def listen_wav(run: Run) -> tuple[bytes, dict[str, Any]]:
     """Write listen.wav of a run; return its bytes, and the content and meaning of its samples."""
-    record, content = laps(run.sound), laps_in_words(run.sound)
-    if run.long is not None:
-        record, content = run.long.pressure, sentence(run.long.numbers, run.sound.levels.laeq_db)
+    record, content = heard(run)
     gain = wav.listening_gain(record)
     rule = _rule(run, gain)
     comment = f"{gain:.6g} full scale per Pa, {rule}; {content}; {facts(run)}"

@@ -47,37 +47,36 @@ def released(scene: Scene, result: Result) -> tuple[Array, bool]:
     return energy, closed
 
 
+def reason_against(run: Run) -> str:
+    """Return the reason why a run has no long record; empty if it has one."""
+    steps, sound = run.result.solved_steps, run.sound
+    if steps < LEAST_POSITIONS:
+        return f"its solved track has {steps} steps, and a continuation needs {LEAST_POSITIONS}"
+    if sound.source == "vibration" or not sound.pressure.any():
+        return "" if sound.pressure.any() else "its record is silent"
+    if not sound.constant_speed:
+        steady = with_speed(run.scene, run.scene.motion.fastest(sound.duration), sound.duration)
+        energy, closed = released(run.scene, run.result)
+        sound = contact_sound(steady, energy, run.result.step, closed, steps, sound.has_seam)
+    reason = sound.unlike_noise
+    return reason and f"{reason}: a random continuation would not sound like it"
+
+
 def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) -> Listening:
     """Make a long record of a run; raise ListeningError where there is none."""
     _refuse(seconds, speed)
-    if run.result.solved_steps < LEAST_POSITIONS:
-        steps = run.result.solved_steps
-        raise ListeningError(
-            f"its solved track has {steps} steps, and a continuation needs {LEAST_POSITIONS}"
-        )
+    if run.no_long:
+        raise ListeningError(run.no_long)
     scene = run.scene if speed is None else with_speed(run.scene, speed, seconds)
-    if not run.sound.pressure.any():
-        raise ListeningError("its record is silent, and silence has no continuation")
     if run.vibration is not None and run.sound.source == "vibration":
         listening = listen_to_vibration(scene, run.vibration.law, seconds, seed)
     else:
-        listening = _listen_to_release(run, scene, seconds, seed)
+        lap, track = run.result.solved_steps, run.scene.track
+        energy = released(run.scene, run.result)[0][:lap]
+        closed = track.lap_steps <= lap and not run.sound.has_seam
+        listening = listen_to_release(scene, energy, run.result.step, closed, seconds, seed)
     listening.numbers["seed"] = seed
     return listening
-
-
-def _listen_to_release(run: Run, scene: Scene, seconds: float, seed: int) -> Listening:
-    """Continue the release of a run, unless its kurtosis differs from that of noise."""
-    energy, closed = released(run.scene, run.result)
-    step, lap = run.result.step, run.result.solved_steps
-    sound = run.sound
-    if not sound.constant_speed:
-        steady = with_speed(run.scene, run.scene.motion.fastest(sound.duration), seconds)
-        sound = contact_sound(steady, energy, step, closed, lap, sound.has_seam)
-    if reason := sound.unlike_noise:
-        raise ListeningError(f"{reason}: a random continuation would not sound like it")
-    closes = run.scene.track.lap_steps <= run.result.steps and not sound.has_seam
-    return listen_to_release(scene, energy[:lap], step, closes, seconds, seed)
 
 
 def _refuse(seconds: float, speed: Speed | None) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import tempfile
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -23,7 +22,7 @@ from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
-from rolling.results.long_listening import ListeningError, listen, released
+from rolling.results.long_listening import listen, reason_against, released
 from rolling.results.run_errors import RunErrors, run_errors
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
@@ -95,12 +94,14 @@ class Run:
 
     @cached_property
     def long(self) -> Listening | None:
-        """The record of `sound.listen_s` seconds, or None where there is none."""
-        if self.scene.sound.listen_s is None:
-            return None
-        with suppress(ListeningError):
-            return listen(self, self.scene.sound.listen_s)
-        return None
+        """The record of `sound.listen_s` seconds; None where there is none, or a reason against."""
+        seconds = self.scene.sound.listen_s
+        return None if seconds is None or self.no_long else listen(self, seconds)
+
+    @cached_property
+    def no_long(self) -> str:
+        """Reason why a run has no long record; empty if it has one."""
+        return reason_against(self)
 
     def listen(
         self, seconds: float = 20.0, speed: float | tuple[float, float] | None = None, seed: int = 0
@@ -180,7 +181,8 @@ class Run:
     def play(self) -> Any:
         """Return a player for a notebook; in a script, name listen.wav and open a player for it.
 
-        The record is heard for at least five seconds, in laps. The gain makes all runs equally
+        The record is heard for at least five seconds, in laps, or as the long record of a scene
+        with `sound.listen_s`. The gain makes all runs equally
         loud, so levels are compared by their numbers. A run without files writes a temporary one.
         The system's player is opened on a terminal only, and the script goes on at once.
 
@@ -191,7 +193,7 @@ class Run:
         if progress.in_notebook():
             from IPython.display import Audio  # type: ignore[import-not-found, unused-ignore]
 
-            record = listening.laps(self.sound)
+            record, _ = listening.heard(self)
             samples = record * wav.listening_gain(record)
             return Audio(samples, rate=self.sound.sample_rate, normalize=False)
         path = self.folder / "listen.wav"
@@ -200,7 +202,7 @@ class Run:
             with tempfile.NamedTemporaryFile(prefix=prefix, suffix=".wav", delete=False) as file:
                 file.write(listening.listen_wav(self)[0])
             path = Path(file.name)
-        print(f"listen: {path}   {listening.laps_in_words(self.sound)}")
+        print(f"listen: {path}   {listening.heard(self)[1]}")
         listening.open_player(path)
         return None
 
@@ -286,8 +288,8 @@ def hear(
     errors = run_errors(scene, result, sound, vibration)
     numbers = summary or summarize(scene, result, sound, release, errors, vibration, moving)
     run = Run(label, values, folder, scene, result, sound, numbers, errors, vibration)
-    if summary is None and run.long is not None:
-        numbers["listening"] = run.long.numbers
+    if summary is None and scene.sound.listen_s is not None:
+        numbers["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -71,7 +73,7 @@ def test_rows_are_given_first_and_do_not_depend_on_the_parts_in_which_they_are_r
     whole = ContinuedRows(given, True, 7).between(0, 200_000)
     parts = ContinuedRows(given, True, 7)
     ends = [0, 10, 2_990, 3_100, 66_000, 150_000, 200_000]
-    read = [parts.between(a, b) for a, b in zip(ends, ends[1:], strict=False)]
+    read = [parts.between(a, b) for a, b in pairwise(ends)]
     assert np.array_equal(np.concatenate(read, axis=1), whole)
     assert np.array_equal(whole[:, :3_000], given)
     assert not np.array_equal(whole, ContinuedRows(given, True, 8).between(0, 200_000))
