@@ -76,6 +76,7 @@ def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) 
         closed = track.lap_steps <= lap and not run.sound.has_seam
         listening = listen_to_release(scene, energy, run.result.step, closed, seconds, seed)
     listening.numbers["seed"] = seed
+    listening.numbers["limits"] = limits(listening.numbers)
     return listening
 
 
@@ -120,13 +121,18 @@ def sentence(numbers: Mapping[str, Any], run_laeq_db: float | None) -> str:
     return text
 
 
-def warnings(numbers: Mapping[str, Any]) -> list[str]:
+def limits(numbers: Mapping[str, Any]) -> list[str]:
     """List the limits of a long record."""
     texts = []
     if numbers["highest_frequency_hz"] < COARSE_HZ:
         texts.append(
             "the steps of the track resolve sound up to"
             f" {rounded(numbers['highest_frequency_hz'])} Hz at this speed; the rest is missing"
+        )
+    if (turn := numbers["turn_mm"]) is not None and numbers["solved_mm"] < turn:
+        texts.append(
+            f"the solved track is shorter than a turn of the ball ({rounded(turn, 3)} mm): it is"
+            " put in as solved once per turn, and the rest of the turn is random"
         )
     if numbers.get("force_outside_share", 0.0) > OFTEN:
         texts.append(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ class Listening:
 
     pressure: Array
     sample_rate: int
-    numbers: dict[str, float | int | None]
+    numbers: dict[str, Any]
 
 
 def with_speed(scene: Scene, speed: float | tuple[float, float], seconds: float) -> Scene:
@@ -131,21 +132,22 @@ def _numbers(
     """Return a record with its facts and levels; `rows` are `finer` to a step [m]."""
     motion, rate = scene.motion, wav.SAMPLE_RATE_HZ
     highest = motion.fastest(seconds) / (2 * step)
-    levels = level.sound_levels(pressure, rate, highest)
     rolled, solved = float(motion.distance(seconds)), rows.solved / finer * step
     solved_s = seconds if solved >= rolled else float(motion.time(solved))
+    turn = turn_m(scene)
     return Listening(
         pressure,
         rate,
         {
             "seconds": seconds,
-            "laeq_db": levels.laeq_db,
-            "level_db": levels.level_db,
+            "laeq_db": level.laeq_db(pressure, rate),
+            "level_db": level.level_db(float(np.mean(np.square(pressure)))),
             "solved_mm": 1e3 * min(solved, rolled),
             "rolled_mm": 1e3 * rolled,
             "solved_share": solved_s / seconds,
             "kurtosis": kurtosis(pressure) if pressure.any() else None,
             "stretches": rows.inserted,
+            "turn_mm": turn and 1e3 * turn,
             "highest_frequency_hz": highest,
             "lowest_frequency_hz": motion.fastest(seconds) / solved,
         },

@@ -11,7 +11,7 @@ ACCURACY_SECONDS = 0.045  # [s] of rolling: no third octave from 100 Hz is empty
 # `rolling listen`
 LISTENED_SECONDS = 20.0
 LEAST_LISTENED_SECONDS = 0.1
-MOST_LISTENED_SECONDS = 120.0  # a record in memory, 300 MB while it becomes sound
+MOST_LISTENED_SECONDS = 120.0  # a record in memory, 550 MB while it becomes sound
 MOST_LISTENED_SPEED = 100.0  # [m/s]; 50 million positions a second
 
 # `rolling reproduce --quick`

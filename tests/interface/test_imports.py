@@ -28,10 +28,10 @@ FLOORS = {
         ("cli", "interface"),
     ),
     "acoustics": (
-        ("arrays", "numbers"),
-        ("bands", "radiation", "weighting"),
+        ("arrays", "numbers", "random_rows"),
+        ("bands", "continued_rows", "radiation", "weighting"),
         ("plot_style", "resampling", "spectrum"),
-        ("extension", "level", "loudness", "sound_power"),
+        ("gaussianity", "level", "loudness", "sound_power"),
         ("laps", "plots", "uncertainty", "wav"),
     ),
 }
