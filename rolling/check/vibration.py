@@ -15,6 +15,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
+from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost
 from rolling.check.finding import Finding, computing, rounded_down, rounded_up, si
 from rolling.check.resolution import HEARING
@@ -42,7 +43,7 @@ def findings(scene: Scene) -> list[Finding]:
     if scene.dynamics is None:
         return []
     plate = _half_space(scene) if of_scene.plate(scene) is None else _bending(scene)
-    return [_force(scene), _waves(scene), *plate, *_marches(scene)]
+    return [_force(scene), _waves(scene), *plate, *_edges(scene), *_marches(scene)]
 
 
 def hertz_radius(scene: Scene) -> float:
@@ -197,7 +198,7 @@ def _bending(scene: Scene) -> list[Finding]:
             " not trust the bands above, or choose a plate.thickness_mm of at most"
             f" {rounded_down(thickness_mm * limit / HEARING[1])}"
         )
-    if distance < near:
+    if distance < near and scene.plate.edges_mm is None:
         warnings["coincidence"] = (
             f"the pressure on the axis holds from about {rounded(near)} m for this plate: choose a"
             f" sound.distance_m of at least {rounded_up(near)}"
@@ -214,6 +215,39 @@ def _bending(scene: Scene) -> list[Finding]:
         ("coincidence", "coincidence of the plate", si(plate.critical_hz, "Hz")),
     ]
     return [Finding(key, name, value, warnings.get(key)) for key, name, value in rows]
+
+
+def _edges(scene: Scene) -> list[Finding]:
+    """State modes, contact point and limits of a plate with edges."""
+    plate = of_scene.rectangular_plate(scene)
+    if plate is None:
+        return []
+    modes, warning = "none up to 30 kHz", None
+    if len(plate.angular_frequency):
+        lowest = float(plate.angular_frequency[0]) / (2 * math.pi)
+        overlap = MODES_HZ / (plate.loss_factor * scene.plate_modes)
+        modes = f"{len(plate.orders)} up to 30 kHz from {si(lowest, 'Hz')}"
+        if overlap < MODES_HZ:
+            modes += f", separate below {si(overlap, 'Hz')}"
+    else:
+        warning = (
+            "bending waves in hearing are longer than the plate, which moves as a stiff block:"
+            " choose a larger plate.length_mm and plate.width_mm, or no plate.thickness_mm"
+        )
+    ends = [
+        f"[{rounded(x, 4)}, {rounded(y, 4)}] mm" for x, y in scene.plate.contact_ends_mm.values()
+    ]
+    contact = f"fixed at {ends[0]}: seen from the plate the sphere rolls on the spot"
+    if len(ends) > 1:
+        contact = f"to-and-fro from {ends[0]} to {ends[1]}; its record does not loop"
+    radius = math.sqrt(plate.length_m * plate.width_m / math.pi)
+    small = si(SPEED_OF_SOUND / (2 * math.pi * radius), "Hz")
+    edges = f"simply supported in a baffle, without which less is heard below {small}; no room"
+    return [
+        Finding("plate_modes", "modes of the plate", modes, warning),
+        Finding("plate_contact", "contact on the plate", contact),
+        Finding("plate_edges", "edges of the plate", edges),
+    ]
 
 
 # ---- cost

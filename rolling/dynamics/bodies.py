@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from acoustics.arrays import Array
 from acoustics.radiation import ThinPlate
+from rolling.dynamics._motion_kernels import StepBodies
 from rolling.dynamics.force_law import ForceLaw
+from rolling.dynamics.modes import Modes, step_bodies
 
 
 @dataclass(frozen=True)
@@ -101,9 +106,32 @@ def contact_stiffness(law: ForceLaw, load_n: float) -> float:
     return float(1 / np.mean(1 / law.stiffness(x, law.approach(x, load_n))))
 
 
+class Bodies(NamedTuple):
+    """Ball, plate and loss of the contact, which a motion needs beside the force law."""
+
+    mass_kg: float  # of the ball
+    mobility_s_kg: float  # of an infinite plate, or the mean of a plate with edges
+    modes: Modes | None = None  # of a plate with edges
+    contact_loss_factor: float = 0.0
+    path: Callable[[Array], Array] | None = None  # contact points (n, 2) [m] at times [s]
+
+    def chain(self, stiffness_n_m: float) -> Chain:
+        """Return the bodies in a row with a contact stiffness [N/m]."""
+        parts = stiffness_n_m, self.modes, self.contact_loss_factor
+        return Chain(self.mass_kg, self.mobility_s_kg, *parts)
+
+    def steps(self, step_s: float) -> StepBodies:
+        """Return the bodies as time steps [s] move them, in tune at no frequency."""
+        mobility = self.mobility_s_kg if self.modes is None else 0.0
+        return step_bodies(self.mass_kg, mobility, self.modes, step_s)
+
+
 @dataclass(frozen=True)
 class Chain:
     """Ball, contact and plate in a row, for small fluctuations about the load.
+
+    On a plate with edges resonance, quality and decay are those on an infinite plate, whose
+    mobility is the mean of its own.
 
     >>> chain = Chain(4.11e-3, 1.018e-4, 3.17e7)
     >>> f"{chain.resonance_hz:.0f} Hz, Q = {chain.quality:.1f}"
@@ -113,6 +141,8 @@ class Chain:
     mass_kg: float  # M of the ball
     mobility_s_kg: float  # Y of the plate; 0: a rigid plate
     stiffness_n_m: float  # k of the contact at the load
+    modes: Modes | None = None  # of a plate with edges
+    contact_loss_factor: float = 0.0  # of the contact stiffness, at the resonance
 
     @property
     def resonance_hz(self) -> float:
@@ -121,36 +151,60 @@ class Chain:
 
     @property
     def quality(self) -> float:
-        """Quality factor Q = 1 / (M w0 Y), infinite for a rigid plate."""
+        """Quality factor Q = 1 / (M w0 Y) with the contact's loss, infinite without losses."""
         loss = self.mass_kg * 2 * np.pi * self.resonance_hz * self.mobility_s_kg
+        loss += self.contact_loss_factor
         return 1 / loss if loss > 0 else np.inf
 
     @property
     def decay_s(self) -> float:
-        """Time in which a transient falls by the factor e [s], infinite for a rigid plate."""
-        if self.mobility_s_kg == 0:
-            return np.inf
+        """Time in which a transient falls by the factor e [s], infinite without losses."""
         half = self.mobility_s_kg * self.stiffness_n_m / 2
+        half += self.contact_loss_factor * np.pi * self.resonance_hz
+        if half == 0:
+            return np.inf
         beyond = max(half**2 - self.stiffness_n_m / self.mass_kg, 0.0)  # of an overdamped chain
         # This form of half - sqrt(beyond) does not cancel.
         if beyond > 0:
             return float((half + np.sqrt(beyond)) * self.mass_kg / self.stiffness_n_m)
         return 1 / half
 
+    @property
+    def contact_time_s(self) -> float:
+        """Viscosity of the contact over its stiffness [s]."""
+        return self.contact_loss_factor / (2 * np.pi * self.resonance_hz)
+
+    @property
+    def own_decay_s(self) -> float:
+        """Decay time [s] with the mobility of the plate at the resonance, between its modes too."""
+        own = float(self.mobilities([self.resonance_hz])["plate"].real[0])
+        return replace(self, mobility_s_kg=own, modes=None).decay_s
+
+    def steps(self, step_s: float) -> StepBodies:
+        """Return the bodies as time steps [s] move them, in tune at the resonance."""
+        mobility = self.mobility_s_kg if self.modes is None else 0.0
+        parts = self.modes, step_s, self.resonance_hz, self.contact_time_s
+        return step_bodies(self.mass_kg, mobility, *parts)
+
     def mobilities(self, frequency_hz: ArrayLike) -> dict[str, NDArray[np.complex128]]:
         """Return the mobilities [s/kg] of ball, contact and plate at frequencies [Hz] above 0."""
-        iw = 2j * np.pi * np.asarray(frequency_hz, dtype=float)
-        return {
-            "ball": 1 / (iw * self.mass_kg),
-            "contact": iw / self.stiffness_n_m,
-            "plate": np.full_like(iw, self.mobility_s_kg),
-        }
+        frequency = np.asarray(frequency_hz, dtype=float)
+        iw = 2j * np.pi * frequency
+        plate, contact = np.full_like(iw, self.mobility_s_kg), iw / self.stiffness_n_m
+        if self.contact_loss_factor > 0:
+            contact /= 1 + self.contact_time_s * iw
+        if self.modes is not None:
+            plate = iw * self.modes.receptance(frequency)
+        return {"ball": 1 / (iw * self.mass_kg), "contact": contact, "plate": plate}
 
     def force(self, frequency_hz: ArrayLike, roughness_m: ArrayLike) -> NDArray[np.complex128]:
         """Return the fluctuation of the contact force [N], phasors of exp(i w t), above 0 Hz.
 
-        The roughness [m] is minus the fluctuation of the approach under the constant load.
+        The roughness [m] is minus the fluctuation of the approach under the constant load. It
+        moves the spring of the contact, and not its damper.
         """
         iw = 2j * np.pi * np.asarray(frequency_hz, dtype=float)
         receptance = sum(self.mobilities(frequency_hz).values()) / iw
+        if self.contact_loss_factor > 0:
+            receptance *= 1 + self.contact_time_s * iw
         return np.asarray(roughness_m, dtype=complex) / receptance

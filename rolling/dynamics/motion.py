@@ -10,7 +10,8 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from rolling.dynamics import _motion_kernels
-from rolling.dynamics.bodies import Chain, contact_stiffness
+from rolling.dynamics._motion_kernels import State, StepBodies
+from rolling.dynamics.bodies import Bodies, Chain, contact_stiffness
 from rolling.dynamics.force_law import ForceLaw
 
 DECAYS = 14  # a transient falls to 1e-6 in as many decay times
@@ -18,7 +19,8 @@ FADE_DECAYS = 7  # and to 1e-3 in as many
 MOST_LAPS = 400  # laps of a run-in that does not settle, more of them if they are short:
 MOST_STEPS = 2_000_000  # which 28 decay times of Q 5,600 take
 
-State = tuple[float, float, float]  # approach [m], ball velocity [m/s], plate displacement [m]
+MODAL_HZ = 90e3  # minimum rate of the steps of a plate with edges, three in a period of its modes
+SEAM = 1e-3  # change of the force from lap to lap over its rms, with which a lap loops
 RunIn = tuple[int, bool]  # laps, settled
 NO_LAPS: RunIn = (0, False)
 
@@ -57,7 +59,9 @@ class Stepping:
 
     per_period: int = 40  # minimum number of steps in a period of the resonance
     time_step_s: float | None = None  # instead of the step from resonance and track
-    start: State | None = None  # without a run-in; None: a run-in from the static equilibrium
+    # Approach, velocity and displacement of the plate at the start, without a run-in; modes at rest
+    # under the force of the start, unless they are given. None: a run-in.
+    start: State | tuple[float, float, float] | None = None
     settled: float = 1e-7  # change of the force in all laps to come, over the load, when settled
 
 
@@ -95,8 +99,7 @@ class BodyMotion:
 
 def move(
     law: ForceLaw,
-    mass_kg: float,
-    mobility_s_kg: float,
+    bodies: Bodies,
     load_n: float,
     speed: float | Travel,
     duration_s: float | None = None,
@@ -104,48 +107,83 @@ def move(
 ) -> BodyMotion:
     """Move a ball at a speed [m/s] over a force law: M z.. = W - F(x, z - w), w. = Y (F - W).
 
-    The time step is the shorter of a fraction of the resonance's period and the time from position
-    to position. On a closed track at constant speed the ball runs in until two laps agree, and a
-    lap is a whole number of time steps. At changing speed it runs in at its first speed. On an open
-    track it starts at rest in equilibrium. The default duration is that of a lap, of the open track
-    or of the travel.
+    The plate has modes instead of the mobility Y if the bodies have. The time step is the shorter
+    of a fraction of the resonance's period and the time from position to position. On a closed
+    track at constant speed the ball runs in until two laps agree, and a lap is a whole number of
+    time steps; modes start as the linear chain repeats them. At changing speed, and on a path, the
+    ball runs in at its first speed. On an open track it starts at rest in equilibrium. The default
+    duration is that of a lap, of the open track or of the travel.
     """
     choices = stepping or Stepping()
-    if not mass_kg > 0 or not mobility_s_kg >= 0 or not load_n >= 0:
+    if not bodies.mass_kg > 0 or not bodies.mobility_s_kg >= 0 or not load_n >= 0:
         raise ValueError("a motion needs a positive mass, and no negative mobility or load")
-    run = _Run(law, mass_kg, mobility_s_kg, load_n, speed, duration_s, choices)
+    run = _Run(law, bodies, load_n, speed, duration_s, choices)
     if choices.start is not None:
-        approach, velocity, plate = choices.start
-        return run.record((float(approach), float(velocity), float(plate)))
+        return run.record(run.started(State(*choices.start)))
     if law.period_m is None:
         return run.record(run.equilibrium(), transient=FADE_DECAYS * run.decay_s)
     if isinstance(speed, Travel):
         return run.record(run.entered(speed))
+    if bodies.path is not None:
+        return run.record(run.entered(Travel(np.array([0.0, 1.0]), np.array([0.0, speed]))))
     return run.settled_record()
 
 
-class _Lap(NamedTuple):
-    """Steps taken: their positions, the rows of the kernel, the last state, and energies."""
+class Steps(NamedTuple):
+    """Steps taken: their positions, the rows of the kernel, the last state, and energies.
+
+    A row has the force [N], the approach [m], the velocity of the ball [m/s] and the displacement
+    of the plate [m] at the middle of a step. The energies [J] are the change of kinetic, contact
+    and modal energy, the work of load and track, the losses to plate and contact, and the range of
+    the contact's energy.
+    """
 
     places: Array
     record: Array
     end: State
     energies: tuple[float, ...]
 
-    @property
-    def end_on_level(self) -> State:
-        """The last state with the plate's displacement counted from there."""
-        return self.end[0], self.end[1], 0.0
 
+def advance(
+    law: ForceLaw,
+    bodies: StepBodies,
+    load_n: float,
+    state: State,
+    places_m: Array,
+    points_m: Array | None = None,
+) -> Steps:
+    """Advance a state by one step to each position, and return the record and the last state.
 
-def tuned_mass(chain: Chain, step: float) -> float:
-    """Return the mass [kg] with which time steps [s] keep the resonance at its frequency.
-
-    The steps take S = 2/h tan(w h/2) for the frequency w. A mass M (w0/S0)^2 undoes this at w0.
-    Without it 40 steps in a period lower the resonance by 0.2 %.
+    `Chain.steps` gives the bodies for a time step. The next stretch goes on from the last state,
+    over the same or another force law. A plate with edges needs its contact points (n, 2) [m]: one
+    that is fixed, or one for each step.
     """
-    half = np.pi * chain.resonance_hz * step
-    return float(chain.mass_kg * (half / np.tan(half)) ** 2) if 0 < half < 1 else chain.mass_kg
+    record = np.empty((len(places_m), 4))
+    points = np.zeros((1, 2)) if points_m is None else points_m
+    end, energies = _motion_kernels.advance(
+        state, load_n, bodies, places_m, points, law.table, record
+    )
+    return Steps(places_m, record, State(*end), energies)
+
+
+def at_rest(
+    bodies: StepBodies, point_m: Array, approach_m: float, velocity_m_s: float, force_n: float
+) -> State:
+    """Return a state with a plate with edges at rest under a force [N] beyond the load.
+
+    `point_m` (1, 2) is the contact point.
+    """
+    shape = np.empty(len(bodies.reach))
+    if len(shape):
+        waves = np.empty(max([1, *bodies.counts]))
+        _motion_kernels.set_shapes(point_m[0], bodies, waves, shape)
+    modes = np.stack((force_n * shape, np.zeros_like(shape)))
+    return State(approach_m, velocity_m_s, float(force_n * shape @ shape), modes)
+
+
+def on_level(state: State) -> State:
+    """Return a state with the displacement of a plate without modes counted from there."""
+    return state if state.modes.shape[1] else state._replace(plate=0.0)
 
 
 class _Run:
@@ -154,34 +192,43 @@ class _Run:
     def __init__(
         self,
         law: ForceLaw,
-        mass: float,
-        mobility: float,
+        bodies: Bodies,
         load: float,
         speed: float | Travel,
         duration: float | None,
         choices: Stepping,
     ) -> None:
-        self.law, self.mobility, self.load = law, mobility, load
-        self.speed, self.choices = speed, choices
+        self.law, self.load = law, load
+        self.speed, self.choices, self.path = speed, choices, bodies.path
         self.first = float(law.position_m[0])
         fastest = float(np.max(speed.speeds_m_s)) if isinstance(speed, Travel) else speed
         longest = choices.time_step_s
-        self.decay_s, chain = np.inf, None
+        self.decay_s, self.slow_decay_s = np.inf, 0.0
+        self.chain: Chain | None = None
         if load > 0:
-            chain = Chain(mass, mobility, contact_stiffness(law, load))
+            self.chain = chain = bodies.chain(contact_stiffness(law, load))
             self.decay_s = chain.decay_s
+            if bodies.modes is not None:
+                modes, resonance = bodies.modes, 2 * np.pi * chain.resonance_hz
+                self.decay_s = max(self.decay_s, modes.decay_s(resonance))
+                self.slow_decay_s = max(
+                    modes.decay_s(modes.lowest(bodies.mass_kg)), chain.own_decay_s
+                )
             longest = longest or 1 / (choices.per_period * chain.resonance_hz)
         if longest is None:
             raise ValueError("a motion without a load needs a time step")
         if choices.time_step_s is None and fastest > 0:
             longest = min(longest, law.spacing_m / fastest)
+        if choices.time_step_s is None and bodies.modes is not None:
+            longest = min(longest, 1 / MODAL_HZ)
         self.lap_s = law.period_m / fastest if law.period_m and fastest > 0 else None
         duration = duration or self._whole_duration()
         # A lap at constant speed is a whole number of steps, so that laps can be compared.
         period = self.lap_s if self.lap_s and not isinstance(speed, Travel) else duration
         self.lap_steps = ceil(period / longest * (1 - 1e-12))
         self.step = period / self.lap_steps
-        self.mass = mass if chain is None else tuned_mass(chain, self.step)
+        self.bodies = (self.chain or bodies).steps(self.step)
+        self.point = np.zeros((1, 2)) if bodies.modes is None else bodies.modes.point
         self.steps = max(1, round(duration / self.step))
 
     def _whole_duration(self) -> float:
@@ -199,18 +246,48 @@ class _Run:
             return self.speed.at(np.minimum(middle, self.speed.time_s[-1]))
         return np.asarray(self.first + self.speed * middle)
 
-    def advance(self, state: State, places: Array) -> _Lap:
+    def points(self, steps: int) -> Array:
+        """Return the contact points [m] at the middles of the steps, or the only one."""
+        if self.path is None:
+            return self.point
+        return self.path(np.asarray((np.arange(steps) + 0.5) * self.step))
+
+    def advance(self, state: State, places: Array, points: Array | None = None) -> Steps:
         """Advance by a step to each of these positions, and return the record."""
-        record = np.empty((len(places), 4))
-        end, energies = _motion_kernels.advance(
-            state, self.step, self.load, self.mass, self.mobility, places, self.law.table, record
-        )
-        return _Lap(places, record, end, energies)
+        at = self.point if points is None else points
+        return advance(self.law, self.bodies, self.load, state, places, at)
 
     def equilibrium(self, position: float | None = None) -> State:
         """Return the static equilibrium at a position [m], by default the first."""
         place = self.places(1)[0] if position is None else position
-        return float(self.law.approach(place, self.load)), 0.0, 0.0
+        approach = float(self.law.approach(place, self.load))
+        return at_rest(self.bodies, self.point, approach, 0.0, 0.0)
+
+    def started(self, state: State) -> State:
+        """Return a given state; modes that it lacks are at rest under its force."""
+        approach, velocity, plate = (float(value) for value in state[:3])
+        if state.modes.shape[1] == len(self.bodies.reach):
+            return State(approach, velocity, plate, state.modes)
+        force = float(self.law.force(self.places(1)[0], approach)) - self.load
+        return at_rest(self.bodies, self.points(1), approach, velocity, force)
+
+    def steady(self) -> State:
+        """Return the state at the start of a lap as the linear chain repeats it."""
+        rest = self.equilibrium()
+        if self.chain is None or self.chain.modes is None or self.lap_s is None:
+            return rest
+        approach = self.law.approach(self.law.position_m, self.load)
+        lines = 2 / len(approach) * np.fft.rfft(approach)[1 : (len(approach) + 1) // 2]
+        frequency = np.arange(1, len(lines) + 1) / self.lap_s
+        heard = frequency < 0.5 / self.step
+        frequency, force = frequency[heard], self.chain.force(frequency[heard], -lines[heard])
+        modes = self.chain.modes.repeated(frequency, force)
+        modes *= at_rest(self.bodies, self.point, 0.0, 0.0, 1.0).modes[0]
+        start = self.load + float(np.sum(force.real))
+        velocity = np.sum((1j * force / (2 * np.pi * frequency * self.chain.mass_kg)).real)
+        pressed = float(self.law.approach(self.first, max(start, 0.0)))
+        plate = at_rest(self.bodies, self.point, 0.0, 0.0, 1.0).modes[0] @ modes[0]
+        return State(pressed, float(velocity), float(plate), modes)
 
     def entered(self, travel: Travel) -> State:
         """Return the state at the start of a travel after a run-in at its first speed."""
@@ -221,8 +298,7 @@ class _Run:
             return self.equilibrium()
         steps = ceil(min(DECAYS * self.decay_s, lap / speed) / self.step)
         places = begin - speed * self.step * (np.arange(steps, 0, -1) - 0.5)
-        approach, velocity, _ = self.advance(self.equilibrium(places[0]), places).end
-        return approach, velocity, 0.0
+        return on_level(self.advance(self.equilibrium(places[0]), places).end)
 
     def settled_record(self) -> BodyMotion:
         """Run in lap by lap until the force repeats, and return the record that then follows."""
@@ -231,32 +307,37 @@ class _Run:
         rings = 2 * DECAYS * self.decay_s / lap_s
         limit = max(MOST_LAPS, MOST_STEPS // self.lap_steps)
         most = ceil(min(2 + rings, limit)) if np.isfinite(rings) else 1
+        # Impacts need not repeat; without them slow modes may take their time.
+        longest = max(most, ceil(min(FADE_DECAYS * self.slow_decay_s / lap_s, limit)))
         # The laps to come change by a geometric series of the last change.
         allowed = self.choices.settled * self.load * -np.expm1(-lap_s / self.decay_s)
-        lap = self.advance(self.equilibrium(), places)
+        lap = self.advance(self.steady(), places)
         laps, difference = 0, np.inf
-        while laps < most and difference > allowed:
+        while laps < (most if np.any(lap.record[:, 0] == 0) else longest) and difference > allowed:
             laps, before = laps + 1, lap
-            lap = self.advance(before.end_on_level, places)
+            lap = self.advance(on_level(before.end), places)
             difference = float(np.max(np.abs(lap.record[:, 0] - before.record[:, 0])))
+            if len(self.bodies.reach):  # low modes decay over many laps, and move little
+                allowed = max(allowed, SEAM * float(np.std(lap.record[:, 0])))
             if not lap.record[:, 0].any():  # a flight longer than a lap repeats nothing
                 difference = np.inf
         run_in = laps, difference <= allowed
         if self.steps == self.lap_steps:
             return self.motion(lap, run_in)
-        return self.record(before.end_on_level, run_in)
+        return self.record(on_level(before.end), run_in)
 
     def record(self, state: State, run_in: RunIn = NO_LAPS, transient: float = 0.0) -> BodyMotion:
         """Return the motion of the record from a state."""
         places = self.places(self.steps)
         if self.law.period_m is None:
             self._refuse_beyond(places)
-        return self.motion(self.advance(state, places), run_in, transient)
+        return self.motion(self.advance(state, places, self.points(self.steps)), run_in, transient)
 
-    def motion(self, lap: _Lap, run_in: RunIn, transient: float = 0.0) -> BodyMotion:
+    def motion(self, lap: Steps, run_in: RunIn, transient: float = 0.0) -> BodyMotion:
         """Return the motion of steps taken."""
         force, approach, velocity, plate = np.ascontiguousarray(lap.record.T)
-        change, work, track, loss, moved = lap.energies
+        change, work, track, plate_loss, contact_loss, moved = lap.energies
+        loss = plate_loss + contact_loss
         apart = force == 0
         return BodyMotion(
             time_s=np.asarray((np.arange(len(force)) + 0.5) * self.step),

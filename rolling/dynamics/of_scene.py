@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from functools import lru_cache, partial
+
 import numpy as np
 
+from acoustics.arrays import Array
+from acoustics.rectangular_plate import RectangularPlate
 from rolling.contact import closed_forms
 from rolling.dynamics import bodies
-from rolling.dynamics.bodies import BendingPlate, Chain
+from rolling.dynamics.bodies import BendingPlate, Bodies, Chain
 from rolling.dynamics.force_law import ForceLaw
+from rolling.dynamics.modes import Modes, modes_of
 from rolling.dynamics.motion import BodyMotion, Stepping, Travel, move
 from rolling.scene.scene import Scene
 
 LEAST_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
 NEAR_SPEEDS = 0.03  # relative change of the speed over which the levels of a looped record spread
+_STATIONS = 17  # points of a path over which the linear chain takes the mean
 _MOST_TIMES = 1_000_000  # maximum number of times that describe a changing speed
 
 
@@ -26,6 +32,30 @@ def plate(scene: Scene) -> BendingPlate | None:
     )
 
 
+def rectangular_plate(scene: Scene) -> RectangularPlate | None:
+    """Return the plate with edges, or None for a plate without edges."""
+    bending, edges, loss_factor = plate(scene), scene.plate.edges_mm, scene.plate.loss_factor
+    if bending is None or edges is None or loss_factor is None:
+        return None
+    return RectangularPlate(
+        bending.mass_per_area_kg_m2,
+        bending.bending_stiffness_n_m,
+        loss_factor,
+        *(1e-3 * edge for edge in edges),
+    )
+
+
+def contact_points(scene: Scene, time_s: Array) -> Array:
+    """Return the contact points on a plate with edges at times [s], (n, 2) [m] from a corner."""
+    ends = 1e-3 * np.array(list(scene.plate.contact_ends_mm.values()))
+    if len(ends) == 1:
+        return np.tile(ends, (len(time_s), 1))
+    way = float(np.hypot(*(ends[1] - ends[0])))
+    passed = np.asarray(scene.motion.distance(time_s)) % (2 * way)
+    share = np.minimum(passed, 2 * way - passed) / way
+    return np.asarray(ends[0] + share[:, None] * (ends[1] - ends[0]))
+
+
 def bending_limit_hz(bending: BendingPlate) -> float:
     """Return the frequency [Hz] up to which bending waves are six thicknesses long or longer."""
     longest = bending.bending_wavelength_m(1.0)  # it falls with the root of the frequency
@@ -37,16 +67,31 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
 
     The mobility of a half-space grows with the frequency, so it is taken at the resonance.
     """
-    bending = plate(scene)
+    bending, loss_factor = plate(scene), scene.plate.contact_loss_factor or 0.0
     if bending is not None:
-        return Chain(scene.mass, bending.mobility_s_kg, stiffness_n_m)
+        modes = _modes(scene)
+        return Chain(scene.mass, bending.mobility_s_kg, stiffness_n_m, modes, loss_factor)
     density = scene.plate.density_kg_m3
     assert density is not None  # dynamics needs it
     resonance = Chain(scene.mass, 0.0, stiffness_n_m).resonance_hz
     mobility = bodies.half_space_mobility(
         resonance, scene.plate.youngs_modulus_gpa * 1e9, scene.plate.poissons_ratio, density
     )
-    return Chain(scene.mass, mobility, stiffness_n_m)
+    return Chain(scene.mass, mobility, stiffness_n_m, None, loss_factor)
+
+
+def _modes(scene: Scene) -> Modes | None:
+    """Return the modes of a plate with edges, weighted by their shapes at the contact points."""
+    rectangle, ends = rectangular_plate(scene), scene.plate.contact_ends_mm
+    return None if rectangle is None else _modes_between(rectangle, tuple(ends.values()))
+
+
+@lru_cache(maxsize=8)
+def _modes_between(rectangle: RectangularPlate, ends_mm: tuple[tuple[float, float], ...]) -> Modes:
+    """Return the modes of a plate for a path, or for the only point [mm]."""
+    ends = 1e-3 * np.array(ends_mm)
+    share = np.linspace(0, 1, _STATIONS if len(ends) > 1 else 1)[:, None]
+    return modes_of(rectangle, ends[0] + share * (ends[-1] - ends[0]))
 
 
 def smooth_chain(scene: Scene) -> Chain:
@@ -71,4 +116,9 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
         places = np.minimum(scene.motion.distance(times), scene.track.distance)
         speed = Travel(times, np.asarray(places, dtype=float))
     stepping = Stepping(time_step_s=time_step_s)
-    return move(law, scene.mass, linear.mobility_s_kg, scene.load, speed, duration, stepping)
+    path = None
+    if len(scene.plate.contact_ends_mm) > 1:
+        path = partial(contact_points, scene)
+    parts = linear.modes, linear.contact_loss_factor, path
+    moved = Bodies(linear.mass_kg, linear.mobility_s_kg, *parts)
+    return move(law, moved, scene.load, speed, duration, stepping)

@@ -26,6 +26,7 @@ from rolling.marches.observers import (
 from rolling.marches.piece import Piece, contact_identity, track_pieces
 from rolling.scene.identity import digest
 from rolling.scene.scene import Scene
+from rolling.scene.sections import VIBRATING_PLATE
 
 MOVING_SERIES = ("release_energy", "loading_energy", "energy_defect")
 
@@ -34,8 +35,10 @@ def vibration_key(scene: Scene) -> str:
     """Return a digest that is equal for scenes of equal contact whose force is equal."""
     data, plate = scene.model_dump(mode="json"), scene.plate
     bodies = scene.sphere.density_kg_m3, plate.density_kg_m3, plate.thickness_mm
-    speed = data["rolling"]["speed_m_s"]
-    return digest([speed, scene.track.steps, bodies, data["dynamics"]])
+    parts = [scene.track.steps, bodies, data["dynamics"]]
+    if plate.edges_mm is not None or plate.contact_loss_factor:
+        parts.append([data["plate"][name] for name in VIBRATING_PLATE])
+    return digest([data["rolling"]["speed_m_s"], *parts])
 
 
 @dataclass

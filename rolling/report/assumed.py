@@ -55,7 +55,9 @@ def _bodies(run: Run) -> dict[str, str]:
     bending = "half-space"
     if plate.thickness_mm is not None:
         critical = rounded(summary["critical_hz"], 4)
-        bending = f"infinite plate {plate.thickness_mm:g} mm thick, coincidence at {critical} Hz"
+        size = "infinite plate" if plate.edges_mm is None else "plate of {:g} mm x {:g} mm"
+        size = size.format(*plate.edges_mm or ())
+        bending = f"{size} {plate.thickness_mm:g} mm thick, coincidence at {critical} Hz"
     quality, error = summary["resonance_q"], summary["force_law_error_n"]
     damping = "undamped" if quality is None else f"Q {rounded(quality, 3)}"
     law = (

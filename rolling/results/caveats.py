@@ -288,6 +288,8 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
         text = "motion: it does not repeat from lap to lap, so its record does not loop"
         if motion.flight_share > 0:
             text += "; impacts need not repeat"
+        elif len(scene.plate.contact_ends_mm) > 1:
+            text += "; the contact moves on the plate"
         elif scene.motion.is_constant(scene.duration):
             text += "; it has not run in, so another record may have another level"
         texts["not_settled"] = text

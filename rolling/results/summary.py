@@ -231,7 +231,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     largest = float(motion.force_n.max())
     # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
     highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
-    plate = of_scene.plate(scene)
+    plate, edges = of_scene.plate(scene), of_scene.rectangular_plate(scene)
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return {
         **_difference(scene, release.levels, vibration.levels),
@@ -255,6 +255,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "ball_mass_kg": chain.mass_kg,
         "contact_stiffness_n_m": chain.stiffness_n_m,
         "plate_mobility_s_kg": chain.mobility_s_kg,
+        **({} if edges is None else {"plate_modes": len(edges.orders)}),
         "resonance_hz": chain.resonance_hz,
         "resonance_q": known(chain.quality),
         "resonance_wavelength_m": scene.motion.fastest(scene.duration) / chain.resonance_hz,

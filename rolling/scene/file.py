@@ -16,7 +16,7 @@ from rolling.scene import library, messages, yaml_text
 from rolling.scene.messages import Key, SceneError, all_keys, shown
 from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene, put
-from rolling.scene.sections import Rolling, Sound
+from rolling.scene.sections import VIBRATING_PLATE, Rolling, Sound
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.yaml_text import TextError
 
@@ -139,9 +139,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
 RESOUND_KEYS = (
     "rolling.speed_m_s",
     "sphere.density_kg_m3",
-    "plate.density_kg_m3",
-    "plate.thickness_mm",
-    "plate.loss_factor",
+    *(f"plate.{name}" for name in VIBRATING_PLATE),
     "dynamics.release",
     *(f"sound.{name}" for name in Sound.model_fields),
 )

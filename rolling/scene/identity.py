@@ -12,10 +12,11 @@ from typing import Any
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import SceneError, shown
 from rolling.scene.scene import Scene
+from rolling.scene.sections import VIBRATING_PLATE
 from rolling.scene.yaml_text import open_regular
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and
-# speed. Densities, thickness and loss factor belong to the vibration.
+# speed. Densities, thickness, edges and loss factors belong to the vibration.
 _NOT_CONTACT = {
     "name",
     "title",
@@ -27,9 +28,7 @@ _NOT_CONTACT = {
     "rolling.duration_s",
     "rolling.distance_mm",
     "sphere.density_kg_m3",
-    "plate.density_kg_m3",
-    "plate.thickness_mm",
-    "plate.loss_factor",
+    *(f"plate.{name}" for name in VIBRATING_PLATE),
     "numerics.error_estimate",
 }
 _PATH, _HEIGHTS = "surface.path", "surface.sha256"

@@ -57,6 +57,8 @@ STEEL_DENSITY = 7850.0  # [kg/m3]
 TOLERANCE, LEAST_TOLERANCE = 1e-4, 1e-6
 SMOOTH = 0.1  # rms roughness over Hertz deflection, below which the tolerance falls
 FILE_TOLERANCE = 2e-5  # for a height file, whose roughness the scene does not know
+EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
+MOST_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
 PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 DEFAULT_NAME = "scene"  # name of a scene that is built in Python
 NAME = (
@@ -158,6 +160,34 @@ class Scene(Section):
             raise fault(words, "rolling", "duration_s")
         return rolling
 
+    @field_validator("rolling")
+    @classmethod
+    def _has_room(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
+        """Refuse a contact too near an edge of the plate, and more modes than can be moved."""
+        sphere, plate = info.data.get("sphere"), info.data.get("plate")
+        if sphere is None or plate is None or plate.edges_mm is None:
+            return rolling
+        part = cls.model_construct(sphere=sphere, plate=plate, rolling=rolling)
+        radius = (3 * part.load * part.radius / (4 * part.contact_modulus)) ** (1 / 3)
+        least = EDGE_RADII * radius * 1e3
+        for key, point in plate.contact_ends_mm.items():
+            edge = min(min(x, side - x) for x, side in zip(point, plate.edges_mm, strict=True))
+            if edge < least:
+                narrow = "length_mm" if plate.edges_mm[0] < plate.edges_mm[1] else "width_mm"
+                words = (
+                    f"the contact is {rounded(edge)} mm from an edge, allowed: at least"
+                    f" {rounded(least, 3)}, ten contact radii"
+                )
+                raise fault(words, "plate", key if getattr(plate, key) is not None else narrow)
+        modes = part.plate_modes
+        if modes > MOST_MODES:
+            words = (
+                f"the plate has some {rounded(modes)} modes in hearing, allowed: {MOST_MODES};"
+                " choose a smaller or thicker plate, or an infinite one without edges"
+            )
+            raise fault(words, "plate", "length_mm")
+        return rolling
+
     @field_validator("numerics")
     @classmethod
     def _has_track(cls, numerics: Numerics, info: ValidationInfo) -> Numerics:
@@ -174,6 +204,9 @@ class Scene(Section):
             if bodies["plate"] is not None and bodies["plate"].thickness_mm is not None:
                 rule = "without that section the plate does not bend"
                 raise fault(f"only goes with dynamics: {rule}", "plate", "thickness_mm")
+            if bodies["plate"] is not None and bodies["plate"].contact_loss_factor is not None:
+                rule = "without that section nothing vibrates"
+                raise fault(f"only goes with dynamics: {rule}", "plate", "contact_loss_factor")
             return None
         for name, body in bodies.items():
             if body is not None and body.density_kg_m3 is None:
@@ -413,6 +446,17 @@ class Scene(Section):
         if self.sphere.youngs_modulus_gpa is not None and self.sphere.poissons_ratio is not None:
             compliance += (1 - self.sphere.poissons_ratio**2) / self.sphere.youngs_modulus_gpa
         return 1e9 / compliance
+
+    @property
+    def plate_modes(self) -> float:
+        """Approximate number of modes of a plate with edges up to 30 kHz; 0 without edges."""
+        plate = self.plate
+        if plate.edges_mm is None or plate.thickness_mm is None:
+            return 0.0
+        area = plate.edges_mm[0] * plate.edges_mm[1] * 1e-6
+        density = plate.density_kg_m3 or STEEL_DENSITY
+        stretch = plate.youngs_modulus_gpa * 1e9 / (12 * density * (1 - plate.poissons_ratio**2))
+        return area * 30e3 / (2 * math.sqrt(stretch) * plate.thickness_mm * 1e-3)
 
     @property
     def hardness(self) -> float:

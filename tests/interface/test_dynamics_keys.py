@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
+from rolling.dynamics import of_scene
 from rolling.scene.file import loads, resound
 from rolling.scene.identity import contact_keys
 from rolling.scene.messages import SceneError
@@ -127,3 +129,50 @@ def test_the_default_source_follows_dynamics_that_are_added_or_removed_in_python
 def test_a_free_factor_does_not_go_with_the_default_source_of_dynamics() -> None:
     with pytest.raises(SceneError, match=r"sound\.q: got 0.5, which only goes with"):
         scene("sound.source=", "sound.q=0.5")
+
+
+EDGES = ["plate.length_mm=300", "plate.width_mm=400", "plate.loss_factor=0.01"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (["plate.length_mm=300"], "plate.width_mm: missing beside length_mm; a plate with edges"),
+        (["plate.width_mm=300"], "plate.length_mm: missing beside width_mm; a plate with edges"),
+        (EDGES[:2], "plate.loss_factor: missing; a plate with edges has modes, which decay"),
+        ([*EDGES[:2], "plate.thickness_mm="], "plate.thickness_mm: missing; a plate with edges"),
+        ([*EDGES, "plate.contact_mm=[300, 3]"], "x above 0 and below 300"),
+        ([*EDGES, "plate.contact_mm=[9, -1]"], "y above 0 and below 400"),
+        ([*EDGES, "plate.contact_mm=[1]"], "got [1], allowed: [x, y], two numbers in mm"),
+        ([*EDGES, "plate.contact_mm=[0.3, 3]"], "0.3 mm from an edge, allowed: at least 0.688"),
+        ([*EDGES, "plate.length_mm=1"], "plate.length_mm: the contact is 0.43 mm from an edge"),
+        ([*EDGES, "plate.length_mm=1e5"], "modes in hearing, allowed: 20000"),
+        ([*EDGES, "plate.contact_path=to-and-fro"], "plate.contact_end_mm: missing"),
+        ([*EDGES, "plate.contact_end_mm=[9, 9]"], "only goes with contact_path: to-and-fro"),
+        (
+            [
+                *EDGES,
+                "plate.contact_path=to-and-fro",
+                "plate.contact_mm=[9, 9]",
+                "plate.contact_end_mm=[9, 9]",
+            ],
+            "the point contact_mm, allowed: another point",
+        ),
+        (["plate.contact_mm=[9, 9]"], "plate.contact_mm: only goes with length_mm and width_mm"),
+    ],
+)
+def test_edges(changes: list[str], message: str) -> None:
+    test_message(changes, message)
+
+
+def test_the_march_does_not_depend_on_the_edges() -> None:
+    assert contact_keys(scene()) == contact_keys(scene(*EDGES, "plate.contact_loss_factor=0.1"))
+
+
+def test_the_contact_goes_to_and_fro_at_the_speed_of_the_sphere() -> None:
+    """The ends are 50 mm apart, and the sphere rolls 0.1 m/s: every second it is back."""
+    points = "plate.contact_mm=[10, 10]", "plate.contact_end_mm=[40, 50]"
+    path = scene(*EDGES, "plate.contact_path=to-and-fro", *points)
+    places = of_scene.contact_points(path, np.array([0.0, 0.5, 0.75, 1.0, 7.25]))
+    expected = [[10, 10], [40, 50], [25, 30], [10, 10], [25, 30]]
+    assert places == pytest.approx(1e-3 * np.array(expected))

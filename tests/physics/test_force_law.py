@@ -10,7 +10,7 @@ from helpers import STEEL, hertz_law, make_track, roll, rough, sphere_mass
 
 from rolling.contact.closed_forms import hertz_approach
 from rolling.contact.state import RollingContact
-from rolling.dynamics.bodies import BendingPlate
+from rolling.dynamics.bodies import BendingPlate, Bodies
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import Stepping, move
 
@@ -181,7 +181,7 @@ def test_law_stands_for_contact_solved_in_each_step(contact: RollingContact) -> 
     law = ForceLaw(np.arange(STEPS + 1) * 2e-6, loads, np.array(approach))
     start = float(law.approach(1e-6, 20.0)) + 5e-8  # pressed by some newtons: it rings
     stepping = Stepping(time_step_s=TIME_STEP, start=(start, 0.0, 0.0))
-    motion = move(law, MASS, MOBILITY, 20.0, 2e-6 / TIME_STEP, STEPS * TIME_STEP, stepping)
+    motion = move(law, Bodies(MASS, MOBILITY), 20.0, 2e-6 / TIME_STEP, STEPS * TIME_STEP, stepping)
     expected = solved_inside(contact, start)
     assert np.ptp(expected) > 1
     assert np.std(motion.force_n - expected) < 0.02 * np.std(expected)
