@@ -15,10 +15,9 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.continued_rows import ContinuedRows
 from rolling.dynamics import _motion_kernels, of_scene
-from rolling.dynamics._motion_kernels import LawTable
-from rolling.dynamics.bodies import Chain
+from rolling.dynamics._motion_kernels import LawTable, State
 from rolling.dynamics.force_law import SOFTEST, ForceLaw, law_table, slope_weights
-from rolling.dynamics.motion import DECAYS, State, Stepping, tuned_mass
+from rolling.dynamics.motion import DECAYS, MODAL_HZ, Stepping, at_rest, on_level
 from rolling.scene.scene import Scene
 
 STRETCH_STEPS = 2**17  # time steps at once: 5 MB
@@ -84,8 +83,11 @@ class LongMotion:
         self._chain = of_scene.chain_over(scene, law)
         fastest = scene.motion.fastest(seconds)
         least = max(Stepping().per_period * self._chain.resonance_hz, fastest / law.spacing_m)
+        if self._chain.modes is not None:
+            least = max(least, MODAL_HZ)
         self.steps_per_sample = math.ceil(least / rate_hz)
         self.step = 1 / (rate_hz * self.steps_per_sample)
+        self._bodies = self._chain.steps(self.step)
         self._steps = round(seconds * rate_hz) * self.steps_per_sample
         self.law = LongLaw(law, scene.load, seed, turn_m(scene))
         self.taken, self.apart, self.impacts, self.outside = 0, 0, 0, 0.0
@@ -95,11 +97,12 @@ class LongMotion:
         count = max(STRETCH_STEPS // self.steps_per_sample, 1) * self.steps_per_sample
         state, flew = self._start(), False
         for first in range(0, self._steps, count):
-            middles = (np.arange(first, min(first + count, self._steps)) + 0.5) * self.step
+            numbers = np.arange(first, min(first + count, self._steps), dtype=float)
+            middles = np.asarray((numbers + 0.5) * self.step, dtype=float)
             places = np.asarray(self._scene.motion.distance(middles), dtype=float)
             places += self._solved_law.position_m[0]
             table = self.law.table(float(places[0]), float(places[-1]))
-            state, force = _advanced(self._scene, self._chain, state, self.step, places, table)
+            state, force = self._advanced(state, places, table, self._points(middles))
             apart = force == 0
             self.impacts += int(np.sum(np.append(flew, apart[:-1]) & ~apart))
             self.taken, self.apart = self.taken + len(force), self.apart + int(apart.sum())
@@ -118,26 +121,30 @@ class LongMotion:
         before = self.step * (np.arange(steps, 0, -1) - 0.5)
         places = np.asarray(begin - speed * before, dtype=float)
         first = float(places[0]) if steps else begin
-        state: State = (float(law.approach(first, self._scene.load)), 0.0, 0.0)
-        if not steps:
-            return state
-        state, _ = _advanced(self._scene, self._chain, state, self.step, places, law.table)
-        return state[0], state[1], 0.0
+        points = self._points(np.zeros(1))
+        approach = float(law.approach(first, self._scene.load))
+        state = at_rest(self._bodies, points, approach, 0.0, 0.0)
+        return on_level(self._advanced(state, places, law.table, points)[0]) if steps else state
+
+    def _points(self, times: Array) -> Array:
+        """Return the contact points (n, 2) [m] on a plate at times [s], or the only one."""
+        modes = self._chain.modes
+        if modes is None or len(self._scene.plate.contact_ends_mm) == 1:
+            return np.zeros((1, 2)) if modes is None else modes.point
+        return of_scene.contact_points(self._scene, times)
+
+    def _advanced(
+        self, state: State, places: Array, table: LawTable, points: Array
+    ) -> tuple[State, Array]:
+        """Advance ball and plate by a step to each place [m]; return state and forces [N]."""
+        record = np.empty((len(places), 4))
+        end, _ = _motion_kernels.advance(
+            state, self._scene.load, self._bodies, places, points, table, record
+        )
+        return State(*end), record[:, 0].copy()
 
 
 def turn_m(scene: Scene) -> float | None:
     """Return the circumference [m] of a sphere with a surface, after which rows repeat."""
     has_surface = getattr(scene.sphere, "surface", None) is not None
     return 2 * math.pi * scene.radius if has_surface else None
-
-
-def _advanced(
-    scene: Scene, chain: Chain, state: State, step: float, places: Array, table: LawTable
-) -> tuple[State, Array]:
-    """Advance ball and plate by a step [s] to each place [m]; return state and forces [N]."""
-    record = np.empty((len(places), 4))
-    mass = tuned_mass(chain, step)
-    state, _ = _motion_kernels.advance(
-        state, step, scene.load, mass, chain.mobility_s_kg, places, table, record
-    )
-    return state, record[:, 0].copy()
