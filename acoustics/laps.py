@@ -34,7 +34,9 @@ class Lap:
         return self.end - self.overlap - self.begin
 
     def samples(self, record: Array) -> Array:
-        """Return the lap of its record, (len(self),) in the record's unit."""
+        """Return the lap of its record, (len(self),) or (len(self), channels) in its unit."""
+        if record.ndim == 2:
+            return np.stack([self.samples(channel) for channel in record.T], axis=1)
         lap = np.array(record[self.begin : self.end - self.overlap], dtype=float)
         angle = 0.5 * np.pi * (np.arange(self.overlap) + 0.5) / max(self.overlap, 1)
         rise = np.square(np.sin(angle))

@@ -185,7 +185,10 @@ class Ball:
 
 
 def axis_transfer(
-    frequency_hz: ArrayLike, source: ThinPlate | HalfSpaceBody | Ball, distance_m: float
+    frequency_hz: ArrayLike,
+    source: ThinPlate | HalfSpaceBody | Ball,
+    distance_m: float,
+    cosine: float = 1.0,
 ) -> NDArray[np.complex128]:
     """Return the pressure on the axis, on the ball's side, per force between ball and plane.
 
@@ -201,9 +204,11 @@ def axis_transfer(
 
     Parameters
     ----------
-    frequency_hz : array (n,), Hz. Frequencies of exp(i w t).
+    frequency_hz : array (n,), Hz. Frequencies of exp(i w t), real, or complex for a growing force.
     source : ThinPlate, HalfSpaceBody or Ball. Body that radiates.
     distance_m : float, m. Distance r of the listener from the point of contact.
+    cosine : float. Cosine of the angle between a listener off the axis and the axis, for a ball,
+        which is a dipole along the axis and its image. Default 1, on the axis.
 
     Returns
     -------
@@ -216,7 +221,7 @@ def axis_transfer(
     >>> round(1e3 * float(axis_transfer([1000.0], steel_10_mm, 1.0)[0].real), 2)  # mPa per N
     -2.44
     """
-    f = np.asarray(frequency_hz, dtype=float)
+    f = np.asarray(frequency_hz)
     if isinstance(source, ThinPlate):
         mass = source.mass_per_area_kg_m2
         return np.full(f.shape, -AIR_KG_M3 / (2 * np.pi * distance_m * mass), dtype=complex)
@@ -225,7 +230,7 @@ def axis_transfer(
         return np.asarray(-derivative / (2 * source.compression_m_s))
     ka = 2 * np.pi * f * source.radius_m / SOUND_M_S
     sphere = 2 * np.exp(1j * ka) / (2 + 2j * ka - ka**2)  # over that of a small sphere
-    return np.asarray(derivative * 3 / (8 * SOUND_M_S) * sphere * 2j * np.sin(ka))
+    return np.asarray(derivative * 3 / (8 * SOUND_M_S) * sphere * 2j * cosine * np.sin(ka * cosine))
 
 
 def pressure_on_axis(

@@ -6,6 +6,7 @@ The same record gives the same bytes at any time.
 from __future__ import annotations
 
 import io
+import math
 import os
 import struct
 from typing import Any, Literal
@@ -35,14 +36,14 @@ _FORWARD, _FOREVER = 0, 0  # direction of a loop, and how often it is played
 
 
 def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "", loops: bool = False) -> bytes:
-    """Write sound pressure as a mono 32-bit float WAV in which 1.0 is 1 Pa.
+    """Write sound pressure as a 32-bit float WAV in which 1.0 is 1 Pa.
 
     Full scale is a sine of 91 dB rms, so a quiet record plays quietly. Players read 32 bits, and
     their rounding lies 150 dB below the record.
 
     Parameters
     ----------
-    pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
+    pressure_pa : array (n,) or (n, channels), Pa. Sound pressure at 48 kHz.
     comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each. Default title:
         empty.
     loops : bool. Mark the whole record as a loop for samplers and editors. Default: false.
@@ -70,7 +71,7 @@ def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "", loops: boo
     ([0.25, -0.5], 48000, '1.0 is 1 Pa')
     """
     samples = np.asarray(pressure_pa, dtype=float)
-    check_record(samples)
+    _check(samples)
     if np.max(np.abs(samples), initial=0.0) > np.finfo(np.float32).max:
         raise ValueError(
             f"the record reaches {np.max(np.abs(samples)):g} Pa, more than a 32-bit float holds"
@@ -86,7 +87,7 @@ def listening(
     bits: Literal[16, 24] = 24,
     loops: bool = False,
 ) -> bytes:
-    """Write gain * pressure as a mono PCM WAV for listening.
+    """Write gain * pressure as a PCM WAV for listening, with the same gain for all channels.
 
     Samples are rounded without dither, so silence stays silent. The noise of rounding is white. Its
     rms is LSB/sqrt(12): -101 dB of full scale with 16 bits and -149 dB with 24 bits, which is 78
@@ -94,7 +95,7 @@ def listening(
 
     Parameters
     ----------
-    pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
+    pressure_pa : array (n,) or (n, channels), Pa. Sound pressure at 48 kHz.
     gain : float, full scale per Pa. Gain, for example from `listening_gain`. One gain for several
         records keeps their differences.
     comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each; the comment should
@@ -125,7 +126,7 @@ def listening(
     >>> len(wav.listening(tone, gain, f"gain {gain:g}", bits=16)) > 2 * len(tone)
     True
     """
-    check_record(pressure_pa)
+    _check(np.asarray(pressure_pa))
     samples = gain * np.asarray(pressure_pa, dtype=float)
     peak = float(np.max(np.abs(samples), initial=0.0))
     if peak > 1.0:
@@ -149,7 +150,8 @@ def listening_gain(
 
     Parameters
     ----------
-    pressure_pa : array (n,), Pa. Sound pressure at 48 kHz.
+    pressure_pa : array (n,) or (n, channels), Pa. Sound pressure at 48 kHz. Channels share the
+        gain, which follows their mean power and their maximum.
     target_rms : float, of full scale. A-weighted rms to reach. Default -23 dB.
     peak : float, of full scale. Maximum sample; it takes precedence over the target.
         Default -1 dB.
@@ -171,7 +173,9 @@ def listening_gain(
     largest = float(np.max(np.abs(pressure_pa), initial=0.0))
     if largest < np.finfo(float).tiny:  # the gain would not be a number
         return 1.0
-    weighted = a_weighted_rms(pressure_pa, SAMPLE_RATE_HZ)
+    channels = np.atleast_2d(np.transpose(pressure_pa))
+    weighted = math.hypot(*(a_weighted_rms(channel, SAMPLE_RATE_HZ) for channel in channels))
+    weighted /= math.sqrt(len(channels))
     return min(target_rms / weighted if weighted > 0.0 else MOST_GAIN, peak / largest, MOST_GAIN)
 
 
@@ -184,7 +188,7 @@ def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
 
     Returns
     -------
-    samples : array (n,) for a mono file, Pa if calibrated, otherwise of full scale
+    samples : array (n,), or (n, channels) of several, Pa if calibrated, otherwise of full scale
     sample_rate_hz : int, Hz
     comment : str
         Comment in the metadata.
@@ -198,6 +202,12 @@ def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
         return file.read(dtype="float64"), file.samplerate, file.comment
 
 
+def _check(samples: Array) -> None:
+    """Refuse an array that is neither a record (n,) nor several of them (n, channels)."""
+    for channel in samples.T if samples.ndim == 2 else [samples]:
+        check_record(channel)
+
+
 def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: bool) -> bytes:
     for field, text in (("comment", comment), ("title", title)):
         length = len(text.encode())
@@ -205,7 +215,12 @@ def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: b
             raise ValueError(f"the {field} takes {length} bytes, at most {_LONGEST_TEXT} fit")
     memory = io.BytesIO()
     with soundfile.SoundFile(
-        memory, "w", SAMPLE_RATE_HZ, channels=1, subtype=subtype, format="WAV"
+        memory,
+        "w",
+        SAMPLE_RATE_HZ,
+        channels=1 if samples.ndim == 1 else samples.shape[1],
+        subtype=subtype,
+        format="WAV",
     ) as file:
         if comment:  # libsndfile refuses an empty title
             file.comment = comment

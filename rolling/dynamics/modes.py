@@ -1,6 +1,6 @@
 """Modes of a plate with edges: their steps in time, and their answer at the contact.
 
-The plate is simply supported, and its modes have one damping ratio, half the loss factor. Modes
+The plate is simply supported; a mode has half its loss factor as damping ratio. Modes
 above 30 kHz are a tail of a few modes, each for a band of natural frequencies. Their damping ratio
 gives them the mean mobility of an infinite plate, and together they have the static compliance of
 the modes that they replace.
@@ -52,7 +52,7 @@ class Modes:
 
     def decay_s(self, angular_frequency: float) -> float:
         """Return the time [s] in which a mode of a frequency [rad/s] falls by the factor e."""
-        return float(1 / (self.damping_ratio[0] * angular_frequency))
+        return float(1 / (self.damping_ratio.min() * angular_frequency))
 
     def lowest(self, mass_kg: float) -> float:
         """Return the lowest angular frequency [rad/s] of the plate with a mass on the contact."""
@@ -106,11 +106,11 @@ def modes_of(plate: RectangularPlate, points_m: Array) -> Modes:
     edges = 2 * np.pi * MODES_HZ * RATIO ** np.arange(BANDS)
     share = np.diff(-1 / edges, append=0.0) * edges[0]  # the last band has no end
     tail = 1 / (frequency * np.sqrt(plate.modal_mass_kg)), np.sqrt(beyond * share)
-    damping = plate.loss_factor / 2, (RATIO**0.5 - RATIO**-0.5) / np.pi
+    damping = plate.loss_factors[order] / 2, np.full(BANDS, (RATIO**0.5 - RATIO**-0.5) / np.pi)
     weight = np.mean(np.square(plate.shapes(points_m)), axis=0)[order]
     return Modes(
         angular_frequency=np.append(frequency, edges * RATIO**0.5),
-        damping_ratio=np.repeat(damping, (len(order), BANDS)),
+        damping_ratio=np.concatenate(damping),
         reach=np.concatenate(tail),
         weight=np.append(weight, np.ones(BANDS)),
         counts=np.bincount(plate.orders[:, 0])[1:],

@@ -29,6 +29,13 @@ def _source(run: Run) -> dict[str, str]:
     scene, factor = run.scene, run.sound.factor
     if run.sound.source == "vibration":
         ball = "plate and sphere" if scene.sound.ball else "plate"
+        if scene.plate.edges_mm is not None:
+            places = run.summary["listeners"]
+            words = ("[" + ", ".join(f"{x:g}" for x in place["at_mm"]) + "]" for place in places)
+            return {
+                "source": f"vibration of {ball}, the plate in an infinite rigid baffle",
+                "listener [mm] from the corner of the plate": "; ".join(words),
+            }
         return {
             "source": f"vibration of {ball}, the pressure on the axis through the contact",
             "distance": f"{scene.sound.distance_m:g} m",

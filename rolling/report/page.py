@@ -131,14 +131,14 @@ def _descriptions(runs: Sequence[Run]) -> list[str]:
 
 def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
     """Return label, gains, record, caveats and pictures of each run."""
-    peaks = [float(np.abs(run.sound.pressure).max()) for run in runs]
+    peaks = [float(np.abs(run.sound.channels).max()) for run in runs]
     levels = [run.sound.levels.laeq_db for run in runs]
     views = []
     for run, gain in zip(runs, gains(peaks, levels), strict=True):
         full_scale = gain["full_scale_pa"] or 1.0
         comment = f"full scale = {rounded(full_scale, 6)} Pa"
         loops = run.sound.loops
-        record = wav.listening(run.sound.pressure, 1 / full_scale, comment, run.label, 16, loops)
+        record = wav.listening(run.sound.channels, 1 / full_scale, comment, run.label, 16, loops)
         # The page has maps that move, and each surface once.
         left_out = {"surface", "contact_pressure" if run.result.maps else ""}
         pictures = {
@@ -164,7 +164,7 @@ def long_record(run: Run) -> dict[str, str] | None:
     """Return the long record of a run and its facts; None where there is none."""
     if run.long is None:
         return None
-    pressure = run.long.pressure
+    pressure = run.long.channels
     gain = wav.listening_gain(pressure)
     content = sentence(run.long.numbers, run.sound.levels.laeq_db)
     record = wav.listening(pressure, gain, content, run.label, 16)
@@ -191,8 +191,8 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
 def _lap(sound: ContactSound) -> dict[str, float]:
     """Return the lap of a record for the script, with a factor that never exceeds its peak."""
     lap = sound.lap
-    peak = float(np.abs(lap.samples(sound.pressure)).max())
-    limit = float(np.abs(sound.pressure).max()) / peak if peak > 0 else 1.0
+    peak = float(np.abs(lap.samples(sound.channels)).max())
+    limit = float(np.abs(sound.channels).max()) / peak if peak > 0 else 1.0
     return asdict(lap) | {"factor": lap.factor * min(1.0, limit)}
 
 

@@ -44,6 +44,7 @@ COLUMNS = (
     Column(
         "compact_source_level_db", "", "compact source of the same power", "dB(A)", 1.0, ".1f", True
     ),
+    Column("hemisphere_mean_level_db", "", "mean over the half sphere", "dB(A)", 1, ".1f", True),
     Column("vibration_estimate_laeq_db", "", "vibration, estimated", "dB(A)", 1.0, ".1f", True),
     Column("laeq_grid_error_db", "", "grid error of LAeq", "dB", 1.0, "+.2f", True),
     Column("laeq_subgrid_error_db", "", "error of LAeq from missing detail", "dB", 1, "+.2f", True),
@@ -104,7 +105,7 @@ def sentence(runs: Sequence[Run]) -> str:
     if not sounding:
         sources = " or ".join(dict.fromkeys(run.sound.source for run in runs))
         return f"No sound: the {sources} does not fluctuate within hearing."
-    distances = {f"{run.scene.sound.distance_m:g} m" for run in runs}
+    distances = {run.scene.listener_place for run in runs}
     at = f" at {distances.pop()}" if len(distances) == 1 else ""
     silent = len(runs) - len(sounding)
     also = f" {silent} of {len(runs)} runs are silent." if silent else ""
@@ -155,6 +156,21 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
     units = [f" [{column.unit}]" if column.unit else "" for column in columns]
     heads = [head + unit for head, unit in zip(heads, units, strict=True)]
     return heads, [(run.label, [_cell(run, column) for column in columns]) for run in runs]
+
+
+def listeners(runs: Sequence[Run]) -> list[tuple[str, str, str, str]]:
+    """Return run, place, LAeq and LZeq of each listener of the runs with more than one."""
+    rows = []
+    for run in runs:
+        places = run.summary.get("listeners") or []
+        for listener in places if len(places) > 1 else []:
+            at = f"[{', '.join(f'{x:g}' for x in listener['at_mm'])}] mm"
+            laeq, level = (
+                "silent" if listener[key] is None else f"{listener[key]:.1f}"
+                for key in ("laeq_db", "level_db")
+            )
+            rows.append((run.label, at, laeq, level))
+    return rows
 
 
 def _cell(run: Run, column: Column) -> str:

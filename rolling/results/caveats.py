@@ -24,7 +24,8 @@ BENT = 0.1  # range of the plate's displacement over its thickness up to which i
 MEASURED_DB = 26, 70  # release with q = 1 over the vibration, on 71 runs of docs/dynamics.md
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 # Caveats that stand beside every level, beside every player, and elsewhere; others are warnings.
-_BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", "on_axis", "infinite_plate")
+_VIBRATIONS = ("on_axis", "infinite_plate", "at_listener", "plate_edges")
+_BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", *_VIBRATIONS)
 HEADLINE = (*_BOUNDS, "unvalidated", "uncertainty")
 REPEATS = ("short_loop", "short_track")
 _LOADS = ("quasi_static", "constant_load_release", "moving_load_release")
@@ -128,7 +129,9 @@ def _of_levels(
     if sound.steady_level is None and sound.levels.level_db is None:
         return texts
     fixed = s.gain_pa_per_w_m2 is not None
-    if sound.source == "vibration":
+    if sound.source == "vibration" and scene.plate.edges_mm is not None:
+        texts |= _of_edges(scene)
+    elif sound.source == "vibration":
         sources = "plate and sphere" if s.ball else "plate"
         texts["on_axis"] = (
             f"Levels are the pressure of {sources} on the axis through the contact, at one listener"
@@ -175,6 +178,22 @@ def _of_levels(
                 " them."
             )
     return texts
+
+
+def _of_edges(scene: Scene) -> dict[str, str]:
+    """Return the caveats of the levels of a plate with edges: listener, baffle, supports."""
+    sources = "plate and sphere" if scene.sound.ball else "plate"
+    path = "stays at its point of the plate"
+    if len(scene.plate.contact_ends_mm) > 1:
+        path = "moves to and fro on a straight line"
+    return {
+        "at_listener": f"Levels are the pressure of {sources} at {scene.listener_place}"
+        f"{' above the contact' if scene.sound.listener_mm is None else ''}, without a room.",
+        "plate_edges": "The plate is simply supported at its edges in an infinite rigid baffle,"
+        " which makes a plate smaller than the wavelength too loud; the contact"
+        f" {path}. A constant force without mass presses the sphere; friction, rocking and rotation"
+        " are left out.",
+    }
 
 
 def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:

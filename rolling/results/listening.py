@@ -38,11 +38,12 @@ PLAYERS = ("afplay", "pw-play", "paplay", "aplay", "ffplay -nodisp -autoexit", "
 
 
 def laps(sound: ContactSound) -> Array:
-    """Return the record [Pa], or as many of its laps as last five seconds."""
-    samples = round(LEAST_S * sound.sample_rate)
-    if len(sound.pressure) >= samples:
-        return sound.pressure
-    return np.tile(sound.lap.samples(sound.pressure), math.ceil(samples / len(sound.lap)))
+    """Return the record of all channels [Pa], or as many of its laps as last five seconds."""
+    samples, record = round(LEAST_S * sound.sample_rate), sound.channels
+    if len(record) >= samples:
+        return record
+    lap = sound.lap.samples(record)
+    return np.tile(lap, (math.ceil(samples / len(lap)), *[1] * (lap.ndim - 1)))
 
 
 def laps_in_words(sound: ContactSound) -> str:
@@ -64,7 +65,7 @@ def laps_in_words(sound: ContactSound) -> str:
 def heard(run: Run) -> tuple[Array, str]:
     """Return the record [Pa] for the ear, the long one if the scene asks for it, and say it."""
     if run.long is not None:
-        return run.long.pressure, sentence(run.long.numbers, run.sound.levels.laeq_db)
+        return run.long.channels, sentence(run.long.numbers, run.sound.levels.laeq_db)
     content = laps_in_words(run.sound)
     if run.scene.sound.listen_s is not None:
         content += f"; no long record: {run.no_long}"
@@ -98,12 +99,12 @@ def write_long(run: Run, long: Listening) -> Path:
     ------
     OSError : the file cannot be written. An earlier file is kept.
     """
-    gain = wav.listening_gain(long.pressure)
+    gain = wav.listening_gain(long.channels)
     content = sentence(long.numbers, run.sound.levels.laeq_db)
     comment = f"{gain:.6g} full scale per Pa, {_rule(run, gain)}; {content}; {facts(run)}"
     path = run.folder / "long.wav"
     make_below(run.home, run.folder)
-    write_bytes(path, wav.listening(long.pressure, gain, comment, wav_title(run)))
+    write_bytes(path, wav.listening(long.channels, gain, comment, wav_title(run)))
     return path
 
 
@@ -115,10 +116,17 @@ def wav_title(run: Run) -> str:
 def facts(run: Run) -> str:
     """Write the facts that the comment of a sound file holds."""
     s, factor = run.scene.sound, run.sound.factor
-    source = f"vibration of {'plate and sphere' if s.ball else 'plate'} on the axis"
+    source = f"vibration of {'plate and sphere' if s.ball else 'plate'}"
+    source += " on the axis" if run.scene.plate.edges_mm is None else " with edges"
+    place = f"distance {s.distance_m:g} m"
+    if run.sound.source == "vibration" and run.scene.sound.listener_mm is not None:
+        count = 1 if run.sound.right is None else 2
+        places = (str(list(at)) for at in run.scene.sound.listener_mm[:count])
+        place = f"listeners left and right at {' and '.join(places)} mm"
+        place = place if count == 2 else f"listener at {run.scene.listener_place}"
     if factor is not None:
         source = f"q {s.q:g}, {factor:.6g} Pa per W/m2 of fluctuation"
-    return f"{wav_title(run)}; distance {s.distance_m:g} m, {source}; {run.sound.ends}"
+    return f"{wav_title(run)}; {place}, {source}; {run.sound.ends}"
 
 
 def _rule(run: Run, gain: float) -> str:

@@ -28,7 +28,7 @@ def write_run(run: Run) -> None:
     comment, title = f"1.0 = 1 Pa; {listening.facts(run)}", listening.wav_title(run)
     listen_wav, listen = listening.listen_wav(run)
     contents = {
-        SIGNAL: wav.calibrated(sound.pressure, comment, title, sound.loops),
+        SIGNAL: wav.calibrated(sound.channels, comment, title, sound.loops),
         LISTEN: listen_wav,
         RESULT: result_file.write_result(run),
     }

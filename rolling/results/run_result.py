@@ -195,7 +195,7 @@ class Run:
 
             record, _ = listening.heard(self)
             samples = record * wav.listening_gain(record)
-            return Audio(samples, rate=self.sound.sample_rate, normalize=False)
+            return Audio(samples.T, rate=self.sound.sample_rate, normalize=False)
         path = self.folder / "listen.wav"
         if "provenance" not in self.summary or not path.is_file():  # only in memory
             prefix = f"{self.scene.name}-listen-"

@@ -177,10 +177,17 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
     )
 
 
+# Levels of a source that radiates evenly, beside that of a vibration: summary key and words.
+MEANS = {
+    "compact_source_level_db": "a compact source of the same power",
+    "hemisphere_mean_level_db": "the mean over the half sphere",
+}
+
+
 def level_name(summary: Mapping[str, Any]) -> str:
     """Name the level of a run: LAeq of the vibration, or of the released power with its q."""
     if summary["source"] == "vibration":
-        return "LAeq on the axis"
+        return "LAeq at the listener" if summary.get("listeners") else "LAeq on the axis"
     if _fixed_gain(summary):
         return "LAeq under the fixed gain"
     return f"level of the released power (q = {summary.get('q') or 1:g})"
@@ -203,12 +210,13 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
         return ""
     above = _range([above_vibration_db(summary) for summary in known])
     if sources == {"vibration"}:
-        compact = _range([summary.get("compact_source_level_db") for summary in known], 1)
-        compact = f"{compact} dB(A)" if compact else "not available"
-        return (
-            f"the release with q = 1 is {above} dB above it: an upper bound; a compact source of"
-            f" the same power: {compact}"
-        )
+        words = f"the release with q = 1 is {above} dB above it: an upper bound"
+        for key, name in MEANS.items():
+            present = [summary[key] for summary in known if key in summary]
+            if present:
+                mean = _range(present, 1)
+                words += f"; {name}: {f'{mean} dB(A)' if mean else 'not available'}"
+        return words + (_others(known[0]) if len(known) == 1 else "")
     if any(summary.get("vibration_laeq_db") is not None for summary in known):
         level = _range([summary.get("vibration_laeq_db") for summary in known], 1)
         return f"it lies {above} dB above the vibration, which has {level} dB(A)"
@@ -222,6 +230,15 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
     )
 
 
+def _others(summary: Mapping[str, Any]) -> str:
+    """State the levels at the listeners beside the first; empty without any."""
+    words = ""
+    for listener in summary.get("listeners", ())[1:]:
+        laeq, at = listener["laeq_db"], ", ".join(f"{x:g}" for x in listener["at_mm"])
+        words += f"; at [{at}] mm: {'silent' if laeq is None else f'{laeq:.1f} dB(A)'}"
+    return words
+
+
 def _range(levels: Sequence[float | None], digits: int = 0) -> str:
     """Write the lowest and the highest of some levels; empty without any."""
     known = sorted(level for level in levels if level is not None)
@@ -232,13 +249,17 @@ def _range(levels: Sequence[float | None], digits: int = 0) -> str:
 def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return the cells of a run in the table of levels by their heads."""
     source, q = summary["source"], summary.get("q") or 1
-    level = "LAeq, axis|dB(A)" if source == "vibration" else f"released power|q = {q:g}, dB(A)"
+    place = "listener" if summary.get("listeners") else "axis"
+    level = f"released power|q = {q:g}, dB(A)"
+    if source == "vibration":
+        level = f"LAeq, {place}|dB(A)"
     if fixed := _fixed_gain(summary):
         level = "fixed gain|dB(A)"
     cells = {level: level_text(summary, "laeq_db")}
     if source == "vibration":
-        compact = summary.get("compact_source_level_db")
-        cells["compact|source"] = "n/a" if compact is None else f"{compact:.1f}"
+        mean = "half sphere|mean" if summary.get("listeners") else "compact|source"
+        compact = next((summary[key] for key in MEANS if key in summary), None)
+        cells[mean] = "n/a" if compact is None else f"{compact:.1f}"
         beside = {"release|q = 1": "release_laeq_db"}
     else:
         known = "estimated" if summary.get("vibration_laeq_db") is None else "dB(A)"

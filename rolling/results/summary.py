@@ -232,10 +232,12 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
     highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
     plate, edges = of_scene.plate(scene), of_scene.rectangular_plate(scene)
+    mean = "compact_source_level_db" if edges is None else "hemisphere_mean_level_db"
     radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return {
         **_difference(scene, release.levels, vibration.levels),
-        "compact_source_level_db": compact_source_db(scene, vibration),
+        mean: compact_source_db(scene, vibration),
+        **_listeners(scene, vibration),
         "plate_power_level_db": _total(vibration.plate_power),
         "ball_power_level_db": _total(vibration.ball_power),
         "plate_power_third_octave_db": vibration.power_levels(),
@@ -272,6 +274,23 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "motion_settled": bool(motion.settled),
         "motion_laps": motion.laps,
         "motion_transient_s": known(motion.transient_s),
+    }
+
+
+def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
+    """Return places and levels of the listeners of a plate with edges."""
+    if scene.plate.edges_mm is None:
+        return {}
+    listeners = zip(scene.listeners, vibration.listener_levels(), strict=True)
+    return {
+        "listeners": [
+            {
+                "at_mm": [round(1e3 * x, 6) for x in place],
+                "laeq_db": levels.laeq_db,
+                "level_db": levels.level_db,
+            }
+            for place, levels in listeners
+        ]
     }
 
 

@@ -232,6 +232,30 @@ class Scene(Section):
             raise fault(f'got "vibration", which {words}', "sound", "source")
         return sound
 
+    @field_validator("sound")
+    @classmethod
+    def _has_listeners(cls, sound: Sound, info: ValidationInfo) -> Sound:
+        """Refuse listeners of a plate without edges, and listeners inside the sphere."""
+        sphere, plate = info.data.get("sphere"), info.data.get("plate")
+        if sound.listener_mm is None or sphere is None or plate is None:
+            return sound
+        if plate.edges_mm is None:
+            rule = "an infinite plate is heard on the axis, at distance_m"
+            words = f"only goes with plate.length_mm and plate.width_mm: {rule}"
+            raise fault(words, "sound", "listener_mm")
+        ends = list(plate.contact_ends_mm.values())
+        (x, y), (to_x, to_y) = ends[0], ends[-1]
+        square = (to_x - x) ** 2 + (to_y - y) ** 2
+        for at in sound.listener_mm:
+            along = (at[0] - x) * (to_x - x) + (at[1] - y) * (to_y - y)
+            share = min(max(along / square, 0.0), 1.0) if square else 0.0
+            nearest = x + share * (to_x - x), y + share * (to_y - y), sphere.radius_mm
+            if math.dist(at, nearest) <= sphere.radius_mm:
+                rule = "more than its radius from the middle of the sphere"
+                words = f"got {messages.shown(list(at))}, inside the sphere, allowed: {rule}"
+                raise fault(words, "sound", "listener_mm")
+        return sound
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.model_dump() == other.model_dump()
 
@@ -457,6 +481,22 @@ class Scene(Section):
         density = plate.density_kg_m3 or STEEL_DENSITY
         stretch = plate.youngs_modulus_gpa * 1e9 / (12 * density * (1 - plate.poissons_ratio**2))
         return area * 30e3 / (2 * math.sqrt(stretch) * plate.thickness_mm * 1e-3)
+
+    @property
+    def listeners(self) -> list[tuple[float, float, float]]:
+        """Listeners [m] of a plate with edges from its corner, by default one above the contact."""
+        if self.sound.listener_mm is not None:
+            return [(1e-3 * x, 1e-3 * y, 1e-3 * z) for x, y, z in self.sound.listener_mm]
+        ends = list(self.plate.contact_ends_mm.values())
+        x, y = (5e-4 * (ends[0][i] + ends[-1][i]) for i in (0, 1))
+        return [(x, y, self.sound.distance_m)]
+
+    @property
+    def listener_place(self) -> str:
+        """Place of the first listener in words: a distance, or coordinates from the corner."""
+        if self.sound.listener_mm is None or self.sound.source != "vibration":
+            return f"{self.sound.distance_m:g} m"
+        return f"[{', '.join(f'{x:g}' for x in self.sound.listener_mm[0])}] mm"
 
     @property
     def hardness(self) -> float:

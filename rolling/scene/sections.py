@@ -509,6 +509,36 @@ class Dynamics(Section):
     release: bool | None = None
 
 
+MOST_LISTENERS = 16
+_PLACES = f"[x, y, z], three numbers in mm, or a list of 1 to {MOST_LISTENERS} such places"
+
+
+def _listeners(value: Any) -> Any:
+    """Return listeners as tuples."""
+    if isinstance(value, list | tuple) and len(value) == 3 and all(is_number(x) for x in value):
+        value = [value]
+    places = value if isinstance(value, list | tuple) else []
+    valid = [
+        tuple(map(float, place))
+        for place in places
+        if isinstance(place, list | tuple) and len(place) == 3 and all(is_number(x) for x in place)
+    ]
+    if not 0 < len(places) == len(valid) <= MOST_LISTENERS:
+        got = f"{len(valid)} places" if len(valid) > MOST_LISTENERS else shown(value)
+        raise fault(f"got {got}, allowed: {_PLACES}")
+    if any(place[2] == 0 for place in valid):
+        raise fault(f"got {shown(value)}, allowed: z above 0, on the ball's side, or below 0")
+    return tuple(valid)
+
+
+_PLACE = _NUMBERS | {"minItems": 3, "maxItems": 3}
+_PLACE_LIST = {"type": "array", "minItems": 1, "maxItems": MOST_LISTENERS, "items": _PLACE}
+Listeners = Annotated[
+    tuple[tuple[float, float, float], ...],
+    *(BeforeValidator(_listeners), WithJsonSchema({"anyOf": [_PLACE, _PLACE_LIST]})),
+]
+
+
 class Sound(Section):
     """Source, listener, and conversion of release power to sound pressure.
 
@@ -521,7 +551,12 @@ class Sound(Section):
     ball : bool
         Whether the vibration of the sphere is heard beside the plate's
     distance_m : float
-        Distance of the listener [m], more than the radius of the sphere
+        Distance of the listener [m], more than the radius of the sphere; beside listener_mm it is
+        the radius of the half sphere of the mean level
+    listener_mm : three floats, or a list of them, optional
+        Listeners [x, y, z] [mm] of a plate with edges, from the corner of contact_mm, z above the
+        plate on the ball's side; the first has the main levels, two make the WAVs stereo; absent:
+        above the contact, or the middle of its path, at distance_m
     q : float
         Share of the released energy that is radiated [-]
     gain_pa_per_w_m2 : float, optional
@@ -536,6 +571,7 @@ class Sound(Section):
     source: Literal["release", "vibration"] | None = None
     ball: bool = True
     distance_m: float = Field(default=1.0, gt=0)
+    listener_mm: Listeners | None = None
     q: float = Field(default=1.0, gt=0, le=1)
     gain_pa_per_w_m2: float | None = Field(default=None, gt=0)
     listen_s: float | None = Field(default=None, ge=0.1, le=120)

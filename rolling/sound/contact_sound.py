@@ -68,6 +68,8 @@ class ContactSound:
         where it repeats.
     source : str
         Source of the pressure, release or vibration. Power and its rms belong to the release.
+    right : (samples,) array, Pa, or None
+        Sound pressure at the second listener, the right channel; None for a single listener.
     """
 
     __repr__ = short_repr
@@ -90,6 +92,14 @@ class ContactSound:
     resolved_rms: float
     has_seam: bool = False
     source: str = "release"
+    right: Array | None = None
+
+    @property
+    def channels(self) -> Array:
+        """The record, (samples,) or, of two listeners, (samples, 2) [Pa]."""
+        if self.right is None:
+            return self.pressure
+        return np.stack((self.pressure, self.right), axis=1)
 
     @property
     def loops(self) -> bool:

@@ -28,9 +28,10 @@ _MOST_POINTS = 2**18  # at once
 class Listening:
     """Long record of a run: the solved track first, then a random continuation of the contact.
 
-    pressure : (samples,) array, Pa. Sound pressure at the listener.
+    pressure : (samples,) array, Pa. Sound pressure at the first listener.
     sample_rate : int, Hz. Sample rate.
     numbers : dict. Facts and levels, as `listening` in summary.json has them.
+    right : (samples,) array or None, Pa. Sound pressure at a second listener.
     """
 
     __repr__ = short_repr
@@ -38,6 +39,12 @@ class Listening:
     pressure: Array
     sample_rate: int
     numbers: dict[str, Any]
+    right: Array | None = None
+
+    @property
+    def channels(self) -> Array:
+        """Record of all channels [Pa], (samples,) or (samples, 2)."""
+        return self.pressure if self.right is None else np.stack((self.pressure, self.right), 1)
 
 
 def with_speed(scene: Scene, speed: float | tuple[float, float], seconds: float) -> Scene:
@@ -64,11 +71,12 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
             bar.update(len(force) * motion.step)
     samples.append(decimator.end())
     fluctuation = contact_sound.faded(np.concatenate(samples), seconds)
-    pressure = vibration_sound.radiated(scene, fluctuation, rate, len(fluctuation))[1]
-    numbers = _numbers(scene, pressure, seconds, law.spacing_m, motion.law.rows)
+    _, heard = vibration_sound.radiated(scene, fluctuation, rate, len(fluctuation), False, 2)
+    listening = _listening(scene, heard[0], seconds, law.spacing_m, motion.law.rows)
     return replace(
-        numbers,
-        numbers=numbers.numbers
+        listening,
+        right=heard[1] if len(heard) > 1 else None,
+        numbers=listening.numbers
         | {
             "impacts": motion.impacts,
             "flight_share": motion.apart / motion.taken,
@@ -104,7 +112,7 @@ def listen_to_release(
     )
     audible = resampling.band_limit(intensity, rate, *AUDIBLE_HZ)
     pressure, _ = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
-    return _numbers(scene, pressure, seconds, step, rows, finer)
+    return _listening(scene, pressure, seconds, step, rows, finer)
 
 
 def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) -> Array:
@@ -126,7 +134,7 @@ def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) 
     return np.concatenate([*samples, decimator.end()])
 
 
-def _numbers(
+def _listening(
     scene: Scene, pressure: Array, seconds: float, step: float, rows: ContinuedRows, finer: int = 1
 ) -> Listening:
     """Return a record with its facts and levels; `rows` are `finer` to a step [m]."""

@@ -1,7 +1,8 @@
 """Sound of a vibration: from the contact force in time to the sound pressure at the listener.
 
-The contact force drives sphere and plate. Their pressures on the axis through the contact add up,
-with no factor left to choose. The levels belong to this pressure, and sound power stands beside it.
+The contact force drives sphere and plate. Their pressures add up, with no factor left to choose, on
+the axis through the contact or, over a plate with edges, at any listener. The levels belong to this
+pressure, that of the first listener, and sound power stands beside it.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import MOST_STEPS, BodyMotion
 from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.scene.scene import Scene
+from rolling.sound import edged_sound
 from rolling.sound.contact_sound import ContactSound, faded
 from rolling.sound.error_estimate import Gain
 
@@ -39,6 +41,7 @@ P_REF_W = 1e-12  # reference sound power
 BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
 _SPEEDS = (60, 1000)  # minimum and maximum number of speeds
+_MOST_LINES = 200_000  # lines of all speeds, unless the minimum has more
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,13 +61,26 @@ class Vibration:
     closed: bool  # whether the record repeats without a click; otherwise it is faded
     highest: float  # [Hz] Nyquist frequency of the steps at the maximum speed
     force: Array  # [N] fluctuation of the contact force at the samples of the sound
-    pressure: Array  # [Pa] sound pressure of sphere and plate on the axis
+    pressures: Array  # (listeners, samples) [Pa] sound pressure of sphere and plate
     levels: level.SoundLevels
     uncertainty: uncertainty.LevelUncertainty  # from all parts in `spreads`
     spreads: dict[str, float]  # [dB] known parts of LAeq's: record, comb, time_step
     mean_laeq: float | None  # [dB] mean level over speeds within 3 %; None: no comb
     plate_power: Array  # (31,) [W]
     ball_power: Array  # (31,) [W]
+
+    @property
+    def pressure(self) -> Array:
+        """Sound pressure [Pa] at the first listener."""
+        return np.asarray(self.pressures[0])
+
+    def listener_levels(self) -> list[level.SoundLevels]:
+        """Return the levels at each listener."""
+        rest = (
+            level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, self.highest, self.closed)
+            for pressure in self.pressures[1:]
+        )
+        return [self.levels, *rest]
 
     @cached_property
     def force_ratio(self) -> Array:
@@ -120,7 +136,8 @@ def vibrate(
     """
     motion, chain = motion or of_scene.motion(scene, law), of_scene.chain_over(scene, law)
     closed = whole_laps and bool(motion.settled)
-    force, pressure = _radiated(scene, motion, closed)
+    force, pressures = _radiated(scene, motion, closed)
+    pressure = pressures[0]
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
     comb = _comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
@@ -139,9 +156,9 @@ def vibrate(
         closed=closed,
         highest=highest,
         force=force,
-        pressure=pressure,
+        pressures=pressures,
         levels=levels,
-        uncertainty=_joined(spread, spreads, chain.resonance_hz),
+        uncertainty=_joined(spread, spreads, chain),
         spreads=spreads,
         mean_laeq=comb and comb.mean_laeq_db,
         plate_power=plate,
@@ -149,8 +166,13 @@ def vibrate(
     )
 
 
-def _radiated(scene: Scene, motion: BodyMotion, closed: bool) -> tuple[Array, Array]:
-    """Return force fluctuation [N] and pressure [Pa] of a motion at the samples of the sound."""
+def _radiated(
+    scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
+) -> tuple[Array, Array]:
+    """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion.
+
+    Give a number of listeners to leave out the others.
+    """
     duration = len(motion.force_n) * motion.time_step_s
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
     fluctuation = motion.force_n - scene.load
@@ -159,15 +181,27 @@ def _radiated(scene: Scene, motion: BodyMotion, closed: bool) -> tuple[Array, Ar
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
     if scene.surface.kind == "smooth" or motion.flight_share == 1:
         fluctuation = np.zeros_like(fluctuation)
-    return radiated(scene, fluctuation, motion.sample_rate_hz, samples)
+    return radiated(scene, fluctuation, motion.sample_rate_hz, samples, closed, listeners)
 
 
-def radiated(scene: Scene, fluctuation: Array, rate_hz: float, samples: int) -> tuple[Array, Array]:
-    """Return force fluctuation [N] and pressure [Pa] of a closed record at samples of sound."""
+def radiated(
+    scene: Scene,
+    fluctuation: Array,
+    rate_hz: float,
+    samples: int,
+    closed: bool,
+    listeners: int | None = None,
+) -> tuple[Array, Array]:
+    """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
+    force, plate = _heard(fluctuation, samples), of_scene.rectangular_plate(scene)
+    if plate is not None:
+        ball = _ball(scene) if scene.sound.ball else None
+        places = scene.listeners[:listeners]
+        return force, edged_sound.pressures(scene, plate, ball, force, closed, places)
     pressure = pressure_on_axis(
         fluctuation, rate_hz, _sources(scene), scene.sound.distance_m, closed=True
     )
-    return _heard(fluctuation, samples), _heard(pressure, samples)
+    return force, _heard(pressure, samples)[None]
 
 
 # ---- comb
@@ -181,31 +215,47 @@ class Comb(NamedTuple):
 
 
 def _comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
-    """Return the levels over other speeds; None where the resonance holds several lines.
+    """Return the levels over other speeds; None where a resonance holds several lines.
 
-    The force of a lap has lines, and a sharp resonance falls on a line or between two.
+    The force of a lap has lines, and a sharp resonance falls on a line or between two: that of the
+    sphere on its contact, or a mode of the plate at the frequency that halves the power.
     """
     if law.period_m is None:
         return None
     spacing = scene.motion.fastest(scene.duration) / law.period_m
-    if chain.resonance_hz / chain.quality > BROAD * spacing:
-        return None
     approach = law.approach(law.position_m, scene.load)
-    lines = 2 * np.square(np.abs(np.fft.rfft(approach)[1:] / len(approach)))
+    lines: Array = 2 * np.square(np.abs(np.fft.rfft(approach)[1:] / len(approach)))
     order = np.arange(1, len(lines) + 1)
     gain = roughness_gain(scene, chain)
-    powers = []
-    count = int(np.clip(16 * NEAR_SPEEDS * chain.quality, *_SPEEDS))
-    for ratio in np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count):
-        frequency = order * (spacing * ratio)
+
+    def powers(ratio: float) -> tuple[Array, Array, Array]:
+        """Return frequencies, mean squares and A-weighted gains of lines at a ratio of speeds."""
+        frequency = np.asarray(order * (spacing * ratio), dtype=float)
         audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
         frequency = frequency[audible]
-        weights = 10 ** (a_weighting_db(frequency) / 10) * gain(frequency)
-        powers.append(float(lines[audible] @ weights))
-    mean = float(np.mean(powers))
-    if not min(powers) > 0:  # no line is heard
+        weights: Array = 10 ** (a_weighting_db(frequency) / 10) * gain(frequency)
+        return frequency, lines[audible], weights
+
+    quality, middle, most = chain.quality, chain.resonance_hz, _SPEEDS[1]
+    if chain.modes is not None:
+        frequency, squares, weights = powers(1.0)
+        passed = np.cumsum(squares * weights)
+        if not len(passed) or not passed[-1] > 0:
+            return None
+        middle = float(frequency[np.searchsorted(passed, passed[-1] / 2)])
+        quality = 1 / (scene.plate.loss_factor or 1.0)
+        most = max(_SPEEDS[0], min(most, _MOST_LINES // len(passed)))
+    if middle / quality > BROAD * spacing:
         return None
-    spread = np.sqrt(np.mean(np.square(10 * np.log10(np.array(powers) / mean))))
+    count = int(np.clip(16 * NEAR_SPEEDS * quality, _SPEEDS[0], most))
+    sums = []
+    for ratio in np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count):
+        _, squares, weights = powers(ratio)
+        sums.append(float(squares @ weights))
+    mean = float(np.mean(sums))
+    if not min(sums) > 0:  # no line is heard
+        return None
+    spread = np.sqrt(np.mean(np.square(10 * np.log10(np.array(sums) / mean))))
     return Comb(float(spread), level.level_db(mean))
 
 
@@ -216,28 +266,31 @@ def _step_error(
     if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > MOST_STEPS:
         return None
     twice = of_scene.motion(scene, law, 2 * motion.time_step_s)
-    _, pressure = _radiated(scene, twice, closed)
-    coarse = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ).laeq_db
+    _, pressures = _radiated(scene, twice, closed, listeners=1)
+    coarse = level.sound_levels(pressures[0], wav.SAMPLE_RATE_HZ).laeq_db
     return UNKNOWN_DB if coarse is None else min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
 def _joined(
-    spread: uncertainty.LevelUncertainty, spreads: dict[str, float], resonance_hz: float
+    spread: uncertainty.LevelUncertainty, spreads: dict[str, float], chain: Chain
 ) -> uncertainty.LevelUncertainty:
     """Return uncertainties [dB] of the record joined with the other parts of LAeq's.
 
-    They widen the levels of the whole and of the third octave that holds the resonance.
+    They widen the levels of the whole and of the third octave that holds the resonance, or of all
+    third octaves on a plate with modes.
     """
     other = math.hypot(*(db for name, db in spreads.items() if name != "record"))
-    band = BAND_NAMES[min(int(np.searchsorted(EDGES_HZ[1:], resonance_hz)), len(BAND_NAMES) - 1)]
+    widest = len(BAND_NAMES) - 1
+    band = BAND_NAMES[min(int(np.searchsorted(EDGES_HZ[1:], chain.resonance_hz)), widest)]
     whole = {
         name: None if db is None else math.hypot(db, other)
         for name, db in asdict(spread).items()
         if name != "third_octave_db"
     }
     bands = dict(spread.third_octave_db)
-    if (own := bands[band]) is not None:
-        bands[band] = math.hypot(own, other)
+    for name in (band,) if chain.modes is None else BAND_NAMES:
+        if (own := bands[name]) is not None:
+            bands[name] = math.hypot(own, other)
     return uncertainty.LevelUncertainty(**whole, third_octave_db=bands)
 
 
@@ -247,7 +300,16 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
     Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
     for ratios of powers, in which an error of the stiffness cancels.
     """
-    chain, sources = chain or of_scene.smooth_chain(scene), _sources(scene)
+    chain, plate = chain or of_scene.smooth_chain(scene), of_scene.rectangular_plate(scene)
+    if plate is not None:
+        rectangle, ball = plate, _ball(scene) if scene.sound.ball else None
+
+        def gain_of_modes(frequency: Array) -> Array:
+            transfer = edged_sound.square_transfer(scene, rectangle, ball, frequency)
+            return transfer * np.square(np.abs(chain.force(frequency, np.ones(len(frequency)))))
+
+        return gain_of_modes
+    sources = _sources(scene)
 
     def gain(frequency: Array) -> Array:
         transfer = sum(axis_transfer(frequency, body, scene.sound.distance_m) for body in sources)
@@ -259,8 +321,9 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
 def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
     """Return the A-weighted level [dB] of a compact source with the sound power of the vibration.
 
-    The source radiates evenly into a half-space, p^2 = rho c P / (2 pi r^2). The power of the plate
-    depends on its loss factor, so None is returned without one, and for a half-space.
+    The source radiates evenly into a half-space, p^2 = rho c P / (2 pi r^2), which is the mean over
+    a half sphere beyond the edges of a plate. The power of the plate depends on its loss factor, so
+    None is returned without one, and for a half-space.
     """
     if not scene.plate.loss_factor:
         return None
@@ -276,6 +339,7 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
         release,
         source="vibration",
         pressure=vibrating.pressure,
+        right=vibrating.pressures[1] if len(vibrating.pressures) > 1 else None,
         factor=None,
         closed=vibrating.closed,
         levels=vibrating.levels,
@@ -302,7 +366,13 @@ def _powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
     ground, rate = _ground(scene), wav.SAMPLE_RATE_HZ
     ball = band_power(force, rate, _ball(scene))
     plate = np.full(len(ball), np.nan)
-    if isinstance(ground, ThinPlate):
+    if (rectangle := of_scene.rectangular_plate(scene)) is not None:
+        frequency, square = spectrum.line_spectrum(force, rate)
+        audible = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
+        frequency, square = frequency[audible], square[audible]
+        power = edged_sound.power_per_force(scene, rectangle, frequency)
+        plate = third_octave_mean_square(frequency, square * power)
+    elif isinstance(ground, ThinPlate):
         plate = band_power(force, rate, ground)
         if not ground.loss_factor:  # it decides the power above coincidence
             plate[EDGES_HZ[1:] > ground.critical_hz] = np.nan

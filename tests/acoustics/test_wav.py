@@ -160,7 +160,7 @@ def test_a_record_below_hearing_is_not_lifted_to_the_target():
     ("record", "comment", "words"),
     [
         (np.zeros(0), "", r"shape \(0,\)"),
-        (np.zeros((3, 2)), "", r"shape \(3, 2\)"),
+        (np.zeros((3, 2, 1)), "", r"shape \(3, 2, 1\)"),
         (np.array([np.nan]), "", "not finite"),
         (np.zeros(3), "µ" * 1001, "comment takes 2002 bytes, at most 2000"),
     ],

@@ -30,8 +30,8 @@ FLOORS = {
     "acoustics": (
         ("arrays", "numbers", "random_rows"),
         ("bands", "continued_rows", "radiation", "weighting"),
-        ("plot_style", "resampling", "spectrum"),
-        ("gaussianity", "level", "loudness", "sound_power"),
+        ("baffled_modes", "plot_style", "resampling", "spectrum"),
+        ("gaussianity", "level", "loudness", "rectangular_plate", "sound_power"),
         ("laps", "plots", "uncertainty", "wav"),
     ),
 }

@@ -9,15 +9,18 @@ function bytesOf(uri) {
 
 /** The part of a record that goes round: all of one that closes, otherwise cross-faded as in listen.wav. */
 function lapOf(record, { begin, end, overlap, correlation, factor }) {
-  const samples = record.getChannelData(0);
-  const lap = samples.slice(begin, end - overlap);
-  for (let i = 0; i < overlap; i++) {
-    const rise = Math.sin((0.5 * Math.PI * (i + 0.5)) / overlap) ** 2;
-    const fall = 1 - rise;
-    lap[i] = (rise * lap[i] + fall * samples[end - overlap + i]) / Math.sqrt(rise ** 2 + fall ** 2 + 2 * correlation * rise * fall);
+  const { numberOfChannels } = record;
+  const round = new AudioBuffer({ length: end - overlap - begin, sampleRate: RATE, numberOfChannels });
+  for (let channel = 0; channel < numberOfChannels; channel++) {
+    const samples = record.getChannelData(channel);
+    const lap = samples.slice(begin, end - overlap);
+    for (let i = 0; i < overlap; i++) {
+      const rise = Math.sin((0.5 * Math.PI * (i + 0.5)) / overlap) ** 2;
+      const fall = 1 - rise;
+      lap[i] = (rise * lap[i] + fall * samples[end - overlap + i]) / Math.sqrt(rise ** 2 + fall ** 2 + 2 * correlation * rise * fall);
+    }
+    round.copyToChannel(lap.map((sample) => factor * sample), channel);
   }
-  const round = new AudioBuffer({ length: lap.length, sampleRate: RATE });
-  round.copyToChannel(lap.map((sample) => factor * sample), 0);
   return round;
 }
 
@@ -25,8 +28,9 @@ function lapOf(record, { begin, end, overlap, correlation, factor }) {
 async function decodeOne(player) {
   const offline = new OfflineAudioContext(1, 1, RATE); // may be had before the user has clicked anything
   const record = await offline.decodeAudioData(bytesOf(player.src).buffer);
-  const once = new AudioBuffer({ length: Math.round(longest * RATE), sampleRate: RATE });
-  once.copyToChannel(record.getChannelData(0), 0);
+  const { numberOfChannels } = record;
+  const once = new AudioBuffer({ length: Math.round(longest * RATE), sampleRate: RATE, numberOfChannels });
+  for (let channel = 0; channel < numberOfChannels; channel++) once.copyToChannel(record.getChannelData(channel), channel);
   return { record, round: lapOf(record, runs[Number(player.dataset.run)].lap), once };
 }
 

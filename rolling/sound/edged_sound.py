@@ -1,0 +1,184 @@
+"""Sound of a plate with edges, and of the sphere on it, at listeners anywhere.
+
+Delays are those behind the sound from the first contact point to the first listener, so stereo
+keeps its differences. A moving contact excites each mode by its shape under the contact. The sphere
+is heard from the middle of its path, and above the plate only: the baffle hides it from below.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from acoustics import resampling, wav
+from acoustics.arrays import Array
+from acoustics.baffled_modes import Complex, Listener
+from acoustics.bands import AUDIBLE_HZ
+from acoustics.radiation import SOUND_M_S, Ball, axis_transfer
+from acoustics.rectangular_plate import RectangularPlate
+from rolling.dynamics import of_scene
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import fade_length
+
+WRAPPED = 1e-4  # part of the ringing of an open record that is left of it at its beginning
+_LEAST_S = 0.25  # [s] of an open record with silence, at least twice
+_POINTS = 9  # of a path over which powers are averaged
+_BLOCK = 2**21  # values of modes in time at once
+_PER_WIDTH, _GRID = 4, (2000, 40_000)  # frequencies of a power in the width of a mode, and limits
+
+
+def pressures(
+    scene: Scene,
+    plate: RectangularPlate,
+    ball: Ball | None,
+    force: Array,
+    closed: bool,
+    listeners: Sequence[Listener],
+) -> Array:
+    """Return the sound pressure [Pa] of a force [N] at listeners, (listeners, samples).
+
+    An open record begins in silence and ends with its duration: the ringing beyond is cut.
+    """
+    n, rate, growth = len(force), wav.SAMPLE_RATE_HZ, 0.0
+    if not closed:
+        from scipy.fft import next_fast_len  # slow to import
+
+        n = int(next_fast_len(2 * max(n, round(_LEAST_S * rate)), real=True))
+        # Waves that fall with time by this rate do not wrap round; the record is raised again.
+        growth = -math.log(WRAPPED) * rate / n
+    times = np.arange(len(force)) / rate
+    fallen = force * np.exp(-growth * times)
+    frequency = np.asarray(np.fft.rfftfreq(n, 1 / rate) - 0.5j * growth / np.pi, dtype=complex)
+    lines = np.arange(len(frequency))
+    if closed:
+        lines = lines[(frequency.real >= AUDIBLE_HZ[0]) & (frequency.real < AUDIBLE_HZ[1])]
+    spectra = _spectra(scene, plate, ball, fallen, n, frequency, lines, listeners)
+    records = np.zeros((len(spectra), len(frequency)), dtype=complex)
+    records[:, lines] = spectra
+    heard = np.fft.irfft(records, n, axis=1)[:, : len(force)] * np.exp(growth * times)
+    if closed:
+        return np.asarray(heard)
+    ends = fade_length(len(force), len(force) / rate)
+    return np.array(
+        [resampling.band_limit(resampling.fade(record, ends), rate) for record in heard]
+    )
+
+
+def _spectra(
+    scene: Scene,
+    plate: RectangularPlate,
+    ball: Ball | None,
+    force: Array,
+    n: int,
+    frequency: NDArray[Any],
+    lines: NDArray[np.int64],
+    listeners: Sequence[Listener],
+) -> Complex:
+    """Return the spectra of the pressure [Pa] at listeners, (listeners, lines)."""
+    path, frequency = _path(scene), frequency[lines]
+    spectrum = np.fft.rfft(force, n)[lines]
+    if not _moves(scene):
+        transfers = [_at(scene, plate, ball, frequency, k, path) for k in listeners]
+        return np.array([transfer * spectrum for transfer in transfers])
+    points = of_scene.contact_points(scene, np.arange(len(force)) / wav.SAMPLE_RATE_HZ)
+    total = np.array([_ball(scene, ball, frequency, k, path) for k in listeners]) * spectrum
+    count = max(1, _BLOCK // n)
+    for first in range(0, len(plate.angular_frequency), count):
+        modes = slice(first, first + count)
+        forces = np.fft.rfft(force[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
+        for k, listener in enumerate(listeners):
+            transfer = plate.mode_transfer(frequency, listener, path, modes)
+            total[k] += np.einsum("nm,nm->n", transfer, forces)
+    return np.asarray(total)
+
+
+def square_transfer(
+    scene: Scene, plate: RectangularPlate, ball: Ball | None, frequency: Array
+) -> Array:
+    """Return the mean square pressure per mean square force [Pa2/N2] at the first listener.
+
+    It is the mean over the path of the contact.
+    """
+    path, listener = _path(scene), scene.listeners[0]
+    squares = [
+        np.square(np.abs(_at(scene, plate, ball, frequency, listener, path, point)))
+        for point in points_on_path(scene)
+    ]
+    return np.asarray(np.mean(squares, axis=0))
+
+
+def power_per_force(scene: Scene, plate: RectangularPlate, frequency: Array) -> Array:
+    """Return the sound power of the plate per mean square force [W/N2] at ascending frequencies.
+
+    Between the frequencies of a grid that resolves each mode it is interpolated.
+    """
+    points = points_on_path(scene)
+    octaves = math.log(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
+    count = int(np.clip(_PER_WIDTH * octaves / plate.loss_factor, *_GRID))
+    if len(frequency) <= count or not len(plate.orders):
+        return plate.power_per_force(frequency, points)
+    grid, power = _power_table(plate, tuple(map(tuple, points.tolist())), count)
+    return np.asarray(np.exp(np.interp(np.log(frequency), np.log(grid), power)))
+
+
+@lru_cache(maxsize=8)
+def _power_table(
+    plate: RectangularPlate, points: tuple[tuple[float, ...], ...], count: int
+) -> tuple[Array, Array]:
+    """Return frequencies, and the logarithm of the power per force, as a mean over points [m]."""
+    grid = np.asarray(np.geomspace(*AUDIBLE_HZ, count))
+    power = plate.power_per_force(grid, points)
+    return grid, np.asarray(np.log(np.maximum(power, np.finfo(float).tiny)))
+
+
+def points_on_path(scene: Scene) -> Array:
+    """Return the contact point, or points of its path at equal distances, (n, 2) [m]."""
+    ends = 1e-3 * np.array(list(scene.plate.contact_ends_mm.values()))
+    share = np.linspace(0, 1, _POINTS if _moves(scene) else 1)[:, None]
+    return np.asarray(ends[0] + share * (ends[-1] - ends[0]))
+
+
+def _moves(scene: Scene) -> bool:
+    """Tell whether the contact moves on the plate."""
+    return len(scene.plate.contact_ends_mm) > 1
+
+
+def _path(scene: Scene) -> float:
+    """Return the distance [m] from the first contact point to the first listener."""
+    return math.dist((*points_on_path(scene)[0], 0.0), scene.listeners[0])
+
+
+def _at(
+    scene: Scene,
+    plate: RectangularPlate,
+    ball: Ball | None,
+    frequency: NDArray[Any],
+    listener: Listener,
+    path: float,
+    point: Array | None = None,
+) -> Complex:
+    """Return the pressure of plate and sphere per force [Pa/N] from a contact point."""
+    point = points_on_path(scene)[0] if point is None else point
+    pressure = plate.pressure_transfer(frequency, point, listener, path)
+    return np.asarray(pressure + _ball(scene, ball, frequency, listener, path))
+
+
+def _ball(
+    scene: Scene,
+    ball: Ball | None,
+    frequency: NDArray[Any],
+    listener: Listener,
+    path: float,
+) -> Complex:
+    """Return the pressure of the sphere per force [Pa/N] from the middle of its path."""
+    if ball is None or listener[2] < 0:
+        return np.zeros(len(frequency), dtype=complex)
+    ends = points_on_path(scene)[[0, -1]]
+    distance = math.dist((*ends.mean(axis=0), 0.0), listener)
+    pressure = axis_transfer(frequency, ball, distance, listener[2] / distance)
+    return np.asarray(pressure * np.exp(-2j * np.pi * frequency * (distance - path) / SOUND_M_S))

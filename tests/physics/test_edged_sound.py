@@ -1,0 +1,143 @@
+"""Records of plates with edges: closed, open and moving contacts, listeners, and scenes of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from finished import VIBRATING, caveat_texts, heard_again, marched
+
+from acoustics import wav
+from acoustics.arrays import Array
+from acoustics.radiation import Ball
+from rolling.dynamics import of_scene
+from rolling.results.listening import listen_wav
+from rolling.results.run_result import Run
+from rolling.results.runs_table import beside_text
+from rolling.scene.file import loads
+from rolling.scene.messages import SceneError
+from rolling.sound import edged_sound
+
+EDGES = ("plate.length_mm=200", "plate.width_mm=150", "plate.thickness_mm=2")
+BALL = Ball(5e-3, 7850)
+
+
+def heard(force: Array, closed: bool, *changes: str) -> Array:
+    """Return the pressures of a force at the listeners of a scene."""
+    scene = loads(VIBRATING, (*EDGES, *changes))
+    plate = of_scene.rectangular_plate(scene)
+    assert plate is not None
+    return edged_sound.pressures(scene, plate, BALL, force, closed, scene.listeners)
+
+
+def pulses(samples: int, *at_s: float) -> Array:
+    """Return a force of bursts of 2 ms at 3 kHz, each about a time [s]."""
+    t = np.arange(samples) / wav.SAMPLE_RATE_HZ
+    bursts = [np.exp(-np.square((t - at) / 4e-4)) * np.cos(6000 * np.pi * (t - at)) for at in at_s]
+    return np.asarray(np.sum(bursts, axis=0))
+
+
+def test_a_closed_record_is_what_an_open_one_of_many_laps_tends_to() -> None:
+    """With a loss factor of 0.1 modes forget a lap of 50 ms: 1e-3 of the maximum."""
+    lap = pulses(2400, 0.02)
+    closed = heard(lap, True, "plate.loss_factor=0.1")[0]
+    opened = heard(np.tile(lap, 8), False, "plate.loss_factor=0.1")[0]
+    difference = opened[6 * 2400 : 7 * 2400] - closed
+    assert np.abs(difference).max() < 1e-3 * np.abs(closed).max()
+
+
+@pytest.mark.parametrize("loss_factor", [1e-4, 0.05])
+def test_the_ringing_of_an_open_record_does_not_wrap_round(loss_factor: float) -> None:
+    """A plate that rings for a minute is silent before the pulse, within -60 dB."""
+    pressure = heard(pulses(24_000, 0.3), False, f"plate.loss_factor={loss_factor}")[0]
+    assert np.abs(pressure[:13_000]).max() < 1e-3 * np.abs(pressure).max()
+
+
+def test_a_moving_contact_is_a_fixed_one_during_a_pulse() -> None:
+    """Pulses at three points of a path at 0.3 m/s: each lasts 0.5 mm, so 2 % are left."""
+    path = ("plate.contact_mm=[30, 40]", "plate.contact_path=to-and-fro")
+    path += ("plate.contact_end_mm=[50, 60]",)
+    times, samples = (0.03, 0.11, 0.17), 12_000
+    moving = heard(pulses(samples, *times), False, *path, "sound.listener_mm=[90, 20, 400]")[0]
+    points = 1e3 * of_scene.contact_points(loads(VIBRATING, (*EDGES, *path)), np.array(times))
+    fixed = np.zeros(samples)
+    first = np.hypot(np.hypot(60, 20), 400)  # the distance whose delay the moving record leaves out
+    for at, (x, y) in zip(times, points, strict=True):
+        place = f"plate.contact_mm=[{x}, {y}]"
+        record = heard(pulses(samples, at), False, place, "sound.listener_mm=[90, 20, 400]")[0]
+        later = (np.hypot(np.hypot(x - 90, y - 20), 400) - first) * 1e-3 / 343.2
+        lines = np.fft.rfft(record) * np.exp(
+            -2j * np.pi * later * np.fft.rfftfreq(samples, 1 / wav.SAMPLE_RATE_HZ)
+        )
+        fixed += np.fft.irfft(lines, samples)
+    error = np.sqrt(np.mean(np.square(moving - fixed)) / np.mean(np.square(fixed)))
+    assert error < 0.02
+
+
+def test_a_louder_force_is_louder_and_silence_is_silent() -> None:
+    force = pulses(2400, 0.02)
+    one, two = (heard(gain * force, False)[0] for gain in (1.0, 2.0))
+    assert np.allclose(two, 2 * one, rtol=1e-9, atol=1e-15)
+    assert not heard(np.zeros(2400), False).any()
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    places = "[[86, 55, 300], [140, 55, 300], [86, 55, -300]]"
+    return marched(VIBRATING, (*EDGES, f"sound.listener_mm={places}"))
+
+
+def test_listeners_in_numbers_words_and_files(run: Run, tmp_path: Path) -> None:
+    """The first listener has the main levels, and the first two are the channels of the WAVs."""
+    numbers = run.summary
+    assert [x["at_mm"] for x in numbers["listeners"]] == [
+        [86, 55, 300],
+        [140, 55, 300],
+        [86, 55, -300],
+    ]
+    assert numbers["listeners"][0]["laeq_db"] == numbers["laeq_db"]
+    assert "compact_source_level_db" not in numbers
+    assert "at [140, 55, 300] mm" in beside_text([numbers]) and "half sphere" in beside_text(
+        [numbers]
+    )
+    assert {"at_listener", "plate_edges"} <= caveat_texts(run).keys()
+    samples, _, comment = wav.read(_written(tmp_path / "listen.wav", listen_wav(run)[0]))
+    assert samples.shape[1] == 2 and "left and right" in comment
+    record = np.stack(run.vibration.pressures[:2], axis=1) if run.vibration else np.zeros(1)
+    assert np.allclose(
+        wav.read(_written(tmp_path / "s.wav", wav.calibrated(record, "")))[0], record
+    )
+
+
+def _written(path: Path, content: bytes) -> Path:
+    path.write_bytes(content)
+    return path
+
+
+def test_another_listener_over_the_same_marches(run: Run) -> None:
+    """Twice as far is 6 dB quieter in the far field; a default listener is above the contact."""
+    levels = [
+        heard_again(run, run.scene.with_({"sound.listener_mm": [86, 55, z]})).summary["laeq_db"]
+        for z in (20_000, 40_000)
+    ]
+    assert levels[0] - levels[1] == pytest.approx(6.02, abs=0.05)
+    above = run.scene.with_({"sound.listener_mm": None, "sound.distance_m": 0.3})
+    assert above.listeners == [(pytest.approx(0.086), pytest.approx(0.0555), 0.3)]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("[1, 2]", "three numbers in mm"),
+        ("[1, 2, 0]", "z above 0"),
+        (f"{[[1, 2, 3]] * 17}", "17 places"),
+        ("[86, 55.5, 6]", "inside the sphere"),
+        ("[[1, 2, 3], [1, 2]]", "three numbers in mm"),
+    ],
+)
+def test_refused_listeners(change: str, words: str) -> None:
+    with pytest.raises(SceneError, match=words):
+        loads(VIBRATING, (*EDGES, f"sound.listener_mm={change}"))
+    with pytest.raises(SceneError, match="listener_mm"):
+        loads(VIBRATING, (f"sound.listener_mm={change}",))
