@@ -68,6 +68,12 @@ def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) 
     if run.no_long:
         raise ListeningError(run.no_long)
     scene = run.scene if speed is None else with_speed(run.scene, speed, seconds)
+    positions = float(scene.motion.distance(seconds)) / run.result.step
+    if positions > (most := defaults.MOST_LISTENED_POSITIONS):
+        raise ListeningError(
+            f"speed: the sphere passes {positions:.2g} positions, allowed is up to {most:.2g},"
+            " which take ten minutes"
+        )
     if run.vibration is not None and run.sound.source == "vibration":
         listening = listen_to_vibration(scene, run.vibration.law, seconds, seed)
     else:
@@ -91,9 +97,6 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
     if speeds and not (all(0 <= v < math.inf for v in speeds) and max(speeds) > 0):
         got = ":".join(f"{v:g}" for v in speeds)
         raise ListeningError(f"speed: got {got}, allowed: m/s, or start:end, not below 0")
-    if speeds and max(speeds) > defaults.MOST_LISTENED_SPEED:
-        most = defaults.MOST_LISTENED_SPEED
-        raise ListeningError(f"speed: got {max(speeds):g} m/s, allowed is up to {most:g}")
 
 
 # ---- texts

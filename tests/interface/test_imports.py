@@ -28,9 +28,9 @@ FLOORS = {
         ("cli", "interface"),
     ),
     "acoustics": (
-        ("arrays", "numbers", "random_rows"),
-        ("bands", "continued_rows", "radiation", "weighting"),
-        ("baffled_modes", "plot_style", "resampling", "spectrum"),
+        ("arrays", "numbers"),
+        ("bands", "radiation", "random_rows", "weighting"),
+        ("baffled_modes", "continued_rows", "plot_style", "resampling", "spectrum"),
         ("gaussianity", "level", "loudness", "rectangular_plate", "sound_power"),
         ("laps", "plots", "uncertainty", "wav"),
     ),

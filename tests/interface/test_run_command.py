@@ -406,7 +406,7 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
         (("--seconds", "1e9"), "allowed is 0.1 to 120"),
         (("--speed", "nan"), "speed: got nan"),
         (("--speed", "0:0"), "speed: got 0:0"),
-        (("--speed", "200"), "allowed is up to 100"),
+        (("--speed", "200"), "2e+09 positions, allowed is up to 5e+08"),
     ):
         assert cli.main(["listen", str(out), *words]) == 2
         assert reason in capsys.readouterr().err

@@ -102,6 +102,17 @@ def test_impacts_go_on(run: Run) -> None:
     assert counts[0] > 0 and 1 / 3 < counts[1] / counts[0] < 3
 
 
+def test_a_plate_with_edges_is_heard_in_stereo(run: Run) -> None:
+    """Both ears hear the plate, whose modes ring for longer than a stretch."""
+    edges = {"plate.length_mm": 60, "plate.width_mm": 50, "plate.contact_mm": [26, 18]}
+    ears = {"sound.listener_mm": [[10, 25, 200], [50, 25, 200]]}
+    assert run.vibration is not None
+    listening = listen_to_vibration(run.scene.with_(edges | ears), run.vibration.law, 0.1, 0)
+    left, right = listening.channels.T
+    assert len(left) == 4800 and not np.allclose(left, right, rtol=0, atol=0.1 * np.std(left))
+    assert np.std(left) == pytest.approx(np.std(right), rel=0.5)
+
+
 def test_a_smooth_track_stays_at_the_load() -> None:
     run = marched(VIBRATING, ["surface={kind: smooth, spacing_um: 2, width_um: 160}"])
     assert run.vibration is not None
