@@ -52,7 +52,7 @@ class ContinuedRows:
         self._random = np.random.default_rng(seed)
         middle = np.median(rows, axis=1, keepdims=True)
         self._turn, self._periodic = turn, np.zeros((len(rows), 1))
-        self.inserted, rest = 0, rows - middle
+        rest = rows - middle
         if turn is not None and turn <= count:
             turns = count // turn
             self._periodic = rest[:, : turns * turn].reshape(len(rows), turns, turn).mean(axis=1)
@@ -75,6 +75,7 @@ class ContinuedRows:
         self._places = self._insertions()
         self._coming: list[Stretch] = []
         self._first, self._rows = 0, rows[:, : self.solved]
+        self._last, self._starts = 0, list[int]()
 
     def between(self, first: int, last: int) -> Array:
         """Return the rows at positions `first` to `last - 1`, (rows, last - first).
@@ -88,8 +89,13 @@ class ContinuedRows:
             parts.append(drawn + self._repeated(end, end + drawn.shape[1]))
             end += drawn.shape[1]
         rows = np.concatenate(parts, axis=1) if len(parts) > 1 else parts[0]
-        self._rows, self._first = rows[:, first - self._first :], first
+        self._rows, self._first, self._last = rows[:, first - self._first :], first, last
         return self._rows[:, : last - first]
+
+    @property
+    def inserted(self) -> int:
+        """Number of stretches that were inserted in the rows read so far."""
+        return sum(start < self._last for start in self._starts)
 
     def _repeated(self, first: int, last: int) -> Array:
         """Return the part that repeats after each turn."""
@@ -112,13 +118,13 @@ class ContinuedRows:
         last = first + drawn.shape[1]
         while self._stretches and (not self._coming or self._coming[-1][0] < last):
             self._coming.append(next(self._places))
+            self._starts.append(self._coming[-1][0])
         for place, share, values in self._coming:
             begin, end = max(place, first), min(place + len(share), last)
             if begin < end:
                 here, own = slice(begin - first, end - first), slice(begin - place, end - place)
                 drawn[:, here] *= np.sqrt(1 - np.square(share[own]))
                 drawn[:, here] += share[own] * values[:, own]
-                self.inserted += place >= first
         self._coming = [stretch for stretch in self._coming if stretch[0] + len(stretch[1]) > last]
         return drawn
 

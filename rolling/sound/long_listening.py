@@ -18,7 +18,6 @@ from rolling.scene.scene import Scene
 from rolling.sound import contact_sound, vibration_sound
 from rolling.terminal import progress
 
-TITLE = "listening"  # of the progress
 _TAPS = 20  # samples of sound that a decimating filter reaches to either side
 _FINER = 4  # points of a release per sample of sound, so that a spline between them is exact
 _MOST_POINTS = 2**18  # at once
@@ -65,7 +64,7 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     rate = wav.SAMPLE_RATE_HZ
     motion = LongMotion(scene, law, seconds, rate, seed)
     decimator, samples = Decimator(motion.steps_per_sample), []
-    with progress.bar(seconds, TITLE) as bar:
+    with progress.bar(seconds, "listening") as bar:
         for force in motion.forces():
             samples.append(decimator.add(force - scene.load))
             bar.update(len(force) * motion.step)
@@ -101,7 +100,7 @@ def listen_to_release(
     if closed:
         signal = resampling.undo_step_mean(signal)
     else:
-        signal = contact_sound.faded(signal, motion.duration(len(signal) * step))
+        signal = resampling.fade(signal, max(1, len(signal) // 100))
     row = resampling.resample_closed(signal, finer * len(signal))[None]
     circumference, spacing = turn_m(scene), step / finer
     turn = None if circumference is None else round(circumference / spacing)
@@ -123,7 +122,7 @@ def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) 
     factor = contact_sound.oversampling(motion, seconds, spacing)
     decimator, samples = Decimator(factor), []
     count, total = _MOST_POINTS // factor * factor, round(seconds * rate) * factor
-    with progress.bar(seconds, TITLE) as bar:
+    with progress.bar(seconds, "listening") as bar:
         for begin in range(0, total, count):
             times = np.arange(begin, min(begin + count, total)) / (rate * factor)
             places = np.asarray(motion.distance(times)) / spacing
@@ -172,8 +171,8 @@ class Decimator:
         from scipy import signal  # slow to import, for long records only
 
         self._factor, reach = factor, _TAPS * factor
-        beta = signal.kaiser_beta(100)
-        self._filter = signal.firwin(2 * reach + 1, 1 / factor, window=("kaiser", beta))
+        window = "kaiser", signal.kaiser_beta(100)
+        self._filter = signal.firwin(2 * reach + 1, 1 / max(factor, 1.01), window=window)
         self._past, self._skip = np.zeros(2 * reach), _TAPS
         self._upfirdn = signal.upfirdn
 
