@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         reliable,
         third_octave_mean_square,
     )
-    from acoustics.extension import extend, kurtosis, kurtosis_uncertainty
+    from acoustics.gaussianity import kurtosis, kurtosis_uncertainty
     from acoustics.level import SoundLevels, laeq_db, level_db, sound_levels
     from acoustics.modulation import EnvelopeSpectrum, envelope_spectrum, loudest_octave
     from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
@@ -49,7 +49,6 @@ __all__ = [
     "a_weighting_db",
     "band_uncertainty_db",
     "envelope_spectrum",
-    "extend",
     "intensity",
     "kurtosis",
     "kurtosis_uncertainty",
@@ -69,7 +68,7 @@ __all__ = [
 
 _SUBMODULES = ("plots", "wav")
 _MODULES = (
-    *("bands", "extension", "level", "modulation"),
+    *("bands", "gaussianity", "level", "modulation"),
     *("radiation", "spectrum", "uncertainty", "weighting"),
 )
 

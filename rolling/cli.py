@@ -183,12 +183,11 @@ def _plot(given: argparse.Namespace) -> int:
     return OK
 
 
-def _extend(given: argparse.Namespace) -> int:
-    """Write noise with the spectra of the records of a run folder."""
+def _listen(given: argparse.Namespace) -> int:
+    """Write a long record of a run, which goes on beyond its solved track."""
     with progress.step(LOADING):
         from rolling import commands
-    for path in commands.extend(given.folder, given.seconds):
-        print(path)
+    print(commands.listen(given.folder, given.seconds, given.speed, given.seed))
     return OK
 
 
@@ -317,11 +316,11 @@ _COMMANDS = {
         "write one page to hear, see and read runs: a single HTML file that needs no network",
         ("folders", "--out"),
     ),
-    "extend": _Command(
-        _extend,
-        "write noise with the same spectrum as a run's record, as long as wanted, to listen to; it"
-        " has none of the record's single events",
-        ("folder", "--seconds"),
+    "listen": _Command(
+        _listen,
+        "write a long record of a run: the ball rolls on beyond the solved track, over a random"
+        " continuation of it, at any speed",
+        ("folder", "--seconds", "--speed", "--seed"),
     ),
     "accuracy": _Command(
         _accuracy,

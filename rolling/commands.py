@@ -1,17 +1,16 @@
-"""Commands on run folders: run a scene, make new sound of stored runs, report, table, extend."""
+"""Commands on run folders: run a scene, make new sound of stored runs, report, table, listen."""
 
 from __future__ import annotations
 
 import difflib
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from acoustics import extension, wav
-from acoustics.numbers import rounded
 from rolling.results import labels, listening, runs_table
+from rolling.results.long_listening import ListeningError, sentence
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.folder import Part, RunFolder, default_folder
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PAGE, TABLE = "report.html", "runs.csv"
-__all__ = ["default_folder", "extend", "plot", "report", "resound", "run_scene", "tabulate"]
+__all__ = ["default_folder", "listen", "plot", "report", "resound", "run_scene", "tabulate"]
 
 
 def run_scene(
@@ -204,37 +203,43 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
     return out
 
 
-def extend(folder: Path, seconds: float = defaults.EXTENDED_SECONDS) -> Iterator[Path]:
-    """Write noise with the spectrum of each run's record, and yield its path.
+def listen(
+    folder: Path,
+    seconds: float = defaults.LISTENED_SECONDS,
+    speed: float | tuple[float, float] | None = None,
+    seed: int = 0,
+) -> Path:
+    """Write a long record of a run into long.wav, print its facts, and return its path.
 
     Parameters
     ----------
-    folder : Path. The run folder.
-    seconds : float, s. Length of the records to make. Default: 30.
+    folder : Path. The folder of one run.
+    seconds : float, s. Length of the record. Default: 20.
+    speed : float or pair of float, m/s. Speed, or speeds at start and end. Default: the scene's.
+    seed : int. Number of the random continuation. Default: 0.
 
     Raises
     ------
-    FolderError : the folder is no run folder, a run in it is not done, silent, of changing speed,
-        with impacts or not Gaussian, or `seconds` is not longer than its record or too long.
+    FolderError : the folder is no run folder, holds several runs, its run is not done or has no
+        long listening, or a number is not allowed. Nothing is written.
     """
-    if seconds > defaults.MOST_EXTENDED_SECONDS:
+    runs = _done(folder)
+    if len(runs) > 1:
+        names = ", ".join(run.folder.name for run in runs[:3])
         raise FolderError(
-            f"--seconds: got {seconds:g}, allowed is up to {defaults.MOST_EXTENDED_SECONDS:g}"
+            f"{folder}: holds {len(runs)} runs; listen to one of the folders in it ({names}, ...)"
         )
-    with progress.step("reading the runs, making their sound"):
-        runs = open_runs(_done(folder))
-    for run in runs:
-        if reason := run.unlike_noise:
-            raise FolderError(f"{run.folder}: {reason}: {listening.NOISE} would not sound like it")
-        if round(seconds * wav.SAMPLE_RATE_HZ) <= len(run.sound.pressure):
-            raise FolderError(
-                f"{run.folder}: --seconds: got {seconds:g}, the record itself is"
-                f" {rounded(run.sound.duration, 4)} s long; give more"
-            )
-    for run in runs:
-        record, rate = run.sound.pressure, wav.SAMPLE_RATE_HZ
-        extended = extension.extend(record, round(seconds * rate), rate, run.laps)
-        yield listening.write_extended(run, extended)
+    with progress.step("reading the run, making its sound"):
+        (run,) = open_runs(runs)
+    try:
+        long = run.listen(seconds, speed, seed)
+    except ListeningError as error:
+        raise FolderError(f"{folder}: {error}") from error
+    path = listening.write_long(run, long)
+    progress.line(sentence(long.numbers, run.sound.levels.laeq_db))
+    for text in long.numbers["limits"]:
+        progress.line(f"warning: {text}")
+    return path
 
 
 def _done(folder: Path) -> list[RunFolder]:

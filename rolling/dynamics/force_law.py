@@ -79,25 +79,15 @@ class ForceLaw:
     @cached_property
     def table(self) -> LawTable:
         """Numbers that the kernels read: lift-off and slopes at each position."""
-        from scipy.interpolate import CubicSpline  # slow to import, for motions only
-
         s = np.asarray(self.load_n, dtype=float) ** (2 / 3)
         breaks, values = _broken_line(s, np.asarray(self.approach_m, dtype=float))
         if self.smooth_slope is not None:  # at high loads a rough contact is a smooth one
             breaks = np.append(breaks, SMOOTH * breaks[-1])
             values = np.append(values, np.full((len(values), 1), self.smooth_slope), axis=1)
-        position, closed = np.asarray(self.position_m, dtype=float), self.period_m is not None
-        spacing = self.spacing_m
+        closed = self.period_m is not None
         if closed:
             values = np.concatenate((values, values[:1]))
-        knots = position[0] + spacing * np.arange(len(values))
-        spline = CubicSpline(knots, values, bc_type="periodic" if closed else "not-a-knot")
-        slopes = np.ascontiguousarray(spline(knots, 1))
-        steepest = 3 / spacing * values[:, 1:]  # up to which a cubic between positions is positive
-        slopes[:, 1:] = np.clip(slopes[:, 1:], -steepest, steepest)
-        return LawTable(
-            float(position[0]), spacing, closed, breaks, np.sqrt(breaks), values, slopes
-        )
+        return law_table(float(self.position_m[0]), self.spacing_m, closed, breaks, values)
 
     def force(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
         """Return the contact force [N] at positions [m] and approaches [m], broadcast together."""
@@ -120,7 +110,7 @@ class ForceLaw:
         x = np.asarray(position_m, dtype=float)
         laws = np.empty((x.size, self.table.values.shape[1]))
         _motion_kernels.laws_at(x.ravel(), self.table, laws)
-        weights = _integrals(self.table.breaks, float(load_n) ** (2 / 3))
+        weights = slope_weights(self.table.breaks, float(load_n) ** (2 / 3))
         return np.asarray(laws[:, 0] + laws[:, 1:] @ weights).reshape(x.shape)
 
     def outside(self, force_n: ArrayLike) -> float:
@@ -139,6 +129,20 @@ class ForceLaw:
         return values.reshape((*x.shape, 4))
 
 
+def law_table(
+    start_m: float, spacing_m: float, closed: bool, breaks: Array, values: Array
+) -> LawTable:
+    """Return the numbers of the kernels from lift-off and slopes at the breaks, (n, 1 + m)."""
+    from scipy.interpolate import CubicSpline  # slow to import, for motions only
+
+    knots = start_m + spacing_m * np.arange(len(values))
+    spline = CubicSpline(knots, values, bc_type="periodic" if closed else "not-a-knot")
+    slopes = np.ascontiguousarray(spline(knots, 1))
+    steepest = 3 / spacing_m * values[:, 1:]  # up to which a cubic between positions is positive
+    slopes[:, 1:] = np.clip(slopes[:, 1:], -steepest, steepest)
+    return LawTable(start_m, spacing_m, closed, breaks, np.sqrt(breaks), values, slopes)
+
+
 def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:
     """Return the breaks (m,) in s, and lift-off and slopes (n, 1 + m) of the quadratic spline.
 
@@ -149,7 +153,7 @@ def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:
     if s.size == 2:
         inner = np.stack([means[0]] * 2)
     else:
-        weights = np.array([_integrals(breaks, end) for end in s])
+        weights = np.array([slope_weights(breaks, end) for end in s])
         inner = np.linalg.solve((weights[1:] - weights[0])[:, 1:], approach[1:] - approach[0])
     if np.any(inner < LEAST * means.min(axis=0)):
         breaks = np.sort(np.concatenate(([0.0], s, (s[:-1] + s[1:]) / 2)))
@@ -181,7 +185,7 @@ def _limited_slopes(s: Array, means: Array) -> Array:
     return slopes
 
 
-def _integrals(breaks: Array, end: float) -> Array:
+def slope_weights(breaks: Array, end: float) -> Array:
     """Return the weights of the slopes at the breaks in their integral from 0 to `end`."""
     lengths = np.diff(breaks)
     t = np.clip(end - breaks[:-1], 0.0, lengths)

@@ -24,8 +24,9 @@ from rolling import __version__
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
 from rolling.report import assumed, film, hearing, maps, text
-from rolling.results import caveats, listening, runs_table
+from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
+from rolling.results.long_listening import sentence
 from rolling.results.run_result import Run
 from rolling.sound.contact_sound import ContactSound
 from rolling.terminal import defaults
@@ -75,8 +76,6 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
             unsolved=list(unsolved),
             lengths={round(run.sound.duration, 4) for run in runs},
             short=any(player["buzzes"] for player in players),
-            noisy=not any(run.unlike_noise for run in heard),
-            NOISE=listening.NOISE,
             SHORT_S=caveats.SHORT_S,
             map_scale=scale,
             filmed=any(player["film"] for player in players),
@@ -153,11 +152,23 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
                 "run": run,
                 "playback": gain,
                 "wav": maps.uri("audio/wav", record),
+                "long": long_record(run),
                 "repeats": [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS],
                 "pictures": pictures,
             }
         )
     return views
+
+
+def long_record(run: Run) -> dict[str, str] | None:
+    """Return the long record of a run and its facts; None where there is none."""
+    if run.long is None:
+        return None
+    pressure = run.long.channels
+    gain = wav.listening_gain(pressure)
+    content = sentence(run.long.numbers, run.sound.levels.laeq_db)
+    record = wav.listening(pressure, gain, content, run.label, 16)
+    return {"wav": maps.uri("audio/wav", record), "text": content}
 
 
 def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Records for the ear: listen.wav, at least five seconds of laps, and extended.wav, noise."""
+"""Records for the ear: listen.wav, at least five seconds of laps or a long record; long.wav."""
 
 from __future__ import annotations
 
@@ -18,18 +18,15 @@ import numpy as np
 from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
+from rolling.results.long_listening import sentence
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.long_listening import Listening
 from rolling.terminal.files import make_below, write_bytes
 
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
 
 LEAST_S = 5.0  # [s] of listen.wav; a shorter record is a click
-NOISE = "noise with the same spectrum"
-EXTENDED = (
-    f"{NOISE}: stationary and Gaussian, with the band levels of the record; it has none of the"
-    " record's single events and never repeats"
-)
 CONSEQUENCES = {  # of the rule that sets a gain
     "silence": "the record is silent, and the gain is 1",
     "the largest gain": "the gain is the largest there is, that of a record at 0 dB(A): this"
@@ -65,13 +62,24 @@ def laps_in_words(sound: ContactSound) -> str:
     )
 
 
+def heard(run: Run) -> tuple[Array, str]:
+    """Return the record [Pa] for the ear, the long one if the scene asks for it, and say it."""
+    if run.long is not None:
+        return run.long.channels, sentence(run.long.numbers, run.sound.levels.laeq_db)
+    content = laps_in_words(run.sound)
+    if run.scene.sound.listen_s is not None:
+        content += f"; no long record: {run.no_long}"
+    return laps(run.sound), content
+
+
 def listen_wav(run: Run) -> tuple[bytes, dict[str, Any]]:
     """Write listen.wav of a run; return its bytes, and the content and meaning of its samples."""
-    record, content = laps(run.sound), laps_in_words(run.sound)
+    record, content = heard(run)
     gain = wav.listening_gain(record)
     rule = _rule(run, gain)
     comment = f"{gain:.6g} full scale per Pa, {rule}; {content}; {facts(run)}"
     repeats = run.sound.loops or len(record) > len(run.sound.pressure)
+    repeats = repeats and run.long is None
     return wav.listening(record, gain, comment, wav_title(run), loops=repeats), {
         "content": content,
         "duration_s": len(record) / run.sound.sample_rate,
@@ -84,21 +92,19 @@ def listen_wav(run: Run) -> tuple[bytes, dict[str, Any]]:
     }
 
 
-def write_extended(run: Run, extended: Array) -> Path:
-    """Write extended.wav, noise [Pa] for the ear, and return its path.
+def write_long(run: Run, long: Listening) -> Path:
+    """Write long.wav, a long record for the ear, and return its path.
 
     Raises
     ------
     OSError : the file cannot be written. An earlier file is kept.
     """
-    gain = wav.listening_gain(extended)
-    comment = (
-        f"extended: {EXTENDED}; {gain:.6g} full scale per Pa, {_rule(run, gain)}; {facts(run)}"
-    )
-    path = run.folder / "extended.wav"
-    title = f"{wav_title(run)}, {NOISE}"
+    gain = wav.listening_gain(long.channels)
+    content = sentence(long.numbers, run.sound.levels.laeq_db)
+    comment = f"{gain:.6g} full scale per Pa, {_rule(run, gain)}; {content}; {facts(run)}"
+    path = run.folder / "long.wav"
     make_below(run.home, run.folder)
-    write_bytes(path, wav.listening(extended, gain, comment, title, loops=True))
+    write_bytes(path, wav.listening(long.channels, gain, comment, wav_title(run)))
     return path
 
 

@@ -22,11 +22,13 @@ from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
+from rolling.results.long_listening import listen, reason_against, released
 from rolling.results.run_errors import RunErrors, run_errors
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
+from rolling.sound.long_listening import Listening
 from rolling.sound.vibration_sound import Vibration, heard, vibrate
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import progress
@@ -90,13 +92,47 @@ class Run:
         """Number of times that the record holds the solved track, at least 1."""
         return max(1.0, self.result.steps / self.result.solved_steps)
 
-    @property
-    def unlike_noise(self) -> str:
-        """Reason why noise with the same spectrum cannot stand for the record; empty if it can."""
-        impacts = self.vibration.motion.impacts if self.vibration is not None else 0
-        if impacts:
-            return f"its sphere hits the plate {impacts} time{'s' * (impacts > 1)}"
-        return self.sound.unlike_noise
+    @cached_property
+    def long(self) -> Listening | None:
+        """The record of `sound.listen_s` seconds; None where there is none, or a reason against."""
+        seconds = self.scene.sound.listen_s
+        return None if seconds is None or self.no_long else listen(self, seconds)
+
+    @cached_property
+    def no_long(self) -> str:
+        """Reason why a run has no long record; empty if it has one."""
+        return reason_against(self)
+
+    def listen(
+        self, seconds: float = 20.0, speed: float | tuple[float, float] | None = None, seed: int = 0
+    ) -> Listening:
+        """Let the ball roll on beyond the solved track, and return the long record.
+
+        The solved track comes first. Its random continuation has the spectra and cross-spectra of
+        the force law along the track, or of the release for a run without dynamics, and the motion
+        over it is computed as on the track.
+
+        Parameters
+        ----------
+        seconds : float, s. Length of the record, up to 120. Default: 20.
+        speed : float or pair of float, m/s. Speed, or speeds at start and end, which change evenly.
+            Default: the scene's, which goes on at its last speed.
+        seed : int. Number of the random continuation. Default: 0.
+
+        Returns
+        -------
+        listening : Listening. Pressure [Pa] at `sample_rate`, and `numbers`, such as `laeq_db`.
+
+        Raises
+        ------
+        ListeningError : a number is not allowed, the run is silent, its solved track too short, or
+            its release unlike noise. It is a ValueError.
+
+        Examples
+        --------
+        `open_run("outputs/mine").listen(10, speed=(0.2, 1.5)).numbers["kurtosis"]`
+        """
+        return listen(self, seconds, speed, seed)
 
     @cached_property
     def series(self) -> Mapping[str, Array]:
@@ -145,7 +181,8 @@ class Run:
     def play(self) -> Any:
         """Return a player for a notebook; in a script, name listen.wav and open a player for it.
 
-        The record is heard for at least five seconds, in laps. The gain makes all runs equally
+        The record is heard for at least five seconds, in laps, or as the long record of a scene
+        with `sound.listen_s`. The gain makes all runs equally
         loud, so levels are compared by their numbers. A run without files writes a temporary one.
         The system's player is opened on a terminal only, and the script goes on at once.
 
@@ -156,7 +193,7 @@ class Run:
         if progress.in_notebook():
             from IPython.display import Audio  # type: ignore[import-not-found, unused-ignore]
 
-            record = listening.laps(self.sound)
+            record, _ = listening.heard(self)
             samples = record * wav.listening_gain(record)
             return Audio(samples.T, rate=self.sound.sample_rate, normalize=False)
         path = self.folder / "listen.wav"
@@ -165,7 +202,7 @@ class Run:
             with tempfile.NamedTemporaryFile(prefix=prefix, suffix=".wav", delete=False) as file:
                 file.write(listening.listen_wav(self)[0])
             path = Path(file.name)
-        print(f"listen: {path}   {listening.laps_in_words(self.sound)}")
+        print(f"listen: {path}   {listening.heard(self)[1]}")
         listening.open_player(path)
         return None
 
@@ -240,13 +277,8 @@ def hear(
     ------
     ContactError : the marches make no force law.
     """
-    closed = result.steps % result.solved_steps == 0 and scene.track.closed
+    energy, closed = released(scene, result)
     moving = result.moving if scene.moves_release else None
-    energy = result.whole("release_energy")
-    if moving is not None and not moving.fault:
-        closed = closed and moving.repeats
-        laps = np.arange(result.steps) % result.solved_steps
-        energy = moving.steps["release_energy"][laps]
     release = contact_sound(
         scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam
     )
@@ -254,9 +286,11 @@ def hear(
     vibrates = vibration is not None and scene.sound.source == "vibration"
     sound = heard(release, vibration) if vibration and vibrates else release
     errors = run_errors(scene, result, sound, vibration)
-    if summary is None:
-        summary = summarize(scene, result, sound, release, errors, vibration, moving)
-    return Run(label, values, folder, scene, result, sound, summary, errors, vibration)
+    numbers = summary or summarize(scene, result, sound, release, errors, vibration, moving)
+    run = Run(label, values, folder, scene, result, sound, numbers, errors, vibration)
+    if summary is None and scene.sound.listen_s is not None:
+        numbers["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
+    return run
 
 
 def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration | None:

@@ -482,6 +482,9 @@ class Sound(Section):
         Share of the released energy that is radiated [-]
     gain_pa_per_w_m2 : float, optional
         Fixed factor from intensity to sound pressure [Pa per W/m2]; absent: energy-true per run
+    listen_s : float, optional
+        Length of listen.wav [s], for which the sphere rolls on beyond the solved track, over a
+        random continuation of it; absent: laps of the record, at least 5 s
     loudness : bool
         Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito
     """
@@ -492,6 +495,7 @@ class Sound(Section):
     listener_mm: Listeners | None = None
     q: float = Field(default=1.0, gt=0, le=1)
     gain_pa_per_w_m2: float | None = Field(default=None, gt=0)
+    listen_s: float | None = Field(default=None, ge=0.1, le=120)
     loudness: bool = False
 
     @model_validator(mode="after")

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from acoustics import extension, level, radiation, resampling, uncertainty, wav
+from acoustics import gaussianity, level, radiation, resampling, uncertainty, wav
 from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.laps import Lap, crossfaded_lap
@@ -122,11 +122,9 @@ class ContactSound:
         """Reason why noise with the same spectrum cannot stand for the record; empty if it can."""
         if not self.pressure.any():
             return "its record is silent"
-        if not self.constant_speed:
-            return "its speed changes"
         ends = 0 if self.closed else fade_length(len(self.pressure), self.duration)
         whole = self.pressure[ends : len(self.pressure) - ends]
-        value, spread = extension.kurtosis(whole), extension.kurtosis_uncertainty(whole)
+        value, spread = gaussianity.kurtosis(whole), gaussianity.kurtosis_uncertainty(whole)
         if not abs(value - 3.0) <= COVERAGE * spread:
             return (
                 f"its record has a kurtosis of {rounded(value, 3)}, and noise of its length and"

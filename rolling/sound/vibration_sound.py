@@ -191,13 +191,25 @@ def _radiated(
     smooth = scene.is_smooth and scene.rolling.drop_mm is None
     if smooth or motion.flight_share == 1:
         fluctuation = np.zeros_like(fluctuation)
+    return radiated(scene, fluctuation, motion.sample_rate_hz, samples, closed, listeners)
+
+
+def radiated(
+    scene: Scene,
+    fluctuation: Array,
+    rate_hz: float,
+    samples: int,
+    closed: bool,
+    listeners: int | None = None,
+) -> tuple[Array, Array]:
+    """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
     force, plate = _heard(fluctuation, samples), of_scene.rectangular_plate(scene)
     if plate is not None:
         ball = _ball(scene) if scene.sound.ball else None
         places = scene.listeners[:listeners]
         return force, edged_sound.pressures(scene, plate, ball, force, closed, places)
     pressure = pressure_on_axis(
-        fluctuation, motion.sample_rate_hz, _sources(scene), scene.sound.distance_m, closed=True
+        fluctuation, rate_hz, _sources(scene), scene.sound.distance_m, closed=True
     )
     return force, _heard(pressure, samples)[None]
 

@@ -51,6 +51,21 @@ def _seconds(text: str) -> float:
     return value
 
 
+def _speed(text: str) -> float | tuple[float, float]:
+    start, colon, end = text.partition(":")
+    try:
+        return (float(start), float(end)) if colon else float(start)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"got {text!r}, allowed: V or START:END in m/s") from error
+
+
+def _whole(text: str) -> int:
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError("at least 0")
+    return value
+
+
 _FLAG: dict[str, Any] = {"action": "store_true"}
 _LIST: dict[str, Any] = {"nargs": "+", "default": []}
 
@@ -116,10 +131,22 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     },
     "--seconds": {
         "type": _seconds,
-        "default": defaults.EXTENDED_SECONDS,
+        "default": defaults.LISTENED_SECONDS,
         "metavar": "S",
-        "help": f"length of the record to make (default {defaults.EXTENDED_SECONDS:g}), up to"
-        f" {defaults.MOST_EXTENDED_SECONDS:g}",
+        "help": f"length of the record to make (default {defaults.LISTENED_SECONDS:g}), up to"
+        f" {defaults.MOST_LISTENED_SECONDS:g}",
+    },
+    "--speed": {
+        "type": _speed,
+        "metavar": "V",
+        "help": "speed in m/s, or start:end for an even change (default: the scene's, which goes on"
+        " at its last speed)",
+    },
+    "--seed": {
+        "type": _whole,
+        "default": 0,
+        "metavar": "N",
+        "help": "number of the random continuation (default 0)",
     },
     "--finest": {
         "type": _power_of_two,

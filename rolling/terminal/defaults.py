@@ -8,9 +8,11 @@ FEW_RUNS = 20  # of more, on the terminal
 FINEST = 4  # divisor of the spacing for the reference
 ACCURACY_SECONDS = 0.045  # [s] of rolling: no third octave from 100 Hz is empty
 
-# `rolling extend`
-EXTENDED_SECONDS = 30.0
-MOST_EXTENDED_SECONDS = 600.0  # a file of 90 MB
+# `rolling listen`
+LISTENED_SECONDS = 20.0
+LEAST_LISTENED_SECONDS = 0.1
+MOST_LISTENED_SECONDS = 120.0  # a record in memory, 550 MB while it becomes sound
+MOST_LISTENED_POSITIONS = 5e8  # of the track, ten minutes of one core
 
 # `rolling reproduce --quick`
 QUICK_SEEDS = 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from acoustics import kurtosis, level
-from acoustics.extension import kurtosis_uncertainty
+from acoustics.gaussianity import kurtosis_uncertainty
 from acoustics.laps import Lap, crossfaded_lap
 from acoustics.resampling import band_limit, fade
 

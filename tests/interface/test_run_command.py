@@ -1,4 +1,4 @@
-"""Commands on run folders as a user meets them, from `run` to `extend`."""
+"""Commands on run folders as a user meets them, from `run` to `listen`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,11 @@ from commands import SWEEP, contents, tree, words_of
 from finished import VIBRATING
 from scene_text import TINY
 
-from acoustics import level, wav
-from acoustics.bands import third_octave_mean_square
-from acoustics.spectrum import line_spectrum
+from acoustics import wav
 from rolling import cli, open_run, read_scene
 from rolling.contact import closed_forms
 from rolling.marches.piece import contact_identity
+from rolling.report import page
 from rolling.run import folder as folders
 from rolling.terminal import defaults
 
@@ -287,7 +286,7 @@ def test_a_resounded_sweep_has_the_bytes_of_a_run(tmp_path: Path, swept: Path) -
     assert contents(out) == contents(new)
 
 
-# ---- status, table, plot, report, extend
+# ---- status, table, plot, report, listen
 
 
 def test_status_counts_states_and_names_failures(
@@ -390,27 +389,34 @@ def test_a_run_opens_its_page(
     assert "Ball &amp; plate &lt;b&gt;" in html and "plate <b>" not in html
 
 
-def test_a_long_record_has_the_bands_of_the_short_one(
+def test_a_run_is_listened_to_for_as_long_as_wanted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    # Under 0.005 N the kurtosis is 5.5, and noise would sound otherwise.
-    text = TINY.replace("0.0005", "0.05").replace("load_n: 0.005", "load_n: 0.5")
-    assert run(write(tmp_path, text), out) == 0
-    capsys.readouterr()
-    for seconds in ("0.05", "601"):
-        assert cli.main(["extend", str(out), "--seconds", seconds]) == 2
-        assert "--seconds: got" in capsys.readouterr().err
-    assert cli.main(["extend", str(out), "--seconds", "5"]) == 0
+    text = VIBRATING.replace("sound: {source", "sound: {listen_s: 1.5, source")
+    assert run(write(tmp_path, text), out, "--set", "rolling.distance_mm=0.2") == 0
+    listening = summary(out)["listening"]
+    assert listening["seconds"] == 1.5 and listening["rolled_mm"] == pytest.approx(450)
+    assert listening["solved_mm"] == pytest.approx(0.2) and listening["impacts"] == 0
+    samples, rate, comment = wav.read(out / "listen.wav")
+    assert len(samples) == 1.5 * rate and "of which the first 0.2 mm" in comment
+    assert "0.2 mm (0.044 % of the time) are solved" in summary(out)["listen"]["content"]
+    assert "1.5 s over 450 mm" in (page.long_record(open_run(out)) or {})["text"]
+    for words, reason in (
+        (("--seconds", "1e9"), "allowed is 0.1 to 120"),
+        (("--speed", "nan"), "speed: got nan"),
+        (("--speed", "0:0"), "speed: got 0:0"),
+        (("--speed", "200"), "2e+09 positions, allowed is up to 5e+08"),
+    ):
+        assert cli.main(["listen", str(out), *words]) == 2
+        assert reason in capsys.readouterr().err
+    before = {path.name for path in out.iterdir()}
+    order = ["listen", str(out), "--seconds", "0.5", "--speed", "0.2:0.8"]
+    files = []
+    for seed in ("1", "1", "2"):
+        assert cli.main([*order, "--seed", seed]) == 0
+        files.append((out / "long.wav").read_bytes())
+    assert files[0] == files[1] != files[2]
     said = capsys.readouterr()
-    assert said.out == f"{out / 'extended.wav'}\n"
-    extended, rate, comment = wav.read(out / "extended.wav")
-    record, _, _ = wav.read(out / "signal.wav")
-    assert len(extended) == 5 * rate and "noise with the same spectrum" in comment
-    before, after = (
-        third_octave_mean_square(*line_spectrum(samples, rate)) for samples in (record, extended)
-    )
-    heard = before > 1e-9 * before.max()  # the file is rounded to 24 bits
-    ratio = 10 * np.log10(after[heard] / before[heard])
-    assert heard.sum() > 10 and np.ptp(ratio) < 0.2  # one gain for all bands
-    assert level.laeq_db(record, rate) == pytest.approx(summary(out)["laeq_db"], abs=1e-3)
+    assert said.out == f"{out / 'long.wav'}\n" * 3 and "0.5 s over 250 mm" in said.err
+    assert {path.name for path in out.iterdir()} - before == {"long.wav"}

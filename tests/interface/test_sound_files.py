@@ -9,7 +9,6 @@ import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,7 +19,6 @@ from scene_text import PLAIN, TINY
 from acoustics import wav
 from acoustics.level import laeq_db, peak_pressure
 from acoustics.radiation import P_REF_PA
-from rolling.results.listening import write_extended
 from rolling.results.run_files import write_run
 from rolling.results.run_result import Run
 from rolling.scene import file
@@ -137,15 +135,6 @@ def test_listen_wav_lasts_five_seconds(
     assert ("cross-faded" in listen["content"]) is (seconds < 5 and not closed)
 
 
-def test_an_extended_record_says_that_it_is_noise(run: Run, tmp_path: Path) -> None:
-    noisy = heard(run, tmp_path, noise(4))
-    longer = np.random.default_rng(5).standard_normal(48000) * 0.01
-    path = write_extended(noisy, longer)
-    samples, _, comment = wav.read(path)
-    assert len(samples) == 48000 and "none of the record's single events" in comment
-    assert comment.startswith("extended: noise with the same spectrum")
-
-
 def test_a_script_names_the_file_and_opens_a_player_on_a_terminal_only(
     run: Run,
     tmp_path: Path,
@@ -175,13 +164,28 @@ def test_a_script_names_the_file_and_opens_a_player_on_a_terminal_only(
 
 @pytest.mark.parametrize(
     ("kind", "reason"),
-    [("noise", ""), ("clicks", "kurtosis of"), ("silent", "silent"), ("impacts", "hits the plate")],
+    [("noise", ""), ("ramp", ""), ("clicks", "kurtosis of"), ("silent", "record is silent")],
 )
-def test_noise_is_offered_where_it_sounds_like_the_record(kind: str, reason: str, run: Run) -> None:
+def test_a_release_is_continued_where_noise_sounds_like_it(
+    kind: str, reason: str, run: Run
+) -> None:
     """Two steps in a thousand with ten times the release raise the kurtosis far above 3."""
-    release = noise(2) if kind in ("noise", "impacts") else SILENT.copy()
+    release = noise(2) if kind in ("noise", "ramp") else SILENT.copy()
     if kind == "clicks":
         release[np.random.default_rng(8).random(len(release)) < 0.002] *= 10
-    vibration = SimpleNamespace(motion=SimpleNamespace(impacts=int(kind == "impacts")))
-    other = replace(run, sound=contact_sound(SCENE, release, 2e-6, True), vibration=vibration)
-    assert reason in other.unlike_noise and bool(reason) == bool(other.unlike_noise)
+    speed = [[0, 0.05], [0.4, 0.15]] if kind == "ramp" else 0.1
+    scene = SCENE.with_({"rolling.speed_m_s": speed, "rolling.distance_mm": 50, "duration_s": None})
+    sound = contact_sound(scene, release, 2e-6, True)
+    series = run.result.series | {"release_energy": release}
+    result = replace(run.result, series=series, steps=25000, solved_steps=25000, step=2e-6)
+    other = replace(run, sound=sound, scene=scene, result=result)
+    assert reason in other.no_long and bool(reason) == bool(other.no_long)
+    if reason:
+        with pytest.raises(ValueError, match=reason):
+            other.listen(1)
+        return
+    long = other.listen(2.0)
+    assert len(long.pressure) == 96000 and long.numbers["rolled_mm"] > 199
+    assert long.numbers["kurtosis"] == pytest.approx(3 if kind == "noise" else 3.3, abs=0.3)
+    if kind == "noise":  # bands of 0.5 s of record; 0.3 dB
+        assert long.numbers["laeq_db"] == pytest.approx(sound.levels.laeq_db, abs=0.5)

@@ -124,7 +124,7 @@ def test_quiet_and_verbose_exclude_each_other() -> None:
 
 
 def test_usage_errors_have_code_2() -> None:
-    for words in (["sing"], ["run"], ["run", "x.yaml", "--workers", "0"], ["extend", "x"][:1]):
+    for words in (["sing"], ["run"], ["run", "x.yaml", "--workers", "0"], ["listen", "x"][:1]):
         with pytest.raises(SystemExit) as stopped:
             cli.main(words)
         assert stopped.value.code == 2

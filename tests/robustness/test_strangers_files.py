@@ -63,7 +63,7 @@ def test_a_written_file_has_the_permissions_of_the_umask(tmp_path: Path) -> None
 
 
 SEEDS = TINY + "sweep: {surface.seed: [1, 2]}\n"
-COMMANDS = (["status"], ["table"], ["plot"], ["extend"], ["report"], ["resound", "-q"])
+COMMANDS = (["status"], ["table"], ["plot"], ["listen"], ["report"], ["resound", "-q"])
 
 
 def place(kind: str, path: Path, victim: Path) -> None:

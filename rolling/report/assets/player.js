@@ -34,7 +34,7 @@ async function decodeOne(player) {
   return { record, round: lapOf(record, runs[Number(player.dataset.run)].lap), once };
 }
 
-const decode = () => (state.decoding ??= Promise.all($$("audio").map(decodeOne)));
+const decode = () => (state.decoding ??= Promise.all($$("audio[data-run]").map(decodeOne)));
 const gainOf = (number) => (number === (state.blind ?? state.run) ? runs[number].playback[state.mode] : 0);
 
 /** The record of a run, round again or not. */

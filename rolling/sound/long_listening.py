@@ -1,0 +1,194 @@
+"""Sound of a run that goes on beyond its solved track."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from acoustics import level, radiation, resampling, wav
+from acoustics.arrays import Array, short_repr
+from acoustics.bands import AUDIBLE_HZ
+from acoustics.continued_rows import ContinuedRows
+from acoustics.gaussianity import kurtosis
+from rolling.dynamics.force_law import ForceLaw
+from rolling.dynamics.long_motion import LongMotion, turn_m
+from rolling.scene.scene import Scene
+from rolling.sound import contact_sound, vibration_sound
+from rolling.terminal import progress
+
+_TAPS = 20  # samples of sound that a decimating filter reaches to either side
+_FINER = 4  # points of a release per sample of sound, so that a spline between them is exact
+_MOST_POINTS = 2**18  # at once
+
+
+@dataclass(frozen=True, eq=False)
+class Listening:
+    """Long record of a run: the solved track first, then a random continuation of the contact.
+
+    pressure : (samples,) array, Pa. Sound pressure at the first listener.
+    sample_rate : int, Hz. Sample rate.
+    numbers : dict. Facts and levels, as `listening` in summary.json has them.
+    right : (samples,) array or None, Pa. Sound pressure at a second listener.
+    """
+
+    __repr__ = short_repr
+
+    pressure: Array
+    sample_rate: int
+    numbers: dict[str, Any]
+    right: Array | None = None
+
+    @property
+    def channels(self) -> Array:
+        """Record of all channels [Pa], (samples,) or (samples, 2)."""
+        return self.pressure if self.right is None else np.stack((self.pressure, self.right), 1)
+
+
+def with_speed(scene: Scene, speed: float | tuple[float, float], seconds: float) -> Scene:
+    """Return a scene at another speed [m/s], or one that changes evenly from start to end.
+
+    Its track and duration are not those of the scene; only its motion is meant.
+    """
+    pairs = speed if isinstance(speed, float | int) else ((0.0, speed[0]), (seconds, speed[1]))
+    rolling = scene.rolling.model_copy(update={"speed_m_s": pairs})
+    return scene.model_copy(update={"rolling": rolling})
+
+
+def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) -> Listening:
+    """Let ball and plate of a scene move on over a continued force law, and radiate.
+
+    The scene's motion may go beyond the solved track.
+    """
+    rate = wav.SAMPLE_RATE_HZ
+    motion = LongMotion(scene, law, seconds, rate, seed)
+    decimator, samples = Decimator(motion.steps_per_sample), []
+    falls = scene.rolling.drop_mm is not None  # its record begins in silence
+    with progress.bar(seconds, "listening") as bar:
+        for force in motion.forces():
+            samples.append(decimator.add(force if falls else force - scene.load))
+            bar.update(len(force) * motion.step)
+    samples.append(decimator.end())
+    fade = contact_sound.faded_out if falls else contact_sound.faded
+    fluctuation = fade(np.concatenate(samples), seconds)
+    _, heard = vibration_sound.radiated(scene, fluctuation, rate, len(fluctuation), False, 2)
+    listening = _listening(scene, heard[0], seconds, law.spacing_m, motion.law.rows)
+    return replace(
+        listening,
+        right=heard[1] if len(heard) > 1 else None,
+        numbers=listening.numbers
+        | {
+            "impacts": motion.impacts,
+            "flight_share": motion.apart / motion.taken,
+            "force_outside_share": motion.outside / motion.taken,
+            "limited_share": motion.law.limited / max(motion.law.continued, 1),
+        },
+    )
+
+
+def listen_to_release(
+    scene: Scene, release_energy: Array, step: float, closed: bool, seconds: float, seed: int
+) -> Listening:
+    """Turn a continued release along the track into sound at the scene's speed.
+
+    `release_energy` [J] is the energy of each solved step of `step` [m].
+    """
+    rate, motion = wav.SAMPLE_RATE_HZ, scene.motion
+    fastest = motion.fastest(seconds)
+    finer = int(np.clip(np.ceil(_FINER * rate * step / fastest), 1, 2 * _FINER))
+    signal = release_energy / step
+    signal = signal - signal.mean()
+    if closed:
+        signal = resampling.undo_step_mean(signal)
+    else:
+        signal = resampling.fade(signal, max(1, len(signal) // 100))
+    row = resampling.resample_closed(signal, finer * len(signal))[None]
+    circumference, spacing = turn_m(scene), step / finer
+    turn = None if circumference is None else round(circumference / spacing)
+    rows = ContinuedRows(row, closed, seed, turn)
+    fluctuation = _in_time(scene, rows, spacing, seconds)
+    intensity = radiation.intensity(
+        contact_sound.faded(fluctuation, seconds), scene.sound.distance_m, scene.sound.q
+    )
+    audible = resampling.band_limit(intensity, rate, *AUDIBLE_HZ)
+    pressure, _ = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
+    return _listening(scene, pressure, seconds, step, rows, finer)
+
+
+def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) -> Array:
+    """Return the release power [W] at the samples, from a release per metre at a spacing [m]."""
+    from scipy.interpolate import CubicSpline  # slow to import, for long records only
+
+    rate, motion = wav.SAMPLE_RATE_HZ, scene.motion
+    factor = contact_sound.oversampling(motion, seconds, spacing)
+    decimator, samples = Decimator(factor), []
+    count, total = _MOST_POINTS // factor * factor, round(seconds * rate) * factor
+    with progress.bar(seconds, "listening") as bar:
+        for begin in range(0, total, count):
+            times = np.arange(begin, min(begin + count, total)) / (rate * factor)
+            places = np.asarray(motion.distance(times)) / spacing
+            first, last = max(int(places[0]) - 24, 0), int(places[-1]) + 26
+            spline = CubicSpline(np.arange(first, last), rows.between(first, last)[0])
+            samples.append(decimator.add(spline(places) * motion.speed(times)))
+            bar.update(len(times) / (rate * factor))
+    return np.concatenate([*samples, decimator.end()])
+
+
+def _listening(
+    scene: Scene, pressure: Array, seconds: float, step: float, rows: ContinuedRows, finer: int = 1
+) -> Listening:
+    """Return a record with its facts and levels; `rows` are `finer` to a step [m]."""
+    motion, rate = scene.motion, wav.SAMPLE_RATE_HZ
+    highest = motion.fastest(seconds) / (2 * step)
+    rolled, solved = float(motion.distance(seconds)), rows.solved / finer * step
+    solved_s = seconds if solved >= rolled else float(motion.time(solved))
+    turn = turn_m(scene)
+    return Listening(
+        pressure,
+        rate,
+        {
+            "seconds": seconds,
+            "laeq_db": level.laeq_db(pressure, rate),
+            "level_db": level.level_db(float(np.mean(np.square(pressure)))),
+            "solved_mm": 1e3 * min(solved, rolled),
+            "rolled_mm": 1e3 * rolled,
+            "solved_share": solved_s / seconds,
+            "kurtosis": kurtosis(pressure) if pressure.any() else None,
+            "stretches": rows.inserted,
+            "turn_mm": turn and 1e3 * turn,
+            "highest_frequency_hz": highest,
+            "lowest_frequency_hz": motion.fastest(seconds) / solved,
+        },
+    )
+
+
+class Decimator:
+    """Low-pass filter from `factor` values per sample to one, in parts that join without a seam.
+
+    It passes 20 kHz of a rate of 48 kHz, and stops by 100 dB beyond 28 kHz, which folds to 20 kHz.
+    """
+
+    def __init__(self, factor: int) -> None:
+        from scipy import signal  # slow to import, for long records only
+
+        self._factor, reach = factor, _TAPS * factor
+        window = "kaiser", signal.kaiser_beta(100)
+        self._filter = signal.firwin(2 * reach + 1, 1 / max(factor, 1.01), window=window)
+        self._past, self._skip = np.zeros(2 * reach), _TAPS
+        self._upfirdn = signal.upfirdn
+
+    def add(self, values: Array) -> Array:
+        """Take the next values, whole samples of them; return the samples that are complete."""
+        if self._factor == 1:
+            return values
+        both = np.concatenate((self._past, values))
+        self._past = both[len(values) :]
+        whole = self._upfirdn(self._filter, both, down=self._factor)
+        samples = whole[2 * _TAPS : 2 * _TAPS + len(values) // self._factor]
+        skipped, self._skip = self._skip, max(self._skip - len(samples), 0)
+        return np.asarray(samples[skipped:])
+
+    def end(self) -> Array:
+        """Return the samples that are left after the last values."""
+        return self.add(np.zeros(_TAPS * self._factor)) if self._factor > 1 else np.zeros(0)

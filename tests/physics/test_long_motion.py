@@ -1,0 +1,137 @@
+"""A motion beyond the solved track is the solved one first, and has its statistics later."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from finished import VIBRATING, marched
+from helpers import hertz_law
+from long_listening_study import compare
+
+from acoustics.gaussianity import kurtosis
+from rolling.dynamics import long_motion
+from rolling.dynamics.long_motion import LongLaw, LongMotion
+from rolling.results.run_result import Run
+from rolling.scene.scene import Scene
+from rolling.sound.long_listening import Decimator, listen_to_vibration, with_speed
+
+RATE = 48000
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    return marched(VIBRATING, ["surface.width_um=128", "rolling.distance_mm=2.4"])
+
+
+def forces(run: Run, scene: Scene, seconds: float, seed: int = 0) -> np.ndarray:
+    assert run.vibration is not None
+    return np.concatenate([*LongMotion(scene, run.vibration.law, seconds, RATE, seed).forces()])
+
+
+def test_the_solved_track_comes_first(run: Run) -> None:
+    """Steps differ by 1 % in length, which changes the force by 0.1 % at 40 steps per period."""
+    assert run.vibration is not None
+    motion = run.vibration.motion
+    force = forces(run, run.scene, 0.02)
+    times = (np.arange(len(force)) + 0.5) * 0.02 / len(force)
+    inside = times < 0.95 * motion.time_s[-1]
+    known = np.interp(times[inside], motion.time_s, motion.force_n)
+    error = force[inside] - known
+    assert np.std(error) < 0.03 * np.std(known - run.scene.load)
+
+
+def test_forces_do_not_depend_on_the_stretches(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = forces(run, run.scene, 0.1)
+    monkeypatch.setattr(long_motion, "STRETCH_STEPS", 1_500)
+    assert np.allclose(forces(run, run.scene, 0.1), whole, rtol=0, atol=1e-9)
+    assert not np.allclose(forces(run, run.scene, 0.1, 1), whole, rtol=0, atol=1e-3)
+
+
+def test_the_continued_law_is_a_force_law(run: Run) -> None:
+    """Slopes are positive, and the statistics of approach and stiffness are the solved ones."""
+    assert run.vibration is not None
+    law = run.vibration.law
+    long = LongLaw(law, run.scene.load, 3, None)
+    table = long.table(0.0, 100 * law.period_m)
+    own = law.table.values[:-1]
+    values = table.values[len(own) : -100]
+    assert np.array_equal(np.argsort(table.breaks), np.arange(len(table.breaks)))
+    assert values[:, 1:].min() > 0 and long.limited < 0.01 * long.continued
+    assert np.allclose(values.mean(axis=0), own.mean(axis=0), rtol=0.02)
+    # The deviation of a track of 2.4 mm is known to a tenth.
+    assert np.allclose(values.std(axis=0), own.std(axis=0), rtol=0.15)
+    known = np.corrcoef(own.T)
+    assert np.allclose(np.corrcoef(values.T), known, atol=0.1)
+
+
+def test_a_changing_speed_ends_at_its_last_speed_and_at_rest(run: Run) -> None:
+    scene = with_speed(run.scene, (0.4, 0.0), 0.2)
+    force = forces(run, scene, 0.3)
+    assert float(scene.motion.distance(0.3)) == pytest.approx(0.04)
+    late, early = force[-len(force) // 6 :], force[: len(force) // 6]
+    assert np.std(late) < 1e-3 * np.std(early)  # it rests and rings out
+
+
+def test_a_continuation_agrees_with_a_longer_solved_track(run: Run) -> None:
+    """The continuations of six parts of 0.4 mm know 2.4 mm to their stated uncertainty."""
+    table = compare(run, parts=6, lengths=6)
+    spread = math.sqrt(float(np.mean(np.square(table["level"]))))
+    assert spread < 2 * table["stated"].mean()
+    # The mean level over parts is lower than that of the mean power, by a decibel for few lines.
+    assert abs(table["level"].mean()) < 3 * table["stated"].mean() / math.sqrt(6)
+    assert table["bands"].mean() > 0.8
+    own = table["kurtosis"] + table["solved kurtosis"]  # 48 ms of a resonance: three times 0.3
+    assert (table["impacts"] == 0).all() and (own - 3).abs().max() < 1
+
+
+def test_impacts_go_on(run: Run) -> None:
+    """A fast ball flies beyond the solved track as on it, whose fifteen impacts come in groups."""
+    scene = run.scene.with_({"rolling.speed_m_s": 3, "plate.thickness_mm": 20})
+    assert run.vibration is not None
+    law = run.vibration.law
+    solved = 0.0024 / 3
+    counts = []
+    for seconds in (solved, 100 * solved):
+        motion = LongMotion(scene, law, seconds, RATE, 0)
+        force = np.concatenate([*motion.forces()])
+        assert motion.apart == np.sum(force == 0) and motion.taken == len(force)
+        assert motion.impacts == np.sum((force[:-1] == 0) & (force[1:] > 0))
+        counts.append(motion.impacts / seconds)
+    assert counts[0] > 0 and 1 / 3 < counts[1] / counts[0] < 3
+
+
+def test_a_plate_with_edges_is_heard_in_stereo(run: Run) -> None:
+    """Both ears hear the plate, whose modes ring for longer than a stretch."""
+    edges = {"plate.length_mm": 60, "plate.width_mm": 50, "plate.contact_mm": [26, 18]}
+    ears = {"sound.listener_mm": [[10, 25, 200], [50, 25, 200]]}
+    assert run.vibration is not None
+    listening = listen_to_vibration(run.scene.with_(edges | ears), run.vibration.law, 0.1, 0)
+    left, right = listening.channels.T
+    assert len(left) == 4800 and not np.allclose(left, right, rtol=0, atol=0.1 * np.std(left))
+    assert np.std(left) == pytest.approx(np.std(right), rel=0.5)
+
+
+def test_a_smooth_track_stays_at_the_load() -> None:
+    run = marched(VIBRATING, ["surface={kind: smooth, spacing_um: 2, width_um: 160}"])
+    assert run.vibration is not None
+    law = hertz_law(1.0, 5e-3, 2.3e11, np.zeros(100))
+    force = listen_to_vibration(run.scene, law, 0.2, 0)
+    assert np.abs(force.pressure).max() < 1e-12
+
+
+@pytest.mark.parametrize("factor", [1, 2, 12, 31])
+def test_a_decimator_passes_hearing_and_stops_beyond_it(factor: int) -> None:
+    times = np.arange(4800 * factor) / (RATE * factor)
+    for frequency, gain in ((1_000, 1), (19_900, 1), (30_000, 0)):
+        tone = np.sin(2 * np.pi * frequency * times)
+        if frequency > RATE * factor / 2:
+            continue
+        decimator = Decimator(factor)
+        parts = np.split(tone, [7 * factor, 900 * factor])
+        heard = np.concatenate([*(decimator.add(part) for part in parts), decimator.end()])
+        expected = gain * tone[::factor]
+        assert len(heard) == 4800
+        assert np.abs(heard - expected)[30:-30].max() < 1e-3
+    assert kurtosis(heard) > 0
