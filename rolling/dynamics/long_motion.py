@@ -113,7 +113,7 @@ class LongMotion:
             yield force
 
     def _start(self) -> State:
-        """Return the state at the start: at rest in the air, or after a run-in over a closed track."""
+        """Return the state at the start: at rest in the air, or run in over a closed track."""
         if self._scene.rolling.drop_mm is not None:
             start = drop.start(self._scene, self._solved_law, self._chain)
             modes = at_rest(self._bodies, self._points(np.zeros(1)), *start[:2], -self._scene.load)
