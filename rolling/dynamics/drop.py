@@ -11,13 +11,13 @@ import numpy as np
 
 from rolling.contact import closed_forms
 from rolling.dynamics.bodies import Chain
-from rolling.dynamics.force_law import HIGHEST, LOWEST, ForceLaw
+from rolling.dynamics.force_law import LOWEST, ForceLaw
 from rolling.dynamics.motion import BodyMotion, Stepping
 from rolling.scene.scene import Scene
 
 IMPACT_STEPS = 40  # in the time of the first impact: force off by 0.3 %, restitution by 0.001
 LONGEST_S = 1 / 96e3  # which resolves hearing
-WIDEST = 4.0  # ratio of neighbouring loads of the force law of a drop
+RATIO = 4.0  # ratio of neighbouring loads of the force law of a drop
 
 
 def height_m(scene: Scene) -> float:
@@ -59,13 +59,13 @@ def elastic_height_m(scene: Scene) -> float:
 
 
 def loads(scene: Scene, sign: int) -> list[float]:
-    """Return loads [N] above (1) the scene's, up to the force of the impact, or below it (-1)."""
-    if sign < 0:
-        count = math.floor(-math.log(LOWEST, WIDEST))
-        return [scene.load * WIDEST**-k for k in range(1, count + 1)]
-    ratio = max(largest_force_n(scene) / scene.load, HIGHEST)
-    count = math.ceil(math.log(ratio) / math.log(WIDEST))
-    return [scene.load * ratio ** (k / count) for k in range(1, count + 1)]
+    """Return loads [N] above (1) the scene's, up to the force of the impact, or below it (-1).
+
+    They are the same from all heights, so that falls share their marches.
+    """
+    reach = largest_force_n(scene) / scene.load if sign > 0 else 1 / LOWEST
+    count = math.floor(math.log(max(reach, 1.0), RATIO))
+    return [scene.load * RATIO ** (sign * k) for k in range(1, count + 1)]
 
 
 def start(scene: Scene, law: ForceLaw, chain: Chain) -> tuple[float, float, float]:

@@ -145,14 +145,14 @@ def vibrate(
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
     comb = _comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
-    if once:  # and no sample of a noise
-        spread = _certain(spread)
     parts = {
-        "record": spread.laeq_db,
+        "record": None if once else spread.laeq_db,
         "comb": comb and comb.spread_db,
         "time_step": _step_error(scene, law, motion, levels.laeq_db, closed),
     }
     spreads = {name: db for name, db in parts.items() if db is not None}
+    if once:  # and no sample of a noise
+        spread = _of_event(spread, 0.0 if spreads else None)
     plate, ball = _powers(scene, force, highest)
     return Vibration(
         motion=motion,
@@ -281,15 +281,13 @@ def _step_error(
     return UNKNOWN_DB if coarse is None else min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
-def _certain(spread: uncertainty.LevelUncertainty) -> uncertainty.LevelUncertainty:
-    """Return uncertainties without a part [dB] from the length of the record."""
-
-    def certain(decibels: float | None) -> float | None:
-        return None if decibels is None else 0.0
-
+def _of_event(
+    spread: uncertainty.LevelUncertainty, least_db: float | None
+) -> uncertainty.LevelUncertainty:
+    """Return uncertainties [dB] without the length of the record, None without any other part."""
     whole = asdict(spread)
-    bands = {name: certain(db) for name, db in whole.pop("third_octave_db").items()}
-    known = {name: certain(db) for name, db in whole.items()}
+    bands = {name: db and least_db for name, db in whole.pop("third_octave_db").items()}
+    known = {name: db and least_db for name, db in whole.items()}
     return uncertainty.LevelUncertainty(**known, third_octave_db=bands)
 
 
