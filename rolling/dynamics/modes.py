@@ -93,9 +93,9 @@ class Modes:
         from scipy.interpolate import CubicSpline  # slow to import, for motions only
 
         own = np.log(self.angular_frequency / (2 * np.pi))
-        near = np.sinh(np.linspace(-6, 6, 25)) * self.damping_ratio[:, None]
+        near = np.sinh(np.linspace(-8, 8, 49)) * self.damping_ratio[:, None]
         least, most = own.min() - 5, np.log(_HIGHEST_HZ)
-        between = np.linspace(least, most, int(50 * (most - least)))
+        between = np.linspace(least, most, int(100 * (most - least)))
         grid = np.sort(np.concatenate(((own[:, None] + near).ravel(), between)))
         grid = grid[(grid >= least) & (grid <= most)]
         apart = np.floor(grid / (self.damping_ratio.min() / 8))
