@@ -116,8 +116,8 @@ class LongMotion:
         """Return the state at the start: at rest in the air, or run in over a closed track."""
         if self._scene.rolling.drop_mm is not None:
             start = drop.start(self._scene, self._solved_law, self._chain)
-            modes = at_rest(self._bodies, self._points(np.zeros(1)), *start[:2], -self._scene.load)
-            return modes if self._chain.modes is not None else State(*start)
+            points = self._points(np.zeros(1))
+            return at_rest(self._bodies, points, *start[:2], -self._scene.load)
         law, motion = self._solved_law, self._scene.motion
         speed, begin = float(motion.speed(0.0)), float(law.position_m[0])
         steps = 0

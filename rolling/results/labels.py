@@ -230,6 +230,8 @@ def _written(word: Word, value: Any, detail: int) -> str:
         return f"{word.name} {printable('/'.join(value.parts[-detail:]))}"
     if isinstance(value, str):
         return f"{word.name} {printable(value.replace('_', ' '))}"
+    if isinstance(value, tuple) and not isinstance(value[0], tuple):  # a point
+        return f"{word.name} {', '.join(f'{x:.{detail + 3}g}' for x in value)} {word.unit}"
     if isinstance(value, tuple) and detail == 1:  # a speed that changes
         speeds = [speed for _, speed in value]
         return f"{word.name} {min(speeds):g} to {max(speeds):g} {word.unit}"
