@@ -29,7 +29,12 @@ if TYPE_CHECKING:
     )
     from acoustics.gaussianity import kurtosis, kurtosis_uncertainty
     from acoustics.level import SoundLevels, laeq_db, level_db, sound_levels
-    from acoustics.modulation import EnvelopeSpectrum, envelope_spectrum, loudest_octave
+    from acoustics.modulation import (
+        EnvelopeSpectrum,
+        envelope_spectrum,
+        loudest_octave,
+        modulated_octave,
+    )
     from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
     from acoustics.spectrum import Psd, line_spectrum, welch
     from acoustics.uncertainty import LevelUncertainty, level_uncertainty
@@ -57,6 +62,7 @@ __all__ = [
     "level_uncertainty",
     "line_spectrum",
     "loudest_octave",
+    "modulated_octave",
     "plots",
     "reliable",
     "sound_levels",

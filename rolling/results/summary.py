@@ -18,7 +18,7 @@ from acoustics import loudness, uncertainty, wav
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
-from acoustics.modulation import envelope_spectrum
+from acoustics.modulation import envelope_spectrum, modulated_octave
 from rolling.check import cost, height_files
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
@@ -199,7 +199,7 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
 
 
 def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str, Any]:
-    """Return the turns of a sphere with a surface, and how they modulate its loudest octave."""
+    """Return the turns of a sphere with a surface, and how they modulate an octave."""
     track, constant = scene.track, scene.motion.is_constant(sound.duration)
     if not track.turn_nodes or surface.part_ra is None:
         return {}
@@ -208,10 +208,13 @@ def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str
     turn_hz = track.turns / sound.duration if constant else None
     if turn_hz is None or track.turns < LEAST_TURNS or sound.levels.laeq_db is None:
         return numbers | {"turn_hz": turn_hz, "turn_modulation": None, "turn_band_hz": None}
-    spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, closed=sound.closed)
+    record = sound.pressure, sound.sample_rate
+    band = modulated_octave(*record, turn_hz, sound.closed)
+    spectrum = envelope_spectrum(*record, band, sound.closed)
     return numbers | {
         "turn_hz": turn_hz,
         "turn_modulation": spectrum.at(turn_hz),
+        "turn_prominence": spectrum.prominence(turn_hz),
         "turn_band_hz": list(spectrum.band_hz),
     }
 

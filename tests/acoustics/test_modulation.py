@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics import envelope_spectrum, loudest_octave
+from acoustics import envelope_spectrum, loudest_octave, modulated_octave
 
 RATE = 48_000
 T = np.arange(RATE) / RATE
@@ -47,3 +47,18 @@ def test_silence_has_no_modulation_and_wrong_bands_are_refused() -> None:
             envelope_spectrum(T, RATE, band)
     with pytest.raises(ValueError, match="record"):
         envelope_spectrum(np.zeros(0), RATE)
+
+
+def test_clicks_are_found_beside_a_louder_band_of_noise() -> None:
+    """Clicks of 6 kHz, 20 dB below noise about 16 kHz, stand out in their own octave only."""
+    random = np.random.default_rng(1).standard_normal(RATE)
+    lines = np.fft.rfft(random)
+    lines[:12_000] = 0
+    clicks = np.sin(2 * np.pi * 6000 * T) * (T % 0.1 < 0.002)
+    clicks *= 0.1 * np.std(np.fft.irfft(lines)) / np.std(clicks)
+    record = np.fft.irfft(lines) + clicks + 1e-4 * random
+    low, high = modulated_octave(record, RATE, 10.0, closed=True)
+    assert low < 6000 < high < 13_000
+    found = envelope_spectrum(record, RATE, (low, high), True)
+    loudest = envelope_spectrum(record, RATE, closed=True)
+    assert found.prominence(10.0) > 10 > 4 > loudest.prominence(10.0)

@@ -79,7 +79,7 @@ def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
     runs = runs_of("flying" if vibrates else "seeds")
     one = runs if sweep or name == "mean_third_octaves" else runs[0]
     if name == "modulation":
-        turns = {"turn_band_hz": [562.0, 1122.0], "turn_hz": 300.0}
+        turns = {"turn_band_hz": [562.0, 1122.0], "turn_hz": 300.0, "turn_prominence": 2.0}
         one = replace(runs[0], summary=runs[0].summary | turns)
     arguments = ("rolling.load_n",) if sweep else ()
     for size, columns in (((6.4, 4.8), 2), ((3.5, 2.6), 1)):

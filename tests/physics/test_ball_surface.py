@@ -122,12 +122,15 @@ def test_a_pit_of_the_ball_ticks_once_per_turn() -> None:
     assert run.summary["turns"] == pytest.approx(5)
     turn_hz = run.summary["turn_hz"]
     assert turn_hz == pytest.approx(0.03 / 0.628e-3)
-    sound = run.sound
-    spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, closed=sound.closed)
+    sound, band = run.sound, run.summary["turn_band_hz"]
+    spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, band, sound.closed)
     about = np.median(spectrum.modulation[spectrum.frequency_hz < 6 * turn_hz])
     for multiple in range(1, 6):
         assert spectrum.at(multiple * turn_hz) > 10 * about
     assert run.summary["turn_modulation"] == spectrum.at(turn_hz)
+    assert run.summary["turn_prominence"] == spectrum.prominence(turn_hz) > 10
+    alone = scene.with_({"sphere.surface.faults": None})
+    assert hear("round", {}, alone.folder, alone, march_all(alone)).summary["turn_prominence"] < 5
 
 
 @pytest.mark.parametrize("grade", GRADES)
