@@ -60,6 +60,7 @@ WORDS = {  # in the order in which labels name them
     "sound.source": Word("source"),
     "sound.ball": Word("ball"),
     "sound.distance_m": Word("distance", "m"),
+    "sound.listener_mm": Word("listener", "mm", "listener above the contact"),
     "sound.q": Word("q"),
     "sound.gain_pa_per_w_m2": Word("gain", "Pa per W/m²", "no fixed gain"),
     "numerics.tolerance": Word("tolerance", minor=True),
@@ -202,6 +203,8 @@ def _written(word: Word, value: Any, detail: int) -> str:
         return f"{word.name} {printable('/'.join(value.parts[-detail:]))}"
     if isinstance(value, str):
         return f"{word.name} {printable(value.replace('_', ' '))}"
+    if isinstance(value, tuple) and word.unit == "mm":
+        return f"{word.name} {_point(value)} mm"
     if isinstance(value, tuple) and detail == 1:  # a speed that changes
         speeds = [speed for _, speed in value]
         return f"{word.name} {min(speeds):g} to {max(speeds):g} {word.unit}"
@@ -209,6 +212,12 @@ def _written(word: Word, value: Any, detail: int) -> str:
         points = (f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
         return f"{word.name} {', '.join(points)}"
     return f"{word.name} {f'{value:g}' if detail == 1 else value} {word.unit}".rstrip()
+
+
+def _point(value: Any) -> str:
+    """Write a point, or a list of points, in brackets."""
+    points = value if isinstance(value, tuple) else ()
+    return f"[{', '.join(map(_point, points))}]" if points else f"{value:g}"
 
 
 def _cut(text: str, longest: int) -> str:
