@@ -234,6 +234,14 @@ def _edges(scene: Scene) -> list[Finding]:
             "bending waves in hearing are longer than the plate, which moves as a stiff block:"
             " choose a larger plate.length_mm and plate.width_mm, or no plate.thickness_mm"
         )
+    modal = of_scene.smooth_chain(scene).modes
+    assert modal is not None  # as there is a plate with edges
+    sag, bent = scene.load * modal.compliance_m_n, None
+    if sag > of_scene.BENT * 1e-3 * (scene.plate.thickness_mm or 0.0):
+        bent = (
+            f"thin-plate theory wants at most {of_scene.BENT:g} of the thickness: choose a lower"
+            " rolling.load_n, or a thicker or smaller plate"
+        )
     ends = [
         f"[{rounded(x, 4)}, {rounded(y, 4)}] mm" for x, y in scene.plate.contact_ends_mm.values()
     ]
@@ -245,6 +253,7 @@ def _edges(scene: Scene) -> list[Finding]:
     edges = f"simply supported in a baffle, without which less is heard below {small}; no room"
     return [
         Finding("plate_modes", "modes of the plate", modes, warning),
+        Finding("plate_sag", "plate sinks under the load by", si(sag, "m"), bent),
         Finding("plate_contact", "contact on the plate", contact),
         Finding("plate_edges", "edges of the plate", edges),
     ]

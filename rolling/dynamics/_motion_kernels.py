@@ -266,24 +266,6 @@ def pressed(approach, sigma, push, give, table, pieces):
 
 
 @njit(cache=True)
-def stepped(approach, sigma, stored, push, give, drag, table, pieces):
-    """Return approach, sigma and mean force of a step, in contact or not.
-
-    `drag` [N/m] is the viscosity of the contact over the time step.
-    """
-    end, stiff = 0.0, 1.0 + give * drag
-    new, mean = lifted(approach, stored, push / stiff, give / stiff, pieces[0, 2])
-    if np.isnan(new):
-        new, end, mean = pressed(approach, sigma, push / stiff, give / stiff, table, pieces)
-    if drag > 0.0:
-        mean += drag * (new - approach)
-        if mean < 0.0:  # surfaces that part faster than the contact springs back do not pull
-            new, mean = approach + push, 0.0
-            end = root_of_force(new, table, pieces)
-    return new, end, mean
-
-
-@njit(cache=True)
 def advance(state, load, bodies, places, points, table, record):
     """Set the rows of `record` to force, approach, ball velocity and plate displacement.
 
@@ -295,40 +277,49 @@ def advance(state, load, bodies, places, points, table, record):
     track is the change of U from one step's law and point to the next.
     """
     approach, velocity, plate = state.approach, state.velocity, state.plate
-    step, mass, modes = bodies.step, bodies.mass, state.modes.copy()
+    step, mass, mobility, modes = bodies.step, bodies.mass, bodies.mobility, state.modes.copy()
+    yielding = step * step / (2.0 * mass) + step * mobility
+    back, compliance, drag = 0.0, 0.0, 0.0
     law = table.values[0].copy()
     pieces, shape = np.empty((table.breaks.shape[0], 4)), np.empty(modes.shape[1])
     first, energy, kinetic, lowest, highest = np.nan, np.nan, 0.0, np.inf, -np.inf
     load_work, track_work, loss, contact_loss = 0.0, 0.0, 0.0, 0.0
-    modal = -0.5 * np.sum(modes * modes)
+    modal, modal_energy = shape.shape[0] > 0, -0.5 * np.sum(modes * modes)
     for i in range(places.shape[0]):
         law_at(places[i], table, law)
         set_pieces(law, table, pieces)
-        give = step * step / (2.0 * mass) + step * bodies.mobility
-        back, compliance = 0.0, 0.0
-        if shape.shape[0]:
+        if modal:
             if i == 0 or points.shape[0] > 1:
                 set_shapes(points[i], bodies, shape)
             displacement, back, compliance = free_modes(shape, bodies, modes[0], modes[1])
             if points.shape[0] > 1:
                 approach -= displacement - plate
             plate = displacement
-            give += compliance
+        give = yielding + compliance
         sigma = root_of_force(approach, table, pieces)
         stored = energy_to(sigma, table, pieces)
         if i == 0:
             first = stored
         else:
             track_work += stored - energy
-        drag = 0.0
         if bodies.contact_time > 0.0:
             drag = bodies.contact_time / step * stiffness_at(sigma, table, pieces)
-        push = step * velocity + give * load + back
-        new, end, mean = stepped(approach, sigma, stored, push, give, drag, table, pieces)
+        push, end = step * velocity + give * load + back, 0.0
+        free = push
+        if drag > 0.0:
+            push, give = push / (1.0 + give * drag), give / (1.0 + give * drag)
+        new, mean = lifted(approach, stored, push, give, law[0])
+        if np.isnan(new):
+            new, end, mean = pressed(approach, sigma, push, give, table, pieces)
+        if drag > 0.0:
+            mean += drag * (new - approach)
+            if mean < 0.0:  # surfaces that part faster than the contact springs back do not pull
+                new, mean = approach + free, 0.0
+                end = root_of_force(new, table, pieces)
         energy = energy_to(end, table, pieces)
         gain = step * (load - mean) / mass
-        sink = step * bodies.mobility * (mean - load)
-        if shape.shape[0]:
+        sink = step * mobility * (mean - load)
+        if modal:
             sink += compliance * (mean - load) - back
             move_modes(mean - load, shape, bodies, modes[0], modes[1])
         record[i, 0] = mean
@@ -346,7 +337,7 @@ def advance(state, load, bodies, places, points, table, record):
         approach = new
         lowest = min(lowest, energy)
         highest = max(highest, energy)
-    modal += 0.5 * np.sum(modes * modes)
-    change, loss = kinetic + (energy - first) + modal, loss - modal
+    modal_energy += 0.5 * np.sum(modes * modes)
+    change, loss = kinetic + (energy - first) + modal_energy, loss - modal_energy
     energies = (change, load_work, track_work, loss, contact_loss, highest - lowest)
     return State(approach, velocity, plate, modes), energies

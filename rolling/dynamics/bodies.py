@@ -122,8 +122,7 @@ class Bodies(NamedTuple):
 
     def steps(self, step_s: float) -> StepBodies:
         """Return the bodies as time steps [s] move them, in tune at no frequency."""
-        mobility = self.mobility_s_kg if self.modes is None else 0.0
-        return step_bodies(self.mass_kg, mobility, self.modes, step_s)
+        return step_bodies(self.mass_kg, self.mobility_s_kg, self.modes, step_s)
 
 
 @dataclass(frozen=True)
@@ -182,9 +181,8 @@ class Chain:
 
     def steps(self, step_s: float) -> StepBodies:
         """Return the bodies as time steps [s] move them, in tune at the resonance."""
-        mobility = self.mobility_s_kg if self.modes is None else 0.0
         parts = self.modes, step_s, self.resonance_hz, self.contact_time_s
-        return step_bodies(self.mass_kg, mobility, *parts)
+        return step_bodies(self.mass_kg, self.mobility_s_kg, *parts)
 
     def mobilities(self, frequency_hz: ArrayLike) -> dict[str, NDArray[np.complex128]]:
         """Return the mobilities [s/kg] of ball, contact and plate at frequencies [Hz] above 0."""

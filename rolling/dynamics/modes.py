@@ -22,7 +22,7 @@ from rolling.dynamics._mode_kernels import StepBodies
 # Bands of the tail: the ratio of their edges, and their number. The damping ratio of a band dw
 # about w is dw / (pi w). Chosen by Zener's impacts on plates of 3 to 20 mm: docs/dynamics.md.
 RATIO, BANDS = 1.5, 6
-_FASTEST = 1.5  # phase in half a step at which faster modes ring, with their own compliance
+_FASTEST = 1.5  # highest phase of a mode in half a step
 _DIRECT = 300_000  # answers of modes that are summed without a table
 _BLOCK = 1_000_000  # answers of modes that are held at once
 _HIGHEST_HZ = 2e6  # of the table
@@ -56,8 +56,13 @@ class Modes:
 
     def lowest(self, mass_kg: float) -> float:
         """Return the lowest angular frequency [rad/s] of the plate with a mass on the contact."""
-        compliance = float(np.sum(self.weight * np.square(self.reach)))
-        return min(float(self.angular_frequency.min()), float((mass_kg * compliance) ** -0.5))
+        loaded = float((mass_kg * self.compliance_m_n) ** -0.5)
+        return min(float(self.angular_frequency.min()), loaded)
+
+    @property
+    def compliance_m_n(self) -> float:
+        """Static compliance [m/N] at the contact points."""
+        return float(np.sum(self.weight * np.square(self.reach)))
 
     def answers(self, frequency_hz: Array) -> NDArray[np.complex128]:
         """Return displacement over static displacement of each mode, (frequencies, modes)."""
@@ -88,9 +93,9 @@ class Modes:
         from scipy.interpolate import CubicSpline  # slow to import, for motions only
 
         own = np.log(self.angular_frequency / (2 * np.pi))
-        near = np.sinh(np.linspace(-6, 6, 25)) * self.damping_ratio[:, None]
+        near = np.sinh(np.linspace(-8, 8, 49)) * self.damping_ratio[:, None]
         least, most = own.min() - 5, np.log(_HIGHEST_HZ)
-        between = np.linspace(least, most, int(50 * (most - least)))
+        between = np.linspace(least, most, int(100 * (most - least)))
         grid = np.sort(np.concatenate(((own[:, None] + near).ravel(), between)))
         grid = grid[(grid >= least) & (grid <= most)]
         apart = np.floor(grid / (self.damping_ratio.min() / 8))
@@ -129,6 +134,7 @@ def step_bodies(
 ) -> StepBodies:
     """Return the bodies as a time step moves them, exact for a force at the tuned frequency [Hz].
 
+    Modes stand in place of the mobility. Modes faster than the steps ring as fast as these allow.
     A step holds the force, and takes S = 2/h tan(w h/2) for the frequency w of the ball. Other
     masses of ball and modes undo both at the tuned frequency, the ball's (x / tan x)^2 with
     x = w h/2. Without them 40 steps in a period lower the resonance by 0.2 %.
@@ -136,9 +142,8 @@ def step_bodies(
     x0 = np.pi * tuned_hz * step_s
     x0 = x0 if x0 < 1 else 0.0
     mass = float(mass_kg * (x0 / np.tan(x0)) ** 2) if x0 > 0 else mass_kg
-    parts = step_s, mass, mobility_s_kg, contact_time_s
     if modes is None:
-        none = np.zeros(0)
+        parts, none = (step_s, mass, mobility_s_kg, contact_time_s), np.zeros(0)
         return StepBodies(*parts, none, none, none, none, np.zeros(0, np.int64), np.ones(2))
     w = np.minimum(modes.angular_frequency, 2 * _FASTEST / step_s)
     zeta = modes.damping_ratio
@@ -151,6 +156,7 @@ def step_bodies(
     x = w * step_s / 2
     gain = _sinc(x - x0) * _sinc(x + x0) / np.square(_sinc(x) * np.cos(x0))
     reach, fall, keep = modes.reach * np.sqrt(gain), 1 - mean - zeta * turn, mean - zeta * turn
+    parts = step_s, mass, 0.0, contact_time_s
     return StepBodies(*parts, fall, turn, keep, reach, modes.counts, modes.sides)
 
 

@@ -281,13 +281,12 @@ class _Run:
         frequency = np.arange(1, len(lines) + 1) / self.lap_s
         heard = frequency < 0.5 / self.step
         frequency, force = frequency[heard], self.chain.force(frequency[heard], -lines[heard])
-        modes = self.chain.modes.repeated(frequency, force)
-        modes *= at_rest(self.bodies, self.point, 0.0, 0.0, 1.0).modes[0]
+        shape = at_rest(self.bodies, self.point, 0.0, 0.0, 1.0).modes[0]
+        modes = shape * self.chain.modes.repeated(frequency, force)
         start = self.load + float(np.sum(force.real))
         velocity = np.sum((1j * force / (2 * np.pi * frequency * self.chain.mass_kg)).real)
         pressed = float(self.law.approach(self.first, max(start, 0.0)))
-        plate = at_rest(self.bodies, self.point, 0.0, 0.0, 1.0).modes[0] @ modes[0]
-        return State(pressed, float(velocity), float(plate), modes)
+        return State(pressed, float(velocity), float(shape @ modes[0]), modes)
 
     def entered(self, travel: Travel) -> State:
         """Return the state at the start of a travel after a run-in at its first speed."""

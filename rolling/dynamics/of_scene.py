@@ -17,6 +17,7 @@ from rolling.dynamics.motion import BodyMotion, Stepping, Travel, move
 from rolling.scene.scene import Scene
 
 LEAST_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
+BENT = 0.1  # deflection over thickness up to which thin-plate theory holds
 NEAR_SPEEDS = 0.03  # relative change of the speed over which the levels of a looped record spread
 _STATIONS = 17  # points of a path over which the linear chain takes the mean
 _MOST_TIMES = 1_000_000  # maximum number of times that describe a changing speed

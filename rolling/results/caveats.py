@@ -12,6 +12,7 @@ import numpy as np
 from acoustics.bands import OFF_DB
 from acoustics.numbers import rounded
 from rolling.check import findings, resolution
+from rolling.dynamics.of_scene import BENT
 from rolling.marches.result import MovingRelease
 from rolling.results.run_errors import RunErrors
 from rolling.results.verdict import ranks
@@ -20,7 +21,6 @@ from rolling.sound import solver_error
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
 
-BENT = 0.1  # range of the plate's displacement over its thickness up to which it is small
 MEASURED_DB = 26, 70  # release with q = 1 over the vibration, on 71 runs of docs/dynamics.md
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 # Caveats that stand beside every level, beside every player, and elsewhere; others are warnings.

@@ -203,21 +203,17 @@ def _written(word: Word, value: Any, detail: int) -> str:
         return f"{word.name} {printable('/'.join(value.parts[-detail:]))}"
     if isinstance(value, str):
         return f"{word.name} {printable(value.replace('_', ' '))}"
-    if isinstance(value, tuple) and word.unit == "mm":
-        return f"{word.name} {_point(value)} mm"
+    if isinstance(value, tuple) and word.unit == "mm":  # a point, or listeners
+        points = value if isinstance(value[0], tuple) else (value,)
+        texts = (", ".join(f"{x:.{detail + 3}g}" for x in point) for point in points)
+        return f"{word.name} {'; '.join(texts)} {word.unit}"
     if isinstance(value, tuple) and detail == 1:  # a speed that changes
         speeds = [speed for _, speed in value]
         return f"{word.name} {min(speeds):g} to {max(speeds):g} {word.unit}"
     if isinstance(value, tuple):
-        points = (f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
-        return f"{word.name} {', '.join(points)}"
+        pairs = (f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
+        return f"{word.name} {', '.join(pairs)}"
     return f"{word.name} {f'{value:g}' if detail == 1 else value} {word.unit}".rstrip()
-
-
-def _point(value: Any) -> str:
-    """Write a point, or a list of points, in brackets."""
-    points = value if isinstance(value, tuple) else ()
-    return f"[{', '.join(map(_point, points))}]" if points else f"{value:g}"
 
 
 def _cut(text: str, longest: int) -> str:

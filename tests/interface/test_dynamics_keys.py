@@ -176,6 +176,8 @@ def test_the_check_states_modes_and_contact_of_a_plate_with_edges() -> None:
     rows = {row.key: row for row in vibration.findings(scene(*EDGES, "plate.thickness_mm=1"))}
     assert re.match(r"11\d\d up to 30 kHz from 42.\d Hz", rows["plate_modes"].value)
     assert "the sphere rolls on the spot" in rows["plate_contact"].value
+    sag = rows["plate_sag"]
+    assert sag.value == "1.23 mm" and "thin-plate theory" in str(sag.warning)
     small = scene(*EDGES, "plate.length_mm=20", "plate.width_mm=30")
     stiff = {row.key: row for row in vibration.findings(small)}["plate_modes"]
     assert stiff.value == "none up to 30 kHz" and "a stiff block" in str(stiff.warning)

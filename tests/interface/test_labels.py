@@ -245,3 +245,15 @@ def test_printable_text_is_what_it_was_but_for_its_escapes(text: str) -> None:
 
 def test_escapes_name_the_byte() -> None:
     assert labels.printable("a\nb\udcff\u202e") == "a\\nb\\xff\\u202e"
+
+
+def test_contact_points_are_labelled_by_their_coordinates() -> None:
+    plate = SCENE.to_dict()["plate"] | {"density_kg_m3": 7850.0, "thickness_mm": 3.0}
+    plate |= {"loss_factor": 0.01, "length_mm": 300.0, "width_mm": 400.0}
+    sphere = SCENE.to_dict()["sphere"] | {"density_kg_m3": 7850.0}
+    points = [[90.0, 80.0], [90.00001, 80.0]]
+    cases = [
+        Case(scene(sphere=sphere, dynamics={}, plate=plate | {"contact_mm": point}))
+        for point in points
+    ]
+    assert of(*cases) == ["contact point 90, 80 mm", "contact point 90.00001, 80 mm"]

@@ -238,3 +238,12 @@ def test_a_plate_rests_under_the_force_of_the_start() -> None:
     motion = move(law, own, LOAD, 0.0, 2e-4, Stepping(start=(-1e-3, 0.0, 0.0)))
     assert motion.flight_share == 1
     assert np.ptp(motion.plate_m) < 1e-9 * abs(motion.plate_m[0])
+
+
+@pytest.mark.parametrize("loss_factor", [1e-3, 0.5])
+def test_table_of_the_receptance(loss_factor: float) -> None:
+    """Many frequencies are read from a table, within 1 % on sharp resonances and between."""
+    modes = modes_of(rectangle(10, SIDES, loss_factor), POINT)
+    frequency = np.geomspace(20, 40e3, 6001)
+    exact = np.concatenate([modes.receptance(part) for part in np.array_split(frequency, 10)])
+    assert np.abs(modes.receptance(frequency) / exact - 1).max() < 0.01
