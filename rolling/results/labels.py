@@ -76,6 +76,7 @@ WORDS = {  # in the order in which labels name them
     "sound.source": Word("source"),
     "sound.ball": Word("ball"),
     "sound.distance_m": Word("distance", "m"),
+    "sound.listener_mm": Word("listener", "mm", "listener above the contact"),
     "sound.q": Word("q"),
     "sound.gain_pa_per_w_m2": Word("gain", "Pa per W/m²", "no fixed gain"),
     "numerics.tolerance": Word("tolerance", minor=True),
@@ -230,14 +231,16 @@ def _written(word: Word, value: Any, detail: int) -> str:
         return f"{word.name} {printable('/'.join(value.parts[-detail:]))}"
     if isinstance(value, str):
         return f"{word.name} {printable(value.replace('_', ' '))}"
-    if isinstance(value, tuple) and not isinstance(value[0], tuple):  # a point
-        return f"{word.name} {', '.join(f'{x:.{detail + 3}g}' for x in value)} {word.unit}"
+    if isinstance(value, tuple) and word.unit == "mm":  # a point, or listeners
+        points = value if isinstance(value[0], tuple) else (value,)
+        texts = (", ".join(f"{x:.{detail + 3}g}" for x in point) for point in points)
+        return f"{word.name} {'; '.join(texts)} {word.unit}"
     if isinstance(value, tuple) and detail == 1:  # a speed that changes
         speeds = [speed for _, speed in value]
         return f"{word.name} {min(speeds):g} to {max(speeds):g} {word.unit}"
     if isinstance(value, tuple):
-        points = (f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
-        return f"{word.name} {', '.join(points)}"
+        pairs = (f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
+        return f"{word.name} {', '.join(pairs)}"
     return f"{word.name} {f'{value:g}' if detail == 1 else value} {word.unit}".rstrip()
 
 

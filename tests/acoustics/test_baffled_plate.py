@@ -22,6 +22,7 @@ def steel(thickness_m: float, loss_factor: float = 0.01, scale: float = 1.0) -> 
     )
 
 
+@pytest.mark.law("Sound of a plate with edges: a mode's far field is Wallace's.")
 @pytest.mark.parametrize("order", [(1, 1), (2, 3), (7, 4)])
 @pytest.mark.parametrize("degrees", [0.0, 25.0, 70.0])
 def test_far_field_of_a_mode(order: tuple[int, int], degrees: float) -> None:
@@ -65,6 +66,9 @@ def test_the_integral_by_brute_force(listener: tuple[float, float, float]) -> No
         assert abs(value - shape[0] @ green @ shape[1]) < 0.01 * abs(value) + 1e-4
 
 
+@pytest.mark.law(
+    "Sound of a plate with edges: with strong damping it is that of an infinite plate."
+)
 def test_a_damped_large_plate_is_an_infinite_plate() -> None:
     """At a loss factor of 0.5 no wave returns from the edges of 0.6 x 0.45 m: 0.5 dB from 3 kHz."""
     plate = steel(0.5e-3, 0.5, 1.5)
@@ -75,6 +79,9 @@ def test_a_damped_large_plate_is_an_infinite_plate() -> None:
     assert np.abs(np.angle(pressure / infinite)).max() < 0.06  # towards the ball's side
 
 
+@pytest.mark.law(
+    "Sound of a plate with edges: both sides, mirrored places and two points of force are alike."
+)
 def test_listeners_above_and_below_mirrored_and_reversed() -> None:
     """Baffle and plate are symmetric about their plane and about the middles of the edges."""
     plate, f = steel(3e-3), np.geomspace(30, 19e3, 50)
@@ -102,6 +109,7 @@ def test_the_power_of_a_mode_by_two_routes() -> None:
     assert own_resistance(EDGES, order, np.array([f]))[0] == pytest.approx(power, rel=0.01)
 
 
+@pytest.mark.law("Sound of a plate with edges: power fed in is lost or radiated.")
 @pytest.mark.parametrize(("thickness", "loss_factor"), [(1e-3, 0.01), (10e-3, 1e-4)])
 def test_power_in_is_power_radiated_and_lost(thickness: float, loss_factor: float) -> None:
     """Both sides radiate; the loss by sound is that at resonances, which leaves 5 % between them.
@@ -120,6 +128,9 @@ def test_power_in_is_power_radiated_and_lost(thickness: float, loss_factor: floa
     assert (radiated > lost) == (loss_factor < 1e-3)
 
 
+@pytest.mark.law(
+    "Sound of a plate with edges: the pressure over a far half sphere carries the power."
+)
 def test_far_pressure_carries_the_power() -> None:
     """The mean square at 2000 plate lengths, over a half sphere, is that of the modes: 0.5 dB.
 

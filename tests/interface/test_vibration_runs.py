@@ -210,6 +210,10 @@ def test_levels_have_errors_of_grid_solver_and_force_law(monkeypatch: pytest.Mon
     # The short waves are the grid's, and a faster ball does not hear them.
     faster = heard_again(run, run.scene.with_({"rolling.speed_m_s": 0.3}))
     assert faster.summary["grid_signal_db"] < numbers["grid_signal_db"]
+    # Edges weigh the same errors of the approach by their modes.
+    edged = heard_again(run, run.scene.with_({"plate.length_mm": 200, "plate.width_mm": 150}))
+    errors = [numbers["laeq_grid_error_db"], edged.summary["laeq_grid_error_db"]]
+    assert errors[0] != errors[1] == pytest.approx(errors[0], abs=2.0)
 
 
 @pytest.mark.parametrize(

@@ -54,6 +54,7 @@ def test_the_ringing_of_an_open_record_does_not_wrap_round(loss_factor: float) -
     assert np.abs(pressure[:13_000]).max() < 1e-3 * np.abs(pressure).max()
 
 
+@pytest.mark.law("Sound of a plate with edges: a moving contact is a fixed one during a pulse.")
 def test_a_moving_contact_is_a_fixed_one_during_a_pulse() -> None:
     """Pulses at three points of a path at 0.3 m/s: each lasts 0.5 mm, so 2 % are left."""
     path = ("plate.contact_mm=[30, 40]", "plate.contact_path=to-and-fro")
