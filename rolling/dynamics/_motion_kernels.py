@@ -10,15 +10,10 @@ F = (U(d1) - U(d0)) / (d1 - d0), a discrete gradient:
 
     M (u1 - u0) / h = W - F,   (z1 - z0) / h = (u1 + u0) / 2,   (w1 - w0) / h = Y (F - W)
 
-Modes of a plate with edges move exactly under the constant force F - W. With the elastic energy
-Q^2 / 2 and the kinetic energy P^2 / 2 of a mode, w = sum g Q, and X = Q - g (F - W),
+Modes of a plate with edges, if there are any, add w1 - w0 = C (F - W) - B (`_mode_kernels`). With
+d = z - w this is one equation for d1, whose left side rises:
 
-    Q1 = Q0 - e X + b P0,   P1 = c P0 - b X,   w1 - w0 = sum g (b P0 - e Q0) + (F - W) sum e g^2
-
-With d = z - w this is one equation for d1, whose left side rises:
-
-    (d1 - d0) + give F = push,   give = h^2 / (2 M) + h Y + sum e g^2,
-    push = h u0 + give W + sum g (e Q0 - b P0)
+    (d1 - d0) + give F = push,   give = h^2 / (2 M) + h Y + C,   push = h u0 + give W + B
 
 A viscous force D (d1 - d0) / h of the contact divides give and push by 1 + give D / h.
 """
@@ -26,14 +21,14 @@ A viscous force D (d1 - d0) / h of the contact divides give and push by 1 + give
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
-from math import cos, floor, sin, sqrt
+from math import floor, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from rolling.contact.compiling import njit
+from rolling.dynamics._mode_kernels import free_modes, move_modes, set_shapes
 
 
 class LawTable(NamedTuple):
@@ -51,25 +46,6 @@ class LawTable(NamedTuple):
     edges: Array
     values: Array
     slopes: Array
-
-
-class StepBodies(NamedTuple):
-    """Ball, contact and plate as a time step moves them; the arrays have a value for each mode.
-
-    `counts` has the number of modes by half waves along a plate with edges, each with one more half
-    wave across; the modes after them have the same shape everywhere.
-    """
-
-    step: float  # [s]
-    mass: float  # [kg] of the ball
-    mobility: float  # [s/kg] of the plate beside its modes
-    contact_time: float  # [s] viscosity of the contact over its stiffness
-    fall: Array  # e
-    turn: Array  # b
-    keep: Array  # c
-    reach: Array  # g at an antinode [m/J^0.5]
-    counts: NDArray[np.int64]
-    sides: Array  # [m] length and width
 
 
 class State(NamedTuple):
@@ -290,43 +266,21 @@ def pressed(approach, sigma, push, give, table, pieces):
 
 
 @njit(cache=True)
-def set_shapes(point, bodies, waves, shape):
-    """Set `shape` to the displacement g of each mode at a point [m]; `waves` is room for sines."""
-    around = np.pi * point[1] / bodies.sides[1]
-    waves[0], before = sin(around), 0.0
-    for n in range(1, waves.shape[0]):
-        waves[n] = 2.0 * cos(around) * waves[n - 1] - before
-        before = waves[n - 1]
-    i = 0
-    for m in range(bodies.counts.shape[0]):
-        along = sin(np.pi * (m + 1) * point[0] / bodies.sides[0])
-        for n in range(bodies.counts[m]):
-            shape[i] = bodies.reach[i] * along * waves[n]
-            i += 1
-    shape[i:] = bodies.reach[i:]
+def stepped(approach, sigma, stored, push, give, drag, table, pieces):
+    """Return approach, sigma and mean force of a step, in contact or not.
 
-
-@njit(cache=True, fused=True)
-def free_modes(shape, bodies, elastic, kinetic):
-    """Return displacement, its fall in a step without a force [m], and compliance [m/N]."""
-    fall, turn = bodies.fall, bodies.turn
-    start, back, compliance = 0.0, 0.0, 0.0
-    for i in range(shape.shape[0]):
-        start += shape[i] * elastic[i]
-        back += shape[i] * (fall[i] * elastic[i] - turn[i] * kinetic[i])
-        compliance += fall[i] * shape[i] * shape[i]
-    return start, back, compliance
-
-
-@njit(cache=True, fused=True)
-def move_modes(force, shape, bodies, elastic, kinetic):
-    """Move the modes by a step under a constant force [N]."""
-    fall, turn, keep = bodies.fall, bodies.turn, bodies.keep
-    for i in range(shape.shape[0]):
-        left = elastic[i] - shape[i] * force
-        speed = kinetic[i]
-        elastic[i] += turn[i] * speed - fall[i] * left
-        kinetic[i] = keep[i] * speed - turn[i] * left
+    `drag` [N/m] is the viscosity of the contact over the time step.
+    """
+    end, stiff = 0.0, 1.0 + give * drag
+    new, mean = lifted(approach, stored, push / stiff, give / stiff, pieces[0, 2])
+    if np.isnan(new):
+        new, end, mean = pressed(approach, sigma, push / stiff, give / stiff, table, pieces)
+    if drag > 0.0:
+        mean += drag * (new - approach)
+        if mean < 0.0:  # surfaces that part faster than the contact springs back do not pull
+            new, mean = approach + push, 0.0
+            end = root_of_force(new, table, pieces)
+    return new, end, mean
 
 
 @njit(cache=True)
@@ -341,52 +295,42 @@ def advance(state, load, bodies, places, points, table, record):
     track is the change of U from one step's law and point to the next.
     """
     approach, velocity, plate = state.approach, state.velocity, state.plate
-    step, mass, mobility = bodies.step, bodies.mass, bodies.mobility
-    give = step * step / (2.0 * mass) + step * mobility
+    step, mass, modes = bodies.step, bodies.mass, state.modes.copy()
     law = table.values[0].copy()
-    pieces = np.empty((table.breaks.shape[0], 4))
+    pieces, shape = np.empty((table.breaks.shape[0], 4)), np.empty(modes.shape[1])
     first, energy, kinetic, lowest, highest = np.nan, np.nan, 0.0, np.inf, -np.inf
     load_work, track_work, loss, contact_loss = 0.0, 0.0, 0.0, 0.0
-    modes = state.modes.copy()
-    count = modes.shape[1]
     modal = -0.5 * np.sum(modes * modes)
-    shape, waves = np.empty(count), np.empty(bodies.counts[0] if bodies.counts.shape[0] else 1)
-    back, compliance = 0.0, 0.0
     for i in range(places.shape[0]):
         law_at(places[i], table, law)
         set_pieces(law, table, pieces)
-        yielding = give
-        if count:
+        give = step * step / (2.0 * mass) + step * bodies.mobility
+        back, compliance = 0.0, 0.0
+        if shape.shape[0]:
             if i == 0 or points.shape[0] > 1:
-                set_shapes(points[i], bodies, waves, shape)
+                set_shapes(points[i], bodies, shape)
             displacement, back, compliance = free_modes(shape, bodies, modes[0], modes[1])
             if points.shape[0] > 1:
                 approach -= displacement - plate
             plate = displacement
-            yielding = give + compliance
+            give += compliance
         sigma = root_of_force(approach, table, pieces)
         stored = energy_to(sigma, table, pieces)
         if i == 0:
             first = stored
         else:
             track_work += stored - energy
-        push = step * velocity + yielding * load + back
         drag = 0.0
-        if bodies.contact_time > 0.0 and sigma > 0.0:
+        if bodies.contact_time > 0.0:
             drag = bodies.contact_time / step * stiffness_at(sigma, table, pieces)
-        stiff = 1.0 + yielding * drag
-        new, mean = lifted(approach, stored, push / stiff, yielding / stiff, law[0])
-        end = 0.0
-        if np.isnan(new):
-            new, end, mean = pressed(approach, sigma, push / stiff, yielding / stiff, table, pieces)
-        if drag > 0.0:
-            mean += drag * (new - approach)
-            if mean < 0.0:  # surfaces that part faster than the contact springs back do not pull
-                new, mean = approach + push, 0.0
-                end = root_of_force(new, table, pieces)
+        push = step * velocity + give * load + back
+        new, end, mean = stepped(approach, sigma, stored, push, give, drag, table, pieces)
         energy = energy_to(end, table, pieces)
         gain = step * (load - mean) / mass
-        sink = step * mobility * (mean - load)
+        sink = step * bodies.mobility * (mean - load)
+        if shape.shape[0]:
+            sink += compliance * (mean - load) - back
+            move_modes(mean - load, shape, bodies, modes[0], modes[1])
         record[i, 0] = mean
         record[i, 1] = 0.5 * (approach + new)
         record[i, 2] = velocity + 0.5 * gain
@@ -397,24 +341,12 @@ def advance(state, load, bodies, places, points, table, record):
         loss += sink * (mean - load)
         if drag > 0.0:
             contact_loss += mean * (new - approach) - (energy - stored)
-        if count:
-            sunk = compliance * (mean - load) - back
-            record[i, 3] += 0.5 * sunk
-            loss += (mean - load) * sunk
-            move_modes(mean - load, shape, bodies, modes[0], modes[1])
-            plate += sunk
         velocity += gain
         plate += sink
         approach = new
         lowest = min(lowest, energy)
         highest = max(highest, energy)
     modal += 0.5 * np.sum(modes * modes)
-    change = kinetic + (energy - first) + modal
-    return State(approach, velocity, plate, modes), (
-        change,
-        load_work,
-        track_work,
-        loss - modal,
-        contact_loss,
-        highest - lowest,
-    )
+    change, loss = kinetic + (energy - first) + modal, loss - modal
+    energies = (change, load_work, track_work, loss, contact_loss, highest - lowest)
+    return State(approach, velocity, plate, modes), energies

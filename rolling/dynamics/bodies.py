@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from acoustics.arrays import Array
 from acoustics.radiation import ThinPlate
-from rolling.dynamics._motion_kernels import StepBodies
+from rolling.dynamics._mode_kernels import StepBodies
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.modes import Modes, step_bodies
 

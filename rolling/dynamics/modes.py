@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array, short_repr
 from acoustics.rectangular_plate import MODES_HZ, RectangularPlate
-from rolling.dynamics._motion_kernels import StepBodies
+from rolling.dynamics._mode_kernels import StepBodies
 
 # Bands of the tail: the ratio of their edges, and their number. The damping ratio of a band dw
 # about w is dw / (pi w). Chosen by Zener's impacts on plates of 3 to 20 mm: docs/dynamics.md.

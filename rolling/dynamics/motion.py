@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
-from rolling.dynamics import _motion_kernels
-from rolling.dynamics._motion_kernels import State, StepBodies
+from rolling.dynamics import _mode_kernels, _motion_kernels
+from rolling.dynamics._mode_kernels import StepBodies
+from rolling.dynamics._motion_kernels import State
 from rolling.dynamics.bodies import Bodies, Chain, contact_stiffness
 from rolling.dynamics.force_law import ForceLaw
 
@@ -175,8 +176,7 @@ def at_rest(
     """
     shape = np.empty(len(bodies.reach))
     if len(shape):
-        waves = np.empty(max([1, *bodies.counts]))
-        _motion_kernels.set_shapes(point_m[0], bodies, waves, shape)
+        _mode_kernels.set_shapes(point_m[0], bodies, shape)
     modes = np.stack((force_n * shape, np.zeros_like(shape)))
     return State(approach_m, velocity_m_s, float(force_n * shape @ shape), modes)
 

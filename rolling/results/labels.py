@@ -46,6 +46,12 @@ WORDS = {  # in the order in which labels name them
     "plate.density_kg_m3": Word("plate density", "kg/m³", "no plate density"),
     "plate.thickness_mm": Word("thickness", "mm", "half-space"),
     "plate.loss_factor": Word("loss factor", "", "no loss factor"),
+    "plate.length_mm": Word("plate length", "mm", "infinite plate"),
+    "plate.width_mm": Word("plate width", "mm", "no plate width"),
+    "plate.contact_mm": Word("contact point", "mm", "default contact point"),
+    "plate.contact_path": Word("contact path", "", "fixed contact"),
+    "plate.contact_end_mm": Word("end of the path", "mm", "no end of the path"),
+    "plate.contact_loss_factor": Word("contact loss factor", "", "no contact loss"),
     "surface.spacing_um": Word("spacing", "µm"),
     "numerics.step_nodes": Word("step", "nodes"),
     "numerics.edges": Word("edges"),
@@ -54,6 +60,7 @@ WORDS = {  # in the order in which labels name them
     "sound.source": Word("source"),
     "sound.ball": Word("ball"),
     "sound.distance_m": Word("distance", "m"),
+    "sound.listener_mm": Word("listener", "mm", "listener above the contact"),
     "sound.q": Word("q"),
     "sound.gain_pa_per_w_m2": Word("gain", "Pa per W/m²", "no fixed gain"),
     "numerics.tolerance": Word("tolerance", minor=True),
@@ -196,6 +203,8 @@ def _written(word: Word, value: Any, detail: int) -> str:
         return f"{word.name} {printable('/'.join(value.parts[-detail:]))}"
     if isinstance(value, str):
         return f"{word.name} {printable(value.replace('_', ' '))}"
+    if isinstance(value, tuple) and word.unit == "mm":
+        return f"{word.name} {_point(value)} mm"
     if isinstance(value, tuple) and detail == 1:  # a speed that changes
         speeds = [speed for _, speed in value]
         return f"{word.name} {min(speeds):g} to {max(speeds):g} {word.unit}"
@@ -203,6 +212,12 @@ def _written(word: Word, value: Any, detail: int) -> str:
         points = (f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
         return f"{word.name} {', '.join(points)}"
     return f"{word.name} {f'{value:g}' if detail == 1 else value} {word.unit}".rstrip()
+
+
+def _point(value: Any) -> str:
+    """Write a point, or a list of points, in brackets."""
+    points = value if isinstance(value, tuple) else ()
+    return f"[{', '.join(map(_point, points))}]" if points else f"{value:g}"
 
 
 def _cut(text: str, longest: int) -> str:

@@ -231,8 +231,10 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _others(summary: Mapping[str, Any]) -> str:
-    """State the levels at the listeners beside the first; empty without any."""
-    words = ""
+    """State the other listeners' levels and the plate's sound power; empty without edges."""
+    words, power = "", summary.get("plate_power_level_db")
+    if summary.get("listeners") and power is not None:
+        words = f"; sound power of the plate: {power:.1f} dB re 1 pW"
     for listener in summary.get("listeners", ())[1:]:
         laeq, at = listener["laeq_db"], ", ".join(f"{x:g}" for x in listener["at_mm"])
         words += f"; at [{at}] mm: {'silent' if laeq is None else f'{laeq:.1f} dB(A)'}"

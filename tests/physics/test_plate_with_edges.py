@@ -23,7 +23,7 @@ from test_ball_on_plate import (
 )
 
 from acoustics.rectangular_plate import RectangularPlate
-from rolling.dynamics import _motion_kernels as kernels
+from rolling.dynamics import _mode_kernels as kernels
 from rolling.dynamics.bodies import BendingPlate, Bodies, contact_stiffness
 from rolling.dynamics.modes import Modes, modes_of, step_bodies
 from rolling.dynamics.motion import BodyMotion, Stepping, advance, at_rest, move
