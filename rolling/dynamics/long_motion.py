@@ -40,11 +40,6 @@ class LongLaw:
         self.rows = ContinuedRows(np.vstack((approach, rows)), closed, seed, turn)
         self.limited, self.continued = 0, 0  # positions
 
-    @property
-    def solved_m(self) -> float:
-        """Length of the track that is rolled as solved [m]."""
-        return float(self.rows.solved * self._law.spacing_m)
-
     def table(self, begin_m: float, end_m: float) -> LawTable:
         """Return the law between two positions [m], of which neither lies before the last ones."""
         start, spacing = float(self._law.position_m[0]), self._law.spacing_m
