@@ -95,7 +95,7 @@ class Modes:
         own = np.log(self.angular_frequency / (2 * np.pi))
         near = np.sinh(np.linspace(-8, 8, 49)) * self.damping_ratio[:, None]
         least, most = own.min() - 5, np.log(_HIGHEST_HZ)
-        between = np.linspace(least, most, int(100 * (most - least)))
+        between = np.linspace(least, most, int(150 * (most - least)))
         grid = np.sort(np.concatenate(((own[:, None] + near).ravel(), between)))
         grid = grid[(grid >= least) & (grid <= most)]
         apart = np.floor(grid / (self.damping_ratio.min() / 8))
