@@ -28,7 +28,9 @@ from rolling.sound.contact_sound import fade_length
 WRAPPED = 1e-4  # part of the ringing of an open record that is left of it at its beginning
 _LEAST_S = 0.25  # [s] of an open record with silence, at least twice
 _POINTS = 9  # of a path over which powers are averaged
-_BLOCK = 2**21  # values of modes in time at once
+_BLOCK = 2**21  # values of modes in time or frequency at once
+_STRETCH_S = 1.0  # [s] of a record on a path, for modes that fade as fast
+_PER_WAVE = 12  # stations of a path in the shortest bending wave that is heard
 _PER_WIDTH, _GRID = 4, (2000, 40_000)  # frequencies of a power in the width of a mode, and limits
 
 
@@ -63,6 +65,8 @@ def pressures(
     heard = np.fft.irfft(records, n, axis=1)[:, : len(force)] * np.exp(growth * times)
     if closed:
         return np.asarray(heard)
+    if _moves(scene):
+        heard += _fading(scene, plate, force, listeners)
     ends = fade_length(len(force), len(force) / rate)
     return np.array(
         [resampling.band_limit(resampling.fade(record, ends), rate) for record in heard]
@@ -87,14 +91,70 @@ def _spectra(
         return np.array([transfer * spectrum for transfer in transfers])
     points = of_scene.contact_points(scene, np.arange(len(force)) / wav.SAMPLE_RATE_HZ)
     total = np.array([_ball(scene, ball, frequency, k, path) for k in listeners]) * spectrum
-    count = max(1, _BLOCK // n)
-    for first in range(0, len(plate.angular_frequency), count):
-        modes = slice(first, first + count)
+    for modes in _parts(slice(0, _lasting(plate, force)), n):
         forces = np.fft.rfft(force[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
         for k, listener in enumerate(listeners):
             transfer = plate.mode_transfer(frequency, listener, path, modes)
             total[k] += np.einsum("nm,nm->n", transfer, forces)
     return np.asarray(total)
+
+
+def _lasting(plate: RectangularPlate, force: Array) -> int:
+    """Return the number of modes, the lowest, that ring for longer than a stretch of a record."""
+    if len(force) <= 2 * _STRETCH_S * wav.SAMPLE_RATE_HZ:
+        return len(plate.angular_frequency)
+    decays = plate.angular_frequency * plate.loss_factor / 2 * _STRETCH_S
+    return int(np.sum(decays < -math.log(WRAPPED)))
+
+
+def _parts(modes: slice, values: int) -> list[slice]:
+    """Split modes into parts that bound the memory of so many values for each mode."""
+    count = max(1, _BLOCK // values)
+    return [
+        slice(first, min(first + count, modes.stop))
+        for first in range(modes.start, modes.stop, count)
+    ]
+
+
+def _fading(
+    scene: Scene, plate: RectangularPlate, force: Array, listeners: Sequence[Listener]
+) -> Array:
+    """Return the pressure [Pa] at listeners of the modes that fade within a stretch of a record.
+
+    The force is divided among stations of the path, between which the transfer is linear.
+    """
+    rate, modes = wav.SAMPLE_RATE_HZ, len(plate.angular_frequency)
+    hop, lead, first_mode = round(_STRETCH_S * rate), rate // 10, _lasting(plate, force)
+    n, records = 2 * hop + lead, np.zeros((len(listeners), len(force) + 2 * (hop + lead)))
+    if first_mode < modes:
+        stations, places = _stations(scene, plate, len(force))
+        frequency, path = np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=float), _path(scene)
+        transfers = np.zeros((len(listeners), len(frequency), len(stations)), dtype=complex)
+        for part in _parts(slice(first_mode, modes), n):
+            shapes = plate.shapes(stations, part).T
+            for transfer, listener in zip(transfers, listeners, strict=True):
+                transfer += plate.mode_transfer(frequency, listener, path, part) @ shapes
+        for first in range(0, len(force), hop):
+            place = places[first : first + hop]
+            near = np.arange(int(place.min()), min(int(place.max()) + 2, len(stations)))
+            shares = np.maximum(0, 1 - np.abs(place[:, None] - near))
+            lines = np.fft.rfft(force[first : first + hop, None] * shares, n, axis=0)
+            for record, transfer in zip(records, transfers, strict=True):
+                pressure = np.fft.irfft(np.einsum("nk,nk->n", transfer[:, near], lines), n)
+                # Sound that comes before that from the first contact point wraps to the end.
+                record[first : first + n] += np.roll(pressure, lead)
+    return records[:, lead : lead + len(force)]
+
+
+def _stations(scene: Scene, plate: RectangularPlate, samples: int) -> tuple[Array, Array]:
+    """Return stations on the path (k, 2) [m], and the place among them at each sample."""
+    begin, end = points_on_path(scene)[[0, -1]]
+    ratio = plate.bending_stiffness_n_m / plate.mass_per_area_kg_m2
+    wave = 2 * math.pi * ratio**0.25 / math.sqrt(2 * math.pi * AUDIBLE_HZ[1])
+    spaces = math.ceil(_PER_WAVE * math.dist(begin, end) / wave)
+    points = of_scene.contact_points(scene, np.arange(samples) / wav.SAMPLE_RATE_HZ)
+    places = spaces * np.linalg.norm(points - begin, axis=1) / math.dist(begin, end)
+    return begin + np.linspace(0, 1, spaces + 1)[:, None] * (end - begin), places
 
 
 def square_transfer(
