@@ -91,6 +91,7 @@ WORDS = {  # in the order in which labels name them
     "numerics.error_estimate": Word("error estimate", minor=True),
     "recovery.events": Word("recovery events", minor=True),
     "sound.loudness": Word("loudness", minor=True),
+    "sound.listen_s": Word("listening", "s", minor=True),
 }
 
 

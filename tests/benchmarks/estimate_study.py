@@ -129,7 +129,8 @@ def with_detail(scene: rc.Scene) -> Array:
     rq = surface.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
     lengths = (surface.correlation_length_um * 1e-6,) * 2
     for octave in (1, 2):
-        z = continued(z, spacing, rq, lengths, surface.autocorrelation, (surface.seed, octave))
+        law = rq, lengths, surface.autocorrelation
+        z = continued(z, spacing, [law], (surface.seed, octave))
         spacing /= 2
     cells = z.repeat(contact.subcells, axis=0).repeat(contact.subcells, axis=1)
     start = contact.start + (scene.spacing - spacing) / 2
