@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from rolling import _own_acoustics
 
-__version__ = "0.3.0"
+__version__ = "0.4.0.dev0"
 
 if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling import check, plot
