@@ -225,7 +225,7 @@ def test_resound_refusals() -> None:
     assert load == (
         f"--set: rolling.load_n: needs a new run; without solving again allowed: {allowed}"
     )
-    assert unknown.startswith("--set: sound.z: unknown key, allowed: source, ball, distance_m, q")
+    assert unknown.startswith("--set: sound.z: unknown key, allowed: source, ball, distance_m")
     assert share == "--set: sound.q: got 0, allowed: greater than 0"
     with pytest.raises(
         SceneError,
