@@ -27,6 +27,7 @@ RECEIVED = {
     "Run.sound": "rolling.sound.contact_sound.ContactSound",
     "Run.sound.levels": "acoustics.level.SoundLevels",
     "Run.vibration": "rolling.sound.vibration_sound.Vibration",
+    "Scene, in SI": "rolling.scene.quantities.SceneQuantities",
     "Scene.check()": "rolling.check.findings.Findings",
 }
 

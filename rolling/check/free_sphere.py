@@ -10,7 +10,8 @@ from rolling.check.finding import Finding, rounded_down, rounded_up, si
 from rolling.check.resolution import HEARING
 from rolling.contact import closed_forms
 from rolling.dynamics import drop
-from rolling.scene.scene import STEEL_DENSITY, Scene
+from rolling.scene.quantities import STEEL_DENSITY
+from rolling.scene.scene import Scene
 
 STEEL_GPA, STEEL_POISSON = 210.0, 0.3
 MAX_CONTACT = 0.2  # contact radius over sphere radius

@@ -7,7 +7,8 @@ from rolling.check import cost, free_sphere, long_steps, vibration
 from rolling.check.finding import Finding, rounded_up, si
 from rolling.check.free_sphere import MAX_CONTACT
 from rolling.check.resolution import HEARING
-from rolling.scene.scene import STEEL_DENSITY, Scene
+from rolling.scene.quantities import STEEL_DENSITY
+from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 
 MAX_SLOPE = 0.3  # rms norm of the gradient that a half-space may have

@@ -22,7 +22,7 @@ from rolling.marches.result import ErrorStretches, Result
 from rolling.scene.scene import Scene
 from rolling.sound import error_estimate
 from rolling.sound.error_estimate import BandPowers, StretchSignals
-from rolling.sound.vibration_sound import roughness_gain
+from rolling.sound.radiators import roughness_gain
 from rolling.surface.scene_surface import has_detail
 
 

@@ -14,9 +14,11 @@ from ruamel.yaml.comments import CommentedSeq
 
 from rolling.scene import library, messages, yaml_text
 from rolling.scene.messages import Key, SceneError, all_keys, shown
-from rolling.scene.scene import Scene, motion_of, put
+from rolling.scene.quantities import motion_of
+from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE, WEIGHT, Rolling, Sound, Sphere
 from rolling.scene.surfaces import HeightFile
+from rolling.scene.sweep import with_value
 from rolling.scene.yaml_text import TextError
 
 # ---- reading, writing, overriding
@@ -120,7 +122,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
             faults.append(f"--set: {name}: {messages.unknown_name(name, Scene)}")
         else:
             try:
-                put(data, name, yaml_text.parse(text, "--set")[0])
+                data |= with_value(data, name, yaml_text.parse(text, "--set")[0])
             except TextError as error:
                 faults.append(f"--set: {name}: {_bare(error)}")
                 continue

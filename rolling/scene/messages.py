@@ -262,6 +262,18 @@ def words_for_numbers(root: type[BaseModel]) -> dict[str, tuple[str, ...]]:
     return {name: get_args(kinds[0]) for name, kinds in words.items() if kinds}
 
 
+def full_key(name: str, root: type[BaseModel]) -> str:
+    """Return the dotted key for a bare or dotted name; raise SceneError if none or several fit."""
+    if name in all_keys(root):
+        return name
+    last = [key for key in keys(root) if key.rpartition(".")[2] == name]
+    last = [key for key in last if key.count(".") == last[0].count(".")]  # outer sections first
+    if len(last) == 1:
+        return last[0]
+    words = f"stands for {' or '.join(last)}, give one of these"
+    raise SceneError([f"scene: {name}: {words if last else unknown_name(name, root)}"])
+
+
 @cache
 def all_keys(root: type[BaseModel]) -> list[str]:
     """List every name that an override can set, including sections and swept keys."""

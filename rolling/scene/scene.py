@@ -6,10 +6,7 @@ reads and writes. It is frozen, and `with_` gives a changed copy.
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
@@ -23,68 +20,13 @@ from pydantic import (
     WithJsonSchema,
     field_validator,
 )
-from pydantic_core import PydanticCustomError
 
-from acoustics.numbers import rounded
-from rolling.scene import messages
+from rolling.scene import messages, rules
 from rolling.scene import sweep as sweeps
-from rolling.scene.balls import BallHeightFile, Roughness, refuse_ball, turn_nodes
-from rolling.scene.faults import SurfaceFault, refuse_misplaced
-from rolling.scene.messages import Key, SceneError, fault
-from rolling.scene.motion import ROUNDING, Motion
-from rolling.scene.section import MAX_FAULTS, Section, plain
-from rolling.scene.sections import (
-    WEIGHT,
-    Dynamics,
-    Numerics,
-    Plate,
-    Recovery,
-    Rolling,
-    Sound,
-    Sphere,
-    refuse_free_factors,
-)
-from rolling.scene.surfaces import Gaussian, HeightFile, MadeSurface, Smooth, Surface
-from rolling.scene.track import (
-    Track,
-    file_track,
-    height_nodes,
-    made_track,
-    refuse_turn,
-    rolled,
-)
-
-STEEL_DENSITY = 7850.0  # [kg/m3]
-GRAVITY = 9.80665  # [m/s2]
-_FREE = 5 / 7  # of the force over the mass: a solid sphere that rolls has 7/5 of its mass
-
-# Rule of `numerics.tolerance: auto`. The solver's error of the release over its fluctuation is
-# proportional to tolerance times deflection over roughness: a violation of the gap by that length
-# shows in a fluctuation that the roughness makes. At TOLERANCE it is -49 dB or less in all of 23
-# scenes (Ra 0.001 to 1 um, 0.3 to 100 N, elastic and yielding) whose roughness is a tenth of the
-# deflection or more, and rises to -22 dB, above the grid's error, on smoother surfaces. With the
-# rule it is -48.7 dB or less in all, and 20 dB or more below the grid's unless that is below -40.
-TOLERANCE, LEAST_TOLERANCE = 1e-4, 1e-6
-SMOOTH = 0.1  # rms roughness over Hertz deflection, below which the tolerance falls
-FILE_TOLERANCE = 2e-5  # for a height file, whose roughness the scene does not know
-EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
-MOST_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
-PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
-DEFAULT_NAME = "scene"  # name of a scene that is built in Python
-NAME = (
-    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
-    " quotes)"
-)
-
-
-_IN_FLIGHT = "which a sphere with rolling.drop_mm has not: nothing is released in flight"
-
-
-def _name(value: Any) -> Any:
-    """Refuse a name that some file system may not take."""
-    if isinstance(value, str) and re.fullmatch(PATTERN, value):
-        return value
-    raise fault(f"got {messages.shown(value)}, allowed: {NAME}")
+from rolling.scene.messages import Key, SceneError
+from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
+from rolling.scene.section import MAX_FAULTS, plain
+from rolling.scene.sections import Dynamics, Numerics, Rolling, Sound
 
 
 class SweepRun(NamedTuple):
@@ -97,7 +39,7 @@ class SweepRun(NamedTuple):
     scene: Scene
 
 
-class Scene(Section):
+class Scene(SceneQuantities):
     """Scene: the bodies, the solution of their contact, and the place of the listener.
 
     Scenes are equal when all their values are equal, wherever they were read from.
@@ -140,17 +82,6 @@ class Scene(Section):
 
     IN_FILES: ClassVar[str] = "name"
 
-    name: Annotated[str, BeforeValidator(_name)] = Field(default=DEFAULT_NAME, pattern=PATTERN)
-    title: str | None = None
-    description: str | None = None
-    sphere: Sphere
-    plate: Plate
-    surface: Surface
-    rolling: Rolling
-    numerics: Numerics = Field(default_factory=Numerics, validate_default=True)
-    recovery: Recovery = Field(default_factory=Recovery)
-    dynamics: Dynamics | None = Field(default=None, validate_default=True)
-    sound: Sound = Field(default_factory=Sound, validate_default=True)
     sweep: Annotated[
         dict[str, Any],
         BeforeValidator(lambda value: sweeps.validated(value, Scene)),
@@ -161,151 +92,31 @@ class Scene(Section):
     # `rolling/__init__.py` binds it.
     check: ClassVar[Callable[..., Any]]
 
-    _folder: Path = PrivateAttr(default=Path())
     _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
 
     @field_validator("rolling")
     @classmethod
-    def _has_duration(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
-        lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance or None
-        if not any(lengths) and isinstance(info.data.get("surface"), MadeSurface):
-            words = "missing; give it or a rolling.distance_mm"
-            raise fault(words, "rolling", "duration_s")
-        return rolling
-
-    @field_validator("rolling")
-    @classmethod
-    def _has_weight(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
-        sphere = info.data.get("sphere")
-        if sphere is None:
-            return rolling
-        if rolling.load_n == WEIGHT and sphere.density_kg_m3 is None:
-            words = f"got {WEIGHT}, which needs sphere.density_kg_m3"
-            if "load_n" not in rolling.model_fields_set:
-                words = "missing; give it, or sphere.density_kg_m3 for the weight of the sphere"
-            raise fault(words, "rolling", "load_n")
-        if rolling.resistance is not None and sphere.density_kg_m3 is None:
-            words = "missing; rolling.resistance needs the mass of the sphere"
-            raise fault(words, "sphere", "density_kg_m3")
-        rest = motion_of(sphere, rolling).rest_time
-        if rolling.resistance and rolling.duration_s and rolling.duration_s > rest * (1 + ROUNDING):
-            raise fault(
-                f"the sphere comes to rest after {rounded(rest, 6)} s, rolling.duration_s is"
-                f" {messages.plain_number(rolling.duration_s)}: give it more speed, or leave out"
-                " the duration",
-                *("rolling", "duration_s"),
-            )
-        return rolling
-
-    @field_validator("rolling")
-    @classmethod
-    def _has_room(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
-        """Refuse a contact too near an edge of the plate, and more modes than can be moved."""
-        sphere, plate = info.data.get("sphere"), info.data.get("plate")
-        if sphere is None or plate is None or plate.edges_mm is None:
-            return rolling
-        part = cls.model_construct(sphere=sphere, plate=plate, rolling=rolling)
-        radius = (3 * part.load * part.radius / (4 * part.contact_modulus)) ** (1 / 3)
-        least = EDGE_RADII * radius * 1e3
-        for key, point in plate.contact_ends_mm.items():
-            edge = min(min(x, side - x) for x, side in zip(point, plate.edges_mm, strict=True))
-            if edge < least:
-                narrow = "length_mm" if plate.edges_mm[0] < plate.edges_mm[1] else "width_mm"
-                words = (
-                    f"the contact is {rounded(edge)} mm from an edge, allowed: at least"
-                    f" {rounded(least, 3)}, ten contact radii"
-                )
-                raise fault(words, "plate", key if getattr(plate, key) is not None else narrow)
-        modes = part.plate_modes
-        if modes > MOST_MODES:
-            words = (
-                f"the plate has some {rounded(modes)} modes in hearing, allowed: {MOST_MODES};"
-                " choose a smaller or thicker plate, or an infinite one without edges"
-            )
-            raise fault(words, "plate", "length_mm")
+    def _can_roll(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
+        rules.refuse_rolling(rolling, info.data)
         return rolling
 
     @field_validator("numerics")
     @classmethod
     def _has_track(cls, numerics: Numerics, info: ValidationInfo) -> Numerics:
-        surface, rolling = info.data.get("surface"), info.data.get("rolling")
-        sphere = info.data.get("sphere")
-        if surface is None or sphere is None:
-            return numerics
-        if sphere.surface is not None:
-            refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
-        if isinstance(surface, Gaussian | Smooth) and rolling is not None:
-            _made_track(sphere, surface, rolling, numerics)
+        rules.refuse_numerics(numerics, info.data)
         return numerics
 
     @field_validator("dynamics")
     @classmethod
     def _has_masses(cls, dynamics: Dynamics | None, info: ValidationInfo) -> Dynamics | None:
-        bodies = {name: info.data.get(name) for name in ("sphere", "plate")}
-        rolling = info.data.get("rolling")
-        dropped = rolling is not None and rolling.drop_mm is not None
-        if dynamics is not None and dynamics.release and dropped:
-            raise fault(f"got true, {_IN_FLIGHT}", "dynamics", "release")
-        if dynamics is None:
-            if dropped:
-                words = "only goes with dynamics; `dynamics: {}` takes its defaults"
-                raise fault(words, "rolling", "drop_mm")
-            if bodies["plate"] is not None and bodies["plate"].thickness_mm is not None:
-                rule = "without that section the plate does not bend"
-                raise fault(f"only goes with dynamics: {rule}", "plate", "thickness_mm")
-            if bodies["plate"] is not None and bodies["plate"].contact_loss_factor is not None:
-                rule = "without that section nothing vibrates"
-                raise fault(f"only goes with dynamics: {rule}", "plate", "contact_loss_factor")
-            return None
-        for name, body in bodies.items():
-            if body is not None and body.density_kg_m3 is None:
-                words = f"missing; dynamics needs the mass of the {name}"
-                raise fault(words, name, "density_kg_m3")
+        rules.refuse_dynamics(dynamics, info.data)
         return dynamics
 
     @field_validator("sound")
     @classmethod
     def _has_source(cls, sound: Sound, info: ValidationInfo) -> Sound:
-        sphere, dynamics = info.data.get("sphere"), info.data.get("dynamics", ...)
-        if sphere is not None and sound.distance_m <= sphere.radius_mm * 1e-3:
-            words = f"more than {rounded(sphere.radius_mm * 1e-3, 6)}, the sphere's radius in m"
-            got = messages.plain_number(sound.distance_m)
-            rule = "the listener stands outside the sphere"
-            raise fault(f"got {got}, allowed: {words}: {rule}", "sound", "distance_m")
-        if sound.source is None and dynamics is not ...:
-            source = "release" if dynamics is None else "vibration"
-            sound = sound.model_copy(update={"source": source})
-            refuse_free_factors(sound)
-        elif sound.source == "vibration" and dynamics is None:
-            words = "needs the section dynamics; `dynamics: {}` takes its defaults"
-            raise fault(f'got "vibration", which {words}', "sound", "source")
-        rolling = info.data.get("rolling")
-        if sound.source == "release" and rolling is not None and rolling.drop_mm is not None:
-            raise fault(f'got "release", {_IN_FLIGHT}', "sound", "source")
-        return sound
-
-    @field_validator("sound")
-    @classmethod
-    def _has_listeners(cls, sound: Sound, info: ValidationInfo) -> Sound:
-        """Refuse listeners of a plate without edges, and listeners inside the sphere."""
-        sphere, plate = info.data.get("sphere"), info.data.get("plate")
-        if sound.listener_mm is None or sphere is None or plate is None:
-            return sound
-        if plate.edges_mm is None:
-            rule = "an infinite plate is heard on the axis, at distance_m"
-            words = f"only goes with plate.length_mm and plate.width_mm: {rule}"
-            raise fault(words, "sound", "listener_mm")
-        ends = list(plate.contact_ends_mm.values())
-        (x, y), (to_x, to_y) = ends[0], ends[-1]
-        square = (to_x - x) ** 2 + (to_y - y) ** 2
-        for at in sound.listener_mm:
-            along = (at[0] - x) * (to_x - x) + (at[1] - y) * (to_y - y)
-            share = min(max(along / square, 0.0), 1.0) if square else 0.0
-            nearest = x + share * (to_x - x), y + share * (to_y - y), sphere.radius_mm
-            if math.dist(at, nearest) <= sphere.radius_mm:
-                rule = "more than its radius from the middle of the sphere"
-                words = f"got {messages.shown(list(at))}, inside the sphere, allowed: {rule}"
-                raise fault(words, "sound", "listener_mm")
+        sound = rules.with_source(sound, info.data)
+        rules.refuse_listeners(sound, info.data)
         return sound
 
     def __eq__(self, other: object) -> bool:
@@ -382,13 +193,12 @@ class Scene(Section):
 
         The folder and keys without a value are left out.
         """
-        data = self.model_dump(exclude_none=True)
+        data: dict[str, Any] = plain(self)
         if not self.sweep:
             del data["sweep"]
         if self.sound.source == "vibration":
             del data["sound"]["q"]  # which such a scene may not give
-        listed: dict[str, Any] = _listed(data)
-        return listed
+        return data
 
     # ---- changes, runs, findings ----
 
@@ -420,14 +230,14 @@ class Scene(Section):
         given: set[str] = set()
         for short, value in [*(changes or {}).items(), *keys.items()]:
             try:
-                key = _full_key(short)
+                key = messages.full_key(short, type(self))
                 if key in given:
                     raise SceneError([f"scene: {key}: given twice"])
             except SceneError as error:
                 faults += error.faults
                 continue
             given.add(key)
-            put(data, key, plain(value))
+            data = sweeps.with_value(data, key, plain(value))
         if faults:
             raise SceneError(faults)
         return type(self).from_dict(data, self.folder)
@@ -452,279 +262,3 @@ class Scene(Section):
         swept: Key = ("sweep", name)
         key = swept if swept in self._places else messages.key_of(name)
         return messages.place(key, self._places)
-
-    # ---- quantities in SI ----
-
-    @property
-    def folder(self) -> Path:
-        """Folder that a relative `surface.path` starts from."""
-        return self._folder
-
-    @property
-    def height_path(self) -> Path | None:
-        """File of the plate's heights; None when its surface is generated."""
-        return self._folder / self.surface.path if isinstance(self.surface, HeightFile) else None
-
-    @property
-    def height_paths(self) -> dict[str, Path]:
-        """Files of heights by the section that reads them."""
-        sections = {"surface": self.surface, "sphere.surface": self.sphere.surface}
-        return {
-            name: self._folder / section.path
-            for name, section in sections.items()
-            if isinstance(section, HeightFile | BallHeightFile)
-        }
-
-    @property
-    def laws(self) -> tuple[Roughness, ...]:
-        """Laws of the random heights of plate and sphere, none beside heights from a file."""
-        parts = self.surface, self.sphere.surface
-        laws = (part.law for part in parts if not isinstance(part, HeightFile | None))
-        return () if self.height_paths else tuple(law for law in laws if law is not None)
-
-    @property
-    def faults(self) -> list[SurfaceFault]:
-        """Single faults of plate and sphere."""
-        ball = self.sphere.surface
-        return [*(self.surface.faults or ()), *((ball and ball.faults) or ())]
-
-    @property
-    def is_smooth(self) -> bool:
-        """Whether plate and sphere are perfectly smooth."""
-        ball = self.sphere.surface
-        formed = ball is not None and ball.has_form
-        return not (self.height_paths or self.laws or self.faults or formed)
-
-    @cached_property
-    def track(self) -> Track:
-        """Positions of the sphere.
-
-        The track lasts for the duration on a generated surface, and by default once round a height
-        file.
-
-        A track over a generated surface is rounded to whole nodes and whole steps, so that it
-        closes on itself. Only the header of a height file in the format of numpy is read.
-
-        Raises
-        ------
-        SceneError
-            The height file is missing or holds no heights, or the sphere never gets round it.
-        """
-        surface, step_nodes = self.surface, self.numerics.step_nodes
-        try:
-            if isinstance(surface, HeightFile):
-                nodes = height_nodes(self.folder / surface.path, surface.path, surface.n_across)
-                rolling = self.rolling
-                lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance
-                wanted = rolled(*lengths, self.motion)
-                turn = _turn(self.sphere, surface)
-                track = file_track(nodes, self.spacing, step_nodes, self.motion, wanted, turn)
-                _refuse_faults(self.sphere, surface, track)
-            else:
-                track = _made_track(self.sphere, surface, self.rolling, self.numerics)
-            ball = self.sphere.surface
-            if isinstance(ball, BallHeightFile):
-                refuse_turn(self.folder / ball.path, ball.path, track)
-            return track
-        except PydanticCustomError as error:
-            context = error.context or {}
-            raise SceneError([f"{messages.dotted(context['at'])}: {context['message']}"]) from error
-
-    @property
-    def motion(self) -> Motion:
-        """Distance and speed over time."""
-        return motion_of(self.sphere, self.rolling)
-
-    @property
-    def duration(self) -> float:
-        """Time [s] that the track takes."""
-        # A track round a file has at least one step, even for a sphere that rests before.
-        return self.motion.duration(min(self.track.distance, self.motion.final_distance))
-
-    @property
-    def radius(self) -> float:
-        """Radius of the sphere [m]."""
-        return self.sphere.radius_mm * 1e-3
-
-    @property
-    def mass(self) -> float:
-        """Mass of the sphere [kg]; it is of steel unless the scene gives a density."""
-        return _mass(self.sphere)
-
-    @property
-    def contact_modulus(self) -> float:
-        """Contact modulus E* [Pa].
-
-        1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 holds, without the first term for a rigid sphere.
-        """
-        compliance = (1 - self.plate.poissons_ratio**2) / self.plate.youngs_modulus_gpa
-        if self.sphere.youngs_modulus_gpa is not None and self.sphere.poissons_ratio is not None:
-            compliance += (1 - self.sphere.poissons_ratio**2) / self.sphere.youngs_modulus_gpa
-        return 1e9 / compliance
-
-    @property
-    def plate_modes(self) -> float:
-        """Approximate number of modes of a plate with edges up to 30 kHz; 0 without edges."""
-        plate = self.plate
-        if plate.edges_mm is None or plate.thickness_mm is None:
-            return 0.0
-        area = plate.edges_mm[0] * plate.edges_mm[1] * 1e-6
-        density = plate.density_kg_m3 or STEEL_DENSITY
-        stretch = plate.youngs_modulus_gpa * 1e9 / (12 * density * (1 - plate.poissons_ratio**2))
-        return area * 30e3 / (2 * math.sqrt(stretch) * plate.thickness_mm * 1e-3)
-
-    @property
-    def listeners(self) -> list[tuple[float, float, float]]:
-        """Listeners [m] of a plate with edges from its corner, by default one above the contact."""
-        if self.sound.listener_mm is not None:
-            return [(1e-3 * x, 1e-3 * y, 1e-3 * z) for x, y, z in self.sound.listener_mm]
-        ends = list(self.plate.contact_ends_mm.values())
-        x, y = (5e-4 * (ends[0][i] + ends[-1][i]) for i in (0, 1))
-        return [(x, y, self.sound.distance_m)]
-
-    @property
-    def listener_place(self) -> str:
-        """Place of the first listener in words: a distance, or coordinates from the corner."""
-        if self.sound.listener_mm is None or self.sound.source != "vibration":
-            return f"{self.sound.distance_m:g} m"
-        return f"[{', '.join(f'{x:g}' for x in self.sound.listener_mm[0])}] mm"
-
-    @property
-    def hardness(self) -> float:
-        """Maximum pressure that the plate bears [Pa], infinite for a purely elastic plate."""
-        return math.inf if self.plate.hardness_gpa is None else self.plate.hardness_gpa * 1e9
-
-    @property
-    def spacing(self) -> float:
-        """Node spacing [m]."""
-        return self.surface.spacing_um * 1e-6
-
-    @property
-    def step(self) -> float:
-        """Distance from one position to the next [m]."""
-        return self.spacing * self.numerics.step_nodes
-
-    @property
-    def tolerance(self) -> float:
-        """Tolerance of the solver [-], by the rule of `auto` unless the scene gives a number."""
-        given = self.numerics.tolerance
-        return automatic_tolerance(self) if isinstance(given, str) else given
-
-    @property
-    def load(self) -> float:
-        """Normal load [N]."""
-        return _load(self.sphere, self.rolling)
-
-    @property
-    def moves_release(self) -> bool:
-        """Whether the release is wanted under the moving load.
-
-        It is the default where the release is heard.
-        """
-        if self.dynamics is None:
-            return False
-        wanted = self.dynamics.release
-        return self.sound.source == "release" if wanted is None else wanted
-
-    @property
-    def start(self) -> float:
-        """First position along the track [m]."""
-        return self.rolling.start_um * 1e-6
-
-
-def _mass(sphere: Sphere) -> float:
-    """Return the mass of a sphere [kg]."""
-    radius = sphere.radius_mm * 1e-3
-    return (sphere.density_kg_m3 or STEEL_DENSITY) * 4 / 3 * math.pi * radius**3
-
-
-def _load(sphere: Sphere, rolling: Rolling) -> float:
-    """Return the load [N], by default the weight of the sphere."""
-    return GRAVITY * _mass(sphere) if isinstance(rolling.load_n, str) else rolling.load_n
-
-
-def motion_of(sphere: Sphere, rolling: Rolling) -> Motion:
-    """Return distance and speed over time of a sphere that keeps its speed, or rolls out."""
-    if rolling.resistance is None or not isinstance(rolling.speed_m_s, float):
-        return Motion.of(rolling.speed_m_s)
-    acceleration = _load(sphere, rolling) / _mass(sphere)
-    return Motion.rolling_out(rolling.speed_m_s, _FREE * rolling.resistance * acceleration)
-
-
-def _made_track(
-    sphere: Sphere, surface: Gaussian | Smooth, rolling: Rolling, numerics: Numerics
-) -> Track:
-    spacing, motion = surface.spacing_um * 1e-6, motion_of(sphere, rolling)
-    wanted = rolled(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
-    assert wanted is not None  # refused before
-    turn = _turn(sphere, surface)
-    track = made_track(surface.n_across, spacing, numerics.step_nodes, motion, wanted, turn)
-    _refuse_faults(sphere, surface, track)
-    return track
-
-
-def _turn(sphere: Sphere, surface: Surface) -> int:
-    """Return the nodes of a turn of a sphere that has a surface, otherwise 0."""
-    if sphere.surface is None:
-        return 0
-    return turn_nodes(sphere.radius_mm, surface.spacing_um)
-
-
-def _refuse_faults(sphere: Sphere, surface: Surface, track: Track) -> None:
-    """Raise a fault for faults of plate or sphere that lie beyond their surfaces."""
-    spacing, ball = surface.spacing_um, sphere.surface
-    width = track.n_across * spacing
-    length, turn = track.plate_nodes * spacing, track.turn_nodes * spacing
-    refuse_misplaced(surface.faults or (), length, width, spacing, ("surface", "faults"))
-    if ball is not None:
-        at = "sphere", "surface", "faults"
-        refuse_misplaced(ball.faults or (), turn, width, spacing, at)
-
-
-def automatic_tolerance(scene: Scene) -> float:
-    """Return the tolerance [-] of `auto`, with one digit, from roughness and Hertz deflection.
-
-    It is 1e-4, and less in proportion where the rms roughness of plate and sphere together is below
-    a tenth of the deflection. Faults and waves of the circumference do not count as roughness.
-    """
-    if scene.height_paths:
-        return FILE_TOLERANCE
-    rq = math.hypot(*(law.rq_m for law in scene.laws))
-    deflection = (9 * scene.load**2 / (16 * scene.radius * scene.contact_modulus**2)) ** (1 / 3)
-    tolerance = min(TOLERANCE, max(LEAST_TOLERANCE, TOLERANCE * rq / deflection / SMOOTH))
-    digit = 10.0 ** math.floor(math.log10(tolerance) + 1e-9)
-    return float(f"{math.floor(tolerance / digit + 1e-9) * digit:.0e}")
-
-
-def _full_key(name: str) -> str:
-    """Return the dotted key for a bare or dotted name; raise SceneError if none or several fit."""
-    if name in messages.all_keys(Scene):
-        return name
-    last = [key for key in messages.keys(Scene) if key.rpartition(".")[2] == name]
-    last = [key for key in last if key.count(".") == last[0].count(".")]  # outer sections first
-    if len(last) == 1:
-        return last[0]
-    words = f"stands for {' or '.join(last)}, give one of these"
-    raise SceneError([f"scene: {name}: {words if last else messages.unknown_name(name, Scene)}"])
-
-
-def put(data: dict[str, Any], name: str, value: Any) -> None:
-    """Put the value of a dotted name into plain values, and take the name out of the sweep."""
-    *sections, last = messages.key_of(name)
-    inside: Any = data
-    for section in sections:
-        if inside.get(section) is None:
-            inside[section] = {}
-        inside = inside[section]
-        if not isinstance(inside, dict):  # another value in place of the section, a fault by itself
-            return
-    inside[last] = value
-    if sections[:1] != ["sweep"] and isinstance(data.get("sweep"), dict):
-        data["sweep"].pop(name, None)
-
-
-def _listed(value: Any) -> Any:
-    """Turn tuples into lists, recursively."""
-    if isinstance(value, dict):
-        return {name: _listed(item) for name, item in value.items()}
-    return [_listed(item) for item in value] if isinstance(value, list | tuple) else value

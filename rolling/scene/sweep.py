@@ -153,14 +153,24 @@ def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, 
     return dict(result)
 
 
+def with_value(data: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
+    """Return plain values with the value of a dotted name, which leaves the sweep."""
+    key = messages.key_of(name)
+    result: dict[str, Any] = _changed(data, key, value)
+    if len(key) > 1 and key[0] != "sweep" and isinstance(swept := result.get("sweep"), dict):
+        result["sweep"] = {other: listed for other, listed in swept.items() if other != name}
+    return result
+
+
 def _changed(values: Any, key: Key, form: Any) -> Any:
     """Return plain values with another value at a key; values in place of a section stay."""
     if not key:
         return form
+    values = {} if values is None else values
     if not isinstance(values, Mapping):
         return values
     name = str(key[0])
-    return {**values, name: _changed(values.get(name, {}), key[1:], form)}
+    return {**values, name: _changed(values.get(name), key[1:], form)}
 
 
 def with_paths(data: Mapping[str, Any], moved: Callable[[str], str]) -> dict[str, Any]:

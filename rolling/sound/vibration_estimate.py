@@ -19,9 +19,10 @@ from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
 from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
-from rolling.scene.scene import STEEL_DENSITY, Scene
+from rolling.scene.quantities import STEEL_DENSITY
+from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import faded, oversampling
-from rolling.sound.vibration_sound import roughness_gain
+from rolling.sound.radiators import roughness_gain
 
 THICKNESS_MM = 10.0
 STEEL = {"plate.youngs_modulus_gpa": 210.0, "plate.poissons_ratio": 0.3}

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,29 +18,20 @@ from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import (
     RHO_C,
-    Ball,
-    HalfSpaceBody,
-    ThinPlate,
-    axis_transfer,
     pressure_on_axis,
 )
-from acoustics.sound_power import band_power
-from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import MOST_STEPS, BodyMotion
-from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
+from rolling.sound.comb import comb
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
-from rolling.sound.error_estimate import Gain
+from rolling.sound.radiators import ball, known_bands, powers, sources
 
 P_REF_W = 1e-12  # reference sound power
-BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
-_SPEEDS = (60, 1000)  # minimum and maximum number of speeds
-_MOST_LINES = 200_000  # lines of all speeds, unless the minimum has more
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,11 +107,6 @@ def by_band(power: Array) -> dict[str, float | None]:
     }
 
 
-def known_bands(highest: float) -> Array:
-    """Return which bands lie below a highest frequency [Hz], a (31,) array of bool."""
-    return np.asarray(EDGES_HZ[1:] <= min(highest, wav.SAMPLE_RATE_HZ / 2))
-
-
 def vibrate(
     scene: Scene,
     law: ForceLaw,
@@ -143,17 +128,17 @@ def vibrate(
     force, pressures = _radiated(scene, motion, closed)
     pressure = pressures[0]
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
-    comb = _comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
+    lines = comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
     parts = {
         "record": None if once else spread.laeq_db,
-        "comb": comb and comb.spread_db,
+        "comb": lines and lines.spread_db,
         "time_step": _step_error(scene, law, motion, levels.laeq_db, closed),
     }
     spreads = {name: db for name, db in parts.items() if db is not None}
     if once:  # and no sample of a noise
         spread = _of_event(spread, 0.0 if spreads else None)
-    plate, ball = _powers(scene, force, highest)
+    plate_power, ball_power = powers(scene, force, highest)
     return Vibration(
         motion=motion,
         law=law,
@@ -166,9 +151,9 @@ def vibrate(
         levels=levels,
         uncertainty=_joined(spread, spreads, chain),
         spreads=spreads,
-        mean_laeq=comb and comb.mean_laeq_db,
-        plate_power=plate,
-        ball_power=ball,
+        mean_laeq=lines and lines.mean_laeq_db,
+        plate_power=plate_power,
+        ball_power=ball_power,
         once=once,
     )
 
@@ -205,68 +190,13 @@ def radiated(
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
     force, plate = _heard(fluctuation, samples), of_scene.rectangular_plate(scene)
     if plate is not None:
-        ball = _ball(scene) if scene.sound.ball else None
+        sphere = ball(scene) if scene.sound.ball else None
         places = scene.listeners[:listeners]
-        return force, edged_sound.pressures(scene, plate, ball, force, closed, places)
+        return force, edged_sound.pressures(scene, plate, sphere, force, closed, places)
     pressure = pressure_on_axis(
-        fluctuation, rate_hz, _sources(scene), scene.sound.distance_m, closed=True
+        fluctuation, rate_hz, sources(scene), scene.sound.distance_m, closed=True
     )
     return force, _heard(pressure, samples)[None]
-
-
-# ---- comb
-
-
-class Comb(NamedTuple):
-    """Levels of a looped record over speeds within 3 %, by the linear chain."""
-
-    spread_db: float  # rms difference of LAeq from the level of the mean power
-    mean_laeq_db: float | None  # level of the mean power
-
-
-def _comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
-    """Return the levels over other speeds; None where a resonance holds several lines.
-
-    The force of a lap has lines, and a sharp resonance falls on a line or between two: that of the
-    sphere on its contact, or a mode of the plate at the frequency that halves the power.
-    """
-    if law.period_m is None:
-        return None
-    spacing = scene.motion.fastest(scene.duration) / law.period_m
-    approach = law.approach(law.position_m, scene.load)
-    lines: Array = 2 * np.square(np.abs(np.fft.rfft(approach)[1:] / len(approach)))
-    order = np.arange(1, len(lines) + 1)
-    gain = roughness_gain(scene, chain)
-
-    def powers(ratio: float) -> tuple[Array, Array, Array]:
-        """Return frequencies, mean squares and A-weighted gains of lines at a ratio of speeds."""
-        frequency = np.asarray(order * (spacing * ratio), dtype=float)
-        audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-        frequency = frequency[audible]
-        weights: Array = 10 ** (a_weighting_db(frequency) / 10) * gain(frequency)
-        return frequency, lines[audible], weights
-
-    quality, middle, most = chain.quality, chain.resonance_hz, _SPEEDS[1]
-    if chain.modes is not None:
-        frequency, squares, weights = powers(1.0)
-        passed = np.cumsum(squares * weights)
-        if not len(passed) or not passed[-1] > 0:
-            return None
-        middle = float(frequency[np.searchsorted(passed, passed[-1] / 2)])
-        quality = 1 / (scene.plate.loss_factor or 1.0)
-        most = max(_SPEEDS[0], min(most, _MOST_LINES // len(passed)))
-    if middle / quality > BROAD * spacing:
-        return None
-    count = int(np.clip(16 * NEAR_SPEEDS * quality, _SPEEDS[0], most))
-    sums = []
-    for ratio in np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count):
-        _, squares, weights = powers(ratio)
-        sums.append(float(squares @ weights))
-    mean = float(np.mean(sums))
-    if not min(sums) > 0:  # no line is heard
-        return None
-    spread = np.sqrt(np.mean(np.square(10 * np.log10(np.array(sums) / mean))))
-    return Comb(float(spread), level.level_db(mean))
 
 
 def _step_error(
@@ -314,30 +244,6 @@ def _joined(
     return uncertainty.LevelUncertainty(**whole, third_octave_db=bands)
 
 
-def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
-    """Return the power gain [Pa2/m2] from an approach under the constant load to the pressure.
-
-    Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
-    for ratios of powers, in which an error of the stiffness cancels.
-    """
-    chain, plate = chain or of_scene.smooth_chain(scene), of_scene.rectangular_plate(scene)
-    if plate is not None:
-        rectangle, ball = plate, _ball(scene) if scene.sound.ball else None
-
-        def gain_of_modes(frequency: Array) -> Array:
-            transfer = edged_sound.square_transfer(scene, rectangle, ball, frequency)
-            return transfer * np.square(np.abs(chain.force(frequency, np.ones(len(frequency)))))
-
-        return gain_of_modes
-    sources = _sources(scene)
-
-    def gain(frequency: Array) -> Array:
-        transfer = sum(axis_transfer(frequency, body, scene.sound.distance_m) for body in sources)
-        return np.square(np.abs(transfer * chain.force(frequency, np.ones(len(frequency)))))
-
-    return gain
-
-
 def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
     """Return the A-weighted level [dB] of a compact source with the sound power of the vibration.
 
@@ -348,8 +254,8 @@ def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
     if not scene.plate.loss_factor:
         return None
     weighted = level.a_weighted(vibrating.force, wav.SAMPLE_RATE_HZ)
-    plate, ball = _powers(scene, weighted, vibrating.highest)
-    power = np.nansum(plate) + (np.nansum(ball) if scene.sound.ball else 0.0)
+    plate_power, ball_power = powers(scene, weighted, vibrating.highest)
+    power = np.nansum(plate_power) + (np.nansum(ball_power) if scene.sound.ball else 0.0)
     return level.level_db(float(power) * RHO_C / (2 * math.pi * scene.sound.distance_m**2))
 
 
@@ -370,52 +276,8 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
     )
 
 
-def _sources(scene: Scene) -> list[ThinPlate | HalfSpaceBody | Ball]:
-    """Return the bodies that are heard."""
-    return [_ground(scene), *([_ball(scene)] if scene.sound.ball else [])]
-
-
 def _heard(signal: Array, samples: int) -> Array:
     """Return a closed record at the samples of the sound, within hearing."""
     return resampling.band_limit(
         resampling.resample_closed(signal, samples), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ
     )
-
-
-def _powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
-    """Return the sound power [W] of plate and sphere in third octaves."""
-    ground, rate = _ground(scene), wav.SAMPLE_RATE_HZ
-    ball = band_power(force, rate, _ball(scene))
-    plate = np.full(len(ball), np.nan)
-    if (rectangle := of_scene.rectangular_plate(scene)) is not None:
-        frequency, square = spectrum.line_spectrum(force, rate)
-        audible = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-        frequency, square = frequency[audible], square[audible]
-        power = edged_sound.power_per_force(scene, rectangle, frequency)
-        plate = third_octave_mean_square(frequency, square * power)
-    elif isinstance(ground, ThinPlate):
-        plate = band_power(force, rate, ground)
-        if not ground.loss_factor:  # it decides the power above coincidence
-            plate[EDGES_HZ[1:] > ground.critical_hz] = np.nan
-    known = known_bands(highest)
-    return np.where(known, plate, np.nan), np.where(known, ball, np.nan)
-
-
-def _ground(scene: Scene) -> ThinPlate | HalfSpaceBody:
-    """Return the plate that bends, or the half-space where the scene gives no thickness."""
-    plate, bending = scene.plate, of_scene.plate(scene)
-    if bending is not None:
-        return ThinPlate(
-            bending.mass_per_area_kg_m2, bending.bending_stiffness_n_m, plate.loss_factor or 0.0
-        )
-    assert plate.density_kg_m3 is not None  # dynamics needs it
-    # An incompressible half-space would carry compression at once, and radiate nothing.
-    nu = min(plate.poissons_ratio, 0.499)
-    stiffness = plate.youngs_modulus_gpa * 1e9 * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-    return HalfSpaceBody(plate.density_kg_m3, math.sqrt(stiffness / plate.density_kg_m3))
-
-
-def _ball(scene: Scene) -> Ball:
-    """Return the sphere."""
-    assert scene.sphere.density_kg_m3 is not None  # dynamics needs it
-    return Ball(scene.radius, scene.sphere.density_kg_m3)

@@ -11,7 +11,8 @@ from helpers import hertz_law
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.motion import BodyMotion
 from rolling.scene.file import loads
-from rolling.scene.scene import GRAVITY, Scene
+from rolling.scene.quantities import GRAVITY
+from rolling.scene.scene import Scene
 
 STEEL = """\
 name: falling

@@ -1,0 +1,302 @@
+"""Quantities of a scene in SI, from the values of its sections."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, PrivateAttr
+from pydantic_core import PydanticCustomError
+
+from rolling.scene.balls import BallHeightFile, Roughness, turn_nodes
+from rolling.scene.faults import SurfaceFault, refuse_misplaced
+from rolling.scene.messages import Key, SceneError, dotted, fault, shown
+from rolling.scene.motion import Motion
+from rolling.scene.section import Section
+from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
+from rolling.scene.surfaces import HeightFile, Surface
+from rolling.scene.track import Track, file_track, height_nodes, made_track, refuse_turn, rolled
+
+STEEL_DENSITY = 7850.0  # [kg/m3]
+GRAVITY = 9.80665  # [m/s2]
+_FREE = 5 / 7  # of the force over the mass: a solid sphere that rolls has 7/5 of its mass
+HEARD_MODES_HZ = 30e3  # highest frequency of the modes of a plate with edges
+
+# Rule of `numerics.tolerance: auto`. The solver's error of the release over its fluctuation is
+# proportional to tolerance times deflection over roughness: a violation of the gap by that length
+# shows in a fluctuation that the roughness makes. At TOLERANCE it is -49 dB or less in all of 23
+# scenes (Ra 0.001 to 1 um, 0.3 to 100 N, elastic and yielding) whose roughness is a tenth of the
+# deflection or more, and rises to -22 dB, above the grid's error, on smoother surfaces. With the
+# rule it is -48.7 dB or less in all, and 20 dB or more below the grid's unless that is below -40.
+TOLERANCE, LEAST_TOLERANCE = 1e-4, 1e-6
+SMOOTH = 0.1  # rms roughness over Hertz deflection, below which the tolerance falls
+FILE_TOLERANCE = 2e-5  # for a height file, whose roughness the scene does not know
+PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
+DEFAULT_NAME = "scene"  # name of a scene that is built in Python
+NAME = (
+    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
+    " quotes)"
+)
+
+
+def _name(value: Any) -> Any:
+    """Refuse a name that some file system may not take."""
+    if isinstance(value, str) and re.fullmatch(PATTERN, value):
+        return value
+    raise fault(f"got {shown(value)}, allowed: {NAME}")
+
+
+class SceneQuantities(Section):
+    """Sections of a scene, and its quantities in SI."""
+
+    name: Annotated[str, BeforeValidator(_name)] = Field(default=DEFAULT_NAME, pattern=PATTERN)
+    title: str | None = None
+    description: str | None = None
+    sphere: Sphere
+    plate: Plate
+    surface: Surface
+    rolling: Rolling
+    numerics: Numerics = Field(default_factory=Numerics, validate_default=True)
+    recovery: Recovery = Field(default_factory=Recovery)
+    dynamics: Dynamics | None = Field(default=None, validate_default=True)
+    sound: Sound = Field(default_factory=Sound, validate_default=True)
+
+    _folder: Path = PrivateAttr(default=Path())
+
+    @property
+    def folder(self) -> Path:
+        """Folder that a relative `surface.path` starts from."""
+        return self._folder
+
+    @property
+    def height_path(self) -> Path | None:
+        """File of the plate's heights; None when its surface is generated."""
+        return self._folder / self.surface.path if isinstance(self.surface, HeightFile) else None
+
+    @property
+    def height_paths(self) -> dict[str, Path]:
+        """Files of heights by the section that reads them."""
+        sections = {"surface": self.surface, "sphere.surface": self.sphere.surface}
+        return {
+            name: self._folder / section.path
+            for name, section in sections.items()
+            if isinstance(section, HeightFile | BallHeightFile)
+        }
+
+    @property
+    def laws(self) -> tuple[Roughness, ...]:
+        """Laws of the random heights of plate and sphere, none beside heights from a file."""
+        parts = self.surface, self.sphere.surface
+        laws = (part.law for part in parts if not isinstance(part, HeightFile | None))
+        return () if self.height_paths else tuple(law for law in laws if law is not None)
+
+    @property
+    def faults(self) -> list[SurfaceFault]:
+        """Single faults of plate and sphere."""
+        ball = self.sphere.surface
+        return [*(self.surface.faults or ()), *((ball and ball.faults) or ())]
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether plate and sphere are perfectly smooth."""
+        ball = self.sphere.surface
+        formed = ball is not None and ball.has_form
+        return not (self.height_paths or self.laws or self.faults or formed)
+
+    @cached_property
+    def track(self) -> Track:
+        """Positions of the sphere.
+
+        The track lasts for the duration on a generated surface, and by default once round a height
+        file.
+
+        A track over a generated surface is rounded to whole nodes and whole steps, so that it
+        closes on itself. Only the header of a height file in the format of numpy is read.
+
+        Raises
+        ------
+        SceneError
+            The height file is missing or holds no heights, or the sphere never gets round it.
+        """
+        try:
+            track = track_of(self.sphere, self.surface, self.rolling, self.numerics, self.folder)
+            ball = self.sphere.surface
+            if isinstance(ball, BallHeightFile):
+                refuse_turn(self.folder / ball.path, ball.path, track)
+            return track
+        except PydanticCustomError as error:
+            context = error.context or {}
+            raise SceneError([f"{dotted(context['at'])}: {context['message']}"]) from error
+
+    @property
+    def motion(self) -> Motion:
+        """Distance and speed over time."""
+        return motion_of(self.sphere, self.rolling)
+
+    @property
+    def duration(self) -> float:
+        """Time [s] that the track takes."""
+        # A track round a file has at least one step, even for a sphere that rests before.
+        return self.motion.duration(min(self.track.distance, self.motion.final_distance))
+
+    @property
+    def radius(self) -> float:
+        """Radius of the sphere [m]."""
+        return self.sphere.radius_mm * 1e-3
+
+    @property
+    def mass(self) -> float:
+        """Mass of the sphere [kg]; it is of steel unless the scene gives a density."""
+        return mass(self.sphere)
+
+    @property
+    def contact_modulus(self) -> float:
+        """Contact modulus E* [Pa].
+
+        1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 holds, without the first term for a rigid sphere.
+        """
+        return contact_modulus(self.sphere, self.plate)
+
+    @property
+    def plate_modes(self) -> float:
+        """Approximate number of modes of a plate with edges up to 30 kHz; 0 without edges."""
+        return plate_modes(self.plate)
+
+    @property
+    def listeners(self) -> list[tuple[float, float, float]]:
+        """Listeners [m] of a plate with edges from its corner, by default one above the contact."""
+        if self.sound.listener_mm is not None:
+            return [(1e-3 * x, 1e-3 * y, 1e-3 * z) for x, y, z in self.sound.listener_mm]
+        ends = list(self.plate.contact_ends_mm.values())
+        x, y = (5e-4 * (ends[0][i] + ends[-1][i]) for i in (0, 1))
+        return [(x, y, self.sound.distance_m)]
+
+    @property
+    def listener_place(self) -> str:
+        """Place of the first listener in words: a distance, or coordinates from the corner."""
+        if self.sound.listener_mm is None or self.sound.source != "vibration":
+            return f"{self.sound.distance_m:g} m"
+        return f"[{', '.join(f'{x:g}' for x in self.sound.listener_mm[0])}] mm"
+
+    @property
+    def hardness(self) -> float:
+        """Maximum pressure that the plate bears [Pa], infinite for a purely elastic plate."""
+        return math.inf if self.plate.hardness_gpa is None else self.plate.hardness_gpa * 1e9
+
+    @property
+    def spacing(self) -> float:
+        """Node spacing [m]."""
+        return self.surface.spacing_um * 1e-6
+
+    @property
+    def step(self) -> float:
+        """Distance from one position to the next [m]."""
+        return self.spacing * self.numerics.step_nodes
+
+    @property
+    def tolerance(self) -> float:
+        """Tolerance of the solver [-], by the rule of `auto` unless the scene gives a number."""
+        given = self.numerics.tolerance
+        return automatic_tolerance(self) if isinstance(given, str) else given
+
+    @property
+    def load(self) -> float:
+        """Normal load [N]."""
+        return load(self.sphere, self.rolling)
+
+    @property
+    def moves_release(self) -> bool:
+        """Whether the release is wanted under the moving load.
+
+        It is the default where the release is heard.
+        """
+        if self.dynamics is None:
+            return False
+        wanted = self.dynamics.release
+        return self.sound.source == "release" if wanted is None else wanted
+
+    @property
+    def start(self) -> float:
+        """First position along the track [m]."""
+        return self.rolling.start_um * 1e-6
+
+
+def mass(sphere: Sphere) -> float:
+    """Return the mass of a sphere [kg], of steel without a density."""
+    radius = sphere.radius_mm * 1e-3
+    return (sphere.density_kg_m3 or STEEL_DENSITY) * 4 / 3 * math.pi * radius**3
+
+
+def load(sphere: Sphere, rolling: Rolling) -> float:
+    """Return the load [N], by default the weight of the sphere."""
+    return GRAVITY * mass(sphere) if isinstance(rolling.load_n, str) else rolling.load_n
+
+
+def motion_of(sphere: Sphere, rolling: Rolling) -> Motion:
+    """Return distance and speed over time of a sphere that keeps its speed, or rolls out."""
+    if rolling.resistance is None or not isinstance(rolling.speed_m_s, float):
+        return Motion.of(rolling.speed_m_s)
+    acceleration = load(sphere, rolling) / mass(sphere)
+    return Motion.rolling_out(rolling.speed_m_s, _FREE * rolling.resistance * acceleration)
+
+
+def contact_modulus(sphere: Sphere, plate: Plate) -> float:
+    """Return the contact modulus [Pa] of sphere and plate."""
+    compliance = (1 - plate.poissons_ratio**2) / plate.youngs_modulus_gpa
+    if sphere.youngs_modulus_gpa is not None and sphere.poissons_ratio is not None:
+        compliance += (1 - sphere.poissons_ratio**2) / sphere.youngs_modulus_gpa
+    return 1e9 / compliance
+
+
+def plate_modes(plate: Plate) -> float:
+    """Estimate the number of modes of a plate with edges up to 30 kHz; 0 without edges."""
+    if plate.edges_mm is None or plate.thickness_mm is None:
+        return 0.0
+    area = plate.edges_mm[0] * plate.edges_mm[1] * 1e-6
+    density = plate.density_kg_m3 or STEEL_DENSITY
+    stretch = plate.youngs_modulus_gpa * 1e9 / (12 * density * (1 - plate.poissons_ratio**2))
+    return area * HEARD_MODES_HZ / (2 * math.sqrt(stretch) * plate.thickness_mm * 1e-3)
+
+
+def track_of(
+    sphere: Sphere, surface: Surface, rolling: Rolling, numerics: Numerics, folder: Path
+) -> Track:
+    """Return the track over a surface; raise a fault for a wrong length or a misplaced fault."""
+    spacing, motion = surface.spacing_um * 1e-6, motion_of(sphere, rolling)
+    wanted = rolled(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
+    ball = sphere.surface
+    turn = 0 if ball is None else turn_nodes(sphere.radius_mm, surface.spacing_um)
+    if isinstance(surface, HeightFile):
+        nodes = height_nodes(folder / surface.path, surface.path, surface.n_across)
+        track = file_track(nodes, spacing, numerics.step_nodes, motion, wanted, turn)
+    else:
+        assert wanted is not None  # refused before
+        across = surface.n_across
+        track = made_track(across, spacing, numerics.step_nodes, motion, wanted, turn)
+    placed: list[tuple[list[SurfaceFault] | None, int, Key]] = [
+        (surface.faults, track.plate_nodes, ("surface", "faults"))
+    ]
+    if ball is not None:
+        placed.append((ball.faults, turn, ("sphere", "surface", "faults")))
+    for faults, nodes_along, key in placed:
+        sizes = nodes_along * surface.spacing_um, track.n_across * surface.spacing_um
+        refuse_misplaced(faults or (), *sizes, surface.spacing_um, key)
+    return track
+
+
+def automatic_tolerance(scene: SceneQuantities) -> float:
+    """Return the tolerance [-] of `auto`, with one digit, from roughness and Hertz deflection.
+
+    It is 1e-4, and less in proportion where the rms roughness of plate and sphere together is below
+    a tenth of the deflection. Faults and waves of the circumference do not count as roughness.
+    """
+    if scene.height_paths:
+        return FILE_TOLERANCE
+    rq = math.hypot(*(law.rq_m for law in scene.laws))
+    deflection = (9 * scene.load**2 / (16 * scene.radius * scene.contact_modulus**2)) ** (1 / 3)
+    tolerance = min(TOLERANCE, max(LEAST_TOLERANCE, TOLERANCE * rq / deflection / SMOOTH))
+    digit = 10.0 ** math.floor(math.log10(tolerance) + 1e-9)
+    return float(f"{math.floor(tolerance / digit + 1e-9) * digit:.0e}")
