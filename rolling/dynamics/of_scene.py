@@ -7,6 +7,7 @@ from functools import lru_cache, partial
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.radiation import Ball
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.contact import closed_forms
 from rolling.dynamics import bodies, drop
@@ -31,6 +32,12 @@ def plate(scene: Scene) -> BendingPlate | None:
     return BendingPlate(
         p.youngs_modulus_gpa * 1e9, p.poissons_ratio, p.density_kg_m3, p.thickness_mm * 1e-3
     )
+
+
+def ball(scene: Scene) -> Ball:
+    """Return the sphere as a source of sound."""
+    assert scene.sphere.density_kg_m3 is not None  # dynamics needs it
+    return Ball(scene.radius, scene.sphere.density_kg_m3)
 
 
 def rectangular_plate(scene: Scene) -> RectangularPlate | None:
@@ -90,9 +97,14 @@ def _modes(scene: Scene) -> Modes | None:
 @lru_cache(maxsize=8)
 def _modes_between(rectangle: RectangularPlate, ends_mm: tuple[tuple[float, float], ...]) -> Modes:
     """Return the modes of a plate for a path, or for the only point [mm]."""
+    return modes_of(rectangle, points_between(ends_mm, _STATIONS))
+
+
+def points_between(ends_mm: tuple[tuple[float, float], ...], count: int) -> Array:
+    """Return points (count, 2) [m] at equal distances between ends [mm], or the only point."""
     ends = 1e-3 * np.array(ends_mm)
-    share = np.linspace(0, 1, _STATIONS if len(ends) > 1 else 1)[:, None]
-    return modes_of(rectangle, ends[0] + share * (ends[-1] - ends[0]))
+    share = np.linspace(0, 1, count if len(ends) > 1 else 1)[:, None]
+    return np.asarray(ends[0] + share * (ends[-1] - ends[0]))
 
 
 def smooth_chain(scene: Scene) -> Chain:

@@ -138,8 +138,6 @@ def _of_levels(
             f" at {s.distance_m:g} m without a room."
         )
         body = "an infinite plate without modes, edges or supports"
-        if scene.plate.edges_mm is not None:
-            body = "a plate that is simply supported at its edges"
         texts["infinite_plate"] = (
             f"The sphere rolls on {'a half-space' if scene.plate.thickness_mm is None else body},"
             " pressed by a constant force without mass; friction, rocking and rotation are left"

@@ -28,7 +28,7 @@ from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
 from rolling.sound.comb import comb
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
-from rolling.sound.radiators import ball, known_bands, powers, sources
+from rolling.sound.radiators import known_bands, powers, sources
 
 P_REF_W = 1e-12  # reference sound power
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
@@ -190,9 +190,8 @@ def radiated(
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
     force, plate = _heard(fluctuation, samples), of_scene.rectangular_plate(scene)
     if plate is not None:
-        sphere = ball(scene) if scene.sound.ball else None
         places = scene.listeners[:listeners]
-        return force, edged_sound.pressures(scene, plate, sphere, force, closed, places)
+        return force, edged_sound.pressures(scene, plate, force, closed, places)
     pressure = pressure_on_axis(
         fluctuation, rate_hz, sources(scene), scene.sound.distance_m, closed=True
     )
