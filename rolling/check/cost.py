@@ -7,7 +7,7 @@ import os
 from collections.abc import Sequence
 
 from rolling.contact import closed_forms
-from rolling.dynamics import drop
+from rolling.dynamics import drop, of_scene
 from rolling.scene.balls import BallSurface, Roughness
 from rolling.scene.scene import Scene
 from rolling.surface import heights, refined
@@ -147,6 +147,16 @@ def expected_seconds(scene: Scene) -> float:
     return scene.track.solved_steps * step_ms(scene) * 1e-3
 
 
+def bounce_hz(scene: Scene) -> float:
+    """Return the natural frequency [Hz] of the free ball on its contact, sqrt(2 E* a / m) / 2 pi.
+
+    The mass belongs to a free ball, and the stiffness 2 E* a to the smooth elastic contact with the
+    Hertz radius a, whether the plate yields or not.
+    """
+    stiffness = 2 * scene.contact_modulus * of_scene.hertz_radius(scene)
+    return math.sqrt(stiffness / scene.mass) / (2 * math.pi)
+
+
 def shortest_period(scene: Scene) -> float:
     """Return the length or width [m] of the surface, whichever is less."""
     return min(scene.track.n_along, scene.track.n_across) * scene.spacing
@@ -228,10 +238,7 @@ def _record(scene: Scene) -> float:
         samples += samples * 0.25 * motion.fastest(duration) / scene.step / SAMPLE_RATE
     time_steps = 0.0
     if scene.dynamics is not None:
-        radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-        stiffness = 2 * scene.contact_modulus * radius
-        resonance = math.sqrt(stiffness / scene.mass) / (2 * math.pi)
-        rate = max(TIME_STEPS * resonance, motion.fastest(duration) / scene.step)
+        rate = max(TIME_STEPS * bounce_hz(scene), motion.fastest(duration) / scene.step)
         if scene.rolling.drop_mm is not None:
             rate = max(rate, drop.IMPACT_STEPS / drop.impact_s(scene))
         time_steps = duration * rate

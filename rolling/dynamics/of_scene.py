@@ -109,8 +109,12 @@ def points_between(ends_mm: tuple[tuple[float, float], ...], count: int) -> Arra
 
 def smooth_chain(scene: Scene) -> Chain:
     """Return sphere, contact and plate with the stiffness 2 E* a of a smooth contact."""
-    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-    return chain(scene, 2 * scene.contact_modulus * radius)
+    return chain(scene, 2 * scene.contact_modulus * hertz_radius(scene))
+
+
+def hertz_radius(scene: Scene) -> float:
+    """Return the radius [m] of the smooth elastic contact."""
+    return closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
 
 
 def chain_over(scene: Scene, law: ForceLaw) -> Chain:

@@ -89,6 +89,7 @@ WORDS = {  # in the order in which labels name them
     "numerics.precision": Word("precision", minor=True),
     "numerics.error_estimate": Word("error estimate", minor=True),
     "recovery.events": Word("recovery events", minor=True),
+    "sound.listen_s": Word("long listening", "s", "no long listening", minor=True),
     "sound.loudness": Word("loudness", minor=True),
 }
 
