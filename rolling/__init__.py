@@ -33,22 +33,23 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.contact.solver import ContactError, solve_contact
     from rolling.interface import SweepError, open_run, save_run, simulate, simulate_sweep
     from rolling.scene.balls import BallHeightFile, GaussianBall, GradedBall, SmoothBall
+    from rolling.scene.bodies import Plate, Sphere
     from rolling.scene.faults import SurfaceFault
     from rolling.scene.file import read_scene
     from rolling.scene.messages import SceneError
     from rolling.scene.scene import Scene
-    from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
+    from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
     from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
     from rolling.terminal.files import FolderError
 
 _SECTIONS, _SURFACES = "rolling.scene.sections", "rolling.scene.surfaces"
-_BALLS = "rolling.scene.balls"
+_BALLS, _BODIES = "rolling.scene.balls", "rolling.scene.bodies"
 _RUNS = "rolling.interface"
 _PLACES = {  # module and name in it; None stands for the module itself
     "read_scene": ("rolling.scene.file", "read_scene"),
     "Scene": ("rolling.scene.scene", "Scene"),
-    "Sphere": (_SECTIONS, "Sphere"),
-    "Plate": (_SECTIONS, "Plate"),
+    "Sphere": (_BODIES, "Sphere"),
+    "Plate": (_BODIES, "Plate"),
     "Gaussian": (_SURFACES, "Gaussian"),
     "Smooth": (_SURFACES, "Smooth"),
     "HeightFile": (_SURFACES, "HeightFile"),

@@ -12,11 +12,12 @@ from pydantic import BeforeValidator, Field, PrivateAttr
 from pydantic_core import PydanticCustomError
 
 from rolling.scene.balls import BallHeightFile, Roughness, turn_nodes
+from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.faults import SurfaceFault, refuse_misplaced
 from rolling.scene.messages import Key, SceneError, dotted, fault, shown
 from rolling.scene.motion import Motion
 from rolling.scene.section import Section
-from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
+from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
 from rolling.scene.surfaces import HeightFile, Surface
 from rolling.scene.track import Track, file_track, height_nodes, made_track, refuse_turn, rolled
 
