@@ -234,14 +234,10 @@ def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:
             " contact."
         }
     if moving is None:
-        return {
-            "constant_load_release": "The release is computed under the constant load"
-            + (
-                "; dynamics.release: true computes it under the moving load."
-                if scene.rolling.drop_mm is None
-                else ": that of a sphere that rolls from the start."
-            )
-        }
+        under = "; dynamics.release: true computes it under the moving load."
+        if scene.rolling.drop_mm is not None:
+            under = ", as if the sphere rolled from the start."
+        return {"constant_load_release": f"The release is computed under the constant load{under}"}
     if moving.fault:
         return {
             "no_moving_release": "release: of the constant load, because there is none under the"

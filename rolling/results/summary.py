@@ -165,10 +165,8 @@ def _release(release: ContactSound, sound: ContactSound) -> dict[str, Any]:
 def _contact(scene: Scene, result: Result) -> dict[str, Any]:
     """Return areas, pressure, balance and effort over all positions."""
     state = {name: result.whole(name) for name in STATE_SERIES}
-    hertz_area, plastic = (
-        float(np.pi * of_scene.hertz_radius(scene) ** 2),
-        float(state["plastic_area"].mean()),
-    )
+    hertz_area = float(np.pi * of_scene.hertz_radius(scene) ** 2)
+    plastic = float(state["plastic_area"].mean())
     defect = np.abs(result.whole("energy_defect")).max()
     return {
         "hertz_area_m2": hertz_area,

@@ -1,8 +1,8 @@
 """Sound of a plate with edges, and of the sphere on it, at listeners anywhere.
 
-Delays are those behind the sound from the first contact point to the first listener, so stereo
-keeps its differences. A moving contact excites each mode by its shape under the contact. The sphere
-is heard from the middle of its path, and above the plate only: the baffle hides it from below.
+Delays count from the arrival of the sound from the first contact point at the first listener, so
+stereo keeps its differences. A moving contact excites each mode by its shape under the contact. The
+sphere is heard from the middle of its path, and above the plate only: the baffle hides it below.
 """
 
 from __future__ import annotations

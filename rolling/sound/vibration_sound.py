@@ -1,8 +1,8 @@
 """Sound of a vibration: from the contact force in time to the sound pressure at the listener.
 
 The contact force drives sphere and plate. Their pressures add up, with no factor left to choose, on
-the axis through the contact or, over a plate with edges, at any listener. The levels belong to this
-pressure, that of the first listener, and sound power stands beside it.
+the axis through the contact or, over a plate with edges, at any listener. The levels belong to the
+pressure at the first listener, and sound power stands beside them.
 """
 
 from __future__ import annotations
@@ -161,10 +161,7 @@ def vibrate(
 def _radiated(
     scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
 ) -> tuple[Array, Array]:
-    """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion.
-
-    Give a number of listeners to leave out the others.
-    """
+    """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion."""
     duration = len(motion.force_n) * motion.time_step_s
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
     fluctuation = motion.force_n - scene.load
