@@ -33,11 +33,7 @@ _PER_WIDTH, _GRID = 4, (2000, 40_000)  # frequencies of a power in the width of 
 
 
 def pressures(
-    scene: Scene,
-    plate: RectangularPlate,
-    force: Array,
-    closed: bool,
-    listeners: Sequence[Listener],
+    scene: Scene, plate: RectangularPlate, force: Array, closed: bool, listeners: Sequence[Listener]
 ) -> Array:
     """Return the sound pressure [Pa] of a force [N] at listeners, (listeners, samples).
 

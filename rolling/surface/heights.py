@@ -96,10 +96,7 @@ def white_noise(shape: tuple[int, int], seed: int | Sequence[int]) -> Array:
 
 
 def filtered(
-    noise: Array,
-    spacing: float,
-    correlation_length: tuple[float, float],
-    autocorrelation: str,
+    noise: Array, spacing: float, correlation_length: tuple[float, float], autocorrelation: str
 ) -> Array:
     """Filter periodic white noise to heights of zero mean and a variance of about 1.
 
