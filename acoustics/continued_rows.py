@@ -67,7 +67,7 @@ class ContinuedRows:
         process = RandomRows(still, closed)
         self._calm = left / max(len(self._stretches), 1)
         if turn is not None and turn > count:
-            self._stretches = [_whole(rest - mean)]
+            self._stretches = [(_window(count, count // 16), rest - mean)]
         blend = process.blend
         self.solved = count if closed else count - blend
         before = (rest - mean)[:, :blend] if closed else (rest - mean)[:, count - blend :]
@@ -154,11 +154,6 @@ def _rare(rows: Array, closed: bool) -> tuple[Array, list[tuple[Array, Array]]]:
         share[begin:end] = window
         stretches.append((window, rows[:, begin:end]))
     return np.roll(share, turned), stretches
-
-
-def _whole(rows: Array) -> tuple[Array, Array]:
-    """Return whole rows as a stretch."""
-    return _window(rows.shape[1], rows.shape[1] // 16), rows
 
 
 def _window(count: int, ends: int) -> Array:

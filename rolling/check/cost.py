@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
-from rolling.scene.balls import BallSurface, Roughness
+from rolling.scene.balls import Roughness
 from rolling.scene.scene import Scene
 from rolling.surface import heights, refined
 from rolling.surface.scene_surface import scene_surface
@@ -67,8 +67,10 @@ def roughness(scene: Scene) -> tuple[float, float]:
         return statistics.rq, statistics.rms_slope
     parts = [_roughness(law, scene.surface.spacing_um) for law in scene.laws]
     ball = scene.sphere.surface
-    if ball is not None and ball.has_form:
-        parts.append((0.0, _form_slope(ball, scene.radius)))
+    if ball is not None and ball.waviness:
+        waves = ball.waviness.items()
+        slopes = [k * a * 1e-6 / scene.radius / math.sqrt(2) for k, a in waves]
+        parts.append((0.0, math.hypot(*slopes)))
     return math.hypot(*(rq for rq, _ in parts)), math.hypot(*(slope for _, slope in parts))
 
 
@@ -78,12 +80,6 @@ def _roughness(law: Roughness, spacing_um: float) -> tuple[float, float]:
     # The mean square of a difference over one spacing is 2 (rq^2 - C(spacing)).
     drops = [-math.expm1(-decay * (spacing_um / length) ** exponent) for length in law.lengths_um]
     return law.rq_m, law.rq_m * math.sqrt(2 * sum(drops)) / (spacing_um * 1e-6)
-
-
-def _form_slope(ball: BallSurface, radius: float) -> float:
-    """Return the rms slope [-] of the waves around a circumference of a radius [m]."""
-    slopes = [k * a * 1e-6 / radius / math.sqrt(2) for k, a in (ball.waviness or {}).items()]
-    return math.hypot(*slopes)
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:

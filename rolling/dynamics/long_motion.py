@@ -145,5 +145,4 @@ class LongMotion:
 
 def turn_m(scene: Scene) -> float | None:
     """Return the circumference [m] of a sphere with a surface, after which rows repeat."""
-    has_surface = getattr(scene.sphere, "surface", None) is not None
-    return 2 * math.pi * scene.radius if has_surface else None
+    return None if scene.sphere.surface is None else 2 * math.pi * scene.radius

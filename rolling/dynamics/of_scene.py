@@ -77,7 +77,8 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
     """
     bending, loss_factor = plate(scene), scene.plate.contact_loss_factor or 0.0
     if bending is not None:
-        modes = _modes(scene)
+        rectangle, ends = rectangular_plate(scene), tuple(scene.plate.contact_ends_mm.values())
+        modes = None if rectangle is None else _modes_between(rectangle, ends)
         return Chain(scene.mass, bending.mobility_s_kg, stiffness_n_m, modes, loss_factor)
     density = scene.plate.density_kg_m3
     assert density is not None  # dynamics needs it
@@ -88,15 +89,9 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
     return Chain(scene.mass, mobility, stiffness_n_m, None, loss_factor)
 
 
-def _modes(scene: Scene) -> Modes | None:
-    """Return the modes of a plate with edges, weighted by their shapes at the contact points."""
-    rectangle, ends = rectangular_plate(scene), scene.plate.contact_ends_mm
-    return None if rectangle is None else _modes_between(rectangle, tuple(ends.values()))
-
-
 @lru_cache(maxsize=8)
 def _modes_between(rectangle: RectangularPlate, ends_mm: tuple[tuple[float, float], ...]) -> Modes:
-    """Return the modes of a plate for a path, or for the only point [mm]."""
+    """Return the modes of a plate, weighted by their shapes along a path or at a point [mm]."""
     return modes_of(rectangle, points_between(ends_mm, _STATIONS))
 
 
