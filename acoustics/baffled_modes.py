@@ -76,11 +76,7 @@ def mode_pressures(edges_m: Edges, orders: Orders, listener_m: Listener) -> Mode
 
 
 def _integrals(
-    edges_m: Edges,
-    orders: Orders,
-    listener_m: Listener,
-    middle_m: float,
-    frequency_hz: float,
+    edges_m: Edges, orders: Orders, listener_m: Listener, middle_m: float, frequency_hz: float
 ) -> Complex:
     """Return the integral [m] of each mode at one frequency, times exp(i k middle)."""
     k, z = 2 * np.pi * frequency_hz / SOUND_M_S, abs(listener_m[2])

@@ -18,7 +18,7 @@ Stretch = tuple[int, Array, Array]  # first position, share (m,), values (rows, 
 
 
 class ContinuedRows:
-    """Rows that go on for ever: the given ones, then random ones of equal cross-spectra.
+    """Rows without an end: the given rows first, then random rows of equal cross-spectra.
 
     Stretches with a value beyond `SIGMAS` standard deviations are no part of the Gaussian rows:
     they are inserted as given, as often as they occur, at random places. With a turn, rows repeat
@@ -67,7 +67,7 @@ class ContinuedRows:
         process = RandomRows(still, closed)
         self._calm = left / max(len(self._stretches), 1)
         if turn is not None and turn > count:
-            self._stretches = [_whole(rest - mean)]
+            self._stretches = [(_window(count, count // 16), rest - mean)]
         blend = process.blend
         self.solved = count if closed else count - blend
         before = (rest - mean)[:, :blend] if closed else (rest - mean)[:, count - blend :]
@@ -98,7 +98,7 @@ class ContinuedRows:
         return sum(start < self._last for start in self._starts)
 
     def _repeated(self, first: int, last: int) -> Array:
-        """Return the part that repeats after each turn."""
+        """Return the part of the rows that repeats after each turn, (rows, last - first)."""
         return self._periodic[:, np.arange(first, last) % self._periodic.shape[1]]
 
     def _insertions(self) -> Iterator[Stretch]:
@@ -114,7 +114,7 @@ class ContinuedRows:
             place += len(share)
 
     def _with_stretches(self, drawn: Array, first: int) -> Array:
-        """Blend the stretches in that lie in drawn rows from a first position."""
+        """Blend the stretches into drawn rows that begin at a position."""
         last = first + drawn.shape[1]
         while self._stretches and (not self._coming or self._coming[-1][0] < last):
             self._coming.append(next(self._places))
@@ -130,11 +130,7 @@ class ContinuedRows:
 
 
 def _rare(rows: Array, closed: bool) -> tuple[Array, list[tuple[Array, Array]]]:
-    """Return the share (n,) of rare stretches in rows of zero median, and these stretches.
-
-    A stretch begins and ends where the row that departs is calm; both ends are faded over half of
-    its length.
-    """
+    """Return the share (n,) of rare stretches in rows of zero median, and these stretches."""
     count = rows.shape[1]
     low, high = np.percentile(rows, [25, 75], axis=1)
     largest = np.abs(rows).max(axis=1)
@@ -144,6 +140,7 @@ def _rare(rows: Array, closed: bool) -> tuple[Array, list[tuple[Array, Array]]]:
     if closed:  # no stretch lies across the end
         turned = int(np.argmin(departure.max(axis=0)))
         departure, rows = np.roll(departure, -turned, axis=1), np.roll(rows, -turned, axis=1)
+    # A stretch begins and ends where its row is calm, with a margin that is faded.
     rare = np.zeros(count, dtype=bool)
     for row in departure:
         moved = np.diff(row > CALM, prepend=False, append=False)
@@ -157,11 +154,6 @@ def _rare(rows: Array, closed: bool) -> tuple[Array, list[tuple[Array, Array]]]:
         share[begin:end] = window
         stretches.append((window, rows[:, begin:end]))
     return np.roll(share, turned), stretches
-
-
-def _whole(rows: Array) -> tuple[Array, Array]:
-    """Return whole rows as a stretch."""
-    return _window(rows.shape[1], rows.shape[1] // 16), rows
 
 
 def _window(count: int, ends: int) -> Array:

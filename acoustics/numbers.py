@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 _PLAIN = 1e-4, 1e7  # magnitudes without an exponent
 
@@ -21,3 +22,13 @@ def rounded(value: float, digits: int = 2) -> str:
     if value == 0 or _PLAIN[0] <= abs(value) < _PLAIN[1]:
         return f"{float(f'{mantissa}e{exponent}'):.15g}"
     return f"{float(mantissa):.15g}e{int(exponent)}"
+
+
+def bracketed(values: Sequence[float]) -> str:
+    """Write numbers in brackets, such as coordinates."""
+    return f"[{', '.join(f'{value:g}' for value in values)}]"
+
+
+def decibels_a(level: float | None) -> str:
+    """Write an A-weighted level, or silence."""
+    return "silent" if level is None else f"{level:.1f} dB(A)"

@@ -272,10 +272,7 @@ def _error_marks(
 
 
 def spectrogram(
-    ax: Axes,
-    shown: Spectrogram,
-    duration_s: float,
-    limits_db: tuple[float, float],
+    ax: Axes, shown: Spectrogram, duration_s: float, limits_db: tuple[float, float]
 ) -> Axes:
     """Draw a spectrogram as colours over time and frequency, light where there is silence.
 

@@ -71,7 +71,7 @@ class RandomRows:
         own = np.arange(lines.shape[1], dtype=float) + self._lowest
         power = np.square(np.abs(lines))
         floor = np.maximum(_FLOOR * power.max(axis=1, keepdims=True), np.finfo(float).tiny)
-        # Single lines may be silent, as those of a part that was subtracted.
+        # Single lines may be silent where a part was subtracted.
         power = sum(weight * power[:, line] for line, weight in _windows(own, own, least=FEW))
         power = np.log(np.maximum(power, floor))
         smooth = sum(weight * power[:, line] for line, weight in _windows(own, own, WIDER))

@@ -33,50 +33,32 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.contact.solver import ContactError, solve_contact
     from rolling.interface import SweepError, open_run, save_run, simulate, simulate_sweep
     from rolling.scene.balls import BallHeightFile, GaussianBall, GradedBall, SmoothBall
+    from rolling.scene.bodies import Plate, Sphere
     from rolling.scene.faults import SurfaceFault
     from rolling.scene.file import read_scene
     from rolling.scene.messages import SceneError
     from rolling.scene.scene import Scene
-    from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
+    from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
     from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
     from rolling.terminal.files import FolderError
 
-_SECTIONS, _SURFACES = "rolling.scene.sections", "rolling.scene.surfaces"
-_BALLS = "rolling.scene.balls"
-_RUNS = "rolling.interface"
-_PLACES = {  # module and name in it; None stands for the module itself
-    "read_scene": ("rolling.scene.file", "read_scene"),
-    "Scene": ("rolling.scene.scene", "Scene"),
-    "Sphere": (_SECTIONS, "Sphere"),
-    "Plate": (_SECTIONS, "Plate"),
-    "Gaussian": (_SURFACES, "Gaussian"),
-    "Smooth": (_SURFACES, "Smooth"),
-    "HeightFile": (_SURFACES, "HeightFile"),
-    "GaussianBall": (_BALLS, "GaussianBall"),
-    "SmoothBall": (_BALLS, "SmoothBall"),
-    "GradedBall": (_BALLS, "GradedBall"),
-    "BallHeightFile": (_BALLS, "BallHeightFile"),
-    "SurfaceFault": ("rolling.scene.faults", "SurfaceFault"),
-    "Rolling": (_SECTIONS, "Rolling"),
-    "Numerics": (_SECTIONS, "Numerics"),
-    "Recovery": (_SECTIONS, "Recovery"),
-    "Dynamics": (_SECTIONS, "Dynamics"),
-    "Sound": (_SECTIONS, "Sound"),
-    "SceneError": ("rolling.scene.messages", "SceneError"),
-    "check": ("rolling.check", None),
-    "simulate": (_RUNS, "simulate"),
-    "simulate_sweep": (_RUNS, "simulate_sweep"),
-    "open_run": (_RUNS, "open_run"),
-    "SweepError": (_RUNS, "SweepError"),
-    "save_run": (_RUNS, "save_run"),
-    "FolderError": ("rolling.terminal.files", "FolderError"),
-    "plot": ("rolling.plot", None),
-    "HalfSpace": ("rolling.contact.half_space", "HalfSpace"),
-    "solve_contact": ("rolling.contact.solver", "solve_contact"),
-    "ContactError": ("rolling.contact.solver", "ContactError"),
-    "march": ("rolling.contact.march", "march"),
-    "closed_forms": ("rolling.contact.closed_forms", None),
+_SUBMODULES = {"check": "check", "closed_forms": "contact.closed_forms", "plot": "plot"}
+_MODULES = {
+    "contact.half_space": ("HalfSpace",),
+    "contact.march": ("march",),
+    "contact.solver": ("ContactError", "solve_contact"),
+    "interface": ("SweepError", "open_run", "save_run", "simulate", "simulate_sweep"),
+    "scene.balls": ("BallHeightFile", "GaussianBall", "GradedBall", "SmoothBall"),
+    "scene.bodies": ("Plate", "Sphere"),
+    "scene.faults": ("SurfaceFault",),
+    "scene.file": ("read_scene",),
+    "scene.messages": ("SceneError",),
+    "scene.scene": ("Scene",),
+    "scene.sections": ("Dynamics", "Numerics", "Recovery", "Rolling", "Sound"),
+    "scene.surfaces": ("Gaussian", "HeightFile", "Smooth"),
+    "terminal.files": ("FolderError",),
 }
+_PLACES = _SUBMODULES | {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
     "BallHeightFile",
@@ -119,12 +101,12 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if message := _own_acoustics.fault():
         raise ImportError(message, name="acoustics")
-    module, attribute = _PLACES[name]
-    if not module.startswith("rolling.contact"):
+    module = _PLACES[name]
+    if not module.startswith("contact."):
         _bind_check()
-    value = (
-        import_module(module) if attribute is None else getattr(import_module(module), attribute)
-    )
+    value = import_module(f"{__name__}.{module}")
+    if name not in _SUBMODULES:
+        value = getattr(value, name)
     globals()[name] = value
     return value
 

@@ -133,11 +133,7 @@ def _resound(given: argparse.Namespace) -> int:
         from rolling import commands
     return _code(
         commands.resound(
-            given.folder,
-            given.set,
-            given.out,
-            workers=given.workers,
-            report=not given.no_report,
+            given.folder, given.set, given.out, workers=given.workers, report=not given.no_report
         )
     )
 

@@ -7,8 +7,8 @@ import os
 from collections.abc import Sequence
 
 from rolling.contact import closed_forms
-from rolling.dynamics import drop
-from rolling.scene.balls import BallSurface, Roughness
+from rolling.dynamics import drop, of_scene
+from rolling.scene.balls import Roughness
 from rolling.scene.scene import Scene
 from rolling.surface import heights, refined
 from rolling.surface.scene_surface import scene_surface
@@ -67,8 +67,10 @@ def roughness(scene: Scene) -> tuple[float, float]:
         return statistics.rq, statistics.rms_slope
     parts = [_roughness(law, scene.surface.spacing_um) for law in scene.laws]
     ball = scene.sphere.surface
-    if ball is not None and ball.has_form:
-        parts.append((0.0, _form_slope(ball, scene.radius)))
+    if ball is not None and ball.waviness:
+        waves = ball.waviness.items()
+        slopes = [k * a * 1e-6 / scene.radius / math.sqrt(2) for k, a in waves]
+        parts.append((0.0, math.hypot(*slopes)))
     return math.hypot(*(rq for rq, _ in parts)), math.hypot(*(slope for _, slope in parts))
 
 
@@ -78,12 +80,6 @@ def _roughness(law: Roughness, spacing_um: float) -> tuple[float, float]:
     # The mean square of a difference over one spacing is 2 (rq^2 - C(spacing)).
     drops = [-math.expm1(-decay * (spacing_um / length) ** exponent) for length in law.lengths_um]
     return law.rq_m, law.rq_m * math.sqrt(2 * sum(drops)) / (spacing_um * 1e-6)
-
-
-def _form_slope(ball: BallSurface, radius: float) -> float:
-    """Return the rms slope [-] of the waves around a circumference of a radius [m]."""
-    slopes = [k * a * 1e-6 / radius / math.sqrt(2) for k, a in (ball.waviness or {}).items()]
-    return math.hypot(*slopes)
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:
@@ -145,6 +141,16 @@ def step_ms(scene: Scene) -> float:
 def expected_seconds(scene: Scene) -> float:
     """Estimate the time [s] to march a scene once on one core; a height file is read."""
     return scene.track.solved_steps * step_ms(scene) * 1e-3
+
+
+def bounce_hz(scene: Scene) -> float:
+    """Return the natural frequency [Hz] of the free ball on its contact, sqrt(2 E* a / m) / 2 pi.
+
+    The mass belongs to a free ball, and the stiffness 2 E* a to the smooth elastic contact with the
+    Hertz radius a, whether the plate yields or not.
+    """
+    stiffness = 2 * scene.contact_modulus * of_scene.hertz_radius(scene)
+    return math.sqrt(stiffness / scene.mass) / (2 * math.pi)
 
 
 def shortest_period(scene: Scene) -> float:
@@ -228,10 +234,7 @@ def _record(scene: Scene) -> float:
         samples += samples * 0.25 * motion.fastest(duration) / scene.step / SAMPLE_RATE
     time_steps = 0.0
     if scene.dynamics is not None:
-        radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-        stiffness = 2 * scene.contact_modulus * radius
-        resonance = math.sqrt(stiffness / scene.mass) / (2 * math.pi)
-        rate = max(TIME_STEPS * resonance, motion.fastest(duration) / scene.step)
+        rate = max(TIME_STEPS * bounce_hz(scene), motion.fastest(duration) / scene.step)
         if scene.rolling.drop_mm is not None:
             rate = max(rate, drop.IMPACT_STEPS / drop.impact_s(scene))
         time_steps = duration * rate

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from acoustics.numbers import rounded
-from rolling.contact import closed_forms
+from rolling.dynamics import of_scene
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
@@ -33,7 +33,7 @@ LEVEL_ERROR_DB = 3.0
 
 def contact_radius(scene: Scene) -> float:
     """Return the larger of the elastic and the fully plastic radius [m] of a smooth contact."""
-    elastic = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    elastic = of_scene.hertz_radius(scene)
     return max(elastic, math.sqrt(scene.load / (math.pi * scene.hardness)))
 
 

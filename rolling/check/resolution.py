@@ -13,7 +13,7 @@ from acoustics import bands
 from acoustics.numbers import rounded
 from rolling.check import cost, long_steps
 from rolling.check.finding import Finding, rounded_down, rounded_up, si
-from rolling.contact import closed_forms
+from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import MadeSurface
 from rolling.surface import refined
@@ -62,7 +62,7 @@ def grid_signal_db(scene: Scene) -> float | None:
     # A rough elastic contact carries E* slope / sqrt(2 pi) on its loaded area, a smooth one Hertz's
     # mean pressure, and no area more than the hardness.
     rough = scene.contact_modulus * slope / math.sqrt(2 * math.pi)
-    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    radius = of_scene.hertz_radius(scene)
     pressure = min(scene.hardness, max(rough, scene.load / (math.pi * radius**2)))
     error = CONSTANT_DB + PER_LENGTH_DB * math.log10(rq / slope / scene.spacing)
     error += PER_AREA_DB * math.log10(scene.load / pressure / scene.spacing**2)

@@ -7,6 +7,7 @@ from rolling.check import cost, free_sphere, long_steps, vibration
 from rolling.check.finding import Finding, rounded_up, si
 from rolling.check.free_sphere import MAX_CONTACT
 from rolling.check.resolution import HEARING
+from rolling.dynamics import of_scene
 from rolling.scene.quantities import STEEL_DENSITY
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
@@ -80,7 +81,7 @@ def _bouncing(scene: Scene) -> Finding:
 
     The maximum speed decides, where the record holds the frequency.
     """
-    frequency, speed = vibration.bounce_hz(scene), scene.motion.fastest(scene.duration)
+    frequency, speed = cost.bounce_hz(scene), scene.motion.fastest(scene.duration)
     highest = min(HEARING[1], speed / (2 * scene.track.step))
     if not HEARING[0] < frequency < highest:
         return Finding("resonance", "contact resonance", si(frequency, "Hz"))
@@ -89,7 +90,7 @@ def _bouncing(scene: Scene) -> Finding:
     ball = steel if density is None else f"of {density:g} kg/m3"
     if scene.laws:
         correlation = min(law.lengths_m[0] for law in scene.laws)
-    wave = speed / frequency / (vibration.hertz_radius(scene) + correlation)
+    wave = speed / frequency / (of_scene.hertz_radius(scene) + correlation)
     if wave < FELT:
         part = "its part is some 30 dB or more below the release"
     elif wave < DOMINANT:

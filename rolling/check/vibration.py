@@ -15,11 +15,11 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
+from acoustics.radiation import SOUND_M_S
 from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost
 from rolling.check.finding import Finding, computing, rounded_down, rounded_up, si
 from rolling.check.resolution import HEARING
-from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
 from rolling.scene.balls import Roughness
 from rolling.scene.scene import Scene
@@ -33,7 +33,6 @@ LOADED_HZ = 100.0  # frequency below which the air may load the plate
 HALF_SPACE_HZ_M = 10e3  # frequency times distance from which a half-space's pressure holds
 OWN_MARCH = "moving_release"  # key of the finding whose march no run shares
 LEAST_STEPS = 8  # in a period of the resonance, for the release under the moving load
-SPEED_OF_SOUND = 343.2  # [m/s] in air
 _NOTHING = 1e-200  # spectral density [m3] of a surface that the contact averages out
 _SPEEDS = 61  # number of speeds, as a sharp resonance needs them
 _WAVES, _ACROSS, _LINES = 160, 160, 40_000  # points along, across, and over the resonance
@@ -45,20 +44,6 @@ def findings(scene: Scene) -> list[Finding]:
         return []
     plate = _half_space(scene) if of_scene.plate(scene) is None else _bending(scene)
     return [_force(scene), _waves(scene), *plate, *_edges(scene), *_marches(scene)]
-
-
-def hertz_radius(scene: Scene) -> float:
-    """Return the radius [m] of the smooth elastic contact."""
-    return closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-
-
-def bounce_hz(scene: Scene) -> float:
-    """Return the natural frequency [Hz] of the free ball on its contact, sqrt(2 E* a / m) / 2 pi.
-
-    The mass belongs to a free ball, and the stiffness 2 E* a to the smooth elastic contact with the
-    Hertz radius a, whether the plate yields or not.
-    """
-    return math.sqrt(2 * scene.contact_modulus * hertz_radius(scene) / scene.mass) / (2 * math.pi)
 
 
 def resonance(scene: Scene) -> Finding:
@@ -90,7 +75,9 @@ def _force(scene: Scene) -> Finding:
     value = f"about {extremes}, rms {rounded(ratio)} (from the statistics)"
     if scene.faults:
         value += "; faults are left out"
-    if scene.motion.fastest(scene.duration) / bounce_hz(scene) < 2 * hertz_radius(scene):
+    if scene.motion.fastest(scene.duration) / cost.bounce_hz(scene) < 2 * of_scene.hertz_radius(
+        scene
+    ):
         value += "; short waves may multiply it"
     return Finding("force_ratio", "contact force over load", value, warning)
 
@@ -138,7 +125,7 @@ def _mean_heights(scene: Scene, law: Roughness, along: Array) -> Array:
     else:
         plane = rq**2 * first * second / (2 * math.pi * (1 + scaled) ** 1.5)
     # The highest asperities carry where smooth surfaces would be an rms height apart.
-    radius = math.sqrt(hertz_radius(scene) ** 2 + scene.radius * whole)
+    radius = math.sqrt(of_scene.hertz_radius(scene) ** 2 + scene.radius * whole)
     q = radius * np.hypot(along[:, None], across)
     pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3
     density: Array = 2 * np.trapezoid(plane * pressure**2, across, axis=1)
@@ -150,7 +137,7 @@ def _waves(scene: Scene) -> Finding:
 
     Shorter waves belong to the grid more than to the surface.
     """
-    speed, frequency = scene.motion.fastest(scene.duration), bounce_hz(scene)
+    speed, frequency = scene.motion.fastest(scene.duration), cost.bounce_hz(scene)
     wave, warning = speed / frequency, None
     shortest = min((law.lengths_m[0] for law in scene.laws), default=0.0)
     if wave < shortest:
@@ -182,10 +169,10 @@ def _bending(scene: Scene) -> list[Finding]:
     """Judge thickness, bending theory and distance of the listener of a plate that bends."""
     plate, distance = of_scene.plate(scene), scene.sound.distance_m
     assert plate is not None  # asked for by the caller
-    radius, thickness_mm = hertz_radius(scene), 1e3 * plate.thickness_m
+    radius, thickness_mm = of_scene.hertz_radius(scene), 1e3 * plate.thickness_m
     share, limit = radius / plate.thickness_m, of_scene.bending_limit_hz(plate)
-    stiff = 8 * plate.bending_stiffness_n_m / plate.mass_per_area_kg_m2
-    near, air = FAR * math.sqrt(stiff) / SPEED_OF_SOUND, plate.radiator().lowest_hz
+    radiator = plate.radiator()
+    near, air = FAR * radiator.nearest_m, radiator.lowest_hz
     warnings: dict[str, str] = {}
     if share > THICK:
         warnings["contact_thickness"] = (
@@ -249,7 +236,7 @@ def _edges(scene: Scene) -> list[Finding]:
     if len(ends) > 1:
         contact = f"to-and-fro from {ends[0]} to {ends[1]}; its record does not loop"
     radius = math.sqrt(plate.length_m * plate.width_m / math.pi)
-    small = si(SPEED_OF_SOUND / (2 * math.pi * radius), "Hz")
+    small = si(SOUND_M_S / (2 * math.pi * radius), "Hz")
     edges = f"simply supported in a baffle, without which less is heard below {small}; no room"
     return [
         Finding("plate_modes", "modes of the plate", modes, warning),
@@ -272,7 +259,7 @@ def _marches(scene: Scene) -> list[Finding]:
     result = [Finding("force_law", "force law", f"{value} them", None, total)]
     if not scene.moves_release:
         return result
-    speed, frequency = scene.motion.slowest(scene.duration), bounce_hz(scene)
+    speed, frequency = scene.motion.slowest(scene.duration), cost.bounce_hz(scene)
     steps, warning = speed / (frequency * scene.step), None
     if steps < LEAST_STEPS:
         warning = (

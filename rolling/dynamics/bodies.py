@@ -129,8 +129,8 @@ class Bodies(NamedTuple):
 class Chain:
     """Ball, contact and plate in a row, for small fluctuations about the load.
 
-    On a plate with edges resonance, quality and decay are those on an infinite plate, whose
-    mobility is the mean of its own.
+    On a plate with edges, resonance, quality and decay belong to an infinite plate with its mean
+    mobility.
 
     >>> chain = Chain(4.11e-3, 1.018e-4, 3.17e7)
     >>> f"{chain.resonance_hz:.0f} Hz, Q = {chain.quality:.1f}"

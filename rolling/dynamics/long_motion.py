@@ -41,7 +41,7 @@ class LongLaw:
         self.limited, self.continued = 0, 0  # positions
 
     def table(self, begin_m: float, end_m: float) -> LawTable:
-        """Return the law between two positions [m], of which neither lies before the last ones."""
+        """Return the law between two positions [m], neither of them before the last ones."""
         start, spacing = float(self._law.position_m[0]), self._law.spacing_m
         first = max(math.floor((begin_m - start) / spacing) - _GUARD, 0)
         last = math.ceil((end_m - start) / spacing) + _GUARD + 1
@@ -52,12 +52,10 @@ class LongLaw:
         return law_table(start + first * spacing, spacing, False, self._breaks, values)
 
     def _within_limits(self, slopes: Array, first: int) -> Array:
-        """Limit the logarithms of continued slopes (m, n) to those solved and a deviation more.
-
-        The first slope has its lower limit from the second, as in a force law.
-        """
+        """Limit the logarithms of continued slopes (m, n) to the solved range and a deviation."""
         known = max(self.rows.solved - first, 0)
         limited = np.clip(slopes, self._least[:, None], self._most[:, None])
+        # The first slope has its lower limit from the second, as in a force law.
         limited[0] = np.maximum(limited[0], limited[1] + math.log(SOFTEST))
         limited[:, :known] = slopes[:, :known]
         self.limited += int(np.any(limited != slopes, axis=0).sum())
@@ -147,5 +145,4 @@ class LongMotion:
 
 def turn_m(scene: Scene) -> float | None:
     """Return the circumference [m] of a sphere with a surface, after which rows repeat."""
-    has_surface = getattr(scene.sphere, "surface", None) is not None
-    return 2 * math.pi * scene.radius if has_surface else None
+    return None if scene.sphere.surface is None else 2 * math.pi * scene.radius

@@ -7,6 +7,7 @@ from functools import lru_cache, partial
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.radiation import Ball
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.contact import closed_forms
 from rolling.dynamics import bodies, drop
@@ -31,6 +32,12 @@ def plate(scene: Scene) -> BendingPlate | None:
     return BendingPlate(
         p.youngs_modulus_gpa * 1e9, p.poissons_ratio, p.density_kg_m3, p.thickness_mm * 1e-3
     )
+
+
+def ball(scene: Scene) -> Ball:
+    """Return the sphere as a source of sound."""
+    assert scene.sphere.density_kg_m3 is not None  # dynamics needs it
+    return Ball(scene.radius, scene.sphere.density_kg_m3)
 
 
 def rectangular_plate(scene: Scene) -> RectangularPlate | None:
@@ -70,7 +77,8 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
     """
     bending, loss_factor = plate(scene), scene.plate.contact_loss_factor or 0.0
     if bending is not None:
-        modes = _modes(scene)
+        rectangle, ends = rectangular_plate(scene), tuple(scene.plate.contact_ends_mm.values())
+        modes = None if rectangle is None else _modes_between(rectangle, ends)
         return Chain(scene.mass, bending.mobility_s_kg, stiffness_n_m, modes, loss_factor)
     density = scene.plate.density_kg_m3
     assert density is not None  # dynamics needs it
@@ -81,24 +89,27 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
     return Chain(scene.mass, mobility, stiffness_n_m, None, loss_factor)
 
 
-def _modes(scene: Scene) -> Modes | None:
-    """Return the modes of a plate with edges, weighted by their shapes at the contact points."""
-    rectangle, ends = rectangular_plate(scene), scene.plate.contact_ends_mm
-    return None if rectangle is None else _modes_between(rectangle, tuple(ends.values()))
-
-
 @lru_cache(maxsize=8)
 def _modes_between(rectangle: RectangularPlate, ends_mm: tuple[tuple[float, float], ...]) -> Modes:
-    """Return the modes of a plate for a path, or for the only point [mm]."""
+    """Return the modes of a plate, weighted by their shapes along a path or at a point [mm]."""
+    return modes_of(rectangle, points_between(ends_mm, _STATIONS))
+
+
+def points_between(ends_mm: tuple[tuple[float, float], ...], count: int) -> Array:
+    """Return points (count, 2) [m] at equal distances between ends [mm], or the only point."""
     ends = 1e-3 * np.array(ends_mm)
-    share = np.linspace(0, 1, _STATIONS if len(ends) > 1 else 1)[:, None]
-    return modes_of(rectangle, ends[0] + share * (ends[-1] - ends[0]))
+    share = np.linspace(0, 1, count if len(ends) > 1 else 1)[:, None]
+    return np.asarray(ends[0] + share * (ends[-1] - ends[0]))
 
 
 def smooth_chain(scene: Scene) -> Chain:
     """Return sphere, contact and plate with the stiffness 2 E* a of a smooth contact."""
-    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-    return chain(scene, 2 * scene.contact_modulus * radius)
+    return chain(scene, 2 * scene.contact_modulus * hertz_radius(scene))
+
+
+def hertz_radius(scene: Scene) -> float:
+    """Return the radius [m] of the smooth elastic contact."""
+    return closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
 
 
 def chain_over(scene: Scene, law: ForceLaw) -> Chain:

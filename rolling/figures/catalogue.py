@@ -124,10 +124,7 @@ def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
 
 
 def plot_run(
-    runs: Run | Iterable[Run],
-    names: Sequence[str] = (),
-    form: str = "png",
-    out: Path | str = ".",
+    runs: Run | Iterable[Run], names: Sequence[str] = (), form: str = "png", out: Path | str = "."
 ) -> list[Path]:
     """Write figures of one run, or of the runs of a sweep, into a folder.
 

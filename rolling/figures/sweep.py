@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
@@ -24,6 +24,7 @@ from rolling.figures.table_figures import (
     name_axis,
     x_words,
 )
+from rolling.results.labels import value_at
 from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED, runs_table
 from rolling.scene.scene import Scene
@@ -232,10 +233,8 @@ def _others(runs: Sequence[Run], key: str) -> list[str]:
 
 def _number(scene: Scene, key: str) -> float:
     """Read the number at a dotted key of a scene."""
-    value: Any = scene
-    for name in key.split("."):
-        value = getattr(value, name, None)
-    value = scene.load if key == "rolling.load_n" else value  # the weight is a number, too
+    # The weight is a number, too.
+    value = scene.load if key == "rolling.load_n" else value_at(scene, key)
     if not isinstance(value, int | float) or isinstance(value, bool):
         raise ValueError(f"{key}: the scene {scene.name} has no number there")
     return float(value)

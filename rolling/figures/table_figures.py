@@ -83,11 +83,7 @@ def number_against(
 
 
 def number_map(
-    frame: pd.DataFrame,
-    number: str,
-    keys: tuple[str, str],
-    ax: Axes | None = None,
-    title: str = "",
+    frame: pd.DataFrame, number: str, keys: tuple[str, str], ax: Axes | None = None, title: str = ""
 ) -> Axes:
     """Plot the mean of a column of runs.csv over two swept keys, along x and y, as a map."""
     ax, ticks = axes_of(ax), [_ticks(frame[key]) for key in keys]

@@ -11,7 +11,7 @@ from acoustics import plots
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
 from acoustics.plots import COLOURS
-from rolling.contact import closed_forms
+from rolling.dynamics import of_scene
 from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
 from rolling.figures.sound import column
 from rolling.results.run_result import Run
@@ -235,7 +235,7 @@ def contact_filter_table(run: Run) -> pd.DataFrame:
 
 def hertz_radius(run: Run) -> float:
     """Return the contact radius of the smooth elastic contact [m]."""
-    return closed_forms.hertz_radius(run.scene.load, run.scene.radius, run.scene.contact_modulus)
+    return of_scene.hertz_radius(run.scene)
 
 
 # ---- mobilities

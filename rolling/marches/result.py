@@ -24,9 +24,9 @@ from rolling.marches.observers import (
     snapshot_of,
 )
 from rolling.marches.piece import Piece, contact_identity, track_pieces
+from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.identity import digest
 from rolling.scene.scene import Scene
-from rolling.scene.sections import VIBRATING_PLATE
 
 MOVING_SERIES = ("release_energy", "loading_energy", "energy_defect")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from acoustics.numbers import rounded
+from acoustics.numbers import bracketed, rounded
 from acoustics.radiation import RHO_C
 from rolling.report.text import NOTHING
 from rolling.results.labels import printable
@@ -39,8 +39,7 @@ def _source(run: Run) -> dict[str, str]:
     if run.sound.source == "vibration":
         ball = "plate and sphere" if scene.sound.ball else "plate"
         if scene.plate.edges_mm is not None:
-            places = run.summary["listeners"]
-            words = ("[" + ", ".join(f"{x:g}" for x in place["at_mm"]) + "]" for place in places)
+            words = (bracketed(place["at_mm"]) for place in run.summary["listeners"])
             return {
                 "source": f"vibration of {ball}, the plate in an infinite rigid baffle",
                 "listener [mm] from the corner of the plate": "; ".join(words),

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from matplotlib.ticker import EngFormatter
 
 from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
-from acoustics.numbers import rounded
+from acoustics.numbers import bracketed, rounded
 from rolling import __version__
 from rolling.results import caveats
 from rolling.results.caveats import Caveat
@@ -165,7 +165,7 @@ def listeners(runs: Sequence[Run]) -> list[tuple[str, str, str, str]]:
     for run in runs:
         places = run.summary.get("listeners") or []
         for listener in places if len(places) > 1 else []:
-            at = f"[{', '.join(f'{x:g}' for x in listener['at_mm'])}] mm"
+            at = f"{bracketed(listener['at_mm'])} mm"
             laeq, level = (
                 "silent" if listener[key] is None else f"{listener[key]:.1f}"
                 for key in ("laeq_db", "level_db")

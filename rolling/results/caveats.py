@@ -138,8 +138,6 @@ def _of_levels(
             f" at {s.distance_m:g} m without a room."
         )
         body = "an infinite plate without modes, edges or supports"
-        if scene.plate.edges_mm is not None:
-            body = "a plate that is simply supported at its edges"
         texts["infinite_plate"] = (
             f"The sphere rolls on {'a half-space' if scene.plate.thickness_mm is None else body},"
             " pressed by a constant force without mass; friction, rocking and rotation are left"
@@ -236,14 +234,10 @@ def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:
             " contact."
         }
     if moving is None:
-        return {
-            "constant_load_release": "The release is computed under the constant load"
-            + (
-                "; dynamics.release: true computes it under the moving load."
-                if scene.rolling.drop_mm is None
-                else ": that of a sphere that rolls from the start."
-            )
-        }
+        under = "; dynamics.release: true computes it under the moving load."
+        if scene.rolling.drop_mm is not None:
+            under = ", as if the sphere rolled from the start."
+        return {"constant_load_release": f"The release is computed under the constant load{under}"}
     if moving.fault:
         return {
             "no_moving_release": "release: of the constant load, because there is none under the"

@@ -25,32 +25,31 @@ class Word(NamedTuple):
     minor: bool = False
 
 
+_HEIGHTS = {  # keys of plate and sphere
+    "kind": Word("surface"),
+    "path": Word("heights"),
+    "roughness_ra_um": Word("Ra", "µm"),
+    "correlation_length_um": Word("correlation length", "µm"),
+    "correlation_length_across_um": Word("correlation length across", "µm", "isotropic"),
+    "autocorrelation": Word("autocorrelation"),
+    "height_unit": Word("height unit"),
+    "seed": Word("seed"),
+}
 WORDS = {  # in the order in which labels name them
     "rolling.load_n": Word("load", "N"),
     "rolling.speed_m_s": Word("speed", "m/s"),
     "rolling.resistance": Word("rolling resistance", "", "no rolling resistance"),
     "rolling.drop_mm": Word("drop", "mm", "no drop"),
-    "surface.kind": Word("surface"),
-    _PATH: Word("heights"),
-    "surface.roughness_ra_um": Word("Ra", "µm"),
-    "surface.correlation_length_um": Word("correlation length", "µm"),
-    "surface.correlation_length_across_um": Word("correlation length across", "µm", "isotropic"),
-    "surface.autocorrelation": Word("autocorrelation"),
-    "surface.height_unit": Word("height unit"),
+    **{f"surface.{name}": word for name, word in _HEIGHTS.items()},
     "surface.level": Word("levelling"),
-    "surface.seed": Word("seed"),
     "surface.faults": Word("faults", "", "no faults"),
     "sphere.radius_mm": Word("sphere radius", "mm"),
-    "sphere.surface.kind": Word("sphere surface"),
-    "sphere.surface.path": Word("sphere heights"),
+    **{
+        f"sphere.surface.{name}": word._replace(name=f"sphere {word.name}", absent="")
+        for name, word in _HEIGHTS.items()
+    },
     "sphere.surface.grade": Word("grade"),
-    "sphere.surface.roughness_ra_um": Word("sphere Ra", "µm"),
-    "sphere.surface.correlation_length_um": Word("sphere correlation length", "µm"),
-    "sphere.surface.correlation_length_across_um": Word("sphere correlation length across", "µm"),
-    "sphere.surface.autocorrelation": Word("sphere autocorrelation"),
-    "sphere.surface.height_unit": Word("sphere height unit"),
     "sphere.surface.spacing_um": Word("sphere spacing", "µm", minor=True),
-    "sphere.surface.seed": Word("sphere seed"),
     "sphere.surface.waviness": Word("waviness", "", "no waviness"),
     "sphere.surface.faults": Word("sphere faults", "", "no sphere faults"),
     "sphere.youngs_modulus_gpa": Word("sphere Young's modulus", "GPa", "rigid sphere"),
@@ -90,6 +89,7 @@ WORDS = {  # in the order in which labels name them
     "numerics.precision": Word("precision", minor=True),
     "numerics.error_estimate": Word("error estimate", minor=True),
     "recovery.events": Word("recovery events", minor=True),
+    "sound.listen_s": Word("long listening", "s", "no long listening", minor=True),
     "sound.loudness": Word("loudness", minor=True),
     "sound.listen_s": Word("listening", "s", minor=True),
 }
@@ -200,7 +200,7 @@ def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:
         elif value is not None:
             texts.append(written[value])
         else:  # a key that the kind of surface lacks has no words
-            texts.append(word.absent if hasattr(_inside(run.scene, section), last) else "")
+            texts.append(word.absent if hasattr(value_at(run.scene, section), last) else "")
     return texts
 
 
@@ -208,7 +208,7 @@ def _value(scene: Scene, key: str) -> Any:
     """Read the value of a dotted key, or None; a height file is its place on the disk."""
     if key == _PATH:
         return scene.height_path and scene.height_path.resolve()
-    value = _inside(scene, key)
+    value = value_at(scene, key)
     if isinstance(value, Mapping):
         return ", ".join(f"{name}: {number:g}" for name, number in value.items())
     if isinstance(value, list):
@@ -216,7 +216,7 @@ def _value(scene: Scene, key: str) -> Any:
     return None if isinstance(value, Section) else value
 
 
-def _inside(scene: Scene, key: str) -> Any:
+def value_at(scene: Scene, key: str) -> Any:
     """Read the value of a dotted key, None where a section lacks it."""
     value: Any = scene
     for name in key.split("."):

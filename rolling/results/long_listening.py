@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.numbers import rounded
+from acoustics.numbers import decibels_a, rounded
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import contact_sound
@@ -114,7 +114,7 @@ def sentence(numbers: Mapping[str, Any], run_laeq_db: float | None) -> str:
         )
     text = (
         f"{rounded(numbers['seconds'], 4)} s over {rolled} mm, {track}: LAeq"
-        f" {_decibels(numbers['laeq_db'])} (the run {_decibels(run_laeq_db)}), kurtosis"
+        f" {decibels_a(numbers['laeq_db'])} (the run {decibels_a(run_laeq_db)}), kurtosis"
         f" {'-' if numbers['kurtosis'] is None else format(numbers['kurtosis'], '.2f')}"
     )
     if "impacts" in numbers:
@@ -149,8 +149,3 @@ def limits(numbers: Mapping[str, Any]) -> list[str]:
             " longest solved wave"
         )
     return texts
-
-
-def _decibels(level: float | None) -> str:
-    """Write a level, or silence."""
-    return "silent" if level is None else f"{level:.1f} dB(A)"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.bands import BAND_NAMES
-from acoustics.numbers import rounded
+from acoustics.numbers import bracketed, decibels_a, rounded
 from rolling.check.finding import columns
 from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
 from rolling.results.labels import Labelled, labels
@@ -236,8 +236,7 @@ def _others(summary: Mapping[str, Any]) -> str:
     if summary.get("listeners") and power is not None:
         words = f"; sound power of the plate: {power:.1f} dB re 1 pW"
     for listener in summary.get("listeners", ())[1:]:
-        laeq, at = listener["laeq_db"], ", ".join(f"{x:g}" for x in listener["at_mm"])
-        words += f"; at [{at}] mm: {'silent' if laeq is None else f'{laeq:.1f} dB(A)'}"
+        words += f"; at {bracketed(listener['at_mm'])} mm: {decibels_a(listener['laeq_db'])}"
     return words
 
 

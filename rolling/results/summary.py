@@ -165,8 +165,8 @@ def _release(release: ContactSound, sound: ContactSound) -> dict[str, Any]:
 def _contact(scene: Scene, result: Result) -> dict[str, Any]:
     """Return areas, pressure, balance and effort over all positions."""
     state = {name: result.whole(name) for name in STATE_SERIES}
-    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-    hertz_area, plastic = float(np.pi * radius**2), float(state["plastic_area"].mean())
+    hertz_area = float(np.pi * of_scene.hertz_radius(scene) ** 2)
+    plastic = float(state["plastic_area"].mean())
     defect = np.abs(result.whole("energy_defect")).max()
     return {
         "hertz_area_m2": hertz_area,
@@ -258,7 +258,6 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
     plate, edges = of_scene.plate(scene), of_scene.rectangular_plate(scene)
     mean = "compact_source_level_db" if edges is None else "hemisphere_mean_level_db"
-    radius = closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
     return {
         **_difference(scene, release.levels, vibration.levels),
         **_fall(scene, motion),
@@ -290,7 +289,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "critical_hz": plate and plate.critical_hz,
         "bending_limit_hz": plate and of_scene.bending_limit_hz(plate),
         "plate_deflection_m": float(np.ptp(motion.plate_m)),
-        "contact_radius_over_thickness": plate and float(radius / plate.thickness_m),
+        "contact_radius_over_thickness": plate and of_scene.hertz_radius(scene) / plate.thickness_m,
         "force_outside_share": motion.outside_share,
         "comb_spread_db": vibration.spreads.get("comb"),
         "comb_mean_laeq_db": vibration.mean_laeq,

@@ -242,7 +242,7 @@ class BallHeightFile(RoundSurface):
     height_unit : str
         Unit of the heights in the file
     spacing_um : float
-        Node spacing [um], that of the plate's surface
+        Node spacing [um], equal to the spacing of the plate's surface
     """
 
     kind: Literal["file"] = "file"

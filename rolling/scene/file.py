@@ -13,10 +13,11 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
 from rolling.scene import library, messages, yaml_text
+from rolling.scene.bodies import VIBRATING_PLATE, Sphere
 from rolling.scene.messages import Key, SceneError, all_keys, shown
 from rolling.scene.quantities import motion_of
 from rolling.scene.scene import Scene
-from rolling.scene.sections import VIBRATING_PLATE, WEIGHT, Rolling, Sound, Sphere
+from rolling.scene.sections import WEIGHT, Rolling, Sound
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import with_value
 from rolling.scene.yaml_text import TextError

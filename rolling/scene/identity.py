@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from rolling.scene import sweep as sweeps
+from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.messages import SceneError, shown
 from rolling.scene.scene import Scene
-from rolling.scene.sections import VIBRATING_PLATE
 from rolling.scene.yaml_text import open_regular
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and

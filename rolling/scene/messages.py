@@ -170,6 +170,13 @@ def is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and -1e300 < value < 1e300
 
 
+def numbers(value: Any, count: int) -> tuple[float, ...] | None:
+    """Return a list of so many numbers as a tuple, None for any other value."""
+    if isinstance(value, list | tuple) and len(value) == count and all(map(is_number, value)):
+        return tuple(map(float, value))
+    return None
+
+
 def plain_number(value: float) -> str:
     """Write a number without a needless decimal point."""
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))

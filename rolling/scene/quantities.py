@@ -11,12 +11,14 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, PrivateAttr
 from pydantic_core import PydanticCustomError
 
+from acoustics.numbers import bracketed
 from rolling.scene.balls import BallHeightFile, Roughness, turn_nodes
+from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.faults import SurfaceFault, refuse_misplaced
 from rolling.scene.messages import Key, SceneError, dotted, fault, shown
 from rolling.scene.motion import Motion
 from rolling.scene.section import Section
-from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
+from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
 from rolling.scene.surfaces import HeightFile, Surface
 from rolling.scene.track import Track, file_track, height_nodes, made_track, refuse_turn, rolled
 
@@ -179,7 +181,7 @@ class SceneQuantities(Section):
         """Place of the first listener in words: a distance, or coordinates from the corner."""
         if self.sound.listener_mm is None or self.sound.source != "vibration":
             return f"{self.sound.distance_m:g} m"
-        return f"[{', '.join(f'{x:g}' for x in self.sound.listener_mm[0])}] mm"
+        return f"{bracketed(self.sound.listener_mm[0])} mm"
 
     @property
     def hardness(self) -> float:

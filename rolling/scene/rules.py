@@ -14,18 +14,10 @@ from typing import Any
 from acoustics.numbers import rounded
 from rolling.scene import quantities
 from rolling.scene.balls import refuse_ball
+from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.messages import fault, plain_number, shown
 from rolling.scene.motion import ROUNDING
-from rolling.scene.sections import (
-    WEIGHT,
-    Dynamics,
-    Numerics,
-    Plate,
-    Rolling,
-    Sound,
-    Sphere,
-    refuse_free_factors,
-)
+from rolling.scene.sections import WEIGHT, Dynamics, Numerics, Rolling, Sound, refuse_free_factors
 from rolling.scene.surfaces import HeightFile, MadeSurface
 
 EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least

@@ -66,7 +66,8 @@ class Scene(SceneQuantities):
 
     Examples
     --------
-    >>> from rolling.scene.sections import Plate, Rolling, Sphere
+    >>> from rolling.scene.bodies import Plate, Sphere
+    >>> from rolling.scene.sections import Rolling
     >>> from rolling.scene.surfaces import Gaussian
     >>> scene = Scene(
     ...     sphere=Sphere(radius_mm=5),

@@ -1,4 +1,4 @@
-"""Sections of a scene: frozen models, units in the key names, and checks of single sections.
+"""Sections of a scene beside bodies and surfaces: frozen models, units in the key names.
 
 Lengths are in mm or um and moduli in GPa here; the properties of `Scene` are SI. Sections are built
 in Python as `Sphere(radius_mm=5)`; a value that is not allowed then raises SceneError with the same
@@ -8,214 +8,14 @@ message as in a scene file.
 from __future__ import annotations
 
 import math
-from itertools import chain
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Field,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene.balls import BallSurface
-from rolling.scene.messages import MATERIALS, fault, is_number, plain_number, shown
+from rolling.scene.messages import fault, is_number, numbers, plain_number, shown
 from rolling.scene.motion import Motion
 from rolling.scene.section import Section
-
-YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
-DENSITY = MATERIALS["density_kg_m3"]
-HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
-
-# ---- sphere and plate
-
-
-class Sphere(Section):
-    """Rolling sphere, rigid unless it has a modulus.
-
-    Attributes
-    ----------
-    radius_mm : float
-        Radius [mm]
-    density_kg_m3 : float, optional
-        Density [kg/m3], for the mass; dynamics needs it. Absent: the check of the contact
-        resonance takes 7850, as if steel
-    youngs_modulus_gpa : float, optional
-        Young's modulus [GPa]; absent: a rigid sphere
-    poissons_ratio : float, optional
-        Poisson's ratio [-]; absent: a rigid sphere
-    surface : section, optional
-        Surface of the sphere, wrapped around its circumference; absent: perfectly smooth
-    """
-
-    radius_mm: float = Field(gt=0)
-    density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
-    youngs_modulus_gpa: float | None = Field(default=None, ge=YOUNG.least, le=YOUNG.most)
-    poissons_ratio: float | None = Field(default=None, ge=0, le=0.5)
-    surface: BallSurface | None = Field(default=None, discriminator="kind")
-
-    @model_validator(mode="after")
-    def _both_or_neither(self) -> Sphere:
-        for missing, given in (
-            ("youngs_modulus_gpa", "poissons_ratio"),
-            ("poissons_ratio", "youngs_modulus_gpa"),
-        ):
-            if getattr(self, missing) is None and getattr(self, given) is not None:
-                rule = "an elastic sphere needs both, a rigid sphere neither"
-                raise fault(f"missing beside {given}; {rule}", "sphere", missing)
-        return self
-
-
-def _point(value: Any) -> Any:
-    """Return a point on the plate as a tuple."""
-    if isinstance(value, list | tuple) and len(value) == 2 and all(is_number(x) for x in value):
-        return float(value[0]), float(value[1])
-    raise fault(f"got {shown(value)}, allowed: [x, y], two numbers in mm from a corner")
-
-
-_NUMBERS = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number"}}
-Point = Annotated[tuple[float, float], BeforeValidator(_point), WithJsonSchema(_NUMBERS)]
-# Keys of the plate that change its vibration, and not the march of the contact.
-VIBRATING_PLATE = (
-    "density_kg_m3",
-    "thickness_mm",
-    "loss_factor",
-    "length_mm",
-    "width_mm",
-    "contact_mm",
-    "contact_path",
-    "contact_end_mm",
-    "contact_loss_factor",
-)
-CONTACT_AT = 0.43, 0.37  # default over length and width: many modes have nodal lines in the middle
-
-
-class Plate(Section):
-    """Plate that the sphere rolls on, a half-space to the contact.
-
-    Attributes
-    ----------
-    youngs_modulus_gpa : float
-        Young's modulus [GPa]
-    poissons_ratio : float
-        Poisson's ratio [-]
-    hardness_gpa : float, optional
-        Hardness [GPa], the maximum pressure that the plate bears, below a fifth of its modulus;
-        absent: purely elastic
-    density_kg_m3 : float, optional
-        Density [kg/m3]; dynamics needs it
-    thickness_mm : float, optional
-        Thickness [mm] of an infinite plate that bends, for dynamics; absent: a half-space
-    loss_factor : float, optional
-        Loss factor of bending waves [-], for the sound power above coincidence; absent: no sound
-        power there; a plate with edges needs it
-    length_mm : float, optional
-        Length [mm] along x of a rectangular plate, simply supported at its edges; absent: an
-        infinite plate
-    width_mm : float, optional
-        Width [mm] along y of a rectangular plate
-    contact_mm : pair of float, optional
-        Contact point [x, y] [mm] from a corner of a rectangular plate; absent: 0.43 of the length,
-        0.37 of the width
-    contact_path : str, optional
-        Path of the contact on a rectangular plate: fixed at contact_mm, or to-and-fro between
-        contact_mm and contact_end_mm at the speed of the sphere; absent: fixed
-    contact_end_mm : pair of float, optional
-        Other end [x, y] [mm] of a path to-and-fro
-    contact_loss_factor : float, optional
-        Loss factor of the contact stiffness [-] at the contact resonance; absent: 0
-    """
-
-    youngs_modulus_gpa: float = Field(ge=YOUNG.least, le=YOUNG.most)
-    poissons_ratio: float = Field(ge=0, le=0.5)
-    hardness_gpa: float | None = Field(default=None, ge=HARDNESS.least, le=HARDNESS.most)
-    density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
-    thickness_mm: float | None = Field(default=None, gt=0)
-    loss_factor: float | None = Field(default=None, gt=0, le=1)
-    length_mm: float | None = Field(default=None, gt=0)
-    width_mm: float | None = Field(default=None, gt=0)
-    contact_mm: Point | None = None
-    contact_path: Literal["fixed", "to-and-fro"] | None = None
-    contact_end_mm: Point | None = None
-    contact_loss_factor: float | None = Field(default=None, ge=0, le=1)
-
-    @property
-    def edges_mm(self) -> tuple[float, float] | None:
-        """Length and width [mm] of a rectangular plate; None for an infinite one."""
-        both = self.length_mm, self.width_mm
-        return None if both[0] is None or both[1] is None else (both[0], both[1])
-
-    @property
-    def contact_ends_mm(self) -> dict[str, tuple[float, float]]:
-        """Contact point, and the other end of its path if it moves, [x, y] [mm] by key."""
-        if self.edges_mm is None:
-            return {}
-        default = CONTACT_AT[0] * self.edges_mm[0], CONTACT_AT[1] * self.edges_mm[1]
-        ends = {"contact_mm": self.contact_mm or default, "contact_end_mm": self.contact_end_mm}
-        return {key: point for key, point in ends.items() if point is not None}
-
-    @model_validator(mode="after")
-    def _softer_than_bonds(self) -> Plate:
-        most = self.youngs_modulus_gpa / HARDEST
-        if self.hardness_gpa is not None and self.hardness_gpa >= most:
-            words = (
-                f"got {plain_number(self.hardness_gpa)}, allowed: below a fifth of"
-                f" youngs_modulus_gpa, {rounded(most, 4)}; without a hardness the plate is purely"
-                " elastic"
-            )
-            raise fault(words, "plate", "hardness_gpa")
-        return self
-
-    @model_validator(mode="after")
-    def _loss_of_bending(self) -> Plate:
-        if self.loss_factor is not None and self.thickness_mm is None:
-            reason = "a half-space has no bending waves"
-            raise fault(f"only goes with thickness_mm: {reason}", "plate", "loss_factor")
-        return self
-
-    @model_validator(mode="after")
-    def _all_edges(self) -> Plate:
-        """Refuse half a rectangle, and keys of a contact point without edges."""
-        if self.edges_mm is None:
-            for missing, given in (("length_mm", "width_mm"), ("width_mm", "length_mm")):
-                if getattr(self, given) is not None:
-                    rule = "a plate with edges needs both, an infinite plate neither"
-                    raise fault(f"missing beside {given}; {rule}", "plate", missing)
-            for key in ("contact_mm", "contact_path", "contact_end_mm"):
-                if getattr(self, key) is not None:
-                    rule = "a point on an infinite plate is like any other"
-                    raise fault(f"only goes with length_mm and width_mm: {rule}", "plate", key)
-            return self
-        for key, part in (("thickness_mm", "bends"), ("loss_factor", "has modes, which decay")):
-            if getattr(self, key) is None:
-                raise fault(f"missing; a plate with edges {part}", "plate", key)
-        return self
-
-    @model_validator(mode="after")
-    def _contact_on_the_plate(self) -> Plate:
-        """Refuse contact points beyond the edges, and a path without two ends."""
-        if self.edges_mm is None:
-            return self
-        for key, point in self.contact_ends_mm.items():
-            for name, place, edge in zip("xy", point, self.edges_mm, strict=True):
-                if not 0 < place < edge:
-                    within = f"a point within the edges, {name} above 0 and below"
-                    words = f"got {shown(list(point))}, allowed: {within} {plain_number(edge)}"
-                    raise fault(words, "plate", key)
-        moves = self.contact_path == "to-and-fro"
-        if moves and self.contact_end_mm is None:
-            raise fault("missing; contact_path: to-and-fro needs it", "plate", "contact_end_mm")
-        if not moves and self.contact_end_mm is not None:
-            words = "only goes with contact_path: to-and-fro"
-            raise fault(words, "plate", "contact_end_mm")
-        if moves and self.contact_end_mm == self.contact_ends_mm["contact_mm"]:
-            got = shown(list(self.contact_end_mm))
-            words = f"got {got}, the point contact_mm, allowed: another point"
-            raise fault(words, "plate", "contact_end_mm")
-        return self
-
 
 # ---- rolling
 
@@ -228,15 +28,16 @@ def _speed(value: Any) -> Any:
     """Return a speed, or pairs as tuples."""
     if is_number(value) and value > 0:
         return float(value)
-    pairs = value if isinstance(value, list | tuple) else []
-    lists = [pair for pair in pairs if isinstance(pair, list | tuple) and len(pair) == 2]
-    if len(pairs) < 2 or len(lists) < len(pairs) or not all(is_number(x) for x in chain(*lists)):
+    pairs: list[Any] = (
+        [numbers(pair, 2) for pair in value] if isinstance(value, list | tuple) else []
+    )
+    if len(pairs) < 2 or None in pairs:
         raise fault(f"got {shown(value)}, allowed: {SPEED}", "rolling", "speed_m_s")
     try:
         Motion.of(pairs)
     except ValueError as error:
         raise fault(f"got {shown(value)}: {error}", "rolling", "speed_m_s") from error
-    return tuple((float(t), float(v)) for t, v in pairs)
+    return tuple(pairs)
 
 
 _PAIR = {"type": "array", "minItems": 2, "maxItems": 2}
@@ -254,19 +55,23 @@ Speed = Annotated[
 LOAD = f"greater than 0, or {WEIGHT}"
 
 
-def _load(value: Any) -> Any:
-    """Return a load [N], or the word for the weight of the sphere."""
-    if value == WEIGHT:
-        return value
-    if is_number(value) and value > 0:
-        return float(value)
-    raise fault(f"got {shown(value)}, allowed: {LOAD}", "rolling", "load_n")
+def _number_or(word: str, allowed: str, **limits: float) -> tuple[BeforeValidator, WithJsonSchema]:
+    """Return validator and schema of a number within limits of JSON Schema, or a word for it."""
+
+    def chosen(value: Any) -> Any:
+        if isinstance(value, str) and value == word:
+            return value
+        above = limits.get("exclusiveMinimum", -math.inf)
+        least, most = limits.get("minimum", -math.inf), limits.get("maximum", math.inf)
+        if is_number(value) and value > above and least <= value <= most:
+            return float(value)
+        raise fault(f"got {shown(value)}, allowed: {allowed}")
+
+    kinds = [{"type": "string", "const": word}, {"type": "number", **limits}]
+    return BeforeValidator(chosen), WithJsonSchema({"anyOf": kinds})
 
 
-_LOADS = [{"type": "string", "const": WEIGHT}, {"type": "number", "exclusiveMinimum": 0}]
-Load = Annotated[
-    float | Literal["weight"], *(BeforeValidator(_load), WithJsonSchema({"anyOf": _LOADS}))
-]
+Load = Annotated[float | Literal["weight"], *_number_or(WEIGHT, LOAD, exclusiveMinimum=0)]
 
 
 class Rolling(Section):
@@ -335,22 +140,9 @@ def _step_nodes(value: float) -> float:
     return closest
 
 
-def _tolerance(value: Any) -> Any:
-    """Return a tolerance that is allowed."""
-    if isinstance(value, str) and value == "auto":
-        return value
-    if is_number(value) and TOLERANCES[0] <= value <= TOLERANCES[1]:
-        return float(value)
-    raise fault(f"got {shown(value)}, allowed: {TOLERANCE}")
-
-
-_TOLERANCES = [
-    {"type": "string", "const": "auto"},
-    {"type": "number", "minimum": TOLERANCES[0], "maximum": TOLERANCES[1]},
-]
 Tolerance = Annotated[
     float | Literal["auto"],
-    *(BeforeValidator(_tolerance), WithJsonSchema({"anyOf": _TOLERANCES})),
+    *_number_or("auto", TOLERANCE, minimum=TOLERANCES[0], maximum=TOLERANCES[1]),
 ]
 
 
@@ -436,14 +228,8 @@ _PLACES = f"[x, y, z], three numbers in mm, or a list of 1 to {MOST_LISTENERS} s
 
 def _listeners(value: Any) -> Any:
     """Return listeners as tuples."""
-    if isinstance(value, list | tuple) and len(value) == 3 and all(is_number(x) for x in value):
-        value = [value]
-    places = value if isinstance(value, list | tuple) else []
-    valid = [
-        tuple(map(float, place))
-        for place in places
-        if isinstance(place, list | tuple) and len(place) == 3 and all(is_number(x) for x in place)
-    ]
+    places = [value] if numbers(value, 3) else value if isinstance(value, list | tuple) else []
+    valid = [place for place in (numbers(place, 3) for place in places) if place is not None]
     if not 0 < len(places) == len(valid) <= MOST_LISTENERS:
         got = f"{len(valid)} places" if len(valid) > MOST_LISTENERS else shown(value)
         raise fault(f"got {got}, allowed: {_PLACES}")
@@ -452,7 +238,7 @@ def _listeners(value: Any) -> Any:
     return tuple(valid)
 
 
-_PLACE = _NUMBERS | {"minItems": 3, "maxItems": 3}
+_PLACE = {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}}
 _PLACE_LIST = {"type": "array", "minItems": 1, "maxItems": MOST_LISTENERS, "items": _PLACE}
 Listeners = Annotated[
     tuple[tuple[float, float, float], ...],

@@ -1,8 +1,8 @@
 """Sound of a plate with edges, and of the sphere on it, at listeners anywhere.
 
-Delays are those behind the sound from the first contact point to the first listener, so stereo
-keeps its differences. A moving contact excites each mode by its shape under the contact. The sphere
-is heard from the middle of its path, and above the plate only: the baffle hides it from below.
+Delays count from the arrival of the sound from the first contact point at the first listener, so
+stereo keeps its differences. A moving contact excites each mode by its shape under the contact. The
+sphere is heard from the middle of its path, and above the plate only: the baffle hides it below.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.baffled_modes import Complex, Listener
 from acoustics.bands import AUDIBLE_HZ
-from acoustics.radiation import SOUND_M_S, Ball, axis_transfer
+from acoustics.radiation import SOUND_M_S, axis_transfer
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
@@ -35,12 +35,7 @@ _PER_WIDTH, _GRID = 4, (2000, 40_000)  # frequencies of a power in the width of 
 
 
 def pressures(
-    scene: Scene,
-    plate: RectangularPlate,
-    ball: Ball | None,
-    force: Array,
-    closed: bool,
-    listeners: Sequence[Listener],
+    scene: Scene, plate: RectangularPlate, force: Array, closed: bool, listeners: Sequence[Listener]
 ) -> Array:
     """Return the sound pressure [Pa] of a force [N] at listeners, (listeners, samples).
 
@@ -59,7 +54,7 @@ def pressures(
     lines = np.arange(len(frequency))
     if closed:
         lines = lines[(frequency.real >= AUDIBLE_HZ[0]) & (frequency.real < AUDIBLE_HZ[1])]
-    spectra = _spectra(scene, plate, ball, fallen, n, frequency, lines, listeners)
+    spectra = _spectra(scene, plate, fallen, n, frequency, lines, listeners)
     records = np.zeros((len(spectra), len(frequency)), dtype=complex)
     records[:, lines] = spectra
     heard = np.fft.irfft(records, n, axis=1)[:, : len(force)] * np.exp(growth * times)
@@ -76,7 +71,6 @@ def pressures(
 def _spectra(
     scene: Scene,
     plate: RectangularPlate,
-    ball: Ball | None,
     force: Array,
     n: int,
     frequency: NDArray[Any],
@@ -87,10 +81,10 @@ def _spectra(
     path, frequency = _path(scene), frequency[lines]
     spectrum = np.fft.rfft(force, n)[lines]
     if not _moves(scene):
-        transfers = [_at(scene, plate, ball, frequency, k, path) for k in listeners]
+        transfers = [_at(scene, plate, frequency, k, path) for k in listeners]
         return np.array([transfer * spectrum for transfer in transfers])
     points = of_scene.contact_points(scene, np.arange(len(force)) / wav.SAMPLE_RATE_HZ)
-    total = np.array([_ball(scene, ball, frequency, k, path) for k in listeners]) * spectrum
+    total = np.array([_ball(scene, frequency, k, path) for k in listeners]) * spectrum
     for modes in _parts(slice(0, _lasting(plate, force)), n):
         forces = np.fft.rfft(force[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
         for k, listener in enumerate(listeners):
@@ -157,16 +151,14 @@ def _stations(scene: Scene, plate: RectangularPlate, samples: int) -> tuple[Arra
     return begin + np.linspace(0, 1, spaces + 1)[:, None] * (end - begin), places
 
 
-def square_transfer(
-    scene: Scene, plate: RectangularPlate, ball: Ball | None, frequency: Array
-) -> Array:
+def square_transfer(scene: Scene, plate: RectangularPlate, frequency: Array) -> Array:
     """Return the mean square pressure per mean square force [Pa2/N2] at the first listener.
 
     It is the mean over the path of the contact.
     """
     path, listener = _path(scene), scene.listeners[0]
     squares = [
-        np.square(np.abs(_at(scene, plate, ball, frequency, listener, path, point)))
+        np.square(np.abs(_at(scene, plate, frequency, listener, path, point)))
         for point in points_on_path(scene)
     ]
     return np.asarray(np.mean(squares, axis=0))
@@ -198,9 +190,7 @@ def _power_table(
 
 def points_on_path(scene: Scene) -> Array:
     """Return the contact point, or points of its path at equal distances, (n, 2) [m]."""
-    ends = 1e-3 * np.array(list(scene.plate.contact_ends_mm.values()))
-    share = np.linspace(0, 1, _POINTS if _moves(scene) else 1)[:, None]
-    return np.asarray(ends[0] + share * (ends[-1] - ends[0]))
+    return of_scene.points_between(tuple(scene.plate.contact_ends_mm.values()), _POINTS)
 
 
 def _moves(scene: Scene) -> bool:
@@ -216,7 +206,6 @@ def _path(scene: Scene) -> float:
 def _at(
     scene: Scene,
     plate: RectangularPlate,
-    ball: Ball | None,
     frequency: NDArray[Any],
     listener: Listener,
     path: float,
@@ -225,20 +214,14 @@ def _at(
     """Return the pressure of plate and sphere per force [Pa/N] from a contact point."""
     point = points_on_path(scene)[0] if point is None else point
     pressure = plate.pressure_transfer(frequency, point, listener, path)
-    return np.asarray(pressure + _ball(scene, ball, frequency, listener, path))
+    return np.asarray(pressure + _ball(scene, frequency, listener, path))
 
 
-def _ball(
-    scene: Scene,
-    ball: Ball | None,
-    frequency: NDArray[Any],
-    listener: Listener,
-    path: float,
-) -> Complex:
+def _ball(scene: Scene, frequency: NDArray[Any], listener: Listener, path: float) -> Complex:
     """Return the pressure of the sphere per force [Pa/N] from the middle of its path."""
-    if ball is None or listener[2] < 0:
+    if not scene.sound.ball or listener[2] < 0:
         return np.zeros(len(frequency), dtype=complex)
     ends = points_on_path(scene)[[0, -1]]
     distance = math.dist((*ends.mean(axis=0), 0.0), listener)
-    pressure = axis_transfer(frequency, ball, distance, listener[2] / distance)
+    pressure = axis_transfer(frequency, of_scene.ball(scene), distance, listener[2] / distance)
     return np.asarray(pressure * np.exp(-2j * np.pi * frequency * (distance - path) / SOUND_M_S))

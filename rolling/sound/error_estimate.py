@@ -17,13 +17,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
 from acoustics.arrays import Array
-from acoustics.bands import (
-    BAND_NAMES,
-    BANDWIDTH_HZ,
-    EDGES_HZ,
-    NOMINAL_HZ,
-    third_octave_mean_square,
-)
+from acoustics.bands import BAND_NAMES, BANDWIDTH_HZ, EDGES_HZ, NOMINAL_HZ, third_octave_mean_square
 
 # Limits of the order of convergence in an extrapolation, by trial on three scenes. Levels of whole
 # tracks fell at orders from 1.1 to 2.5 from 2 um over 1 um to 0.5 um, where the three grids of an

@@ -49,7 +49,7 @@ class Listening:
 def with_speed(scene: Scene, speed: float | tuple[float, float], seconds: float) -> Scene:
     """Return a scene at another speed [m/s], or one that changes evenly from start to end.
 
-    Its track and duration are not those of the scene; only its motion is meant.
+    Only its motion is meant: its track and duration stay.
     """
     pairs = speed if isinstance(speed, float | int) else ((0.0, speed[0]), (seconds, speed[1]))
     rolling = scene.rolling.model_copy(update={"speed_m_s": pairs})

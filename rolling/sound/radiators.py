@@ -20,13 +20,13 @@ from rolling.sound.error_estimate import Gain
 
 def sources(scene: Scene) -> list[ThinPlate | HalfSpaceBody | Ball]:
     """Return the bodies that are heard."""
-    return [ground(scene), *([ball(scene)] if scene.sound.ball else [])]
+    return [ground(scene), *([of_scene.ball(scene)] if scene.sound.ball else [])]
 
 
 def powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
     """Return the sound power [W] of plate and sphere in third octaves."""
     body, rate = ground(scene), wav.SAMPLE_RATE_HZ
-    of_ball = band_power(force, rate, ball(scene))
+    of_ball = band_power(force, rate, of_scene.ball(scene))
     plate = np.full(len(of_ball), np.nan)
     if (rectangle := of_scene.rectangular_plate(scene)) is not None:
         frequency, square = spectrum.line_spectrum(force, rate)
@@ -56,12 +56,6 @@ def ground(scene: Scene) -> ThinPlate | HalfSpaceBody:
     return HalfSpaceBody(plate.density_kg_m3, math.sqrt(stiffness / plate.density_kg_m3))
 
 
-def ball(scene: Scene) -> Ball:
-    """Return the sphere."""
-    assert scene.sphere.density_kg_m3 is not None  # dynamics needs it
-    return Ball(scene.radius, scene.sphere.density_kg_m3)
-
-
 def known_bands(highest: float) -> Array:
     """Return which bands lie below a highest frequency [Hz], a (31,) array of bool."""
     return np.asarray(EDGES_HZ[1:] <= min(highest, wav.SAMPLE_RATE_HZ / 2))
@@ -74,18 +68,14 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
     for ratios of powers, in which an error of the stiffness cancels.
     """
     chain, plate = chain or of_scene.smooth_chain(scene), of_scene.rectangular_plate(scene)
-    if plate is not None:
-        rectangle, sphere = plate, ball(scene) if scene.sound.ball else None
-
-        def gain_of_modes(frequency: Array) -> Array:
-            transfer = edged_sound.square_transfer(scene, rectangle, sphere, frequency)
-            return transfer * np.square(np.abs(chain.force(frequency, np.ones(len(frequency)))))
-
-        return gain_of_modes
     bodies = sources(scene)
 
     def gain(frequency: Array) -> Array:
+        force = chain.force(frequency, np.ones(len(frequency)))
+        if plate is not None:
+            square = edged_sound.square_transfer(scene, plate, frequency)
+            return square * np.square(np.abs(force))
         transfer = sum(axis_transfer(frequency, body, scene.sound.distance_m) for body in bodies)
-        return np.square(np.abs(transfer * chain.force(frequency, np.ones(len(frequency)))))
+        return np.square(np.abs(transfer * force))
 
     return gain

@@ -17,7 +17,6 @@ from acoustics.bands import AUDIBLE_HZ
 from acoustics.numbers import rounded
 from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
-from rolling.contact import closed_forms
 from rolling.dynamics import of_scene
 from rolling.scene.quantities import STEEL_DENSITY
 from rolling.scene.scene import Scene
@@ -76,11 +75,7 @@ def estimate(
     heard = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
     if not heard.any():
         return None, 0.0
-    stiffness = (
-        2
-        * scene.contact_modulus
-        * closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
-    )
+    stiffness = 2 * scene.contact_modulus * of_scene.hertz_radius(scene)
     bodies = with_bodies(scene)
     chain = of_scene.chain(bodies, stiffness)
     offsets = ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5) / duration

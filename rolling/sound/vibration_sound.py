@@ -1,8 +1,8 @@
 """Sound of a vibration: from the contact force in time to the sound pressure at the listener.
 
 The contact force drives sphere and plate. Their pressures add up, with no factor left to choose, on
-the axis through the contact or, over a plate with edges, at any listener. The levels belong to this
-pressure, that of the first listener, and sound power stands beside it.
+the axis through the contact or, over a plate with edges, at any listener. The levels belong to the
+pressure at the first listener, and sound power stands beside them.
 """
 
 from __future__ import annotations
@@ -16,10 +16,7 @@ import numpy as np
 from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
-from acoustics.radiation import (
-    RHO_C,
-    pressure_on_axis,
-)
+from acoustics.radiation import RHO_C, pressure_on_axis
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
@@ -28,7 +25,7 @@ from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
 from rolling.sound.comb import comb
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
-from rolling.sound.radiators import ball, known_bands, powers, sources
+from rolling.sound.radiators import known_bands, powers, sources
 
 P_REF_W = 1e-12  # reference sound power
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
@@ -161,10 +158,7 @@ def vibrate(
 def _radiated(
     scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
 ) -> tuple[Array, Array]:
-    """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion.
-
-    Give a number of listeners to leave out the others.
-    """
+    """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion."""
     duration = len(motion.force_n) * motion.time_step_s
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
     fluctuation = motion.force_n - scene.load
@@ -190,9 +184,8 @@ def radiated(
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
     force, plate = _heard(fluctuation, samples), of_scene.rectangular_plate(scene)
     if plate is not None:
-        sphere = ball(scene) if scene.sound.ball else None
         places = scene.listeners[:listeners]
-        return force, edged_sound.pressures(scene, plate, sphere, force, closed, places)
+        return force, edged_sound.pressures(scene, plate, force, closed, places)
     pressure = pressure_on_axis(
         fluctuation, rate_hz, sources(scene), scene.sound.distance_m, closed=True
     )

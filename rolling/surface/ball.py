@@ -32,14 +32,7 @@ def ball_heights(scene: Scene, ball: BallSurface) -> Array:
     track, law = scene.track, ball.law
     shape, spacing = (track.turn_nodes, track.n_across), track.spacing
     if law is not None:
-        heights = surface.gaussian(
-            shape,
-            spacing,
-            law.roughness_ra_um * 1e-6,
-            law.lengths_m,
-            law.autocorrelation,
-            (law.seed, _ROUGHNESS),
-        )
+        heights = surface.of_law(shape, spacing, law, (law.seed, _ROUGHNESS))
     elif isinstance(ball, BallHeightFile):
         heights = _read(scene, ball)
     else:

@@ -9,6 +9,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
+from rolling.scene.balls import Roughness
 
 AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
     "gaussian": (1.0, 2),
@@ -81,16 +82,21 @@ def gaussian(
     return heights
 
 
+def of_law(
+    shape: tuple[int, int], spacing: float, law: Roughness, seed: int | Sequence[int]
+) -> Array:
+    """Generate the heights [m] of a law, as `gaussian` does."""
+    ra = law.roughness_ra_um * 1e-6
+    return gaussian(shape, spacing, ra, law.lengths_m, law.autocorrelation, seed)
+
+
 def white_noise(shape: tuple[int, int], seed: int | Sequence[int]) -> Array:
     """Generate white noise of unit variance from a seed."""
     return np.random.default_rng(seed).standard_normal(shape)
 
 
 def filtered(
-    noise: Array,
-    spacing: float,
-    correlation_length: tuple[float, float],
-    autocorrelation: str,
+    noise: Array, spacing: float, correlation_length: tuple[float, float], autocorrelation: str
 ) -> Array:
     """Filter periodic white noise to heights of zero mean and a variance of about 1.
 

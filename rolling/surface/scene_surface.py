@@ -145,9 +145,7 @@ def _plate(scene: Scene) -> tuple[Array, Levelling | None]:
         return levelling.level(read, scene.spacing, s.level)
     shape = track.n_along, track.n_across
     if isinstance(s, Gaussian):
-        ra = s.roughness_ra_um * 1e-6
-        law = s.autocorrelation
-        return surface.gaussian(shape, scene.spacing, ra, s.lengths_m, law, s.seed), None
+        return surface.of_law(shape, scene.spacing, s, s.seed), None
     return surface.smooth(shape), None
 
 
@@ -171,8 +169,8 @@ def wider_times(scene: Scene) -> int | None:
     """Return the factor on the width that keeps the sphere's line on its nodes.
 
     It is 2, or 3 for an odd number of nodes across. It is None for smooth plates, which have no
-    width to judge, for height files, of which nothing is known beyond their edges, and where faults
-    or the surface of the sphere add to the heights.
+    width to judge, for height files, which end at their edges, and where faults or the surface of
+    the sphere add to the heights.
     """
     if not isinstance(scene.surface, Gaussian) or scene.faults or scene.sphere.surface:
         return None

@@ -13,7 +13,7 @@ from large_scenes import FILE, LAPS, scene_of
 from scene_text import MADE, WIDE
 
 from acoustics.arrays import Array
-from rolling.check import cost, findings, resolution, vibration
+from rolling.check import cost, findings, resolution
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -145,7 +145,7 @@ def test_the_tolerance_keeps_the_solver_14_db_below_the_grid(roughness_um: float
 
 
 def bounce_hz(*overrides: str) -> float:
-    return vibration.bounce_hz(loads(WIDE, overrides))
+    return cost.bounce_hz(loads(WIDE, overrides))
 
 
 def test_frequency_by_hand() -> None:

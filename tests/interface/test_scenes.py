@@ -30,6 +30,8 @@ def shortened(path: Path) -> list[str]:
     if scene.rolling.distance_mm is not None:
         length = f"rolling.distance_mm={1e3 * TRACK_M}"
     settings = [length, "rolling.load_n=0.5"]
+    if scene.sound.listen_s:
+        settings.append("sound.listen_s=0.2")
     for key, values in scene.sweep.items():
         if key != "rolling.load_n":
             settings.append(f"sweep.{key}=[{values[0]}, {values[-1]}]")

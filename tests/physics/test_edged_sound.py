@@ -10,7 +10,6 @@ from finished import VIBRATING, caveat_texts, heard_again, marched
 
 from acoustics import wav
 from acoustics.arrays import Array
-from acoustics.radiation import Ball
 from rolling.dynamics import of_scene
 from rolling.results.listening import listen_wav
 from rolling.results.run_result import Run
@@ -20,7 +19,6 @@ from rolling.scene.messages import SceneError
 from rolling.sound import edged_sound
 
 EDGES = ("plate.length_mm=200", "plate.width_mm=150", "plate.thickness_mm=2")
-BALL = Ball(5e-3, 7850)
 
 
 def heard(force: Array, closed: bool, *changes: str) -> Array:
@@ -28,7 +26,7 @@ def heard(force: Array, closed: bool, *changes: str) -> Array:
     scene = loads(VIBRATING, (*EDGES, *changes))
     plate = of_scene.rectangular_plate(scene)
     assert plate is not None
-    return edged_sound.pressures(scene, plate, BALL, force, closed, scene.listeners)
+    return edged_sound.pressures(scene, plate, force, closed, scene.listeners)
 
 
 def pulses(samples: int, *at_s: float) -> Array:
