@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.random_rows import RandomRows
@@ -22,8 +23,8 @@ class ContinuedRows:
 
     Stretches with a value beyond `SIGMAS` standard deviations are no part of the Gaussian rows:
     they are inserted as given, as often as they occur, at random places. With a turn, rows repeat
-    after each turn as far as the given rows know it: their mean over the turns if they are as long
-    as a turn, otherwise the given rows themselves, and random ones between.
+    after each turn as far as the given rows know it: their mean over the turns if they are at least
+    a turn long, otherwise the given rows themselves, and random ones between.
 
     Parameters
     ----------
@@ -53,11 +54,16 @@ class ContinuedRows:
         middle = np.median(rows, axis=1, keepdims=True)
         self._turn, self._periodic = turn, np.zeros((len(rows), 1))
         rest = rows - middle
+        known = np.ones(count, dtype=bool)  # positions that differ from the repeated part
         if turn is not None and turn <= count:
-            turns = count // turn
-            self._periodic = rest[:, : turns * turn].reshape(len(rows), turns, turn).mean(axis=1)
+            turns = -(-count // turn)
+            padded = np.full((len(rows), turns * turn), np.nan)
+            padded[:, :count] = rest
+            self._periodic = np.nanmean(padded.reshape(len(rows), turns, turn), axis=1)
             rest = rest - self._repeated(0, count)
-        share, self._stretches = _rare(rest, closed)
+            if count < 2 * turn:
+                known = np.arange(count) % turn < count - turn
+        share, self._stretches = _rare(rest, closed, known)
         calm = 1 - np.square(share)
         left = max(float(calm.sum()), 1.0)
         mean = (rest @ calm / left)[:, None]
@@ -129,10 +135,16 @@ class ContinuedRows:
         return drawn
 
 
-def _rare(rows: Array, closed: bool) -> tuple[Array, list[tuple[Array, Array]]]:
-    """Return the share (n,) of rare stretches in rows of zero median, and these stretches."""
+def _rare(
+    rows: Array, closed: bool, known: NDArray[np.bool_]
+) -> tuple[Array, list[tuple[Array, Array]]]:
+    """Return the share (n,) of rare stretches in rows of zero median, and these stretches.
+
+    A stretch begins and ends where the row that departs is calm; both ends are faded over half of
+    its length.
+    """
     count = rows.shape[1]
-    low, high = np.percentile(rows, [25, 75], axis=1)
+    low, high = np.percentile(rows[:, known] if known.any() else rows, [25, 75], axis=1)
     largest = np.abs(rows).max(axis=1)
     sigma = np.maximum((high - low) / QUARTILES, LEAST_SIGMA * largest)[:, None]
     departure = np.abs(np.divide(rows, sigma, out=np.zeros_like(rows), where=sigma > 0))

@@ -91,7 +91,6 @@ WORDS = {  # in the order in which labels name them
     "recovery.events": Word("recovery events", minor=True),
     "sound.listen_s": Word("long listening", "s", "no long listening", minor=True),
     "sound.loudness": Word("loudness", minor=True),
-    "sound.listen_s": Word("listening", "s", minor=True),
 }
 
 

@@ -96,7 +96,7 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
     speeds = () if speed is None else np.atleast_1d(speed).tolist()
     if speeds and not (all(0 <= v < math.inf for v in speeds) and max(speeds) > 0):
         got = ":".join(f"{v:g}" for v in speeds)
-        raise ListeningError(f"speed: got {got}, allowed: m/s, or start:end, not below 0")
+        raise ListeningError(f"speed: got {got}, allowed: at least 0 m/s, and not only 0")
 
 
 # ---- texts

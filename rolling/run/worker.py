@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rolling.scene.yaml_text import read_regular
+from rolling.terminal import progress
 from rolling.terminal.files import make_below, write_bytes
 from rolling.terminal.program import Program, identity
 
@@ -184,6 +185,7 @@ def serve(parent: int) -> None:
 def begin(parent: int, compiles: Any = None) -> None:
     """Prepare a worker process, which ends with its parent and reports compilation."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone acts on Ctrl-C
+    progress.silence()
     if sys.platform.startswith("linux"):
         with suppress(OSError, AttributeError):  # without prctl the thread below remains
             ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)

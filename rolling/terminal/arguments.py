@@ -21,10 +21,9 @@ def _path(text: str) -> Path:
 
 
 def _count(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError("at least 1")
-    return value
+    if not text.isdecimal() or not 1 <= len(text.lstrip("0")) <= 20:
+        raise argparse.ArgumentTypeError(f"got {text!r}, allowed: a whole number, at least 1")
+    return int(text)
 
 
 def _part(text: str) -> tuple[int, int]:
@@ -45,9 +44,12 @@ def _power_of_two(text: str) -> int:
 
 
 def _seconds(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
     if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError("more than 0")
+        raise argparse.ArgumentTypeError(f"got {text!r}, allowed: a number more than 0")
     return value
 
 
@@ -60,10 +62,9 @@ def _speed(text: str) -> float | tuple[float, float]:
 
 
 def _whole(text: str) -> int:
-    value = int(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError("at least 0")
-    return value
+    if not (text.isdecimal() and len(text) <= 20):
+        raise argparse.ArgumentTypeError(f"got {text!r}, allowed: a whole number, at least 0")
+    return int(text)
 
 
 _FLAG: dict[str, Any] = {"action": "store_true"}

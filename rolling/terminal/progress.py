@@ -51,6 +51,11 @@ def begin(level: Level) -> Iterator[None]:
         _voice.level, _voice.has_told_compiling = before
 
 
+def silence() -> None:
+    """Print nothing from now on: a worker process leaves the terminal to its parent."""
+    _voice.level = Level.QUIET
+
+
 def is_quiet() -> bool:
     """Return whether the command prints errors and its folder only."""
     return _voice.level == Level.QUIET
@@ -105,23 +110,24 @@ class Bar:
 
     def __init__(self, total: float, name: str, shown: bool | None = None) -> None:
         """Begin with the sum of the progress; `shown` None: where somebody looks."""
-        from tqdm import tqdm
-
         self._name, self._began, self._line = name, time.monotonic(), time.monotonic()
-        if is_quiet() or shown is False:
-            hidden: bool | None = True
-        else:  # tqdm hides a bar for None unless the stream is a terminal
+        self._bar: Any = None
+        if not is_quiet() and shown is not False:
+            from tqdm import tqdm
+
+            # tqdm hides a bar for None unless the stream is a terminal
             hidden = False if shown or in_notebook() else None
-        self._bar: Any = tqdm(
-            total=total, desc=name, disable=hidden, file=sys.stderr, bar_format=LAYOUT
-        )
+            self._bar = tqdm(
+                total=total, desc=name, disable=hidden, file=sys.stderr, bar_format=LAYOUT
+            )
         self._total, self._done = total, 0.0
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._bar.close()
+        if self._bar is not None:
+            self._bar.close()
 
     def update(self, share: float) -> None:
         """Add to the progress, at most up to its sum."""
@@ -134,7 +140,7 @@ class Bar:
 
     def tick(self) -> None:
         """Show the present time, or print a line if it is due."""
-        if not self._bar.disable:
+        if self._bar is not None and not self._bar.disable:
             self._bar.total, self._bar.n = self._total, self._done
             self._bar.refresh()
         elif time.monotonic() - self._line > LINE_SECONDS and self._total > 0:

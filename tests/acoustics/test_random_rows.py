@@ -106,6 +106,16 @@ def test_the_turn_of_a_ball_repeats_as_far_as_it_is_solved(count: int, turns: fl
     assert np.std(between.mean(axis=0)) < 0.75 * np.std(between)  # 0.5 of four turns, else less
 
 
+@pytest.mark.parametrize("turns", [1.0, 1.3, 1.9, 2.5])
+def test_a_broken_number_of_turns_keeps_the_power_of_the_rows(turns: float) -> None:
+    """Positions met once repeat, and the others vary: within 0.6 dB, the luck of a turn."""
+    given = coloured(round(1_000 * turns), 4)
+    rows = ContinuedRows(given, False, 3, 1_000)
+    later = rows.between(0, 60_000)[0, 4_000:]
+    assert 10 * np.log10(later.var() / given[0].var()) == pytest.approx(0, abs=0.6)
+    assert rows.inserted == 0  # no part of Gaussian rows is rare
+
+
 @pytest.mark.parametrize("rows", [np.zeros((2, 500)), np.ones((1, 64)), np.tile(1e-9, (3, 99))])
 def test_constant_rows_stay_constant(rows: np.ndarray) -> None:
     later = ContinuedRows(rows, False, 0).between(0, 100_000)

@@ -304,6 +304,18 @@ def test_rounded_shares_do_not_exceed_their_sum() -> None:
                 bar.update(1 / n)
 
 
+def test_a_silent_process_shows_no_bar(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A worker is killed at the end, and a lock of tqdm would be reported as leaked then."""
+    monkeypatch.setattr(progress, "_voice", progress._Voice())
+    progress.silence()
+    monkeypatch.setitem(sys.modules, "tqdm", None)  # an import of it fails
+    with progress.bar(1, "listening", True) as bar:
+        bar.update(1)
+    assert capsys.readouterr() == ("", "")
+
+
 def test_a_bar_that_nobody_watches_is_a_line_now_and_then(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
