@@ -146,7 +146,7 @@ class RectangularPlate:
         >>> plate = RectangularPlate(78.5, 18.9e3, 1e-2, 0.4, 0.3)
         >>> pressure = plate.pressure_transfer([1000.0], [0.17, 0.11], (0.17, 0.11, 1.0))
         >>> round(1e3 * float(abs(pressure[0])), 1)  # mPa per N
-        10.2
+        4.8
         """
         shapes = self.shapes(contact_m)[0]
         if path_m is None:
