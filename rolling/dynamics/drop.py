@@ -78,9 +78,8 @@ def start(scene: Scene, law: ForceLaw, chain: Chain) -> tuple[float, float, floa
     return lift_off - height_m(scene), -sinking, 0.0
 
 
-def time_step_s(scene: Scene, law: ForceLaw, chain: Chain) -> float:
-    """Return the time step [s] that resolves the first impact, the resonance and the track."""
-    speed = scene.motion.fastest(scene.duration)
+def time_step_s(scene: Scene, law: ForceLaw, chain: Chain, speed: float) -> float:
+    """Return the time step [s] for the first impact, the resonance and the track at a speed."""
     resonance = 1 / (Stepping().per_period * chain.resonance_hz)
     return min(impact_s(scene) / IMPACT_STEPS, resonance, law.spacing_m / speed, LONGEST_S)
 

@@ -79,7 +79,7 @@ class LongMotion:
         if self._chain.modes is not None:
             least = max(least, MODAL_HZ)
         if scene.rolling.drop_mm is not None:
-            least = max(least, 1 / drop.time_step_s(scene, law, self._chain))
+            least = max(least, 1 / drop.time_step_s(scene, law, self._chain, fastest))
         self.steps_per_sample = math.ceil(least / rate_hz)
         self.step = 1 / (rate_hz * self.steps_per_sample)
         self._bodies = self._chain.steps(self.step)

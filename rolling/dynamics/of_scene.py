@@ -121,7 +121,8 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
     """Move the sphere of a scene over a force law for its duration; default: steps of `move`."""
     linear = chain_over(scene, law)
     duration = scene.duration
-    speed: float | Travel = scene.motion.fastest(duration)
+    fastest = scene.motion.fastest(duration)
+    speed: float | Travel = fastest
     if not scene.motion.is_constant(duration):
         count = min(4 * scene.track.steps, _MOST_TIMES)
         times = np.linspace(0.0, duration, count + 1)
@@ -129,7 +130,7 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
         speed = Travel(times, np.asarray(places, dtype=float))
     stepping = Stepping(time_step_s=time_step_s)
     if scene.rolling.drop_mm is not None:
-        step = time_step_s or drop.time_step_s(scene, law, linear)
+        step = time_step_s or drop.time_step_s(scene, law, linear, fastest)
         stepping = Stepping(time_step_s=step, start=drop.start(scene, law, linear))
     path = None
     if len(scene.plate.contact_ends_mm) > 1:

@@ -105,6 +105,7 @@ TABLE = {
     "contact_force/band_rms": ("band", "N", "f8"),
     "sound/sound_time": ("sound_time", "s", "f8"),
     "sound/pressure": ("sound_time", "Pa", "f8"),
+    "sound/pressure_right": ("sound_time", "Pa", "f8"),
 }
 Facts = dict[str, Any]
 Group = tuple[Arrays, Facts]  # arrays and attributes of a group
@@ -155,6 +156,8 @@ def groups_of(run: Run) -> dict[str, Group]:
     if sound.factor is not None:
         of_sound["factor_pa_per_w_m2"] = sound.factor
     groups["sound"] = {"sound_time": samples, "pressure": sound.pressure}, of_sound
+    if sound.right is not None:
+        groups["sound"][0]["pressure_right"] = sound.right
     return groups
 
 

@@ -107,6 +107,9 @@ def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
     words_too = messages.words_for_numbers(root).get(name, ())
     for i, (value, form) in enumerate(choices(listed)):
         at: Key = ("sweep", name, i)
+        labelled = ""
+        if isinstance(value, list | tuple | dict):
+            labelled = f"; any other value has a label, as in {name}: {{first: {shown(value)}}}"
         if isinstance(listed, dict):
             at = ("sweep", name)
             if not isinstance(value, str) or not 0 < len(value) <= LONGEST_LABEL:
@@ -116,9 +119,9 @@ def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
                 raise fault(f"got {shown(form)}, allowed: a section", *at, value)
         elif numeric and not messages.is_number(value) and value not in words_too:
             numbers = " or ".join(["a number", *words_too])
-            raise fault(f"got {shown(value)}, allowed: {numbers}", *at)
+            raise fault(f"got {shown(value)}, allowed: {numbers}{labelled}", *at)
         elif not numeric and (not isinstance(value, str) or not value):
-            raise fault(f"got {shown(value)}, allowed: text", *at)
+            raise fault(f"got {shown(value)}, allowed: text{labelled}", *at)
         before = seen.setdefault(_written(value).casefold(), value)
         if before != value:
             words = "texts that differ in more than upper and lower case"

@@ -146,6 +146,12 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         ("sweep:\n", "sweep: [1]\nx:\n", "19: sweep: got [1], allowed: lists of numbers by dotted"),
         (LOADS, "load_n: [1]", "20: sweep.load_n: unknown key, nearest: rolling.load_n"),
         (LOADS, "surface.kind: [5]", "20: sweep.surface.kind[0]: got 5, allowed: text"),
+        (
+            LOADS,
+            "plate.contact_mm: [[5, 6]]",
+            "got [5, 6], allowed: text; any other value has a label, as in plate.contact_mm: {first"
+            ": [5, 6]}",
+        ),
         (LOADS, "rolling.load_n: []", "got [], allowed: a list of numbers, at least one"),
         ("[5, 20, 100]", "[5, x]", '20: sweep.rolling.load_n[1]: got "x", allowed: a number'),
         ("[5, 20, 100]", "[5, 6, 5.0]", "20: sweep.rolling.load_n[2]: got 5.0 twice, allowed: "),

@@ -117,6 +117,9 @@ def test_listeners_in_numbers_words_and_files(run: Run, tmp_path: Path) -> None:
     samples, _, comment = wav.read(_written(tmp_path / "listen.wav", listen_wav(run)[0]))
     assert samples.shape[1] == 2 and "left and right" in comment
     record = np.stack(run.vibration.pressures[:2], axis=1) if run.vibration else np.zeros(1)
+    stored = run.to_xarray()["sound"]
+    assert np.array_equal(stored["pressure"], record[:, 0])
+    assert np.array_equal(stored["pressure_right"], record[:, 1])
     assert np.allclose(
         wav.read(_written(tmp_path / "s.wav", wav.calibrated(record, "")))[0], record
     )

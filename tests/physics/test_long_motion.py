@@ -113,6 +113,16 @@ def test_a_plate_with_edges_is_heard_in_stereo(run: Run) -> None:
     assert np.std(left) == pytest.approx(np.std(right), rel=0.5)
 
 
+def test_a_dropped_sphere_may_rest_before_the_end_of_the_solved_track(run: Run) -> None:
+    """It rolls 10 um, and the knocks of the fall are heard; the record begins in silence."""
+    assert run.vibration is not None
+    dropped = run.scene.with_({"rolling.drop_mm": 0.01})
+    slow = with_speed(dropped, (2e-4, 0.0), 0.1)
+    listening = listen_to_vibration(slow, run.vibration.law, 0.1, 0)
+    assert listening.numbers["rolled_mm"] == pytest.approx(0.01)
+    assert listening.numbers["impacts"] > 0 and listening.numbers["level_db"] is not None
+
+
 def test_a_smooth_track_stays_at_the_load() -> None:
     run = marched(VIBRATING, ["surface={kind: smooth, spacing_um: 2, width_um: 160}"])
     assert run.vibration is not None
