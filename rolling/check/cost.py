@@ -29,6 +29,8 @@ STEP_LAWS = {"smooth": (0.65, 1.45), "sharp": (0.8, 2.3), "blended": (1.2, 2.25)
 SMOOTH = 1e-9
 # Generated heights are a little more or less steep than their law.
 SLOPE_MARGIN = 1.05
+# Share of the positions of a pass with memory that are marched again, as run-in of its pieces.
+RUN_IN_SHARE = 0.25
 
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
 # Seconds per node and binary logarithm of the nodes: every worker makes a random surface and
@@ -139,8 +141,9 @@ def step_ms(scene: Scene) -> float:
 
 
 def expected_seconds(scene: Scene) -> float:
-    """Estimate the time [s] to march a scene once on one core; a height file is read."""
-    return scene.track.solved_steps * step_ms(scene) * 1e-3
+    """Estimate the time [s] to march a scene on one core; a height file is read."""
+    seconds = scene.track.solved_steps * step_ms(scene) * 1e-3
+    return seconds * scene.passes * (1 + RUN_IN_SHARE) if scene.is_permanent else seconds
 
 
 def bounce_hz(scene: Scene) -> float:
@@ -204,7 +207,8 @@ def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
         nodes = _surface_nodes(scene)
         window = (WINDOW + WINDOW_SUBCELL * r**2) * side**2
         own = {
-            "surface": (NODE + NODE_SUBCELL * r**2) * nodes * (not scene.is_smooth),
+            "surface": (NODE + NODE_SUBCELL * r**2) * nodes * (not scene.is_smooth)
+            + 4 * _kept(scene),
             "window": window * (ESTIMATE if scene.numerics.error_estimate else 1.0),
             "record": _record(scene),
         }
@@ -223,8 +227,17 @@ def disk(scenes: Sequence[Scene]) -> float:
         + STEP_FILE * scene.track.steps
         + SAMPLE_FILE * _samples(scene)
         + EVENT_FILE * _events(scene)
+        + _kept(scene)
         for scene in scenes
     )
+
+
+def _kept(scene: Scene) -> float:
+    """Return the bytes of the passes and the sunk surface of a plate with memory."""
+    track = scene.track
+    if not scene.is_permanent:
+        return 0.0
+    return 8.0 * (3 * scene.passes * track.solved_steps + track.n_along * track.n_across)
 
 
 def _record(scene: Scene) -> float:

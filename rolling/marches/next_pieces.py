@@ -29,12 +29,21 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
     ------
     ContactError : a force law or a motion is not possible.
     """
-    step_seconds = cost.expected_seconds(scene) / result.solved_steps
+    step_seconds = cost.step_ms(scene) * 1e-3
+
+    passes = result.passes
 
     def piece(kind: str, first: int, last: int, scale: float = 1.0, **fields: Any) -> Piece:
+        if passes is not None:  # other marches meet the surface that the last pass left
+            fields = {"sunk": passes.sunk} | fields
         seconds = (last - first) * step_seconds * scale
         return Piece(scene, result.identity, kind, first, last, seconds, **fields)
 
+    if passes is not None:
+        if ends := passes.missing(scene):
+            return [piece("pass", *pair, 1 + cost.RUN_IN_SHARE, number=passes.finished) for pair in ends]
+        if scene.dynamics is not None:
+            passes.refuse_yielding()
     pieces = [piece("track", first, last) for first, last in result.missing()]
     pieces += stretch_pieces(scene, result, piece)
     law = [] if scene.dynamics is None else law_pieces(scene, result, piece)
@@ -44,12 +53,13 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
             result.moving = load_along(scene, result)
         moving = result.moving
         pieces += [piece("moving", *ends, forces=moving.force) for ends in moving.missing()]
-    if film and not pieces:
+    if film and not pieces and (passes is None or passes.before is not None):
         stretch = film_stretch(scene, result)
         if stretch is None:
             result.slow_motion = None
         elif not stretch.is_shown(result.slow_motion):
-            pieces = [piece("film", stretch.first, stretch.last, stride=stretch.stride)]
+            fields = {} if passes is None else {"sunk": passes.before}
+            pieces = [piece("film", stretch.first, stretch.last, stride=stretch.stride, **fields)]
     return pieces
 
 

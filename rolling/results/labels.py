@@ -58,6 +58,8 @@ WORDS = {  # in the order in which labels name them
     "plate.youngs_modulus_gpa": Word("Young's modulus", "GPa"),
     "plate.poissons_ratio": Word("Poisson's ratio"),
     "plate.hardness_gpa": Word("hardness", "GPa", "no hardness"),
+    "rolling.passes": Word("passes", "", "one pass"),
+    "plate.plasticity": Word("plasticity", "", "memoryless"),
     "plate.density_kg_m3": Word("plate density", "kg/m³", "no plate density"),
     "plate.thickness_mm": Word("thickness", "mm", "half-space"),
     "plate.loss_factor": Word("loss factor", "", "no loss factor"),

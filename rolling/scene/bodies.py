@@ -91,6 +91,9 @@ class Plate(Section):
     hardness_gpa : float, optional
         Hardness [GPa], the maximum pressure that the plate bears, below a fifth of its modulus;
         absent: purely elastic
+    plasticity : str, optional
+        Memory of yielding: memoryless solves every position on the virgin surface, permanent
+        leaves the plastic overlap in it and needs a hardness; absent: memoryless
     density_kg_m3 : float, optional
         Density [kg/m3]; dynamics needs it
     thickness_mm : float, optional
@@ -118,6 +121,7 @@ class Plate(Section):
     youngs_modulus_gpa: float = Field(ge=YOUNG.least, le=YOUNG.most)
     poissons_ratio: float = Field(ge=0, le=0.5)
     hardness_gpa: float | None = Field(default=None, ge=HARDNESS.least, le=HARDNESS.most)
+    plasticity: Literal["memoryless", "permanent"] | None = None
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     thickness_mm: float | None = Field(default=None, gt=0)
     loss_factor: float | None = Field(default=None, gt=0, le=1)
@@ -152,6 +156,13 @@ class Plate(Section):
                 f" youngs_modulus_gpa, {rounded(most, 4)}; without a hardness the plate is purely"
                 " elastic"
             )
+            raise fault(words, "plate", "hardness_gpa")
+        return self
+
+    @model_validator(mode="after")
+    def _yields(self) -> Plate:
+        if self.plasticity == "permanent" and self.hardness_gpa is None:
+            words = "missing; plasticity: permanent needs it, an elastic plate keeps its surface"
             raise fault(words, "plate", "hardness_gpa")
         return self
 

@@ -189,6 +189,16 @@ class SceneQuantities(Section):
         return math.inf if self.plate.hardness_gpa is None else self.plate.hardness_gpa * 1e9
 
     @property
+    def is_permanent(self) -> bool:
+        """Whether the plastic overlap stays in the surface of the plate."""
+        return self.plate.plasticity == "permanent"
+
+    @property
+    def passes(self) -> int:
+        """Number of passes over the track."""
+        return self.rolling.passes or 1
+
+    @property
     def spacing(self) -> float:
         """Node spacing [m]."""
         return self.surface.spacing_um * 1e-6
