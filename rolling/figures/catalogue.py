@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 
-from rolling.figures import contact, modulation, sound, sweep, vibration
+from rolling.figures import contact, modulation, running_in, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
 from rolling.surface.scene_surface import scene_surface
@@ -59,6 +59,10 @@ def _turns(runs: Sequence[Run]) -> bool:
     return bool(runs[0].summary.get("turn_band_hz"))
 
 
+def _remembers(runs: Sequence[Run]) -> bool:
+    return runs[0].result.passes is not None
+
+
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(
@@ -74,6 +78,7 @@ SINGLE = {
     "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
     "spectrogram": FigureKind(sound.spectrogram, None, among=True),
     "modulation": FigureKind(modulation.modulation, modulation.modulation_table, _turns),
+    "running_in": FigureKind(running_in.running_in, running_in.running_in_table, _remembers),
     "surface": FigureKind(contact.surface, None),
     "contact_pressure": FigureKind(
         contact.contact_pressure, None, lambda runs: runs[0].result.snapshot is not None, among=True

@@ -40,8 +40,9 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
         return Piece(scene, result.identity, kind, first, last, seconds, **fields)
 
     if passes is not None:
-        if ends := passes.missing(scene):
-            return [piece("pass", *pair, 1 + cost.RUN_IN_SHARE, number=passes.finished) for pair in ends]
+        if lacking := passes.missing(scene):
+            scale, number = 1 + cost.RUN_IN_SHARE, passes.finished
+            return [piece("pass", *ends, scale, number=number) for ends in lacking]
         if scene.dynamics is not None:
             passes.refuse_yielding()
     pieces = [piece("track", first, last) for first, last in result.missing()]
@@ -58,8 +59,9 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
         if stretch is None:
             result.slow_motion = None
         elif not stretch.is_shown(result.slow_motion):
-            fields = {} if passes is None else {"sunk": passes.before}
-            pieces = [piece("film", stretch.first, stretch.last, stride=stretch.stride, **fields)]
+            ends = stretch.first, stretch.last
+            sunk = None if passes is None else passes.before
+            pieces = [piece("film", *ends, stride=stretch.stride, sunk=sunk)]
     return pieces
 
 

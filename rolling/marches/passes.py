@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -60,7 +61,7 @@ def pass_pieces(scene: Scene) -> list[tuple[int, int]]:
     if not _is_groove(scene):
         count = max(1, round(steps * cost.RUN_IN_SHARE / run_in(scene, steps)))
     ends = [k * steps // count for k in range(count + 1)]
-    return list(zip(ends, ends[1:], strict=False))
+    return list(pairwise(ends))
 
 
 def unrolled(scene: Scene, heights: Array, steps: int) -> Array:
@@ -140,7 +141,9 @@ class Passes:
     @property
     def yielding(self) -> float:
         """Plastic work of the last pass over its release."""
-        return float(self.series["plastic_work"][-1].sum() / self.series["release_energy"][-1].sum())
+        return float(
+            self.series["plastic_work"][-1].sum() / self.series["release_energy"][-1].sum()
+        )
 
     def refuse_yielding(self) -> None:
         """Raise ContactError while the last pass yields: a force law needs a settled surface."""

@@ -64,8 +64,9 @@ class Piece:
 
     scene : Scene. A scene without a sweep.
     identity : str. Contact identity, which the scene must still have when the piece is marched.
-    kind : str. "track"; "pass", over a plate that remembers; "load", at another load; "judge", at a load between the others; "moving",
-        under the load of each position; "error", on a level of accuracy; "film", for slow motion.
+    kind : str. "track"; "pass", over a plate that remembers; "load", at another load; "judge", at a
+        load between the others; "moving", under the load of each position; "error", on a level of
+        accuracy; "film", for slow motion.
     first, last : int. First and last position.
     cost : float, s. Expected time.
     load : float, N. Load of the kinds "load" and "judge".
@@ -92,7 +93,9 @@ class Piece:
     @cached_property
     def key(self) -> str:
         """File-safe text that is unique among the pieces of an identity."""
-        suffix = {"error": self.level, "film": str(self.stride), "pass": str(self.number + 1)}.get(self.kind, "")
+        suffix = {"error": self.level, "film": str(self.stride), "pass": str(self.number + 1)}.get(
+            self.kind, ""
+        )
         if self.kind in ("load", "judge"):
             suffix = _short_digest(self.load.hex().encode())
         elif self.forces is not None:
@@ -169,11 +172,14 @@ def _observe(
     sinking: Sinking | None,
     progress: Callable[[int], object],
 ) -> None:
-    """March from a start and show states and energies of steps, from a first position, to observers.
+    """March from a start, and show states and energies of steps to observers from a first position.
 
-    The work that sinks the plate is a part of the loading.
+    The plastic work is a part of the loading.
     """
-    energies, left_end = piece.kind not in ("load", "judge"), piece.scene.recovery.rule == "left_end"
+    energies, left_end = (
+        piece.kind not in ("load", "judge"),
+        piece.scene.recovery.rule == "left_end",
+    )
     old: ContactState | None = None
     half_space, (start, first, last) = half_space_for(contact), positions
     for state in march(contact, start, last, half_space):

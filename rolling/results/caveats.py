@@ -28,7 +28,7 @@ _VIBRATIONS = ("on_axis", "infinite_plate", "at_listener", "plate_edges")
 _BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", *_VIBRATIONS)
 HEADLINE = (*_BOUNDS, "unvalidated", "uncertainty")
 REPEATS = ("short_loop", "short_track")
-_LOADS = ("quasi_static", "constant_load_release", "moving_load_release")
+_LOADS = ("quasi_static", "constant_load_release", "moving_load_release", "permanent")
 STANDING = (*HEADLINE, *REPEATS, *_LOADS, "not_loopable", "error_estimate_reach")
 
 
@@ -71,6 +71,7 @@ def caveats(
         _of_levels(scene, sound, errors, vibration)
         | _of_record(scene, sound)
         | _of_load(scene, moving)
+        | _of_memory(scene)
         | {
             finding.key: f"{finding.quantity}: {finding.warning}"
             for finding in findings.findings(scene)
@@ -224,6 +225,16 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
             f"The track repeats in the record every {rounded(period, 3)} s, {heard}"
         )
     return texts
+
+
+def _of_memory(scene: Scene) -> dict[str, str]:
+    """Return the caveat of a plate that remembers."""
+    if not scene.is_permanent:
+        return {}
+    return {
+        "permanent": f"The record is of pass {scene.passes} over a plate that keeps its plastic"
+        " overlap, without pile-up, hardening or residual stress."
+    }
 
 
 def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:

@@ -21,6 +21,8 @@ from rolling.marches.observers import (
     SlowMotion,
     Snapshot,
 )
+from rolling.marches.passes import SERIES as PASS_SERIES
+from rolling.marches.passes import Passes
 from rolling.marches.result import (
     MOVING_SERIES,
     ErrorStretches,
@@ -99,6 +101,11 @@ TABLE = {
     "moving_release/release_energy": ("place_step", "J", "f8"),
     "moving_release/loading_energy": ("place_step", "J", "f8"),
     "moving_release/energy_defect": ("place_step", "J", "f8"),
+    "passes/release_energy": ("pass place_step", "J", "f8"),
+    "passes/plastic_work": ("pass place_step", "J", "f8"),
+    "passes/approach": ("pass place", "m", "f8"),
+    "passes/depth": ("pass", "m", "f8"),
+    "passes/sunk": ("along across", "m", "f8"),
     "contact_force/force_time": ("force_time", "s", "f8"),
     "contact_force/force": ("force_time", "N", "f8"),
     "contact_force/band": ("band", "Hz", "f8"),
@@ -327,6 +334,17 @@ def _read_moving(arrays: Arrays, facts: Facts, result: Result) -> MovingRelease:
     return MovingRelease(facts["key"], force, motion, arrays["approach"], steps)
 
 
+def _write_passes(passes: Passes, run: Run) -> Group:
+    """Return the series of all passes, and the depth [m] of the plate after the last."""
+    return passes.series | {"depth": passes.depth, "sunk": passes.sunk}, {}
+
+
+def _read_passes(arrays: Arrays, facts: Facts, result: Result) -> Passes:
+    """Return the passes of a group, without the surface before the last."""
+    series = {name: arrays[name] for name in PASS_SERIES}
+    return Passes(series, arrays["depth"], arrays["sunk"])
+
+
 def _places(result: Result) -> NDArray[np.float64]:
     """Return the positions of a lap [m]."""
     return np.asarray(result.start + np.arange(result.solved_steps + 1) * result.step)
@@ -357,4 +375,5 @@ _GROUPS: dict[str, tuple[str, Callable[[Any, Run], Group], Callable[..., Any]]] 
     "slow_motion": ("slow_motion", _write_film, _read_film),
     "force_law": ("load_marches", _write_law, _read_law),
     "moving_release": ("moving", _write_moving, _read_moving),
+    "passes": ("passes", _write_passes, _read_passes),
 }

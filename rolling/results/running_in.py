@@ -1,0 +1,72 @@
+"""Running-in: level, release, plastic work and depth of each pass, and all passes for the ear."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from acoustics import resampling, wav
+from acoustics.arrays import Array
+from acoustics.numbers import decibels_a
+from rolling.marches.passes import Passes
+from rolling.marches.result import Result
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
+
+if TYPE_CHECKING:
+    from rolling.results.run_result import Run
+
+PASS_S, PAUSE_S = 1.5, 0.25  # [s] of a pass for the ear, and of the silence after it
+MOST_HEARD = 12  # passes; of more, the later ones are heard ever more rarely
+
+
+def pass_sounds(scene: Scene, result: Result, closed: bool, has_seam: bool) -> list[ContactSound]:
+    """Return the sound of the release of each pass; none for a plate without memory."""
+    if result.passes is None:
+        return []
+    steps, lap = np.arange(result.steps) % result.solved_steps, result.solved_steps
+    return [
+        contact_sound(scene, energy[steps], result.step, closed, lap, has_seam)
+        for energy in result.passes.series["release_energy"]
+    ]
+
+
+def pass_numbers(passes: Passes, sounds: Sequence[ContactSound]) -> list[dict[str, Any]]:
+    """Return the numbers of each pass: levels, release power, plastic work and maximum depth."""
+    work = passes.series["plastic_work"].sum(axis=1).tolist()
+    return [
+        {
+            "laeq_db": sound.levels.laeq_db,
+            "level_db": sound.levels.level_db,
+            "release_power_mean_w": sound.mean_power,
+            "plastic_work_j": plastic,
+            "depth_um": depth * 1e6,
+        }
+        for sound, plastic, depth in zip(sounds, work, passes.depth.tolist(), strict=True)
+    ]
+
+
+def passes_record(run: Run) -> tuple[Array, str]:
+    """Return the passes of a run one after the other [Pa], and say it."""
+    count, rate = len(run.pass_sounds), wav.SAMPLE_RATE_HZ
+    chosen = np.unique(np.geomspace(1, count, min(count, MOST_HEARD)).round().astype(int))
+    if count <= MOST_HEARD:
+        chosen = np.arange(1, count + 1)
+    pause, parts = np.zeros(round(PAUSE_S * rate)), list[Array]()
+    for number in chosen:
+        sound = run.pass_sounds[number - 1]
+        lap = np.resize(sound.lap.samples(sound.pressure), round(PASS_S * rate))
+        parts += [resampling.fade(lap, round(FADE_S * rate)), pause]
+    levels = (run.pass_sounds[number - 1].levels.laeq_db for number in chosen)
+    words = ", ".join(f"{n} ({decibels_a(x)})" for n, x in zip(chosen, levels, strict=True))
+    return np.concatenate(parts), f"{PASS_S:g} s of each pass at one gain, with its LAeq: {words}"
+
+
+def passes_wav(run: Run, bits: Any = 24) -> tuple[bytes, str]:
+    """Return a WAV of the passes of a run one after the other, and say it."""
+    record, content = passes_record(run)
+    gain = wav.listening_gain(record)
+    comment = f"{gain:.6g} full scale per Pa; {content}"[:1000]
+    return wav.listening(record, gain, comment, f"{run.scene.name}, {run.label}", bits), content
