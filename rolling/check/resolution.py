@@ -116,7 +116,8 @@ def advice(scene: Scene, error: float) -> str:
     """
     wanted, bands = (spacing(scene, error, goal) for goal in (WANTED_DB, BANDS_DB))
     blended = ""
-    if math.isfinite(scene.hardness) and scene.numerics.edges == "sharp":
+    may_blend = math.isfinite(scene.hardness) and not scene.is_permanent
+    if may_blend and scene.numerics.edges == "sharp":
         blended = "choose numerics.edges: blended, or "
     if not isinstance(scene.surface, MadeSurface):
         return f"{blended}a measurement with a spacing of at most {wanted:g} um is needed"

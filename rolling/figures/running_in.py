@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 _CURVES = {  # columns of the table with name, unit and factor of the unit
     "laeq_db": ("LAeq of the release", "dB(A)", 1.0),
+    "vibration_estimate_laeq_db": ("LAeq of the vibration, estimated", "dB(A)", 1.0),
     "release_power_mean_w": ("release", "µW", 1e6),
-    "plastic_work_j": ("plastic work", "µJ", 1e6),
     "depth_um": ("maximum depth", "µm", 1.0),
 }
 
@@ -38,7 +38,8 @@ def running_in(run: Run, ax: Axes | None = None) -> Axes:
     Returns
     -------
     ax : matplotlib.axes.Axes
-        Axes with decibels re the first pass, against the number of the pass.
+        Axes with decibels re the first pass, and a right axis with the plastic work, J, against
+        the number of the pass.
 
     Raises
     ------
@@ -53,17 +54,21 @@ def running_in(run: Run, ax: Axes | None = None) -> Axes:
     table, ax = running_in_table(run), axes_of(ax)
     for k, (column, (name, unit, factor)) in enumerate(_CURVES.items()):
         values = table[column].to_numpy(dtype=float)
-        if not np.isfinite(values[0]) or values[0] == 0:
-            continue
-        with np.errstate(divide="ignore"):
-            ratio = values - values[0] if unit == "dB(A)" else 10 * np.log10(values / values[0])
-        label = f"{name}, {rounded(values[0] * factor)} {unit} in pass 1"
-        ratio = np.where(np.isfinite(ratio), ratio, np.nan)
+        if not np.isfinite(values).all() or not values[0]:
+            continue  # silent, or nothing has sunk
+        ratio = values - values[0] if unit == "dB(A)" else 10 * np.log10(values / values[0])
+        label = f"{name}, {rounded(values[0] * factor, 3)} {unit} in pass 1"
         ax.plot(table["pass"], ratio, color=COLOURS[k], marker=MARKERS[k], label=label)
+    work, look = table["plastic_work_j"], f"{MARKERS[4]}--"
+    if (work > 0).any():
+        right = ax.twinx()
+        right.semilogy(table["pass"], work.where(work > 0), look, color=COLOURS[4])
+        right.set_ylabel("plastic work [J]")
+        ax.plot([], [], look, color=COLOURS[4], label="plastic work, right axis")
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("pass")
     ax.set_ylabel("over pass 1 [dB]")
-    facts = [*distance_and_duration([run]), "10 lg of release, work and depth over those of pass 1"]
+    facts = [*distance_and_duration([run]), "10 lg of release and depth over those of pass 1"]
     return finish(finish_grid(ax), f"Running-in: {run.title}", facts)
 
 
@@ -71,6 +76,6 @@ def running_in_table(run: Run) -> pd.DataFrame:
     """Tabulate levels [dB], release power [W], plastic work [J] and depth [um] of passes."""
     if run.result.passes is None:
         raise ValueError(f"{run.title}: has no passes, its plate has no memory")
-    table = pd.DataFrame(pass_numbers(run.result.passes, run.pass_sounds))
+    table = pd.DataFrame(pass_numbers(run.scene, run.result, run.pass_sounds))
     table.insert(0, "pass", np.arange(len(table)) + 1)
     return table

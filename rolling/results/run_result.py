@@ -296,7 +296,7 @@ def hear(
     numbers = summary or summarize(scene, result, sound, release, errors, vibration, moving)
     run = Run(label, values, folder, scene, result, sound, numbers, errors, vibration)
     if summary is None and result.passes is not None:
-        numbers["passes"] = pass_numbers(result.passes, run.pass_sounds)
+        numbers["passes"] = pass_numbers(scene, result, run.pass_sounds)
     if summary is None and scene.sound.listen_s is not None:
         numbers["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run

@@ -10,10 +10,10 @@ import numpy as np
 from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.numbers import decibels_a
-from rolling.marches.passes import Passes
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
+from rolling.sound.vibration_estimate import estimate
 
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
@@ -33,19 +33,33 @@ def pass_sounds(scene: Scene, result: Result, closed: bool, has_seam: bool) -> l
     ]
 
 
-def pass_numbers(passes: Passes, sounds: Sequence[ContactSound]) -> list[dict[str, Any]]:
-    """Return the numbers of each pass: levels, release power, plastic work and maximum depth."""
-    work = passes.series["plastic_work"].sum(axis=1).tolist()
-    return [
-        {
-            "laeq_db": sound.levels.laeq_db,
-            "level_db": sound.levels.level_db,
-            "release_power_mean_w": sound.mean_power,
-            "plastic_work_j": plastic,
-            "depth_um": depth * 1e6,
-        }
-        for sound, plastic, depth in zip(sounds, work, passes.depth.tolist(), strict=True)
-    ]
+def pass_numbers(
+    scene: Scene, result: Result, sounds: Sequence[ContactSound]
+) -> list[dict[str, Any]]:
+    """Return levels, release power, plastic work and maximum depth of each pass.
+
+    The level of the vibration is an estimate from the approach, for scenes without dynamics.
+    """
+    passes, numbers = result.passes, list[dict[str, Any]]()
+    assert passes is not None  # asked for by the caller
+    places = np.append(np.arange(result.steps) % result.solved_steps, -1)
+    places[-1] = places[-2] + 1
+    for k, sound in enumerate(sounds):
+        vibration = None
+        if scene.dynamics is None:
+            approach = passes.series["approach"][k, places]
+            vibration, _ = estimate(scene, approach, result.step, sound.closed)
+        numbers.append(
+            {
+                "laeq_db": sound.levels.laeq_db,
+                "level_db": sound.levels.level_db,
+                "vibration_estimate_laeq_db": vibration,
+                "release_power_mean_w": sound.mean_power,
+                "plastic_work_j": float(passes.series["plastic_work"][k].sum()),
+                "depth_um": float(passes.depth[k]) * 1e6,
+            }
+        )
+    return numbers
 
 
 def passes_record(run: Run) -> tuple[Array, str]:
