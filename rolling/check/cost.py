@@ -140,9 +140,14 @@ def step_ms(scene: Scene) -> float:
     return expected_step_ms(window_nodes(scene, rq), subcells(scene), step_law(scene, rq))
 
 
+def lap_seconds(scene: Scene) -> float:
+    """Estimate the time [s] to march a track once on one core; a height file is read."""
+    return scene.track.solved_steps * step_ms(scene) * 1e-3
+
+
 def expected_seconds(scene: Scene) -> float:
-    """Estimate the time [s] to march a scene on one core; a height file is read."""
-    seconds = scene.track.solved_steps * step_ms(scene) * 1e-3
+    """Estimate the time [s] to march all passes of a scene on one core; a height file is read."""
+    seconds = lap_seconds(scene)
     return seconds * scene.passes * (1 + RUN_IN_SHARE) if scene.is_permanent else seconds
 
 

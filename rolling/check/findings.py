@@ -276,12 +276,18 @@ def _march(scene: Scene) -> list[Finding]:
     """State window, time, tolerance and the cost of the error estimate."""
     rq = cost.roughness(scene)[0]
     nodes, step_ms = cost.window_nodes(scene, rq), cost.step_ms(scene)
-    seconds = scene.track.solved_steps * step_ms * 1e-3
+    seconds, passes = cost.expected_seconds(scene), f" for {scene.passes} passes"
     rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
     result = [
         Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", _narrow(scene, rq)),
         Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core"),
-        Finding("expected_time", "expected time", computing(seconds), None, seconds),
+        Finding(
+            "expected_time",
+            "expected time",
+            computing(seconds) + passes * scene.is_permanent,
+            None,
+            seconds,
+        ),
         Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}"),
     ]
     result += surface_time(scene)

@@ -29,7 +29,7 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
     ------
     ContactError : a force law or a motion is not possible.
     """
-    step_seconds = cost.step_ms(scene) * 1e-3
+    step_seconds = cost.lap_seconds(scene) / result.solved_steps
 
     passes = result.passes
 

@@ -144,7 +144,8 @@ def test_run_in_surface_is_elastic() -> None:
 def test_pieces_are_one_march(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each piece begins 2 contact widths before its first position.
 
-    A single piece then differs by less than 1e-5 of the rms; measured 4e-7 in the release, 2e-8 in the approach.
+    A single piece then differs by less than 1e-5 of the rms: 4e-7 in the release, 2e-8 in the
+    approach.
     """
     assert len(passes.pass_pieces(scene_of())) == 2 and result.passes is not None
     monkeypatch.setattr(passes, "pass_pieces", lambda scene: [(0, scene.track.solved_steps)])
