@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -62,25 +62,19 @@ def pass_numbers(
     return numbers
 
 
-def passes_record(run: Run) -> tuple[Array, str]:
-    """Return the passes of a run one after the other [Pa], and say it."""
+def passes_wav(run: Run, bits: Literal[16, 24] = 24) -> tuple[bytes, str]:
+    """Return a WAV of the passes of a run one after the other, and say it."""
     count, rate = len(run.pass_sounds), wav.SAMPLE_RATE_HZ
-    chosen = np.unique(np.geomspace(1, count, min(count, MOST_HEARD)).round().astype(int))
-    if count <= MOST_HEARD:
-        chosen = np.arange(1, count + 1)
-    pause, parts = np.zeros(round(PAUSE_S * rate)), list[Array]()
+    chosen = np.unique(np.geomspace(1, count, MOST_HEARD).round().astype(int))
+    chosen = np.arange(1, count + 1) if count <= MOST_HEARD else chosen
+    pause, parts, words = np.zeros(round(PAUSE_S * rate)), list[Array](), list[str]()
     for number in chosen:
         sound = run.pass_sounds[number - 1]
         lap = np.resize(sound.lap.samples(sound.pressure), round(PASS_S * rate))
         parts += [resampling.fade(lap, round(FADE_S * rate)), pause]
-    levels = (run.pass_sounds[number - 1].levels.laeq_db for number in chosen)
-    words = ", ".join(f"{n} ({decibels_a(x)})" for n, x in zip(chosen, levels, strict=True))
-    return np.concatenate(parts), f"{PASS_S:g} s of each pass at one gain, with its LAeq: {words}"
-
-
-def passes_wav(run: Run, bits: Any = 24) -> tuple[bytes, str]:
-    """Return a WAV of the passes of a run one after the other, and say it."""
-    record, content = passes_record(run)
+        words.append(f"{number} ({decibels_a(sound.levels.laeq_db)})")
+    record = np.concatenate(parts)
     gain = wav.listening_gain(record)
-    comment = f"{gain:.6g} full scale per Pa; {content}"[:1000]
+    content = f"{PASS_S:g} s of each pass at one gain, with its LAeq: {', '.join(words)}"
+    comment = f"{gain:.6g} full scale per Pa; {content}"
     return wav.listening(record, gain, comment, f"{run.scene.name}, {run.label}", bits), content

@@ -9,11 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from finished import run_of, same
+from helpers import march_all
 from memory_scenes import MEMORY
 
 import rolling as rc
 from acoustics import wav
 from rolling.check import cost, refusals
+from rolling.marches import slow_motion
 from rolling.marches.piece import contact_identity
 from rolling.report.page import page
 from rolling.results.run_result import Run
@@ -26,7 +28,7 @@ SMOOTH = "allowed with plate.plasticity: permanent"
 
 @pytest.fixture(scope="module")
 def run() -> Run:
-    return run_of(loads(MEMORY), film=True)
+    return run_of(loads(MEMORY))
 
 
 @pytest.mark.parametrize(
@@ -92,9 +94,18 @@ def test_summary(run: Run) -> None:
         assert passes[-1][name] == pytest.approx(summary[name], rel=1e-12)
     assert passes[0]["plastic_work_j"] > passes[1]["plastic_work_j"] > 0
     assert run.sound.loops and summary["energy_balance_error"] < 1e-12
-    assert run.result.slow_motion is None or len(run.result.slow_motion.pressure)
     caveats = {caveat["key"]: caveat["text"] for caveat in summary["caveats"]}
     assert "without pile-up, hardening or residual stress" in caveats["permanent"]
+
+
+def test_film_shows_the_last_pass(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its maps release as much as the steps between them; packing rounds to 1e-4."""
+    monkeypatch.setattr(slow_motion, "SHARE", 0.3)
+    result = march_all(loads(MEMORY), film=True)
+    film, series = result.slow_motion, result.series["release_energy"]
+    assert film is not None
+    steps = series[film.first : int(film.positions[-1])]
+    assert film.release.sum() * film.release_unit == pytest.approx(steps.sum(), rel=1e-3)
 
 
 def test_files(run: Run, tmp_path: Path) -> None:

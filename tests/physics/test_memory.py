@@ -162,22 +162,13 @@ def test_pieces_are_one_march(result: Result, monkeypatch: pytest.MonkeyPatch) -
         assert abs(approach[0] - approach[-1]) < 1e-5 * approach.std()
 
 
-@pytest.mark.parametrize("changes", [(), ("surface.kind=smooth",)])
-def test_groove_is_one_piece(changes: tuple[str, ...]) -> None:
-    """A sphere whose smooth contact yields forgets slowly, so its pass is not cut."""
-    smooth = ("surface.roughness_ra_um=", "surface.correlation_length_um=", "surface.seed=")
-    scene = scene_of("plate.hardness_gpa=0.5", *changes, *(smooth if changes else ()))
-    assert passes.pass_pieces(scene) == [(0, 320)]
-    assert passes.run_in(scene, 0) > 4 * passes.run_in(scene_of(), 0) / 2
-
-
-def test_open_track_begins_where_the_sphere_is_set_down(tmp_path: object) -> None:
-    """Pieces of an open track have no run-in before position 0."""
-    scene = scene_of()
-    assert passes.run_in(scene, 0) == passes.run_in(scene, 100) > 0
-    open_track = scene.track.__class__(**{**vars(scene.track), "lap_steps": 999})
-    vars(scene)["track"] = open_track
-    assert passes.run_in(scene, 0) == 0 and passes.run_in(scene, 10) == 10
+def test_run_in_of_grooves_and_of_open_tracks() -> None:
+    """A sphere in a groove forgets slowly: its pass is one piece. Nothing lies before open tracks."""
+    closed, groove = scene_of(), scene_of("plate.hardness_gpa=0.5")
+    assert passes.pass_pieces(groove) == [(0, 320)]
+    assert passes.run_in(groove, 0) > 4 * passes.run_in(closed, 0) == 4 * passes.run_in(closed, 99)
+    vars(closed)["track"] = replace(closed.track, lap_steps=999)
+    assert passes.run_in(closed, 0) == 0 and passes.run_in(closed, 10) == 10
 
 
 def test_contact_wider_than_its_period_is_refused() -> None:
