@@ -163,7 +163,7 @@ def test_pieces_are_one_march(result: Result, monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_run_in_of_grooves_and_of_open_tracks() -> None:
-    """A sphere in a groove forgets slowly: its pass is one piece. Nothing lies before open tracks."""
+    """A sphere in a groove forgets slowly: its pass is one piece. Open tracks have none at 0."""
     closed, groove = scene_of(), scene_of("plate.hardness_gpa=0.5")
     assert passes.pass_pieces(groove) == [(0, 320)]
     assert passes.run_in(groove, 0) > 4 * passes.run_in(closed, 0) == 4 * passes.run_in(closed, 99)
