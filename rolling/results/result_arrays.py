@@ -105,7 +105,7 @@ TABLE = {
     "passes/plastic_work": ("pass place_step", "J", "f8"),
     "passes/approach": ("pass place", "m", "f8"),
     "passes/depth": ("pass", "m", "f8"),
-    "passes/sunk": ("along across", "m", "f8"),
+    "passes/sunk": ("node_along node_across", "m", "f8"),
     "contact_force/force_time": ("force_time", "s", "f8"),
     "contact_force/force": ("force_time", "N", "f8"),
     "contact_force/band": ("band", "Hz", "f8"),
@@ -120,7 +120,11 @@ Group = tuple[Arrays, Facts]  # arrays and attributes of a group
 
 def fixed_lengths(result: Result) -> dict[str, int]:
     """Return the lengths of the dimensions that the scene of a result fixes."""
-    return {
+    lengths = {}
+    if result.passes is not None:
+        shape = len(result.passes.depth), *result.passes.sunk.shape
+        lengths = dict(zip(("pass", "node_along", "node_across"), shape, strict=True))
+    return lengths | {
         "step": result.steps,
         "position": result.steps + 1,
         "place": result.solved_steps + 1,
