@@ -15,8 +15,8 @@ from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.laps import Lap, crossfaded_lap
 from acoustics.numbers import rounded
-from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
+from rolling.scene.track import Motion
 from rolling.sound.solver_error import resolved_fluctuation
 
 FADE_S = 0.01  # [s], at either end of an open record; at most a tenth of its duration
