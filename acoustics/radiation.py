@@ -133,6 +133,11 @@ class ThinPlate:
         """Mobility at a point, 1 / (8 sqrt(B m'')) [s/kg]."""
         return float(1 / (8 * np.sqrt(self.bending_stiffness_n_m * self.mass_per_area_kg_m2)))
 
+    def bending_wavelength_m(self, frequency_hz: float) -> float:
+        """Return the length of bending waves [m]."""
+        ratio = self.bending_stiffness_n_m / self.mass_per_area_kg_m2
+        return float(2 * np.pi * ratio**0.25 / np.sqrt(2 * np.pi * frequency_hz))
+
     @property
     def nearest_m(self) -> float:
         """Distance sqrt(8 B / m'') / c that a listener on the axis must exceed by far [m]."""

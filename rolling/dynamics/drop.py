@@ -12,7 +12,7 @@ import numpy as np
 from rolling.contact import closed_forms
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import LOWEST, ForceLaw
-from rolling.dynamics.motion import BodyMotion, Stepping
+from rolling.dynamics.motion import BodyMotion, longest_step_s
 from rolling.scene.scene import Scene
 
 IMPACT_STEPS = 40  # in the time of the first impact: force off by 0.3 %, restitution by 0.001
@@ -80,8 +80,7 @@ def start(scene: Scene, law: ForceLaw, chain: Chain) -> tuple[float, float, floa
 
 def time_step_s(scene: Scene, law: ForceLaw, chain: Chain, speed: float) -> float:
     """Return the time step [s] for the first impact, the resonance and the track at a speed."""
-    resonance = 1 / (Stepping().per_period * chain.resonance_hz)
-    return min(impact_s(scene) / IMPACT_STEPS, resonance, law.spacing_m / speed, LONGEST_S)
+    return min(impact_s(scene) / IMPACT_STEPS, longest_step_s(law, chain, speed), LONGEST_S)
 
 
 def restitution(scene: Scene, motion: BodyMotion) -> float | None:

@@ -287,9 +287,10 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "resonance_q": known(chain.quality),
         "resonance_wavelength_m": scene.motion.fastest(scene.duration) / chain.resonance_hz,
         "critical_hz": plate and plate.critical_hz,
-        "bending_limit_hz": plate and of_scene.bending_limit_hz(plate),
+        "bending_limit_hz": plate and of_scene.bending_limit_hz(scene),
         "plate_deflection_m": float(np.ptp(motion.plate_m)),
-        "contact_radius_over_thickness": plate and of_scene.hertz_radius(scene) / plate.thickness_m,
+        "contact_radius_over_thickness": plate
+        and of_scene.hertz_radius(scene) / of_scene.thickness_m(scene),
         "force_outside_share": motion.outside_share,
         "comb_spread_db": vibration.spreads.get("comb"),
         "comb_mean_laeq_db": vibration.mean_laeq,

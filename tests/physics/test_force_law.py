@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from helpers import STEEL, hertz_law, make_track, roll, rough, sphere_mass
 
+from acoustics.radiation import ThinPlate
 from rolling.contact.closed_forms import hertz_approach
 from rolling.contact.state import RollingContact
-from rolling.dynamics.bodies import BendingPlate, Bodies
+from rolling.dynamics.bodies import Chain, contact_stiffness
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import Stepping, move
 
@@ -137,7 +138,7 @@ def test_hertz_law_keeps_its_heights() -> None:
 
 STEPS, TIME_STEP = 16, 1.5e-6
 MASS = sphere_mass(5e-3, 7850)
-MOBILITY = BendingPlate(206e9, 0.3, 7850, 10e-3).mobility_s_kg
+MOBILITY = ThinPlate(78.5, 206e9 * 1e-6 / 12 / (1 - 0.3**2)).mobility_s_kg
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +182,8 @@ def test_law_stands_for_contact_solved_in_each_step(contact: RollingContact) -> 
     law = ForceLaw(np.arange(STEPS + 1) * 2e-6, loads, np.array(approach))
     start = float(law.approach(1e-6, 20.0)) + 5e-8  # pressed by some newtons: it rings
     stepping = Stepping(time_step_s=TIME_STEP, start=(start, 0.0, 0.0))
-    motion = move(law, Bodies(MASS, MOBILITY), 20.0, 2e-6 / TIME_STEP, STEPS * TIME_STEP, stepping)
+    chain = Chain(MASS, MOBILITY, contact_stiffness(law, 20.0))
+    motion = move(law, chain, 20.0, 2e-6 / TIME_STEP, STEPS * TIME_STEP, stepping)
     expected = solved_inside(contact, start)
     assert np.ptp(expected) > 1
     assert np.std(motion.force_n - expected) < 0.02 * np.std(expected)
