@@ -19,7 +19,7 @@ from acoustics.baffled_modes import (
     own_resistance,
     power_of_modes,
 )
-from acoustics.radiation import AIR_KG_M3, SOUND_M_S
+from acoustics.radiation import AIR_KG_M3, SOUND_M_S, ThinPlate
 
 MODES_HZ = 30e3  # highest natural frequency of the modes that move
 _BEYOND = 100.0  # times this frequency: modes up to there are summed for their static compliance
@@ -87,20 +87,8 @@ class RectangularPlate:
         orders = self._orders(MODES_HZ, _BEYOND * MODES_HZ)
         stiffness = self.modal_mass_kg * np.square(self._angular_frequency(orders))
         near = float(np.sum(np.square(self._shapes(orders, point_m)) / stiffness))
-        mobility = 1 / (8 * np.sqrt(self.bending_stiffness_n_m * self.mass_per_area_kg_m2))
+        mobility = ThinPlate(self.mass_per_area_kg_m2, self.bending_stiffness_n_m).mobility_s_kg
         return near + float(mobility / (np.pi**2 * _BEYOND * MODES_HZ))
-
-    def receptance(
-        self, frequency_hz: ArrayLike, force_m: ArrayLike, answer_m: ArrayLike | None = None
-    ) -> NDArray[np.complex128]:
-        """Return the displacement per force [m/N] of the modes, phasors of exp(i w t).
-
-        The force acts at one point (2,) [m]; the displacement is that of another, by default the
-        same. The compliance of the modes above MODES_HZ is left out.
-        """
-        f = np.atleast_1d(np.asarray(frequency_hz, dtype=float))
-        weight = self.shapes(force_m)[0] * self.shapes(force_m if answer_m is None else answer_m)[0]
-        return np.concatenate([self.mode_receptance(part) @ weight for part in self._parts(f)])
 
     def mode_receptance(self, frequency_hz: NDArray[Any], modes: slice = slice(None)) -> Complex:
         """Return the modal displacements [m] per modal force [N], (n, modes).
@@ -197,10 +185,8 @@ class RectangularPlate:
     def _shapes(self, orders: NDArray[np.int64], points_m: ArrayLike) -> Array:
         along, across = np.atleast_2d(np.asarray(points_m, dtype=float)).T[:, :, None]
         m, n = orders.T
-        waves = np.sin(np.pi * m * along / self.length_m) * np.sin(
-            np.pi * n * across / self.width_m
-        )
-        return np.asarray(waves)
+        sines = np.sin(np.pi * m * along / self.length_m), np.sin(np.pi * n * across / self.width_m)
+        return np.asarray(sines[0] * sines[1])
 
     def _orders(self, above_hz: float, to_hz: float) -> NDArray[np.int64]:
         """Return the orders of the modes above one frequency [Hz] up to another."""

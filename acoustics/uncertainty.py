@@ -9,6 +9,7 @@ square, 10/ln(10) u = 4.34 u dB; a value above 2 dB is too small.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,6 +58,16 @@ class LevelUncertainty:
     lz_peak_db: float | None
     third_octave_db: dict[str, float | None]
 
+    def mapped(self, change: Callable[[float], float | None]) -> LevelUncertainty:
+        """Return the uncertainties with a change to each that is known."""
+
+        def changed(values: dict[str, float | None]) -> dict[str, float | None]:
+            return {name: None if db is None else change(db) for name, db in values.items()}
+
+        whole = {**vars(self)}
+        bands = changed(whole.pop("third_octave_db"))
+        return LevelUncertainty(**changed(whole), third_octave_db=bands)
+
 
 def level_uncertainty(
     pressure_pa: Array,
@@ -95,7 +106,7 @@ def level_uncertainty(
     Raises
     ------
     ValueError
-        As `acoustics.spectrum.check_record`.
+        As `acoustics.spectrum.checked_record`.
 
     References
     ----------
@@ -199,11 +210,7 @@ def widened(spreads: LevelUncertainty, laeq_db: float | None) -> LevelUncertaint
         return spreads
     factor = laeq_db / spreads.laeq_db
 
-    def wider(values: dict[str, float | None]) -> dict[str, float | None]:
-        return {name: value and factor * value for name, value in values.items()}
-
-    levels = {name: value for name, value in vars(spreads).items() if name != "third_octave_db"}
-    return LevelUncertainty(**wider(levels), third_octave_db=wider(spreads.third_octave_db))
+    return spreads.mapped(lambda db: factor * db)
 
 
 def _variance(part: Array, whole: Array, exponent: float) -> float:

@@ -15,10 +15,9 @@ import numpy as np
 import soundfile
 from numpy.typing import ArrayLike, NDArray
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, real_array
 from acoustics.level import a_weighted_rms
 from acoustics.radiation import P_REF_PA
-from acoustics.spectrum import check_record
 
 SAMPLE_RATE_HZ = 48000
 
@@ -70,12 +69,9 @@ def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "", loops: boo
     >>> samples.tolist(), rate, comment
     ([0.25, -0.5], 48000, '1.0 is 1 Pa')
     """
-    samples = np.asarray(pressure_pa, dtype=float)
-    _check(samples)
-    if np.max(np.abs(samples), initial=0.0) > np.finfo(np.float32).max:
-        raise ValueError(
-            f"the record reaches {np.max(np.abs(samples)):g} Pa, more than a 32-bit float holds"
-        )
+    samples = _samples(pressure_pa)
+    if (largest := float(np.max(np.abs(samples)))) > np.finfo(np.float32).max:
+        raise ValueError(f"the record reaches {largest:g} Pa, more than a 32-bit float holds")
     return _wav(samples, "FLOAT", comment, title, loops)
 
 
@@ -126,9 +122,8 @@ def listening(
     >>> len(wav.listening(tone, gain, f"gain {gain:g}", bits=16)) > 2 * len(tone)
     True
     """
-    _check(np.asarray(pressure_pa))
-    samples = gain * np.asarray(pressure_pa, dtype=float)
-    peak = float(np.max(np.abs(samples), initial=0.0))
+    samples = gain * _samples(pressure_pa)
+    peak = float(np.max(np.abs(samples)))
     if peak > 1.0:
         raise ValueError(
             f"a gain of {gain:g} per Pa drives the peak to {peak:.4g} of full scale; "
@@ -202,10 +197,9 @@ def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
         return file.read(dtype="float64"), file.samplerate, file.comment
 
 
-def _check(samples: Array) -> None:
-    """Refuse an array that is neither a record (n,) nor several of them (n, channels)."""
-    for channel in samples.T if samples.ndim == 2 else [samples]:
-        check_record(channel)
+def _samples(pressure: ArrayLike) -> Array:
+    """Return a record (n,) or several of them (n, channels) as floats; refuse other arrays."""
+    return real_array("record", pressure, 2 if np.ndim(pressure) == 2 else 1)
 
 
 def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: bool) -> bytes:
@@ -214,14 +208,8 @@ def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: b
         if length > _LONGEST_TEXT:
             raise ValueError(f"the {field} takes {length} bytes, at most {_LONGEST_TEXT} fit")
     memory = io.BytesIO()
-    with soundfile.SoundFile(
-        memory,
-        "w",
-        SAMPLE_RATE_HZ,
-        channels=1 if samples.ndim == 1 else samples.shape[1],
-        subtype=subtype,
-        format="WAV",
-    ) as file:
+    channels = 1 if samples.ndim == 1 else samples.shape[1]
+    with soundfile.SoundFile(memory, "w", SAMPLE_RATE_HZ, channels, subtype, format="WAV") as file:
         if comment:  # libsndfile refuses an empty title
             file.comment = comment
         if title:

@@ -223,7 +223,7 @@ def contact_sound(
             scene.sound.gain_pa_per_w_m2 is None,
             laps=steps / len(lap),
         ),
-        steady_level=level.level_db(mean_intensity, level.I_REF_W_M2),
+        steady_level=level.level_db(mean_intensity, radiation.I_REF_W_M2),
         steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
         time=time,
         step_duration=step_duration,

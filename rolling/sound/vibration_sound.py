@@ -8,7 +8,7 @@ pressure at the first listener, and sound power stands beside them.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -134,7 +134,7 @@ def vibrate(
     }
     spreads = {name: db for name, db in parts.items() if db is not None}
     if once:  # and no sample of a noise
-        spread = _of_event(spread, 0.0 if spreads else None)
+        spread = spread.mapped(lambda _: 0.0 if spreads else None)
     plate_power, ball_power = powers(scene, force, highest)
     return Vibration(
         motion=motion,
@@ -186,9 +186,7 @@ def radiated(
     if plate is not None:
         places = scene.listeners[:listeners]
         return force, edged_sound.pressures(scene, plate, force, closed, places)
-    pressure = pressure_on_axis(
-        fluctuation, rate_hz, sources(scene), scene.sound.distance_m, closed=True
-    )
+    pressure = pressure_on_axis(fluctuation, rate_hz, sources(scene), scene.sound.distance_m)
     return force, _heard(pressure, samples)[None]
 
 
@@ -204,16 +202,6 @@ def _step_error(
     return UNKNOWN_DB if coarse is None else min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
-def _of_event(
-    spread: uncertainty.LevelUncertainty, least_db: float | None
-) -> uncertainty.LevelUncertainty:
-    """Return uncertainties [dB] without the length of the record, None without any other part."""
-    whole = asdict(spread)
-    bands = {name: db and least_db for name, db in whole.pop("third_octave_db").items()}
-    known = {name: db and least_db for name, db in whole.items()}
-    return uncertainty.LevelUncertainty(**known, third_octave_db=bands)
-
-
 def _joined(
     spread: uncertainty.LevelUncertainty, spreads: dict[str, float], chain: Chain
 ) -> uncertainty.LevelUncertainty:
@@ -223,18 +211,13 @@ def _joined(
     third octaves on a plate with modes.
     """
     other = math.hypot(*(db for name, db in spreads.items() if name != "record"))
+    wider = spread.mapped(lambda db: math.hypot(db, other))
+    if chain.modes is not None:
+        return wider
     widest = len(BAND_NAMES) - 1
     band = BAND_NAMES[min(int(np.searchsorted(EDGES_HZ[1:], chain.resonance_hz)), widest)]
-    whole = {
-        name: None if db is None else math.hypot(db, other)
-        for name, db in asdict(spread).items()
-        if name != "third_octave_db"
-    }
-    bands = dict(spread.third_octave_db)
-    for name in (band,) if chain.modes is None else BAND_NAMES:
-        if (own := bands[name]) is not None:
-            bands[name] = math.hypot(own, other)
-    return uncertainty.LevelUncertainty(**whole, third_octave_db=bands)
+    bands = spread.third_octave_db | {band: wider.third_octave_db[band]}
+    return replace(wider, third_octave_db=bands)
 
 
 def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:

@@ -90,8 +90,6 @@ def test_listeners_above_and_below_mirrored_and_reversed() -> None:
     turned = EDGES[0] - CONTACT[0], CONTACT[1]
     mirrored = plate.pressure_transfer(f, turned, (EDGES[0] - 0.25, 0.02, 0.7))
     assert np.allclose(above, mirrored, rtol=0, atol=1e-9 * np.abs(above).max())
-    there, back = (plate.receptance(f, *ends) for ends in ((CONTACT, turned), (turned, CONTACT)))
-    assert np.allclose(there, back, rtol=1e-12)  # reciprocity
 
 
 def test_the_power_of_a_mode_by_two_routes() -> None:
