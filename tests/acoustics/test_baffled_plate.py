@@ -117,8 +117,9 @@ def test_power_in_is_power_radiated_and_lost(thickness: float, loss_factor: floa
     plate = steel(thickness, loss_factor)
     f = np.linspace(1000, 3000, 3000 if loss_factor > 1e-3 else 20_000)
     w = 2 * math.pi * f[:, None]
-    fed = np.sum(np.real(1j * w[:, 0] * plate.receptance(f, CONTACT)))
-    velocities = w * np.abs(plate.mode_receptance(f)) * plate.shapes(CONTACT)[0]
+    shapes, receptance = plate.shapes(CONTACT)[0], plate.mode_receptance(f)
+    fed = np.sum(np.real(1j * w[:, 0] * (receptance @ np.square(shapes))))
+    velocities = w * np.abs(receptance) * shapes
     rates = plate.loss_factor * plate.angular_frequency * plate.modal_mass_kg
     lost = np.sum(np.square(velocities) @ rates)
     radiated = 2 * np.sum(plate.power_per_force(f, CONTACT))

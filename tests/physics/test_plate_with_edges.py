@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import hertz_law
+from helpers import hertz_law, track_work
 from scipy.linalg import expm
 from test_ball_on_plate import (
     BOTH_ELASTIC,
@@ -184,7 +184,7 @@ def test_power_in_is_power_lost(contact: float) -> None:
     law = track_law(noise(2500, rms=1e-9))
     own = bodies(law, 5, contact=contact)
     motion = move(law, own, LOAD, 0.5, stepping=Stepping(100))
-    slope = law.energy_slope(motion.position_m, motion.approach_m)
+    slope = track_work(law, motion.position_m, motion.approach_m)
     frequency, lines = within_hearing(motion)
     mobilities = own.mobilities(frequency)
     ball, sheet = mobilities["ball"], mobilities["plate"]
