@@ -25,14 +25,9 @@ def height_m(scene: Scene) -> float:
     return 1e-3 * (scene.rolling.drop_mm or 0.0)
 
 
-def energy_j(scene: Scene) -> float:
-    """Return the energy [J] that the load gives the sphere until it hits the plate."""
-    return scene.load * height_m(scene)
-
-
 def speed_m_s(scene: Scene) -> float:
     """Return the speed [m/s] at which the sphere hits the plate."""
-    return math.sqrt(2 * energy_j(scene) / scene.mass)
+    return math.sqrt(2 * scene.load * height_m(scene) / scene.mass)
 
 
 def fall_s(scene: Scene) -> float:
@@ -48,7 +43,8 @@ def impact_s(scene: Scene) -> float:
 
 def largest_force_n(scene: Scene) -> float:
     """Return the largest force [N] of the first impact."""
-    return closed_forms.hertz_force(energy_j(scene), scene.radius, scene.contact_modulus)
+    energy = scene.load * height_m(scene)
+    return closed_forms.hertz_force(energy, scene.radius, scene.contact_modulus)
 
 
 def elastic_height_m(scene: Scene) -> float:
@@ -68,14 +64,14 @@ def loads(scene: Scene, sign: int) -> list[float]:
     return [scene.load * RATIO ** (sign * k) for k in range(1, count + 1)]
 
 
-def start(scene: Scene, law: ForceLaw, chain: Chain) -> tuple[float, float, float]:
-    """Return approach [m], velocity [m/s] and plate [m] of a sphere let go above its first place.
+def start(scene: Scene, law: ForceLaw, chain: Chain) -> tuple[float, float]:
+    """Return approach [m] and velocity [m/s] of a sphere let go above its first place.
 
     A motion is seen from an infinite plate that the load alone would sink, at a constant speed.
     """
     lift_off = float(law.approach(law.position_m[0], 0.0))
     sinking = chain.mobility_s_kg * scene.load if chain.modes is None else 0.0
-    return lift_off - height_m(scene), -sinking, 0.0
+    return lift_off - height_m(scene), -sinking
 
 
 def time_step_s(scene: Scene, law: ForceLaw, chain: Chain, speed: float) -> float:

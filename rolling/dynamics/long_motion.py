@@ -108,8 +108,7 @@ class LongMotion:
         """Return the state at the start: at rest in the air, or run in over a closed track."""
         law, load, points = self._solved_law, self._scene.load, self._points(np.zeros(1))
         if self._scene.rolling.drop_mm is not None:
-            start = drop.start(self._scene, law, self._chain)
-            return at_rest(self._bodies, points, *start[:2], -load)
+            return at_rest(self._bodies, points, *drop.start(self._scene, law, self._chain), -load)
         speed, begin = float(self._scene.motion.speed(0.0)), float(law.position_m[0])
         if law.period_m is None or speed <= 0:
             approach = float(law.approach(begin, load))

@@ -41,9 +41,9 @@ class Travel:
         return np.asarray(PchipInterpolator(self.time_s, self.position_m)(time_s), dtype=float)
 
     @property
-    def speeds_m_s(self) -> Array:
-        """Mean speeds [m/s] between the times."""
-        return np.asarray(np.diff(self.position_m) / np.diff(self.time_s))
+    def fastest_m_s(self) -> float:
+        """Maximum of the mean speeds [m/s] between the times."""
+        return float(np.max(np.diff(self.position_m) / np.diff(self.time_s)))
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,8 @@ class Stepping:
 
     per_period: int = PER_PERIOD  # minimum number of steps in a period of the resonance
     time_step_s: float | None = None  # instead of the step from resonance and track
-    # Approach, velocity and displacement of the plate at the start, without a run-in; modes at rest
-    # under the force of the start, unless they are given. None: a run-in.
-    start: State | tuple[float, float, float] | None = None
+    # Approach and velocity at the start, without a run-in; modes rest under the force of the start.
+    start: tuple[float, float] | None = None
     settled: float = 1e-7  # change of the force in all laps to come, over the load, when settled
 
 
@@ -84,11 +83,6 @@ class BodyMotion:
         """Approach z - w [m]."""
         return self.displacement_m - self.plate_m
 
-    @property
-    def sample_rate_hz(self) -> float:
-        """Rate of the times [Hz]."""
-        return 1 / self.time_step_s
-
 
 def move(
     law: ForceLaw,
@@ -111,7 +105,7 @@ def move(
     choices = stepping or Stepping()
     run = _Run(law, chain, load_n, speed, duration_s, choices, path)
     if choices.start is not None:
-        return run.record(run.started(State(*choices.start)))
+        return run.record(run.started(*choices.start))
     if law.period_m is None:
         return run.record(run.equilibrium(), transient=FADE_DECAYS * run.decay_s)
     if isinstance(speed, Travel):
@@ -210,7 +204,7 @@ class _Run:
         self.law, self.chain, self.load = law, chain, load
         self.speed, self.choices, self.path = speed, choices, path
         self.first = float(law.position_m[0])
-        fastest = float(np.max(speed.speeds_m_s)) if isinstance(speed, Travel) else speed
+        fastest = speed.fastest_m_s if isinstance(speed, Travel) else speed
         self.decay_s, self.slow_decay_s = chain.decay_s, 0.0
         if (modes := chain.modes) is not None:
             self.decay_s = max(self.decay_s, modes.decay_s(2 * np.pi * chain.resonance_hz))
@@ -249,11 +243,8 @@ class _Run:
         approach = float(self.law.approach(self.places(1)[0], self.load))
         return at_rest(self.bodies, self.chain.point, approach, 0.0, 0.0)
 
-    def started(self, state: State) -> State:
-        """Return a given state; modes that it lacks are at rest under its force."""
-        approach, velocity, plate = (float(value) for value in state[:3])
-        if state.modes.shape[1] == len(self.bodies.reach):
-            return State(approach, velocity, plate, state.modes)
+    def started(self, approach: float, velocity: float) -> State:
+        """Return a given state; modes are at rest under its force."""
         force = float(self.law.force(self.places(1)[0], approach)) - self.load
         return at_rest(self.bodies, self.points(1), approach, velocity, force)
 

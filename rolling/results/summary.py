@@ -32,7 +32,7 @@ from rolling.results.run_errors import RunErrors, known, numbers
 from rolling.scene.scene import Scene
 from rolling.sound import vibration_estimate
 from rolling.sound.contact_sound import ContactSound
-from rolling.sound.vibration_sound import P_REF_W, Vibration, compact_source_db
+from rolling.sound.vibration_sound import P_REF_W, Vibration, by_band, compact_source_db
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 from rolling.terminal import program
@@ -265,8 +265,8 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         **_listeners(scene, vibration),
         "plate_power_level_db": _total(vibration.plate_power),
         "ball_power_level_db": _total(vibration.ball_power),
-        "plate_power_third_octave_db": vibration.power_levels(),
-        "ball_power_third_octave_db": vibration.ball_power_levels(),
+        "plate_power_third_octave_db": by_band(vibration.plate_power),
+        "ball_power_third_octave_db": by_band(vibration.ball_power),
         "loss_factor": scene.plate.loss_factor,
         "force_rms_n": vibration.rms_ratio * vibration.load,
         "force_rms_ratio": vibration.rms_ratio,

@@ -199,14 +199,17 @@ def contact_sound(
     else:
         fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
 
-    audible = resampling.band_limit(_intensity(scene, fluctuation), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ)
+    audible = resampling.band_limit(_intensity(scene, fluctuation), wav.SAMPLE_RATE_HZ)
     audible_rms = float(np.sqrt(np.mean(np.square(audible))) / _intensity(scene, np.ones(1))[0])
     resolved_rms = resolved_fluctuation(scene) * _white_rms(per_metre, step, speed, step_duration)
     if audible_rms <= resolved_rms:
         audible = np.zeros_like(audible)
     pressure, factor = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, looped)
-    lap = per_metre[:lap_steps]
+    lap, own_factor = per_metre[:lap_steps], scene.sound.gain_pa_per_w_m2 is None
+    spread = uncertainty.level_uncertainty(
+        pressure, wav.SAMPLE_RATE_HZ, levels, own_factor, laps=steps / len(lap)
+    )
     mean_intensity = float(_intensity(scene, np.array([mean_power]))[0])
     return ContactSound(
         pressure=pressure,
@@ -216,13 +219,7 @@ def contact_sound(
         duration=duration,
         highest=highest,
         levels=levels,
-        uncertainty=uncertainty.level_uncertainty(
-            pressure,
-            wav.SAMPLE_RATE_HZ,
-            levels,
-            scene.sound.gain_pa_per_w_m2 is None,
-            laps=steps / len(lap),
-        ),
+        uncertainty=spread,
         steady_level=level.level_db(mean_intensity, radiation.I_REF_W_M2),
         steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
         time=time,

@@ -35,9 +35,9 @@ _PER_WIDTH, _GRID = 4, (2000, 40_000)  # frequencies of a power in the width of 
 
 
 def pressures(
-    scene: Scene, plate: RectangularPlate, force: Array, closed: bool, listeners: Sequence[Listener]
+    scene: Scene, plate: RectangularPlate, force: Array, closed: bool, listeners: int | None = None
 ) -> Array:
-    """Return the sound pressure [Pa] of a force [N] at listeners, (listeners, samples).
+    """Return the sound pressure [Pa] of a force [N] at first listeners, (listeners, samples).
 
     An open record begins in silence and ends with its duration: the ringing beyond is cut.
     """
@@ -48,20 +48,21 @@ def pressures(
         n = int(next_fast_len(2 * max(n, round(_LEAST_S * rate)), real=True))
         # Waves that fall with time by this rate do not wrap round; the record is raised again.
         growth = -math.log(WRAPPED) * rate / n
-    times = np.arange(len(force)) / rate
+    times, places = np.arange(len(force)) / rate, scene.listeners[:listeners]
     fallen = force * np.exp(-growth * times)
     frequency = np.asarray(np.fft.rfftfreq(n, 1 / rate) - 0.5j * growth / np.pi, dtype=complex)
     lines = np.arange(len(frequency))
     if closed:
         lines = lines[(frequency.real >= AUDIBLE_HZ[0]) & (frequency.real < AUDIBLE_HZ[1])]
-    spectra = _spectra(scene, plate, fallen, n, frequency, lines, listeners)
-    records = np.zeros((len(spectra), len(frequency)), dtype=complex)
-    records[:, lines] = spectra
+    records = np.zeros((len(places), len(frequency)), dtype=complex)
+    path = of_scene.contact_path(scene)
+    points = None if path is None else path(times)
+    records[:, lines] = _spectra(scene, plate, fallen, n, frequency[lines], lines, places, points)
     heard = np.fft.irfft(records, n, axis=1)[:, : len(force)] * np.exp(growth * times)
     if closed:
         return np.asarray(heard)
-    if _moves(scene):
-        heard += _fading(scene, plate, force, listeners)
+    if points is not None:
+        heard += _fading(scene, plate, force, places, points)
     ends = fade_length(len(force), len(force) / rate)
     return np.array(
         [resampling.band_limit(resampling.fade(record, ends), rate) for record in heard]
@@ -76,14 +77,16 @@ def _spectra(
     frequency: NDArray[Any],
     lines: NDArray[np.int64],
     listeners: Sequence[Listener],
+    points: Array | None,
 ) -> Complex:
-    """Return the spectra of the pressure [Pa] at listeners, (listeners, lines)."""
-    path, frequency = _path(scene), frequency[lines]
-    spectrum = np.fft.rfft(force, n)[lines]
-    if not _moves(scene):
+    """Return the spectra of the pressure [Pa] at listeners, (listeners, lines).
+
+    A moving contact is at `points` (samples, 2) [m].
+    """
+    path, spectrum = _path(scene), np.fft.rfft(force, n)[lines]
+    if points is None:
         transfers = [_at(scene, plate, frequency, k, path) for k in listeners]
         return np.array([transfer * spectrum for transfer in transfers])
-    points = of_scene.contact_points(scene, np.arange(len(force)) / wav.SAMPLE_RATE_HZ)
     total = np.array([_ball(scene, frequency, k, path) for k in listeners]) * spectrum
     for modes in _parts(slice(0, _lasting(plate, force)), n):
         forces = np.fft.rfft(force[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
@@ -111,7 +114,11 @@ def _parts(modes: slice, values: int) -> list[slice]:
 
 
 def _fading(
-    scene: Scene, plate: RectangularPlate, force: Array, listeners: Sequence[Listener]
+    scene: Scene,
+    plate: RectangularPlate,
+    force: Array,
+    listeners: Sequence[Listener],
+    points: Array,
 ) -> Array:
     """Return the pressure [Pa] at listeners of the modes that fade within a stretch of a record.
 
@@ -121,7 +128,7 @@ def _fading(
     hop, lead, first_mode = round(_STRETCH_S * rate), rate // 10, _lasting(plate, force)
     n, records = 2 * hop + lead, np.zeros((len(listeners), len(force) + 2 * (hop + lead)))
     if first_mode < modes:
-        stations, places = _stations(scene, plate, len(force))
+        stations, places = _stations(scene, points)
         frequency, path = np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=float), _path(scene)
         transfers = np.zeros((len(listeners), len(frequency), len(stations)), dtype=complex)
         for part in _parts(slice(first_mode, modes), n):
@@ -140,14 +147,13 @@ def _fading(
     return records[:, lead : lead + len(force)]
 
 
-def _stations(scene: Scene, plate: RectangularPlate, samples: int) -> tuple[Array, Array]:
-    """Return stations on the path (k, 2) [m], and the place among them at each sample."""
-    begin, end = points_on_path(scene)[[0, -1]]
-    ratio = plate.bending_stiffness_n_m / plate.mass_per_area_kg_m2
-    wave = 2 * math.pi * ratio**0.25 / math.sqrt(2 * math.pi * AUDIBLE_HZ[1])
-    spaces = math.ceil(_PER_WAVE * math.dist(begin, end) / wave)
-    points = of_scene.contact_points(scene, np.arange(samples) / wav.SAMPLE_RATE_HZ)
-    places = spaces * np.linalg.norm(points - begin, axis=1) / math.dist(begin, end)
+def _stations(scene: Scene, points: Array) -> tuple[Array, Array]:
+    """Return stations on the path (k, 2) [m], and the place among them of contact points."""
+    (begin, end), bending = points_on_path(scene)[[0, -1]], of_scene.plate(scene)
+    assert bending is not None  # as there is a plate with edges
+    way = math.dist(begin, end)
+    spaces = math.ceil(_PER_WAVE * way / bending.bending_wavelength_m(AUDIBLE_HZ[1]))
+    places = spaces * np.linalg.norm(points - begin, axis=1) / way
     return begin + np.linspace(0, 1, spaces + 1)[:, None] * (end - begin), places
 
 
@@ -156,12 +162,9 @@ def square_transfer(scene: Scene, plate: RectangularPlate, frequency: Array) -> 
 
     It is the mean over the path of the contact.
     """
-    path, listener = _path(scene), scene.listeners[0]
-    squares = [
-        np.square(np.abs(_at(scene, plate, frequency, listener, path, point)))
-        for point in points_on_path(scene)
-    ]
-    return np.asarray(np.mean(squares, axis=0))
+    first = scene.listeners[0], _path(scene)
+    transfers = [_at(scene, plate, frequency, *first, point) for point in points_on_path(scene)]
+    return np.asarray(np.mean(np.square(np.abs(transfers)), axis=0))
 
 
 def power_per_force(scene: Scene, plate: RectangularPlate, frequency: Array) -> Array:
@@ -191,11 +194,6 @@ def _power_table(
 def points_on_path(scene: Scene) -> Array:
     """Return the contact point, or points of its path at equal distances, (n, 2) [m]."""
     return of_scene.points_between(tuple(scene.plate.contact_ends_mm.values()), _POINTS)
-
-
-def _moves(scene: Scene) -> bool:
-    """Tell whether the contact moves on the plate."""
-    return len(scene.plate.contact_ends_mm) > 1
 
 
 def _path(scene: Scene) -> float:

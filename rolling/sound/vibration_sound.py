@@ -15,7 +15,7 @@ import numpy as np
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.arrays import Array, short_repr
-from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
+from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import RHO_C, pressure_on_axis
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
@@ -87,14 +87,6 @@ class Vibration:
         rms: Array = np.sqrt(third_octave_mean_square(frequency, square))
         return np.where(known_bands(self.highest), rms, np.nan)
 
-    def power_levels(self) -> dict[str, float | None]:
-        """Return the sound power levels of the plate by band [dB re 1 pW], None where unknown."""
-        return by_band(self.plate_power)
-
-    def ball_power_levels(self) -> dict[str, float | None]:
-        """Return the sound power levels of the sphere by band [dB re 1 pW]."""
-        return by_band(self.ball_power)
-
 
 def by_band(power: Array) -> dict[str, float | None]:
     """Return levels [dB re 1 pW] by nominal frequency, None for silence or an unknown power."""
@@ -159,18 +151,17 @@ def _radiated(
     scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion."""
-    duration = len(motion.force_n) * motion.time_step_s
-    samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
-    fluctuation = motion.force_n - scene.load
-    if scene.rolling.drop_mm is not None:
-        fluctuation = faded_out(motion.force_n, duration)  # it begins in silence
-    elif not closed:
-        fluctuation = faded(fluctuation, duration)
+    duration, falls = len(motion.force_n) * motion.time_step_s, scene.rolling.drop_mm is not None
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
-    smooth = scene.is_smooth and scene.rolling.drop_mm is None
-    if smooth or motion.flight_share == 1:
-        fluctuation = np.zeros_like(fluctuation)
-    return radiated(scene, fluctuation, motion.sample_rate_hz, samples, closed, listeners)
+    if (scene.is_smooth and not falls) or motion.flight_share == 1:
+        fluctuation = np.zeros_like(motion.force_n)
+    elif falls:
+        fluctuation = faded_out(motion.force_n, duration)  # it begins in silence
+    else:
+        fluctuation = motion.force_n - scene.load
+        fluctuation = fluctuation if closed else faded(fluctuation, duration)
+    samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
+    return radiated(scene, fluctuation, 1 / motion.time_step_s, samples, closed, listeners)
 
 
 def radiated(
@@ -182,10 +173,9 @@ def radiated(
     listeners: int | None = None,
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
-    force, plate = _heard(fluctuation, samples), of_scene.rectangular_plate(scene)
-    if plate is not None:
-        places = scene.listeners[:listeners]
-        return force, edged_sound.pressures(scene, plate, force, closed, places)
+    force = _heard(fluctuation, samples)
+    if (plate := of_scene.rectangular_plate(scene)) is not None:
+        return force, edged_sound.pressures(scene, plate, force, closed, listeners)
     pressure = pressure_on_axis(fluctuation, rate_hz, sources(scene), scene.sound.distance_m)
     return force, _heard(pressure, samples)[None]
 
@@ -254,6 +244,4 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
 
 def _heard(signal: Array, samples: int) -> Array:
     """Return a closed record at the samples of the sound, within hearing."""
-    return resampling.band_limit(
-        resampling.resample_closed(signal, samples), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ
-    )
+    return resampling.band_limit(resampling.resample_closed(signal, samples), wav.SAMPLE_RATE_HZ)

@@ -62,7 +62,7 @@ def impact(modulus: float, mobility: float, speed: float = 0.1, steps: int = 400
     """Return the motion of a ball without a load that hits a plate."""
     law = hertz_law(LOAD, RADIUS, modulus)
     step = hertz_time(modulus, speed) / steps
-    stepping = Stepping(time_step_s=step, start=(-1.5 * speed * step, speed, 0.0))
+    stepping = Stepping(time_step_s=step, start=(-1.5 * speed * step, speed))
     return move(law, bodies(law, mobility), 0.0, 0.0, 2.5 * steps * step, stepping)
 
 
@@ -248,7 +248,7 @@ def test_energy_balance_on_a_rough_track() -> None:
 def test_third_lap_equals_the_second() -> None:
     """The transient has 5 ms, eight decay times of the ball on 10 mm, before the second lap."""
     law = track_law(noise(5000))
-    start = (float(law.approach(0.0, LOAD)), 0.0, 0.0)
+    start = (float(law.approach(0.0, LOAD)), 0.0)
     motion = move(law, bodies(law, plate(10)), LOAD, 1.0, 0.03, Stepping(start=start))
     laps = motion.force_n.reshape(3, -1)
     assert np.abs(laps[2] - laps[1]).max() < 1e-5

@@ -175,7 +175,7 @@ def test_law_stands_for_contact_solved_in_each_step(contact: RollingContact) -> 
     ]
     law = ForceLaw(np.arange(STEPS + 1) * 2e-6, loads, np.array(approach))
     start = float(law.approach(1e-6, 20.0)) + 5e-8  # pressed by some newtons: it rings
-    stepping = Stepping(time_step_s=TIME_STEP, start=(start, 0.0, 0.0))
+    stepping = Stepping(time_step_s=TIME_STEP, start=(start, 0.0))
     chain = Chain(MASS, MOBILITY, contact_stiffness(law, 20.0))
     motion = move(law, chain, 20.0, 2e-6 / TIME_STEP, STEPS * TIME_STEP, stepping)
     expected = solved_inside(contact, start)

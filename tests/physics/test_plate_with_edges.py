@@ -141,7 +141,7 @@ def test_mean_mobility() -> None:
 def test_restitution(modulus: float, thickness: float, side: float, restitution: float) -> None:
     """The sum of the modes and its tail keep 0.008; modes to 30 kHz alone are off by 0.013."""
     step = hertz_time(modulus, 0.1) / 300
-    stepping = Stepping(time_step_s=step, start=(-1.5e-1 * step, 0.1, 0.0))
+    stepping = Stepping(time_step_s=step, start=(-1.5e-1 * step, 0.1))
     law = hertz_law(LOAD, RADIUS, modulus)
     motion = move(law, bodies(law, thickness, (side, side)), 0.0, 0.0, 750 * step, stepping)
     assert -motion.velocity_m_s[-1] / 0.1 == pytest.approx(restitution, abs=0.008)
@@ -202,7 +202,7 @@ def test_random_motions(seed: float) -> None:
     swing = np.array([[0.03, 0.02]])
     law = track_law(noise(500, rms=10 ** draw.uniform(-9, -5.5)))
     own = bodies(law, *size, contact=seed % 4 / 10)
-    start = float(law.approach(0.0, 0.0)) - 1e-6, 0.3, 0.0
+    start = float(law.approach(0.0, 0.0)) - 1e-6, 0.3
     stepping = Stepping(start=start) if seed % 2 else Stepping()
     path = None
     if seed % 3 == 0:
@@ -216,7 +216,7 @@ def test_random_motions(seed: float) -> None:
 def test_a_contact_that_rests_on_its_path_is_fixed() -> None:
     law = track_law(waves(64, 1, 1e-8))
     own = bodies(law, 10)
-    start = Stepping(start=(float(law.approach(0.0, LOAD)), 0.0, 0.0))
+    start = Stepping(start=(float(law.approach(0.0, LOAD)), 0.0))
     paths = (None, lambda time: np.tile(POINT, (len(time), 1)))
     forces = [move(law, own, LOAD, 1.0, 5e-4, start, path).force_n for path in paths]
     assert forces[0] == pytest.approx(forces[1], abs=1e-8)
@@ -240,7 +240,7 @@ def test_a_plate_rests_under_the_force_of_the_start() -> None:
     """A ball in flight leaves the plate unloaded: it stays at rest until the impact."""
     law = hertz_law(LOAD, RADIUS, BOTH_ELASTIC)
     own = bodies(law, 5)
-    motion = move(law, own, LOAD, 0.0, 2e-4, Stepping(start=(-1e-3, 0.0, 0.0)))
+    motion = move(law, own, LOAD, 0.0, 2e-4, Stepping(start=(-1e-3, 0.0)))
     assert motion.flight_share == 1
     assert np.ptp(motion.plate_m) < 1e-9 * abs(motion.plate_m[0])
 
