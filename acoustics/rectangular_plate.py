@@ -27,8 +27,8 @@ _SIDES = 2  # of the plate with air
 _BLOCK = 2**19  # values of all modes at once
 
 
-@dataclass(frozen=True)
-class RectangularPlate:
+@dataclass(frozen=True, kw_only=True)
+class RectangularPlate(ThinPlate):
     """Thin rectangular plate, simply supported at all four edges.
 
     Mode (m, n) has the shape sin(m pi x / a) sin(n pi y / b), the natural frequency
@@ -47,14 +47,11 @@ class RectangularPlate:
     Examples
     --------
     >>> from acoustics.rectangular_plate import RectangularPlate
-    >>> plate = RectangularPlate(78.5, 18.9e3, 1e-2, 0.4, 0.3)
+    >>> plate = RectangularPlate(78.5, 18.9e3, 1e-2, length_m=0.4, width_m=0.3)
     >>> len(plate.angular_frequency), round(float(plate.angular_frequency[0]) / 6.2832)
     (104, 423)
     """
 
-    mass_per_area_kg_m2: float
-    bending_stiffness_n_m: float
-    loss_factor: float
     length_m: float
     width_m: float
 
@@ -87,8 +84,7 @@ class RectangularPlate:
         orders = self._orders(MODES_HZ, _BEYOND * MODES_HZ)
         stiffness = self.modal_mass_kg * np.square(self._angular_frequency(orders))
         near = float(np.sum(np.square(self._shapes(orders, point_m)) / stiffness))
-        mobility = ThinPlate(self.mass_per_area_kg_m2, self.bending_stiffness_n_m).mobility_s_kg
-        return near + float(mobility / (np.pi**2 * _BEYOND * MODES_HZ))
+        return near + float(self.mobility_s_kg / (np.pi**2 * _BEYOND * MODES_HZ))
 
     def mode_receptance(self, frequency_hz: NDArray[Any], modes: slice = slice(None)) -> Complex:
         """Return the modal displacements [m] per modal force [N], (n, modes).
@@ -131,7 +127,7 @@ class RectangularPlate:
         Examples
         --------
         >>> from acoustics.rectangular_plate import RectangularPlate
-        >>> plate = RectangularPlate(78.5, 18.9e3, 1e-2, 0.4, 0.3)
+        >>> plate = RectangularPlate(78.5, 18.9e3, 1e-2, length_m=0.4, width_m=0.3)
         >>> pressure = plate.pressure_transfer([1000.0], [0.17, 0.11], (0.17, 0.11, 1.0))
         >>> round(1e3 * float(abs(pressure[0])), 1)  # mPa per N
         4.8

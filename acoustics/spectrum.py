@@ -233,7 +233,7 @@ class Spectrogram:
     level_db : array (r, m), dB re (20 uPa)^2/Hz. NaN where the sound is silent or unknown.
     window : str. Name of the window.
     frame_s, hop_s : float, s. Length and distance of the frames.
-    line_width_hz, enbw_hz : float, Hz. Distance and equivalent noise bandwidth of the lines.
+    enbw_hz : float, Hz. Equivalent noise bandwidth of the lines, which are 1 / `frame_s` apart.
     """
 
     __repr__ = short_repr
@@ -244,7 +244,6 @@ class Spectrogram:
     window: str
     frame_s: float
     hop_s: float
-    line_width_hz: float
     enbw_hz: float
 
 
@@ -305,7 +304,10 @@ def spectrogram(
         window, hop, sample_rate_hz, fft_mode="onesided2X", scale_to="psd", phase_shift=None
     )
     density = transform.spectrogram(padded, p0=before // hop, p1=before // hop + frames)
-    rows = _share_of_lines(transform.f, sample_rate_hz / frame) @ density
+    low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
+    half = sample_rate_hz / frame / 2.0  # of a line's width
+    covered = np.minimum(high, transform.f + half) - np.maximum(low, transform.f - half)
+    rows = np.maximum(covered, 0.0) / (high - low) @ density
 
     sounding = rows > _ROUNDING * rows.max()
     sounding &= (ROW_EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0))[:, np.newaxis]
@@ -318,18 +320,5 @@ def spectrogram(
         window="hann",
         frame_s=frame / sample_rate_hz,
         hop_s=hop / sample_rate_hz,
-        line_width_hz=sample_rate_hz / frame,
         enbw_hz=equivalent_noise_bandwidth(window, sample_rate_hz),
     )
-
-
-def _share_of_lines(frequency_hz: Array, line_width_hz: float) -> Array:
-    """Return the share of each row's width that each line covers: (r, l).
-
-    The shares of a row add up to 1.
-    """
-    low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
-    from_line = np.maximum(low, frequency_hz - line_width_hz / 2.0)
-    to_line = np.minimum(high, frequency_hz + line_width_hz / 2.0)
-    share: Array = np.maximum(to_line - from_line, 0.0) / (high - low)
-    return share

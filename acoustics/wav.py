@@ -228,12 +228,10 @@ def _with_loop(wav: bytes, samples: int) -> bytes:
     *New Multimedia Data Types and Data Techniques*, 1994: `smpl`, the sampler chunk. Numbers are
     little-endian and take 32 bits; the end of a loop is its last sample.
     """
-    manufacturer = product = fraction = smpte_format = smpte_offset = sampler_data = cue = 0
-    period_ns = round(1e9 / SAMPLE_RATE_HZ)
-    sampler = (manufacturer, product, period_ns, _MIDDLE_C, fraction, smpte_format, smpte_offset)
-    loop = (cue, _FORWARD, 0, samples - 1, fraction, _FOREVER)
-    numbers = (*sampler, 1, sampler_data, *loop)
-    content = struct.pack(f"<{len(numbers)}I", *numbers)
+    # Manufacturer, product, period, note, fraction, SMPTE format and offset, loops, sampler data.
+    sampler = 0, 0, round(1e9 / SAMPLE_RATE_HZ), _MIDDLE_C, 0, 0, 0, 1, 0
+    loop = 0, _FORWARD, 0, samples - 1, 0, _FOREVER  # cue, direction, first, last, fraction, times
+    content = struct.pack("<15I", *sampler, *loop)
     even = wav + bytes(len(wav) % 2)  # a chunk begins at an even place
     whole = even + b"smpl" + struct.pack("<I", len(content)) + content
     return whole[:4] + struct.pack("<I", len(whole) - 8) + whole[8:]

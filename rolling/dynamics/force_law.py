@@ -66,10 +66,8 @@ class ForceLaw:
             raise ValueError("the positions of a force law must ascend at equal distances")
         period = position.size * spacing
         if self.period_m is not None and abs(self.period_m - period) > EQUAL * spacing:
-            raise ValueError(
-                f"the period of a force law must be positions times spacing, {period:.9g} m,"
-                f" got {self.period_m:.9g}"
-            )
+            allowed = f"must be positions times spacing, {period:.9g} m, got {self.period_m:.9g}"
+            raise ValueError(f"the period of a force law {allowed}")
 
     @property
     def spacing_m(self) -> float:

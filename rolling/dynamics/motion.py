@@ -100,12 +100,14 @@ def move(
     at constant speed the ball runs in until two laps agree, and a lap is a whole number of time
     steps; modes start as the linear chain repeats them. At changing speed, and on a path, the ball
     runs in at its first speed. On an open track it starts at rest in equilibrium. The default
-    duration is that of a lap, of the open track or of the travel.
+    duration is that of a lap.
     """
     choices = stepping or Stepping()
     run = _Run(law, chain, load_n, speed, duration_s, choices, path)
     if choices.start is not None:
-        return run.record(run.started(*choices.start))
+        approach, velocity = choices.start
+        force = float(law.force(run.places(1)[0], approach)) - load_n
+        return run.record(at_rest(run.bodies, run.points(1), approach, velocity, force))
     if law.period_m is None:
         return run.record(run.equilibrium(), transient=FADE_DECAYS * run.decay_s)
     if isinstance(speed, Travel):
@@ -211,21 +213,14 @@ class _Run:
             self.slow_decay_s = max(modes.decay_s(modes.lowest(chain.mass_kg)), chain.own_decay_s)
         longest = choices.time_step_s or longest_step_s(law, chain, fastest, choices.per_period)
         self.lap_s = law.period_m / fastest if law.period_m and fastest > 0 else None
-        duration = duration or self._whole_duration()
+        if not (duration := duration or self.lap_s):
+            raise ValueError("a motion that is no lap at constant speed needs a duration")
         # A lap at constant speed is a whole number of steps, so that laps can be compared.
         period = self.lap_s if self.lap_s and not isinstance(speed, Travel) else duration
         self.lap_steps = ceil(period / longest * (1 - 1e-12))
         self.step = period / self.lap_steps
         self.bodies = chain.steps(self.step)
         self.steps = max(1, round(duration / self.step))
-
-    def _whole_duration(self) -> float:
-        """Return the duration [s] of a lap, of the open track or of the travel."""
-        if isinstance(self.speed, Travel):
-            return float(self.speed.time_s[-1])
-        if not self.speed > 0:
-            raise ValueError("a motion at rest needs a duration")
-        return self.lap_s or float(self.law.position_m[-1] - self.first) / self.speed
 
     def places(self, steps: int) -> Array:
         """Return the positions [m] at the middles of the steps from the start."""
@@ -243,16 +238,10 @@ class _Run:
         approach = float(self.law.approach(self.places(1)[0], self.load))
         return at_rest(self.bodies, self.chain.point, approach, 0.0, 0.0)
 
-    def started(self, approach: float, velocity: float) -> State:
-        """Return a given state; modes are at rest under its force."""
-        force = float(self.law.force(self.places(1)[0], approach)) - self.load
-        return at_rest(self.bodies, self.points(1), approach, velocity, force)
-
     def points(self, steps: int) -> Array:
         """Return the contact points [m] at the middles of the steps, or the only one."""
-        if self.path is None:
-            return self.chain.point
-        return self.path(np.asarray((np.arange(steps) + 0.5) * self.step))
+        times = np.asarray((np.arange(steps) + 0.5) * self.step)
+        return self.chain.point if self.path is None else self.path(times)
 
     def steady(self) -> State:
         """Return the state at the start of a lap as the linear chain repeats it."""
@@ -273,12 +262,12 @@ class _Run:
 
     def entered(self, travel: Travel) -> State:
         """Return the state at the start of a travel after a run-in at its first speed."""
-        lap = float(self.law.period_m or 0.0)
         begin, after = travel.at(np.array([0.0, min(self.step, travel.time_s[-1])]))
         speed = (after - begin) / self.step
         if speed <= 0:
             return self.equilibrium()
-        steps = ceil(min(DECAYS * self.decay_s, lap / speed) / self.step)
+        lap_s = (self.law.period_m or 0.0) / speed
+        steps = ceil(min(DECAYS * self.decay_s, lap_s) / self.step)
         places = begin - speed * self.step * (np.arange(steps, 0, -1) - 0.5)
         return run_in(self.law, self.bodies, self.load, places, self.chain.point)
 

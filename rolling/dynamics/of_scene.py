@@ -49,12 +49,8 @@ def rectangular_plate(scene: Scene) -> RectangularPlate | None:
     bending, edges = plate(scene), scene.plate.edges_mm
     if bending is None or edges is None or scene.plate.loss_factor is None:
         return None
-    return RectangularPlate(
-        bending.mass_per_area_kg_m2,
-        bending.bending_stiffness_n_m,
-        bending.loss_factor,
-        *(1e-3 * edge for edge in edges),
-    )
+    length, width = (1e-3 * edge for edge in edges)
+    return RectangularPlate(**vars(bending), length_m=length, width_m=width)
 
 
 def contact_points(scene: Scene, time_s: Array) -> Array:

@@ -126,9 +126,9 @@ class ContactSound:
         whole = self.pressure[ends : len(self.pressure) - ends]
         value, spread = gaussianity.kurtosis(whole), gaussianity.kurtosis_uncertainty(whole)
         if not abs(value - 3.0) <= COVERAGE * spread:
+            own, noise = rounded(value, 3), f"3 ± {rounded(COVERAGE * spread)}"
             return (
-                f"its record has a kurtosis of {rounded(value, 3)}, and noise of its length and"
-                f" spectrum 3 ± {rounded(COVERAGE * spread)}"
+                f"its record has a kurtosis of {own}, and noise of its length and spectrum {noise}"
             )
         return ""
 
@@ -147,9 +147,8 @@ class ContactSound:
     @property
     def power_rms(self) -> float:
         """Rms [W] over time of the release power of the steps about its mean, unfiltered."""
-        return float(
-            np.sqrt(np.average(np.square(self.power - self.mean_power), weights=self.step_duration))
-        )
+        square = np.square(self.power - self.mean_power)
+        return float(np.sqrt(np.average(square, weights=self.step_duration)))
 
 
 def middle_speeds(motion: Motion, steps: int, step: float) -> tuple[Array, Array]:
@@ -262,9 +261,8 @@ def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int
 
     Its mean is subtracted if the record does not close.
     """
-    if not closed:
-        power = faded(power, duration)
-    return resampling.resample_closed(resampling.undo_step_mean(power), samples)
+    signal = power if closed else faded(power, duration)
+    return resampling.resample_closed(resampling.undo_step_mean(signal), samples)
 
 
 def _at_changing_speed(
@@ -279,9 +277,8 @@ def _at_changing_speed(
     fine_samples = samples * oversampling(motion, duration, step)
     fine = np.arange(fine_samples) * duration / fine_samples
     in_time = resampling.interpolate_closed(signal, np.asarray(motion.distance(fine)) / step)
-    in_time = resampling.fade(
-        in_time * np.asarray(motion.speed(fine)), fade_length(fine_samples, duration)
-    )
+    in_time = in_time * np.asarray(motion.speed(fine))
+    in_time = resampling.fade(in_time, fade_length(fine_samples, duration))
     return resampling.resample_closed(in_time, samples)
 
 

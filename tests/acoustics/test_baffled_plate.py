@@ -17,9 +17,9 @@ CONTACT = 0.172, 0.111
 
 def steel(thickness_m: float, loss_factor: float = 0.01, scale: float = 1.0) -> RectangularPlate:
     stiffness = 210e9 * thickness_m**3 / 12 / (1 - 0.3**2)
-    return RectangularPlate(
-        7850 * thickness_m, stiffness, loss_factor, scale * EDGES[0], scale * EDGES[1]
-    )
+    length, width = scale * EDGES[0], scale * EDGES[1]
+    mass = 7850 * thickness_m
+    return RectangularPlate(mass, stiffness, loss_factor, length_m=length, width_m=width)
 
 
 @pytest.mark.law("Sound of a plate with edges: a mode's far field is Wallace's.")

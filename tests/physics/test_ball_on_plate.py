@@ -306,13 +306,13 @@ def test_travel_at_constant_speed() -> None:
     speed = 0.7
     steady = move(law, bodies(law, plate(5)), LOAD, speed)
     time = np.linspace(0, 2.0 * 5e-3 / speed, 40)
-    travel = move(law, bodies(law, plate(5)), LOAD, Travel(time, speed * time))
+    travel = move(law, bodies(law, plate(5)), LOAD, Travel(time, speed * time), time[-1])
     assert np.abs(travel.force_n.reshape(2, -1) - steady.force_n).max() < 1e-5
 
 
 def test_open_track_ends() -> None:
     law = track_law(ROUGH, closed=False)
-    motion = move(law, bodies(law, plate(10)), LOAD, 1.0)
+    motion = move(law, bodies(law, plate(10)), LOAD, 1.0, 2499 * SPACING)
     assert motion.transient_s > 0 and not motion.settled
     assert motion.position_m[-1] < law.position_m[-1]
     with pytest.raises(ValueError, match="the ball leaves the track"):

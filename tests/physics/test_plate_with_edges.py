@@ -35,9 +35,9 @@ POINT = np.array([[0.43 * 0.3, 0.37 * 0.4]])
 def rectangle(
     thickness_mm: float, sides: tuple[float, float] = SIDES, loss_factor: float = 0.01
 ) -> RectangularPlate:
-    bending = sheet(thickness_mm)
-    stiffness, area = bending.bending_stiffness_n_m, bending.mass_per_area_kg_m2
-    return RectangularPlate(area, stiffness, loss_factor, *sides)
+    bending, (length, width) = vars(sheet(thickness_mm)), sides
+    own = bending | {"loss_factor": loss_factor, "length_m": length, "width_m": width}
+    return RectangularPlate(**own)
 
 
 def bodies(
