@@ -126,10 +126,8 @@ class ContactSound:
         whole = self.pressure[ends : len(self.pressure) - ends]
         value, spread = gaussianity.kurtosis(whole), gaussianity.kurtosis_uncertainty(whole)
         if not abs(value - 3.0) <= COVERAGE * spread:
-            own, noise = rounded(value, 3), f"3 ± {rounded(COVERAGE * spread)}"
-            return (
-                f"its record has a kurtosis of {own}, and noise of its length and spectrum {noise}"
-            )
+            noise = f"noise of its length and spectrum 3 ± {rounded(COVERAGE * spread)}"
+            return f"its record has a kurtosis of {rounded(value, 3)}, and {noise}"
         return ""
 
     @property
