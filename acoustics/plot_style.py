@@ -168,7 +168,15 @@ class Lines:
 
         Parts of the axis without lines are left out.
         """
-        return _band_mean(self.frequency_hz, self.level_db)
+        octaves = math.log2(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
+        edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(math.ceil(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
+        band, bands = np.searchsorted(edges, self.frequency_hz, side="right") - 1, len(edges) - 1
+        lines = np.bincount(band, minlength=bands)
+        power = np.bincount(band, weights=10.0 ** (self.level_db / 10.0), minlength=bands)
+        held = lines > 0
+        with np.errstate(divide="ignore"):
+            level = 10.0 * np.log10(power[held] / lines[held])
+        return np.sqrt(edges[:-1] * edges[1:])[held], np.maximum(level, NOTHING_DB)
 
     @cached_property
     def envelope(self) -> tuple[Array, Array]:
@@ -216,20 +224,3 @@ def _thinned(x: Array, y: Array, share: Array) -> tuple[Array, Array]:
     merged_x, merged_y = np.concatenate((x[alone], first, first)), (y[alone], *extremes)
     order = np.argsort(merged_x, kind="stable")
     return merged_x[order], np.concatenate(merged_y)[order]
-
-
-def _band_mean(frequency_hz: Array, level_db: Array) -> tuple[Array, Array]:
-    """Return mid frequency and level of the mean power of the lines in each 1/12 octave.
-
-    Parts of the axis without lines are left out.
-    """
-    octaves = math.log2(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
-    edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(math.ceil(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
-    band = np.searchsorted(edges, frequency_hz, side="right") - 1
-    lines = np.bincount(band, minlength=len(edges) - 1)
-    power = np.bincount(band, weights=10.0 ** (level_db / 10.0), minlength=len(edges) - 1)
-    held = lines > 0
-    mid = np.sqrt(edges[:-1] * edges[1:])
-    with np.errstate(divide="ignore"):
-        level = 10.0 * np.log10(power[held] / lines[held])
-    return mid[held], np.maximum(level, NOTHING_DB)
