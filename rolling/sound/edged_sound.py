@@ -85,9 +85,9 @@ def _spectra(
     """
     path, spectrum = _path(scene), np.fft.rfft(force, n)[lines]
     if points is None:
-        transfers = [_at(scene, plate, frequency, k, path) for k in listeners]
-        return np.array([transfer * spectrum for transfer in transfers])
-    total = np.array([_ball(scene, frequency, k, path) for k in listeners]) * spectrum
+        point = points_on_path(scene)[0]
+        return np.array([_at(scene, plate, frequency, k, point) for k in listeners]) * spectrum
+    total = np.array([_ball(scene, frequency, k) for k in listeners]) * spectrum
     for modes in _parts(slice(0, _lasting(plate, force)), n):
         forces = np.fft.rfft(force[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
         for k, listener in enumerate(listeners):
@@ -162,8 +162,8 @@ def square_transfer(scene: Scene, plate: RectangularPlate, frequency: Array) -> 
 
     It is the mean over the path of the contact.
     """
-    first = scene.listeners[0], _path(scene)
-    transfers = [_at(scene, plate, frequency, *first, point) for point in points_on_path(scene)]
+    listener, points = scene.listeners[0], points_on_path(scene)
+    transfers = [_at(scene, plate, frequency, listener, point) for point in points]
     return np.asarray(np.mean(np.square(np.abs(transfers)), axis=0))
 
 
@@ -202,24 +202,19 @@ def _path(scene: Scene) -> float:
 
 
 def _at(
-    scene: Scene,
-    plate: RectangularPlate,
-    frequency: NDArray[Any],
-    listener: Listener,
-    path: float,
-    point: Array | None = None,
+    scene: Scene, plate: RectangularPlate, frequency: NDArray[Any], listener: Listener, point: Array
 ) -> Complex:
     """Return the pressure of plate and sphere per force [Pa/N] from a contact point."""
-    point = points_on_path(scene)[0] if point is None else point
-    pressure = plate.pressure_transfer(frequency, point, listener, path)
-    return np.asarray(pressure + _ball(scene, frequency, listener, path))
+    pressure = plate.pressure_transfer(frequency, point, listener, _path(scene))
+    return np.asarray(pressure + _ball(scene, frequency, listener))
 
 
-def _ball(scene: Scene, frequency: NDArray[Any], listener: Listener, path: float) -> Complex:
+def _ball(scene: Scene, frequency: NDArray[Any], listener: Listener) -> Complex:
     """Return the pressure of the sphere per force [Pa/N] from the middle of its path."""
     if not scene.sound.ball or listener[2] < 0:
         return np.zeros(len(frequency), dtype=complex)
     ends = points_on_path(scene)[[0, -1]]
     distance = math.dist((*ends.mean(axis=0), 0.0), listener)
     pressure = axis_transfer(frequency, of_scene.ball(scene), distance, listener[2] / distance)
-    return np.asarray(pressure * np.exp(-2j * np.pi * frequency * (distance - path) / SOUND_M_S))
+    further = distance - _path(scene)
+    return np.asarray(pressure * np.exp(-2j * np.pi * frequency * further / SOUND_M_S))
