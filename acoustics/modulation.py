@@ -110,13 +110,11 @@ def modulated_octave(
         for band, own in zip(bands, power, strict=True)
         if own > least and band[1] - band[0] > wide
     ]
-    return max(
-        heard,
-        key=lambda band: envelope_spectrum(signal, sample_rate_hz, band, closed).prominence(
-            frequency_hz
-        ),
-        default=loudest_octave(signal, sample_rate_hz),
-    )
+
+    def prominence(band: tuple[float, float]) -> float:
+        return envelope_spectrum(signal, sample_rate_hz, band, closed).prominence(frequency_hz)
+
+    return max(heard, key=prominence, default=loudest_octave(signal, sample_rate_hz))
 
 
 def loudest_octave(signal: Array, sample_rate_hz: float) -> tuple[float, float]:

@@ -88,7 +88,7 @@ def _spectra(
         point = points_on_path(scene)[0]
         return np.array([_at(scene, plate, frequency, k, point) for k in listeners]) * spectrum
     total = np.array([_ball(scene, frequency, k) for k in listeners]) * spectrum
-    for modes in _parts(slice(0, _lasting(plate, force)), n):
+    for modes in _parts(0, _lasting(plate, force), n):
         forces = np.fft.rfft(force[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
         for k, listener in enumerate(listeners):
             transfer = plate.mode_transfer(frequency, listener, path, modes)
@@ -104,13 +104,10 @@ def _lasting(plate: RectangularPlate, force: Array) -> int:
     return int(np.sum(decays < -math.log(WRAPPED)))
 
 
-def _parts(modes: slice, values: int) -> list[slice]:
+def _parts(first: int, last: int, values: int) -> list[slice]:
     """Split modes into parts that bound the memory of so many values for each mode."""
     count = max(1, _BLOCK // values)
-    return [
-        slice(first, min(first + count, modes.stop))
-        for first in range(modes.start, modes.stop, count)
-    ]
+    return [slice(k, min(k + count, last)) for k in range(first, last, count)]
 
 
 def _fading(
@@ -131,7 +128,7 @@ def _fading(
         stations, places = _stations(scene, points)
         frequency, path = np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=float), _path(scene)
         transfers = np.zeros((len(listeners), len(frequency), len(stations)), dtype=complex)
-        for part in _parts(slice(first_mode, modes), n):
+        for part in _parts(first_mode, modes, n):
             shapes = plate.shapes(stations, part).T
             for transfer, listener in zip(transfers, listeners, strict=True):
                 transfer += plate.mode_transfer(frequency, listener, path, part) @ shapes
