@@ -57,6 +57,7 @@ if __name__ == "__main__":
         package_dir={SCENES: "scenarios"},
         package_data={
             "rolling": ["py.typed"],
+            "rolling.lee2025": ["*.toml"],
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
             SCENES: ["*.yaml", "scene.schema.json", "*/*/*.yaml"],
