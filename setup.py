@@ -58,6 +58,7 @@ if __name__ == "__main__":
         package_data={
             "rolling": ["py.typed"],
             "rolling.lee2025": ["*.toml"],
+            "rolling.terminal": ["*.toml"],
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
             SCENES: ["*.yaml", "scene.schema.json", "*/*/*.yaml"],

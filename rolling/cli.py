@@ -11,7 +11,6 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from rolling import __version__, _own_acoustics
 from rolling.terminal import arguments, defaults, progress, streams
@@ -47,7 +46,7 @@ def _act(argv: Sequence[str] | None) -> int:
     if not words:
         parser.print_help()
         return OK
-    arguments.refuse_unknown_command(parser, words, [*_COMMANDS])
+    arguments.refuse_unknown_command(parser, words)
     given, unknown = parser.parse_known_args(words)
     if unknown:
         arguments.refuse_unknown_arguments(given.parser, unknown)
@@ -265,81 +264,12 @@ def _schema(given: argparse.Namespace) -> int:
     return OK
 
 
-class _Command(NamedTuple):
-    """Command: its function, its text in `--help`, and the names of its arguments."""
-
-    act: Callable[[argparse.Namespace], int]
-    text: str
-    names: Sequence[str] = ()
-
-
-_COMMANDS = {
-    "run": _Command(
-        _run,
-        "run a scene: release, sound, levels and page; again: goes on, or adds runs of its sweep",
-        (
-            *("scene", "--set", "--out", "--part"),
-            *("--workers", "--cluster", "--no-report", "--open"),
-        ),
-    ),
-    "check": _Command(
-        _check,
-        "validate a scene, estimate its cost and name its doubtful numbers",
-        ("scene", "--set", "--fast"),
-    ),
-    "status": _Command(
-        _status,
-        "tell which runs of a folder are done, running, waiting or failed (why)",
-        ("folder", "--watch"),
-    ),
-    "table": _Command(
-        _table,
-        "gather all numbers of a sweep, their statistics over the seeds, and plots of them",
-        ("folder", "--plot", "--against", "--over"),
-    ),
-    "plot": _Command(
-        _plot,
-        "draw single figures of a run as PNG or SVG, or write their numbers as CSV",
-        ("folder", "--figure", "--format", "--out"),
-    ),
-    "resound": _Command(
-        _resound,
-        "run a stored scene with another sound, speed or body; stored marches are not solved again",
-        ("folder", "--set", "--out", "--workers", "--no-report"),
-    ),
-    "report": _Command(
-        _report,
-        "write one page to hear, see and read runs: a single HTML file that needs no network",
-        ("folders", "--out"),
-    ),
-    "listen": _Command(
-        _listen,
-        "write a long record of a run: the ball rolls on beyond the solved track, over a random"
-        " continuation of it, at any speed",
-        ("folder", "--seconds", "--speed", "--seed"),
-    ),
-    "accuracy": _Command(
-        _accuracy,
-        "speed against error: a scene on finer grids, with other edges, tolerances and steps",
-        ("scene", "--set", "--out", "--workers", "--finest", "--duration"),
-    ),
-    "reproduce": _Command(
-        _reproduce,
-        "run the study of an article in several readings and answer for its statements; again:"
-        " goes on where it stopped",
-        ("study", "--readings", "--quick", "--out", "--workers"),
-    ),
-    "scenes": _Command(_scenes, "list the scenes that come with the program", ("--all",)),
-    "init": _Command(
-        _init, "copy a scene that comes with the program into the current folder", ("name",)
-    ),
-    "schema": _Command(_schema, "print the JSON Schema of scene files, for editors"),
-}
-_OUT = {
-    "run": "run folder (default: outputs/NAME-DIGITS); again: goes on there",
-    "report": "page to write (default: RUN/report.html)",
-    "reproduce": "folder of the study (default: outputs/STUDY); again: goes on there",
-    "plot": "folder of the files (default: RUN/figures)",
+_ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
+    act.__name__.removeprefix("_"): act
+    for act in (
+        *(_run, _check, _status, _table, _plot, _resound, _report, _listen, _accuracy),
+        *(_reproduce, _scenes, _init, _schema),
+    )
 }
 
 
@@ -353,11 +283,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     arguments.add_volume(parser, False)
     parsers = parser.add_subparsers(required=True, metavar="COMMAND")
-    for name, command in _COMMANDS.items():
-        sub = parsers.add_parser(name, help=command.text, description=command.text)
-        sub.set_defaults(command=command.act, parser=sub)
+    for name, command in arguments.COMMANDS.items():
+        sub = parsers.add_parser(name, help=command["help"], description=command["help"])
+        sub.set_defaults(command=_ACTS[name], parser=sub)
         arguments.add_volume(sub, argparse.SUPPRESS)  # which keeps an option before the command
-        arguments.add(sub, command.names, **{"out": _OUT[name]} if name in _OUT else {})
+        arguments.add(sub, name)
     return parser
 
 
