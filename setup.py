@@ -56,7 +56,7 @@ if __name__ == "__main__":
         packages=[*find_packages(include=["rolling*", "acoustics*"]), SCENES],
         package_dir={SCENES: "scenarios"},
         package_data={
-            "rolling": ["py.typed"],
+            "rolling": ["py.typed", "*.pyi"],
             "rolling.lee2025": ["*.toml"],
             "rolling.terminal": ["*.toml"],
             "acoustics": ["py.typed"],

@@ -23,7 +23,7 @@ COLUMNS = ["key", "source", "statement", "criterion", "reading", "scale", "verdi
 
 def concerns_lengths(statement: Statement) -> bool:
     """Return whether a statement concerns the sweep of the correlation length."""
-    return statement["condition"].get("along") == LENGTH
+    return LENGTH in statement["condition"].values()
 
 
 def judge(statement: Statement, cases: pd.DataFrame, scale: int) -> tuple[str, str]:
