@@ -34,7 +34,7 @@ def judge(statement: Statement, cases: pd.DataFrame, scale: int) -> tuple[str, s
         cases = cases[cases[ROUGHNESS].isin(statement["roughnesses_um"])]
     arguments = dict(statement["condition"])
     condition = getattr(conditions, arguments.pop("name"))
-    comparisons = condition(cases, statement["column"].format(scale=scale), **arguments)
+    comparisons = [*condition(cases, statement["column"].format(scale=scale), **arguments)]
     measured = "; ".join(f"{place.place}: {place.measured}" for place in comparisons)
     return conditions.verdict(comparisons), measured
 
