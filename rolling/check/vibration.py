@@ -15,7 +15,6 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from acoustics.radiation import SOUND_M_S
 from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost
 from rolling.check.finding import Finding, computing, rounded_down, rounded_up, si
@@ -235,14 +234,10 @@ def _edges(scene: Scene) -> list[Finding]:
     contact = f"fixed at {ends[0]}: seen from the plate the sphere rolls on the spot"
     if len(ends) > 1:
         contact = f"to-and-fro from {ends[0]} to {ends[1]}; its record does not loop"
-    radius = math.sqrt(plate.length_m * plate.width_m / math.pi)
-    small = si(SOUND_M_S / (2 * math.pi * radius), "Hz")
-    edges = f"simply supported in a baffle, without which less is heard below {small}; no room"
     return [
         Finding("plate_modes", "modes of the plate", modes, warning),
         Finding("plate_sag", "plate sinks under the load by", si(sag, "m"), bent),
         Finding("plate_contact", "contact on the plate", contact),
-        Finding("plate_edges", "edges of the plate", edges),
     ]
 
 
