@@ -139,7 +139,7 @@ def _simulated(
 
     scenes = [run.scene for run in runs]
     silence = terminal.begin(terminal.Level.QUIET) if shown is False else nullcontext()
-    with silence, terminal.bar(0.0, scene.name, shown) as bar:
+    with silence, terminal.Bar(0.0, scene.name, shown) as bar:
         loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)
         with local_pool(workers, scenes) as pool:
             loop.run(pool)
@@ -173,15 +173,8 @@ def open_run(folder: Path | str) -> Run:
     --------
     `open_run("outputs/mine").series["contact_area"]`
     """
-    runs = folders.stored_runs(Path(folder))
-    if len(runs) > 1:
-        names = ", ".join(run.folder.name for run in runs[:3])
-        raise FolderError(
-            f"{folder}: holds {len(runs)} runs; open one of the folders in it ({names}, ...)"
-        )
-    if not runs[0].is_done:
-        raise FolderError(f"{folder}: not done; the same `rolling run` goes on with it")
-    return replace(open_runs(runs)[0], writer=save_run)
+    (run,) = open_runs([folders.done_run(Path(folder), "open")])
+    return replace(run, writer=save_run)
 
 
 def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:

@@ -137,7 +137,7 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     chosen = [k for k, reason in enumerate(reasons) if not reason]
     chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
     result = [Probe(left_out=reason) for reason in reasons]
-    bar = progress.bar(POSITIONS * len(chosen), "solving positions")
+    bar = progress.Bar(POSITIONS * len(chosen), "solving positions")
     with bar, compiling.told(progress.compiling):
         for k in chosen:
             began = time.perf_counter()
