@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from types import ModuleType
 
 from rolling import __version__, _own_acoustics
 from rolling.terminal import arguments, defaults, progress, streams
@@ -64,18 +65,24 @@ def _act(argv: Sequence[str] | None) -> int:
         _say(str(error))
         return FAILED
     except Exception as error:
-        if not _is_bad_input(error):
-            raise
+        code = _code_of(error)
         _say(str(error))
-        return BAD_INPUT
+        return code
 
 
-def _is_bad_input(error: Exception) -> bool:
-    """Return whether an error lies in the scene or the folder that a command was given."""
+def _code_of(error: Exception) -> int:
+    """Return the exit code of an error that a user can mend, or raise another error."""
+    from rolling.scene.library import LibraryError
     from rolling.scene.messages import SceneError
     from rolling.terminal.files import FolderError
 
-    return isinstance(error, SceneError | FolderError)
+    if isinstance(error, SceneError | FolderError | LibraryError):
+        return BAD_INPUT
+    from rolling.contact.solver import ContactError  # slow to import
+
+    if isinstance(error, ContactError):
+        return FAILED
+    raise error
 
 
 def _say(text: str) -> None:
@@ -86,13 +93,19 @@ def _say(text: str) -> None:
 # ---- commands
 
 
+def _commands() -> ModuleType:
+    """Import the commands on run folders, and the solver with them."""
+    with progress.step(LOADING):
+        from rolling import commands
+    return commands
+
+
 def _run(given: argparse.Namespace) -> int:
     """Run a scene, or a part of its sweep."""
     from rolling.scene import file
 
     scene = file.read_scene(given.scene, given.set)  # before the solver is loaded
-    with progress.step(LOADING):
-        from rolling import commands
+    commands = _commands()
     folder = given.out or commands.default_folder(scene)
     failures = commands.run_scene(
         scene,
@@ -128,13 +141,8 @@ def _code(failures: dict[str, str]) -> int:
 
 def _resound(given: argparse.Namespace) -> int:
     """Run the scene of a run folder with other values, with the marches stored there."""
-    with progress.step(LOADING):
-        from rolling import commands
-    return _code(
-        commands.resound(
-            given.folder, given.set, given.out, workers=given.workers, report=not given.no_report
-        )
-    )
+    settings = {"workers": given.workers, "report": not given.no_report}
+    return _code(_commands().resound(given.folder, given.set, given.out, **settings))
 
 
 def _status(given: argparse.Namespace) -> int:
@@ -154,35 +162,25 @@ def _status(given: argparse.Namespace) -> int:
 
 def _report(given: argparse.Namespace) -> int:
     """Write a page of run folders."""
-    with progress.step(LOADING):
-        from rolling import commands
-    print(commands.report(given.folders, given.out))
+    print(_commands().report(given.folders, given.out))
     return OK
 
 
 def _table(given: argparse.Namespace) -> int:
     """Write the tables and plots of a sweep."""
-    with progress.step(LOADING):
-        from rolling import commands
-    for path in commands.tabulate(given.folder, given.plot, given.against, given.over):
-        print(path)
+    print(*_commands().tabulate(given.folder, given.plot, given.against, given.over), sep="\n")
     return OK
 
 
 def _plot(given: argparse.Namespace) -> int:
     """Draw single figures of a run."""
-    with progress.step(LOADING):
-        from rolling import commands
-    for path in commands.plot(given.folder, given.figure, given.format, given.out):
-        print(path)
+    print(*_commands().plot(given.folder, given.figure, given.format, given.out), sep="\n")
     return OK
 
 
 def _listen(given: argparse.Namespace) -> int:
     """Write a long record of a run, which goes on beyond its solved track."""
-    with progress.step(LOADING):
-        from rolling import commands
-    print(commands.listen(given.folder, given.seconds, given.speed, given.seed))
+    print(_commands().listen(given.folder, given.seconds, given.speed, given.seed))
     return OK
 
 
@@ -211,12 +209,7 @@ def _accuracy(given: argparse.Namespace) -> int:
     scene = file.read_scene(given.scene, given.set)
     with progress.step(LOADING):
         from rolling.accuracy import study
-        from rolling.contact.solver import ContactError
-    try:
-        print(study.run_study(scene, given.out, given.workers, given.finest, given.duration))
-    except ContactError as error:
-        _say(str(error))
-        return FAILED
+    print(study.run_study(scene, given.out, given.workers, given.finest, given.duration))
     return OK
 
 
@@ -245,11 +238,7 @@ def _init(given: argparse.Namespace) -> int:
     """Copy a scene of the library."""
     from rolling.scene import library
 
-    try:
-        written = library.copy(given.name, Path())
-    except library.LibraryError as error:
-        _say(str(error))
-        return BAD_INPUT
+    written = library.copy(given.name, Path())
     print(f"{' and '.join(map(str, written))} written; run it: rolling run {written[0]}")
     return OK
 

@@ -327,6 +327,6 @@ def _packed(values: Array, kind: type[np.unsignedinteger]) -> tuple[NDArray[Any]
 
 def slow_motion_of(first: int, stride: int, arrays: dict[str, NDArray[Any]]) -> SlowMotion:
     """Return the slow motion in the arrays of a film from a position on."""
-    along, across, cell, *units = arrays["film_place"].tolist()
-    maps = arrays["film_pressure"], arrays["film_release"]
-    return SlowMotion(first, stride, along, across, cell, units[0], units[1], *maps)
+    along, across, cell, pressure_unit, release_unit = arrays["film_place"].tolist()
+    units, maps = (pressure_unit, release_unit), (arrays["film_pressure"], arrays["film_release"])
+    return SlowMotion(first, stride, along, across, cell, *units, *maps)
