@@ -57,6 +57,7 @@ if __name__ == "__main__":
         package_dir={SCENES: "scenarios"},
         package_data={
             "rolling": ["py.typed", "*.pyi"],
+            "rolling.check": ["*.toml"],
             "rolling.lee2025": ["*.toml"],
             "rolling.terminal": ["*.toml"],
             "acoustics": ["py.typed"],

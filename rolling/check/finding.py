@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+import string
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
 
 from acoustics.numbers import rounded
 from rolling.check import cost
@@ -12,6 +16,10 @@ from rolling.scene.scene import Scene
 
 SURFACE = "surface_time"  # key of the finding whose time runs with the same surface share
 LEAST_SECONDS = 1.0  # shorter times for making a surface are not listed
+_UNITS = ("m", "s", "Hz", "Pa", "N")
+_SENTENCES: dict[str, str] = tomllib.loads(
+    files("rolling.check").joinpath("warnings.toml").read_text(encoding="utf-8")
+)
 
 
 @dataclass(frozen=True)
@@ -35,6 +43,29 @@ class Finding:
     value: str
     warning: str | None = None
     seconds: float = 0.0
+
+
+class _Words(string.Formatter):
+    """Formatter of numbers with units and digits."""
+
+    def format_field(self, value: Any, spec: str) -> str:
+        """Write a number with a unit, with a number of digits, rounded up or down, or as usual."""
+        if spec in _UNITS:
+            return si(value, spec)
+        if spec in ("up", "down"):
+            return rounded_up(value) if spec == "up" else rounded_down(value)
+        return rounded(value, int(spec)) if spec.isdecimal() else format(value, spec)
+
+
+def sentence(key: str, /, **numbers: object) -> str:
+    """Write a sentence of warnings.toml with its numbers."""
+    return _Words().format(_SENTENCES[key], **numbers)
+
+
+def judged(key: str, quantity: str, value: str, doubt: bool | str, /, **numbers: object) -> Finding:
+    """Return a finding with the warning of its key, or of a variant of it, where there is doubt."""
+    variant = f".{doubt}" if isinstance(doubt, str) and doubt else ""
+    return Finding(key, quantity, value, sentence(key + variant, **numbers) if doubt else None)
 
 
 def si(value: float, unit: str) -> str:

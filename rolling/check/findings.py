@@ -30,7 +30,8 @@ from rolling.check.finding import (
     byte_size,
     columns,
     computing,
-    rounded_down,
+    judged,
+    sentence,
     si,
     surface_time,
 )
@@ -286,10 +287,7 @@ def _narrow(scene: Scene, rq: float) -> str | None:
     key = "surface.width_um" if side == "width" else f"rolling.{length}"
     if isinstance(scene.surface, HeightFile) and not (side == "width" and scene.surface.width_um):
         key = "height file"
-    return (
-        f"the contact is about {si(across, 'm')} across, the surface has a {side} of"
-        f" {si(period, 'm')}: choose a larger {key}, at least {across * 1e6:.0f} um of surface"
-    )
+    return sentence("window", across=across, side=side, period=period, key=key, least=across * 1e6)
 
 
 def _memory(scene: Scene) -> list[Finding]:
@@ -308,17 +306,14 @@ def _smooth_contact(scene: Scene) -> list[Finding]:
     """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
     contact = scene.load, scene.radius, scene.contact_modulus
     radius, pressure = closed_forms.hertz_radius(*contact), closed_forms.hertz_pressure(*contact)
-    nodes, coarse = radius / scene.spacing, None
-    if nodes < MIN_HERTZ_NODES:
-        coarse = (
-            f"{rounded(nodes)} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose"
-            f" a surface.spacing_um of at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
-        )
+    nodes, coarse = radius / scene.spacing, radius / MIN_HERTZ_NODES * 1e6
+    numbers = {"nodes": nodes, "least": MIN_HERTZ_NODES, "spacing_um": coarse}
+    doubt, count = nodes < MIN_HERTZ_NODES, rounded(nodes, 3)
     return [
         Finding("hertz_radius", "Hertz radius", si(radius, "m")),
         Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa")),
         *_hardness(scene, pressure),
-        Finding("hertz_nodes", "nodes per Hertz radius", rounded(nodes, 3), coarse),
+        judged("hertz_nodes", "nodes per Hertz radius", count, doubt, **numbers),
     ]
 
 
@@ -329,14 +324,9 @@ def _hardness(scene: Scene, pressure: float) -> list[Finding]:
     gentle = "above the Hertz pressure of a smooth sphere; asperities may yield"
     says = "yields" if pressure > scene.hardness else gentle
     capacity = scene.hardness * scene.track.n_along * scene.track.n_across * scene.track.spacing**2
-    warning = None
-    if scene.load >= capacity:
-        warning = (
-            f"the load is {rounded(scene.load, 6)} N, hardness times one period of the surface is"
-            f" {si(capacity, 'N')}: the run will be refused; lower rolling.load_n or enlarge the"
-            " surface"
-        )
+    numbers = {"load": scene.load, "capacity": capacity}
+    doubt = scene.load >= capacity
     return [
         Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
-        Finding("capacity", "capacity", si(capacity, "N"), warning),
+        judged("capacity", "capacity", si(capacity, "N"), doubt, **numbers),
     ]
