@@ -17,8 +17,8 @@ from rolling.scene.scene import Scene
 SURFACE = "surface_time"  # key of the finding whose time runs with the same surface share
 LEAST_SECONDS = 1.0  # shorter times for making a surface are not listed
 _UNITS = ("m", "s", "Hz", "Pa", "N")
-_SENTENCES: dict[str, str] = tomllib.loads(
-    files("rolling.check").joinpath("warnings.toml").read_text(encoding="utf-8")
+_FINDINGS: dict[str, dict[str, str]] = tomllib.loads(
+    files("rolling.check").joinpath("findings.toml").read_text(encoding="utf-8")
 )
 
 
@@ -57,15 +57,16 @@ class _Words(string.Formatter):
         return rounded(value, int(spec)) if spec.isdecimal() else format(value, spec)
 
 
-def sentence(key: str, /, **numbers: object) -> str:
-    """Write a sentence of warnings.toml with its numbers."""
-    return _Words().format(_SENTENCES[key], **numbers)
+def sentence(key: str, variant: str, /, **numbers: object) -> str:
+    """Write a sentence of a finding in findings.toml with its numbers."""
+    return _Words().format(_FINDINGS[key][variant], **numbers)
 
 
-def judged(key: str, quantity: str, value: str, doubt: bool | str, /, **numbers: object) -> Finding:
-    """Return a finding with the warning of its key, or of a variant of it, where there is doubt."""
-    variant = f".{doubt}" if isinstance(doubt, str) and doubt else ""
-    return Finding(key, quantity, value, sentence(key + variant, **numbers) if doubt else None)
+def judged(key: str, value: str, doubt: bool | str, /, **numbers: object) -> Finding:
+    """Return a finding of findings.toml, with its warning, or a variant of it, in case of doubt."""
+    variant = doubt if isinstance(doubt, str) else "warning"
+    warning = sentence(key, variant, **numbers) if doubt else None
+    return Finding(key, sentence(key, "name", **numbers), value, warning)
 
 
 def si(value: float, unit: str) -> str:

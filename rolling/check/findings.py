@@ -287,7 +287,9 @@ def _narrow(scene: Scene, rq: float) -> str | None:
     key = "surface.width_um" if side == "width" else f"rolling.{length}"
     if isinstance(scene.surface, HeightFile) and not (side == "width" and scene.surface.width_um):
         key = "height file"
-    return sentence("window", across=across, side=side, period=period, key=key, least=across * 1e6)
+    return sentence(
+        "window", "warning", across=across, side=side, period=period, key=key, least=across * 1e6
+    )
 
 
 def _memory(scene: Scene) -> list[Finding]:
@@ -313,7 +315,7 @@ def _smooth_contact(scene: Scene) -> list[Finding]:
         Finding("hertz_radius", "Hertz radius", si(radius, "m")),
         Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa")),
         *_hardness(scene, pressure),
-        judged("hertz_nodes", "nodes per Hertz radius", count, doubt, **numbers),
+        judged("hertz_nodes", count, doubt, **numbers),
     ]
 
 
@@ -328,5 +330,5 @@ def _hardness(scene: Scene, pressure: float) -> list[Finding]:
     doubt = scene.load >= capacity
     return [
         Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
-        judged("capacity", "capacity", si(capacity, "N"), doubt, **numbers),
+        judged("capacity", si(capacity, "N"), doubt, **numbers),
     ]

@@ -42,11 +42,9 @@ def _modes(scene: Scene) -> list[Finding]:
     frequency = lowest_mode_hz(scene)
     if frequency >= HEARING[1]:
         return []
-    name = "lowest mode of the sphere"
-    if scene.sphere.youngs_modulus_gpa is None:
-        name += ", as if of steel"
+    steel = ", as if of steel" * (scene.sphere.youngs_modulus_gpa is None)
     most = scene.sphere.radius_mm * frequency / HEARING[1]
-    return [judged("ball_modes", name, si(frequency, "Hz"), True, most=most)]
+    return [judged("ball_modes", si(frequency, "Hz"), True, steel=steel, most=most)]
 
 
 def _impact(scene: Scene) -> Finding:
@@ -56,8 +54,7 @@ def _impact(scene: Scene) -> Finding:
         f"{si(drop.speed_m_s(scene), 'm/s')} after {si(fall, 's')}, up to"
         f" {si(drop.largest_force_n(scene), 'N')} for {si(drop.impact_s(scene), 's')}"
     )
-    name = "first impact, by Hertz"
-    return judged("drop", name, value, fall >= duration, duration=duration, fall=fall)
+    return judged("drop", value, fall >= duration, duration=duration, fall=fall)
 
 
 def impact_radius(scene: Scene) -> float:
@@ -78,7 +75,6 @@ def _room(scene: Scene) -> Finding:
         doubt = "thickness"
     return judged(
         "drop_width",
-        "contact of the first impact",
         f"radius {si(radius, 'm')}",
         doubt,
         period=period,
@@ -96,4 +92,4 @@ def _yielding(scene: Scene) -> list[Finding]:
         return []
     height = drop.elastic_height_m(scene)
     value, yields = f"up to {rounded(1e3 * height)} mm", drop.height_m(scene) > height
-    return [judged("impacts_yield", "elastic drop", value, yields, most=1e3 * height)]
+    return [judged("impacts_yield", value, yields, most=1e3 * height)]

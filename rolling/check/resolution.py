@@ -160,15 +160,14 @@ def _nyquist(scene: Scene) -> Finding:
     wanted = 2 * HEARING[1] * step
     step_um = _usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6
     numbers = {"hearing": HEARING[1], "step_um": step_um, "wanted": wanted}
-    name = "simulated Nyquist"
     if motion.is_constant(duration):
         numbers |= {"end": high, "speed": fastest}
-        return judged("nyquist", name, si(high, "Hz"), fastest < wanted, **numbers)
+        return judged("nyquist", si(high, "Hz"), fastest < wanted, **numbers)
     seconds = motion.time_below(wanted, duration)
-    numbers |= {"percent": 100 * seconds / duration, "seconds": seconds, "end": low}
+    numbers |= {"percent": 100 * seconds / duration, "slow": seconds, "end": low}
     doubt = "varying" if seconds >= MIN_SHARE * duration else ""
     value, share = f"{si(low, 'Hz')} to {si(high, 'Hz')}", 100 - 100 * MIN_SHARE
-    return judged("nyquist", name, value, doubt, share=share, **numbers)
+    return judged("nyquist", value, doubt, share=share, **numbers)
 
 
 def _usual_speed(scene: Scene, duration: float) -> float:
@@ -193,7 +192,7 @@ def _grid_tone(scene: Scene) -> Finding:
     tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
     audible = motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration
     spacing_um = _usual_speed(scene, duration) / HEARING[1] * 1e6
-    return judged("grid_tone", "tone of the grid", tone, audible, tone=tone, spacing_um=spacing_um)
+    return judged("grid_tone", tone, audible, tone=tone, spacing_um=spacing_um)
 
 
 def _step_length(scene: Scene) -> Finding:
@@ -202,7 +201,6 @@ def _step_length(scene: Scene) -> Finding:
     radii = scene.track.step / radius
     return judged(
         "step_length",
-        "step / contact radius",
         rounded(radii),
         radii > long_steps.DOUBTFUL_RADII,
         radii=radii,

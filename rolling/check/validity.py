@@ -36,7 +36,7 @@ def _near(scene: Scene) -> list[Finding]:
     if distance >= NEAR * scene.radius:
         return []
     numbers = {"distance": distance, "radii": NEAR, "least": NEAR * scene.radius}
-    return [judged("listener", "listener", si(distance, "m"), True, **numbers)]
+    return [judged("listener", si(distance, "m"), True, **numbers)]
 
 
 def _half_space(scene: Scene) -> list[Finding]:
@@ -50,20 +50,13 @@ def _half_space(scene: Scene) -> list[Finding]:
     steep = {"slope": slope, "most": MAX_SLOPE, "advice": advice}
     wide = {"share": share, "most": MAX_CONTACT}
     findings = [
-        judged("slope", "rms slope", rounded(slope), slope > MAX_SLOPE, **steep),
-        judged(
-            "contact_radius",
-            "contact radius / radius",
-            rounded(share),
-            share > MAX_CONTACT,
-            **wide,
-        ),
+        judged("slope", rounded(slope), slope > MAX_SLOPE, **steep),
+        judged("contact_radius", rounded(share), share > MAX_CONTACT, **wide),
     ]
     if scene.faults:
         slope = max(fault.steepest for fault in scene.faults)
         sharp = {"slope": slope, "most": MAX_SLOPE}
-        doubt = slope > MAX_SLOPE
-        findings.append(judged("fault_slope", "steepest fault", rounded(slope), doubt, **sharp))
+        findings.append(judged("fault_slope", rounded(slope), slope > MAX_SLOPE, **sharp))
     return findings
 
 
@@ -75,19 +68,15 @@ def _bouncing(scene: Scene) -> Finding:
     frequency, speed = cost.bounce_hz(scene), scene.motion.fastest(scene.duration)
     highest = min(HEARING[1], speed / (2 * scene.track.step))
     if not HEARING[0] < frequency < highest:
-        return Finding("resonance", "contact resonance", si(frequency, "Hz"))
+        return judged("resonance", si(frequency, "Hz"), False)
     density, correlation = scene.sphere.density_kg_m3, 0.0
     steel = f"as if of steel, {STEEL_DENSITY:g} kg/m3 (sphere.density_kg_m3)"
     ball = steel if density is None else f"of {density:g} kg/m3"
     if scene.laws:
         correlation = min(law.lengths_m[0] for law in scene.laws)
     wave = speed / frequency / (of_scene.hertz_radius(scene) + correlation)
-    part = "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
-    warning = sentence(
-        "resonance",
-        ball=ball,
-        frequency=frequency,
-        speed=speed,
-        part=sentence(f"resonance.{part}"),
+    part = sentence(
+        "resonance", "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
     )
-    return Finding("resonance", "contact resonance", si(frequency, "Hz"), warning)
+    numbers = {"ball": ball, "frequency": frequency, "speed": speed, "part": part}
+    return judged("resonance", si(frequency, "Hz"), True, **numbers)

@@ -10,6 +10,7 @@ estimate with runs.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost
-from rolling.check.finding import Finding, computing, judged, sentence, si
+from rolling.check.finding import Finding, computing, judged, si
 from rolling.check.resolution import HEARING
 from rolling.dynamics import of_scene
 from rolling.scene.balls import Roughness
@@ -72,8 +73,7 @@ def _force(scene: Scene) -> Finding:
     ):
         value += "; short waves may multiply it"
     or_load = " or a higher rolling.load_n" * (scene.rolling.load_n != WEIGHT)
-    name = "contact force over load"
-    return judged("force_ratio", name, value, low < 0, ratio=ratio, or_load=or_load)
+    return judged("force_ratio", value, low < 0, ratio=ratio, or_load=or_load)
 
 
 def force_rms(scene: Scene) -> float | None:
@@ -134,8 +134,7 @@ def _waves(scene: Scene) -> Finding:
     speed, frequency = scene.motion.fastest(scene.duration), cost.bounce_hz(scene)
     wave, length = speed / frequency, min((law.lengths_m[0] for law in scene.laws), default=0.0)
     numbers = {"speed": speed, "length": length, "least": length * frequency}
-    name = "waves that feed the resonance"
-    return judged("resonance_wave", name, si(wave, "m"), wave < length, **numbers)
+    return judged("resonance_wave", si(wave, "m"), wave < length, **numbers)
 
 
 # ---- plate
@@ -144,8 +143,7 @@ def _waves(scene: Scene) -> Finding:
 def _half_space(scene: Scene) -> list[Finding]:
     """Judge the distance of the listener from a half-space."""
     lowest = HALF_SPACE_HZ_M / scene.sound.distance_m
-    name, doubt = "sound of a half-space from", lowest > HEARING[0]
-    return [judged("half_space_sound", name, si(lowest, "Hz"), doubt)]
+    return [judged("half_space_sound", si(lowest, "Hz"), lowest > HEARING[0])]
 
 
 def _bending(scene: Scene) -> list[Finding]:
@@ -157,37 +155,14 @@ def _bending(scene: Scene) -> list[Finding]:
     radiator = plate.radiator()
     near, air = FAR * radiator.nearest_m, radiator.lowest_hz
     too_close = distance < near and scene.plate.edges_mm is None
+    thin, thick = thickness_mm * limit / HEARING[1], 1e3 * radius / THICK
+    least, thicknesses = thickness_mm * air / LOADED_HZ, of_scene.LEAST_THICKNESSES
+    doubt, critical = limit < HEARING[1], si(plate.critical_hz, "Hz")
     return [
-        judged(
-            "air_load",
-            "air loads the plate below",
-            si(air, "Hz"),
-            air > LOADED_HZ,
-            least=thickness_mm * air / LOADED_HZ,
-        ),
-        judged(
-            "contact_thickness",
-            "contact radius / thickness",
-            rounded(share),
-            share > THICK,
-            most=THICK,
-            least=1e3 * radius / THICK,
-        ),
-        judged(
-            "bending",
-            "thin-plate theory up to",
-            si(limit, "Hz"),
-            limit < HEARING[1],
-            thicknesses=of_scene.LEAST_THICKNESSES,
-            most=thickness_mm * limit / HEARING[1],
-        ),
-        judged(
-            "coincidence",
-            "coincidence of the plate",
-            si(plate.critical_hz, "Hz"),
-            too_close,
-            near=near,
-        ),
+        judged("air_load", si(air, "Hz"), air > LOADED_HZ, least=least),
+        judged("contact_thickness", rounded(share), share > THICK, most=THICK, least=thick),
+        judged("bending", si(limit, "Hz"), doubt, thicknesses=thicknesses, most=thin),
+        judged("coincidence", critical, too_close, near=near),
     ]
 
 
@@ -214,8 +189,8 @@ def _edges(scene: Scene) -> list[Finding]:
     if len(ends) > 1:
         contact = f"to-and-fro from {ends[0]} to {ends[1]}; its record does not loop"
     return [
-        judged("plate_modes", "modes of the plate", modes, not count),
-        judged("plate_sag", "plate sinks under the load by", si(sag, "m"), bends, most=most),
+        judged("plate_modes", modes, not count),
+        judged("plate_sag", si(sag, "m"), bends, most=most),
         Finding("plate_contact", "contact on the plate", contact),
     ]
 
@@ -234,12 +209,10 @@ def _marches(scene: Scene) -> list[Finding]:
     if not scene.moves_release:
         return result
     speed, frequency = scene.motion.slowest(scene.duration), cost.bounce_hz(scene)
-    steps, warning = speed / (frequency * scene.step), None
-    if steps < LEAST_STEPS:
-        least = LEAST_STEPS * frequency * scene.step
-        warning = sentence("moving_release", steps=steps, least=LEAST_STEPS, speed=least)
+    steps, least = speed / (frequency * scene.step), LEAST_STEPS * frequency * scene.step
     value = f"one more march, {computing(seconds)}, {rounded(steps)} steps in a period"
     if scene.dynamics.release is None:
         value += "; dynamics.release: false leaves it out"
-    name = "release under the moving load"
-    return [*result, Finding(OWN_MARCH, name, value, warning, seconds)]
+    numbers = {"steps": steps, "least": LEAST_STEPS, "speed": least}
+    own = judged(OWN_MARCH, value, steps < LEAST_STEPS, **numbers)
+    return [*result, replace(own, seconds=seconds)]
