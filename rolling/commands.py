@@ -14,8 +14,7 @@ from rolling.results.long_listening import ListeningError, sentence
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.folder import Part, RunFolder, default_folder
-from rolling.run.solving import runs_of_part, solve_folder
-from rolling.run.stored import open_runs
+from rolling.run.solving import open_runs, runs_of_part, solve_folder
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, files, progress

@@ -18,7 +18,7 @@ from rolling.run import folder as folders
 from rolling.run.executor import RunLoop
 from rolling.run.folder import RunFolder
 from rolling.run.pools import local_pool
-from rolling.run.stored import open_runs
+from rolling.run.solving import open_runs
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
@@ -134,23 +134,19 @@ def _simulated(
             hear(names[number], run.values, run.folder, run.scene, result), writer=save_run
         )
 
-    def start(number: int) -> Result:
-        return Result.empty(runs[number].scene)
-
     scenes = [run.scene for run in runs]
     silence = terminal.begin(terminal.Level.QUIET) if shown is False else nullcontext()
     with silence, terminal.Bar(0.0, scene.name, shown) as bar:
-        loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)
+        loop = RunLoop(
+            scenes, lambda k: Result.empty(scenes[k]), finish, lambda number: None, None, False, bar
+        )
         with local_pool(workers, scenes) as pool:
             loop.run(pool)
-    swept = {_key(run): heard[number] for number, run in enumerate(runs) if number in heard}
+    swept: dict[Values, Run] = {}
+    for number, run in sorted(heard.items()):
+        values = tuple(runs[number].values.values())
+        swept[values[0] if len(values) == 1 else values] = run
     return swept, {names[number]: reason for number, reason in loop.failures.items()}
-
-
-def _key(run: RunFolder) -> Values:
-    """Return the key of a run in a sweep: its swept value, or the tuple of its values."""
-    values = tuple(run.values.values())
-    return values[0] if len(values) == 1 else values
 
 
 def open_run(folder: Path | str) -> Run:

@@ -31,7 +31,6 @@ from rolling.check.finding import (
     columns,
     computing,
     judged,
-    sentence,
     si,
     surface_time,
 )
@@ -257,11 +256,11 @@ def _turns(scene: Scene) -> Finding:
 def _march(scene: Scene) -> list[Finding]:
     """State window, time, tolerance and the cost of the error estimate."""
     rq = cost.roughness(scene)[0]
-    nodes, step_ms = cost.window_nodes(scene, rq), cost.step_ms(scene)
+    step_ms = cost.step_ms(scene)
     seconds = scene.track.solved_steps * step_ms * 1e-3
     rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
     result = [
-        Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", _narrow(scene, rq)),
+        _window(scene, rq),
         Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core"),
         Finding("expected_time", "expected time", computing(seconds), None, seconds),
         Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}"),
@@ -276,20 +275,18 @@ def _march(scene: Scene) -> list[Finding]:
     return result
 
 
-def _narrow(scene: Scene, rq: float) -> str | None:
-    """Warn of a surface that is narrower than the contact."""
+def _window(scene: Scene, rq: float) -> Finding:
+    """Estimate the nodes of the window, and warn of a surface that is narrower than the contact."""
     track, across = scene.track, 2 * cost.overlap_radius(scene, rq)
-    period = min(track.n_along, track.n_across) * scene.spacing
-    if across <= period:
-        return None
+    nodes, period = cost.window_nodes(scene, rq), cost.shortest_period(scene)
     side = "width" if track.n_across <= track.n_along else "length"
     length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
     key = "surface.width_um" if side == "width" else f"rolling.{length}"
     if isinstance(scene.surface, HeightFile) and not (side == "width" and scene.surface.width_um):
         key = "height file"
-    return sentence(
-        "window", "warning", across=across, side=side, period=period, key=key, least=across * 1e6
-    )
+    numbers = {"across": across, "side": side, "period": period, "key": key, "least": 1e6 * across}
+    value = f"about {nodes:.0f} x {nodes:.0f} nodes"
+    return judged("window", value, across > period, **numbers)
 
 
 def _memory(scene: Scene) -> list[Finding]:

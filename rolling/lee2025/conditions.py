@@ -66,7 +66,7 @@ def label(column: str, value: float) -> str:
     return FORMS[column].format(value)
 
 
-def _pair(roughness: float, load: float) -> str:
+def _place(roughness: float, load: float) -> str:
     """Write a roughness and a load."""
     return f"{label(ROUGHNESS, roughness)}, {label(LOAD, load)}"
 
@@ -161,7 +161,7 @@ def bounded(
     """Compare a statistic over the surfaces with bounds at each roughness and load."""
     values = _means(cases, column, statistic).stack()
     return [
-        Comparison(_pair(roughness, load), low < value < high, rounded(value, 3))
+        Comparison(_place(roughness, load), low < value < high, rounded(value, 3))
         for (roughness, load), value in values.items()
     ]
 
@@ -266,13 +266,19 @@ def within(cases: pd.DataFrame, column: str, span_db: float) -> list[Comparison]
 # ---- twins without hardness
 
 
-def less_than_twin(cases: pd.DataFrame, column: str) -> Iterator[Comparison]:
-    """Compare the column with its twin without hardness; it must be lower on every surface."""
+def _pairs(cases: pd.DataFrame, column: str) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yield the cases with a twin by roughness and load."""
     pairs = cases.dropna(subset=[column, f"{column}_elastic"])
     for (roughness, load), group in pairs.groupby([ROUGHNESS, LOAD]):
+        yield _place(roughness, load), group
+
+
+def less_than_twin(cases: pd.DataFrame, column: str) -> Iterator[Comparison]:
+    """Compare the column with its twin without hardness; it must be lower on every surface."""
+    for place, group in _pairs(cases, column):
         ratios = group[column] / group[f"{column}_elastic"]
         measured = f"{ratios.mean():.3f} of the twin"
-        yield Comparison(_pair(roughness, load), bool((ratios < 1).all()), measured)
+        yield Comparison(place, bool((ratios < 1).all()), measured)
 
 
 def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> Iterator[Comparison]:
@@ -281,9 +287,8 @@ def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> Iterator[Comp
     The level must rise by more than twice the uncertainty of the difference. Unless `louder`, it
     may fall as well, or a third of the resolved third octaves may differ in its place.
     """
-    pairs = cases.dropna(subset=[column, f"{column}_elastic"])
     error = column.replace("_db", "_uncertainty_db")
-    for (roughness, load), group in pairs.groupby([ROUGHNESS, LOAD]):
+    for place, group in _pairs(cases, column):
         step = float((group[column] - group[f"{column}_elastic"]).mean())
         square = (group[[error, f"{error}_elastic"]] ** 2).to_numpy().sum()
         margin = 2 * math.sqrt(square) / len(group)
@@ -293,7 +298,7 @@ def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> Iterator[Comp
             beyond = _bands_beside_twin(group)
             holds = abs(step) > margin or (len(beyond) > 0 and beyond.mean() >= LEAST_SHARE)
             measured += f", {beyond.sum()} of {len(beyond)} third octaves"
-        yield Comparison(_pair(roughness, load), bool(holds), measured)
+        yield Comparison(place, bool(holds), measured)
 
 
 def _bands_beside_twin(group: pd.DataFrame) -> np.ndarray:

@@ -154,7 +154,7 @@ class Series:
 def _columns(names: tuple[str, ...], rows: list[tuple[float, ...]]) -> dict[str, Array]:
     """Return the columns of a table of rows by name."""
     table = np.array(rows, dtype=np.float64).reshape(len(rows), len(names))
-    return {name: table[:, k].copy() for k, name in enumerate(names)}
+    return dict(zip(names, table.T.copy(), strict=True))
 
 
 class Events:

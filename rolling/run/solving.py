@@ -1,4 +1,4 @@
-"""Solve the runs that a folder lacks, and write the files of each run."""
+"""Solve the runs that a folder lacks, write the files of each run, and read them again."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from rolling.check import refusals
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import labels, result_file
+from rolling.results.run_files import read_run
+from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.run.executor import RunLoop
@@ -167,3 +169,15 @@ def _solve(
             files.make_below(run.home, run.folder)
             files.write_json(run.folder / folders.FAILED, {"reason": reason})
     return {names[lacking[number].folder]: text for number, text in loop.failures.items()}
+
+
+def open_runs(runs: Sequence[RunFolder]) -> list[Run]:
+    """Read runs that are done, with labels that tell them apart; a single run keeps its own."""
+    opened = [
+        read_run(run.folder, run.scene, run.values, label)
+        for label, run in zip(labels.labels(runs), runs, strict=True)
+    ]
+    if len(opened) == 1:  # perhaps of a sweep, and saved alone
+        label = opened[0].summary.get("provenance", {}).get("label") or opened[0].label
+        opened[0] = replace(opened[0], label=labels.printable(label))
+    return opened
