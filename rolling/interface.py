@@ -134,12 +134,13 @@ def _simulated(
             hear(names[number], run.values, run.folder, run.scene, result), writer=save_run
         )
 
+    def start(number: int) -> Result:
+        return Result.empty(runs[number].scene)
+
     scenes = [run.scene for run in runs]
     silence = terminal.begin(terminal.Level.QUIET) if shown is False else nullcontext()
     with silence, terminal.Bar(0.0, scene.name, shown) as bar:
-        loop = RunLoop(
-            scenes, lambda k: Result.empty(scenes[k]), finish, lambda number: None, None, False, bar
-        )
+        loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)
         with local_pool(workers, scenes) as pool:
             loop.run(pool)
     swept: dict[Values, Run] = {}

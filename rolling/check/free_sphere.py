@@ -57,15 +57,10 @@ def _impact(scene: Scene) -> Finding:
     return judged("drop", value, fall >= duration, duration=duration, fall=fall)
 
 
-def impact_radius(scene: Scene) -> float:
-    """Return the contact radius [m] under the largest force of the first impact."""
-    force = drop.largest_force_n(scene)
-    return closed_forms.hertz_radius(force, scene.radius, scene.contact_modulus)
-
-
 def _room(scene: Scene) -> Finding:
     """Compare the contact of the first impact with surface, sphere and thickness."""
-    radius, period = impact_radius(scene), cost.shortest_period(scene)
+    force, period = drop.largest_force_n(scene), cost.shortest_period(scene)
+    radius = closed_forms.hertz_radius(force, scene.radius, scene.contact_modulus)
     thickness, doubt = scene.plate.thickness_mm, ""
     if 2 * radius > period:
         doubt = "surface"

@@ -12,7 +12,7 @@ import math
 from acoustics import bands
 from acoustics.numbers import rounded
 from rolling.check import cost, long_steps
-from rolling.check.finding import Finding, judged, si
+from rolling.check.finding import Finding, judged, sentence, si
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import MadeSurface
@@ -102,10 +102,14 @@ def too_coarse(scene: Scene, error: float, source: str) -> str | None:
     """
     if error <= WANTED_DB - MARGIN_DB:
         return None
-    return (
-        f"the grid leaves an error of the release of about {error:.0f} dB of its fluctuation (rms,"
-        f" {source}), {WANTED_DB:g} dB and a margin of {MARGIN_DB:g} dB are wanted:"
-        f" {advice(scene, error + MARGIN_DB)}"
+    return sentence(
+        KEY,
+        "warning",
+        error=error,
+        source=source,
+        wanted=WANTED_DB,
+        margin=MARGIN_DB,
+        advice=advice(scene, error + MARGIN_DB),
     )
 
 
@@ -118,12 +122,8 @@ def advice(scene: Scene, error: float) -> str:
     blended = ""
     if math.isfinite(scene.hardness) and scene.numerics.edges == "sharp":
         blended = "choose numerics.edges: blended, or "
-    if not isinstance(scene.surface, MadeSurface):
-        return f"{blended}a measurement with a spacing of at most {wanted:g} um is needed"
-    return (
-        f"{blended}choose a surface.spacing_um of at most {wanted:g}, or {bands:g} for third"
-        " octaves within 1 dB up to 16 kHz"
-    )
+    kind = "made" if isinstance(scene.surface, MadeSurface) else "measured"
+    return blended + sentence(KEY, kind, wanted=wanted, bands=bands)
 
 
 def spacing(scene: Scene, error: float, goal: float) -> float:
