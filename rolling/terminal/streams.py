@@ -112,7 +112,7 @@ def _open_closed() -> None:
     # Python has None in the place of a stream that was closed when it started.
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
-            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
 
 
 def _null() -> int:
