@@ -30,6 +30,7 @@ from rolling.figures.picture import (
     subject,
 )
 from rolling.results import labels
+from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED
 
@@ -37,6 +38,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _Levels = Mapping[str, float | None]
+_ERRORS = {  # columns of the table with their keys in the summary
+    "grid_error_db": "grid_error_db",
+    "grid_error_standard_uncertainty_db": "grid_error_uncertainty_db",
+    "solver_error_db": "solver_error_db",
+    "subgrid_error_db": "subgrid_error_db",
+}
 
 
 # ---- runs compared
@@ -77,7 +84,12 @@ def third_octaves(
         (label, _bands(run, a_weighted), run.sound.uncertainty.third_octave_db)
         for label, run in zip(labels.labels(shown), shown, strict=True)
     ]
-    errors = [run.errors.for_plots if run.errors else None for run in shown]
+    errors = [
+        (total, run.summary["grid_error_uncertainty_db"])
+        if (total := total_errors_db(run.summary))
+        else None
+        for run in shown
+    ]
     # A band that is too uncertain in any run is grey in all of them.
     shortest = min(_unrepeated_seconds(run) for run in shown)
     ax = plots.third_octaves(
@@ -96,20 +108,19 @@ def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.Data
     """Tabulate third octaves of runs with their uncertainties and errors [dB]."""
     frames = []
     for run in runs:
-        columns: dict[str, _Levels] = {
+        columns = {
             "level_db": _bands(run, a_weighted),
             "standard_uncertainty_db": run.sound.uncertainty.third_octave_db,
         }
-        if run.errors is not None and run.errors.levels is not None:
-            columns |= {
-                "grid_error_db": run.errors.grid_db,
-                "grid_error_standard_uncertainty_db": run.errors.grid_uncertainty_db,
-                "solver_error_db": run.errors.solver_db,
-                "subgrid_error_db": run.errors.subgrid_db,
-                "corrected_level_db": run.errors.corrected_db(_bands(run, a_weighted)),
-            }
-        numbers = {name: column(levels) for name, levels in columns.items()}
-        frames.append(pd.DataFrame({"run": run.label, "mid_frequency_hz": MID_HZ, **numbers}))
+        if total := total_errors_db(run.summary):
+            columns |= {name: run.summary[key] for name, key in _ERRORS.items()}
+            columns["corrected_level_db"] = total
+        frame = pd.DataFrame(columns, [*BAND_NAMES], dtype=float)
+        if total:
+            frame["corrected_level_db"] = frame["level_db"] - frame["corrected_level_db"]
+        frame.insert(0, "run", run.label)
+        frame.insert(1, "mid_frequency_hz", MID_HZ)
+        frames.append(frame)
     return pd.concat(frames, ignore_index=True)
 
 

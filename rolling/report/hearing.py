@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -15,6 +16,7 @@ from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
 from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
+from rolling.report.text import asset
 from rolling.results.run_result import Run
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it
@@ -22,27 +24,6 @@ ALIKE = 0.05  # relative difference of pitch that is not named
 MOST_KINDS = 3  # of a part of the situation that are all named
 MAINLY = 0.5  # share of the sound that is called most
 DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
-WORDS = {  # explained where a run has the number
-    "steady_level_db": (
-        "steady level",
-        "the level of the mean released power. A constant power makes no sound: it is the energy"
-        " that is there, not the part that is heard.",
-    ),
-    "equivalent_q": (
-        "q that equals them",
-        "the share of the released power that would have to become sound for the release to be as"
-        " loud as the vibration in LAeq. The two are not added: above 1 no share would do.",
-    ),
-    "force_max_ratio": (
-        "F/W",
-        "the force between sphere and plate over the load. It fluctuates about 1; at 0 the sphere"
-        " flies.",
-    ),
-    "plastic_ratio": (
-        "plastic ratio",
-        "the area that yields at the hardness over the area of Hertz's smooth elastic contact.",
-    ),
-}
 
 
 def colour(run: Run) -> tuple[float, float, float] | None:
@@ -213,18 +194,10 @@ def percent(share: float) -> str:
 
 def explanations(runs: Sequence[Run]) -> list[tuple[str, str]]:
     """Explain the words of the table of levels at which a stranger stumbles."""
-    texts = [
-        words
-        for key, words in WORDS.items()
-        if any(run.summary.get(key) is not None for run in runs)
-    ]
     levels = [(run.summary["laeq_db"], run.summary["level_db"]) for run in runs]
-    if any(a is not None and z is not None and a > z for a, z in levels):
-        texts.append(
-            (
-                "LAeq above LZeq",
-                "the A-weighting follows the ear, which is most sensitive between 1 and 6 kHz, and"
-                " raises sound there by up to 1.3 dB.",
-            )
-        )
-    return texts
+    raised = any(a is not None and z is not None and a > z for a, z in levels)
+    return [
+        (words["word"], words["meaning"])
+        for key, words in tomllib.loads(asset("words.toml")).items()
+        if (raised and key == "a_above_z") or any(run.summary.get(key) is not None for run in runs)
+    ]

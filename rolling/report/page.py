@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from importlib.resources import files
 from typing import Any
 
 import jinja2
@@ -17,7 +16,7 @@ import numpy as np
 from markupsafe import Markup
 
 from acoustics import wav
-from acoustics.bands import BAND_NAMES
+from acoustics.bands import BAND_NAMES, LEAST_BT
 from acoustics.numbers import rounded
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
@@ -32,7 +31,6 @@ from rolling.sound.contact_sound import ContactSound
 from rolling.terminal import defaults
 
 LARGEST_CSV = 200_000  # bytes on the page; `rolling plot` writes longer tables
-PROGRAM = "rolling-contact-noise"
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
 SCRIPTS = (  # the parts of the page's script, in their order
     *("core", "player", "choices", "motion", "contact", "film", "film_motion"),
@@ -65,26 +63,29 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         _environment()
         .get_template("report.html")
         .render(
-            generator=f"{PROGRAM} {__version__}",
+            version=__version__,
             title=text.titles(runs),
             descriptions=_descriptions(heard),
             text=text,
             hearing=hearing,
+            caveats=caveats,
+            runs_table=runs_table,
+            summaries=[(run.label, run.summary) for run in runs],
+            LEAST_BT=LEAST_BT,
             assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
             runs=runs,
             views=views,
             unsolved=list(unsolved),
             lengths={round(run.sound.duration, 4) for run in runs},
             short=any(player["buzzes"] for player in players),
-            SHORT_S=caveats.SHORT_S,
             map_scale=scale,
             filmed=any(player["film"] for player in players),
             moved=any(player["film"] and player["film"]["motion"] for player in players),
             curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
             surfaces=_surfaces(heard),
             vibrations=_vibrations(views),
-            css=_asset("report.css"),
-            js=Markup("\n").join(_asset(f"{name}.js") for name in SCRIPTS),
+            css=Markup(text.asset("report.css")),
+            js=Markup("\n".join(text.asset(f"{name}.js") for name in SCRIPTS)),
             data={"runs": players, "view": scale, "bands": BAND_NAMES},
         )
     )
@@ -113,11 +114,6 @@ def css_text(title: str) -> Markup:
     """Write any text as the inside of a string of CSS, all but letters and digits as numbers."""
     letters = (x if x.isascii() and x.isalnum() else f"\\{ord(x):06x}" for x in title)
     return Markup("".join(letters))
-
-
-def _asset(name: str) -> Markup:
-    """Read a file of the page, which is the program's own text and needs no escaping."""
-    return Markup(files("rolling.report").joinpath("assets", name).read_text(encoding="utf-8"))
 
 
 def _descriptions(runs: Sequence[Run]) -> list[str]:

@@ -14,7 +14,7 @@ from acoustics.numbers import rounded
 from rolling.check import findings, resolution
 from rolling.dynamics.of_scene import BENT
 from rolling.marches.result import MovingRelease
-from rolling.results.run_errors import RunErrors
+from rolling.results.run_errors import total_errors_db
 from rolling.results.verdict import ranks
 from rolling.scene.scene import Scene
 from rolling.sound import solver_error
@@ -54,7 +54,7 @@ class Caveat:
 def caveats(
     scene: Scene,
     sound: ContactSound,
-    errors: RunErrors | None = None,
+    errors: Mapping[str, Any],
     vibration: Vibration | None = None,
     moving: MovingRelease | None = None,
 ) -> list[dict[str, str]]:
@@ -62,11 +62,12 @@ def caveats(
 
     scene : Scene. A scene without a sweep.
     sound : ContactSound. The sound of the run.
-    errors : RunErrors. Errors from grid and solver. Default: the scene does not ask for them.
+    errors : mapping. Errors from grid and solver, as summary.json has them; may be empty.
     vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
     moving : MovingRelease. The release under the moving load, or its fault. Default: none.
     """
-    knows_grid = _knows_grid(scene, errors)
+    # The error of the grid in the release was measured.
+    knows_grid = sound.source == "release" and errors.get("grid_signal_db") is not None
     texts = (
         _of_levels(scene, sound, errors, vibration)
         | _of_record(scene, sound)
@@ -79,7 +80,7 @@ def caveats(
             and not (knows_grid and finding.key == resolution.KEY)
             and not (vibration and finding.key in ("force_ratio", "impacts_yield"))
         }
-        | _of_errors(scene, errors)
+        | _of_errors(scene, errors, knows_grid)
         | _of_vibration(scene, vibration)
     )
     if sound.source == "release":
@@ -122,7 +123,7 @@ def warnings(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[Caveat]:
 
 
 def _of_levels(
-    scene: Scene, sound: ContactSound, errors: RunErrors | None, vibration: Vibration | None
+    scene: Scene, sound: ContactSound, errors: Mapping[str, Any], vibration: Vibration | None
 ) -> dict[str, str]:
     """Return the caveats of the levels; a silent run has none."""
     s, texts = scene.sound, dict[str, str]()
@@ -172,7 +173,7 @@ def _of_levels(
         if sound.once:
             covered = "the time steps; the record is one fall, and its level that of its length"
         texts["uncertainty"] = f"± covers {covered}; it holds no error of model, grid or solver."
-        if errors is not None and errors.levels:
+        if errors.get("laeq_uncertainty_db") is not None:
             law = ", solver and force law" if sound.source == "vibration" else " and solver"
             texts["uncertainty"] += (
                 f" Errors of grid{law} are estimated beside the levels, which are not corrected for"
@@ -249,35 +250,38 @@ def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:
     }
 
 
-def _knows_grid(scene: Scene, errors: RunErrors | None) -> bool:
-    """Return whether the error of the grid in the release was measured."""
-    levels = errors.levels if errors and scene.sound.source == "release" else None
-    return levels is not None and math.isfinite(levels.grid_signal_db)
-
-
-def _of_errors(scene: Scene, errors: RunErrors | None) -> dict[str, str]:
+def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_grid: bool) -> dict[str, str]:
     """Return the warnings of the error estimate: its absence, its reach, and bands that are off."""
-    if errors is None:
+    estimate = errors.get("error_estimate")
+    if estimate is None:
         return {}
-    if errors.levels is None:
-        return {"no_error_estimate": f"error estimate: none, because {errors.reason}"}
-    texts, levels = {}, errors.levels
-    if _knows_grid(scene, errors):
-        source = f"measured within {levels.grid_signal_uncertainty_db:.0f} dB by the error estimate"
-        if coarse := resolution.too_coarse(scene, levels.grid_signal_db, source):
+    if "reason" in estimate:
+        return {"no_error_estimate": f"error estimate: none, because {estimate['reason']}"}
+    texts = {}
+    if knows_grid:
+        spread = errors["grid_signal_uncertainty_db"]
+        spread = math.nan if spread is None else spread
+        source = f"measured within {spread:.0f} dB by the error estimate"
+        if coarse := resolution.too_coarse(scene, errors["grid_signal_db"], source):
             texts[resolution.KEY] = f"error of the grid: {coarse}"
     if scene.height_paths:
         texts["unknown_detail"] = (
             "error estimate: nothing is known of heights below the spacing of the file, so the"
             " error of their absence is in no number"
         )
-    if errors.worst_uncertainty_db > OFF_DB:
+    worst = estimate["worst_uncertainty_db"]
+    if worst is None or worst > OFF_DB:
         texts["error_estimate_reach"] = (
             "error estimate: its standard errors for third octaves reach"
-            f" {errors.worst_uncertainty_db:.1f} dB between 1 and 16 kHz"
+            f" {math.inf if worst is None else worst:.1f} dB between 1 and 16 kHz"
         )
-    if off := errors.off_db():
-        bands = ", ".join(f"{name} Hz ({error:+.1f})" for name, error in off.items())
+    spreads = errors["grid_error_uncertainty_db"]
+    bands = ", ".join(
+        f"{name} Hz ({error:+.1f})"
+        for name, error in total_errors_db(errors).items()
+        if error is not None and abs(error) > OFF_DB + (spreads[name] or 0.0)
+    )
+    if bands:
         texts["band_errors"] = (
             f"grid and solver: third octaves off by more than {OFF_DB:g} dB: {bands};"
             " a smaller surface.spacing_um brings them down"
