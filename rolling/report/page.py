@@ -25,7 +25,7 @@ from rolling.figures.picture import Picture, slug
 from rolling.report import assumed, film, hearing, maps, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
-from rolling.results.long_listening import sentence
+from rolling.results.listening import sentence
 from rolling.results.run_result import Run
 from rolling.sound.contact_sound import ContactSound
 from rolling.terminal import defaults
@@ -162,7 +162,7 @@ def long_record(run: Run) -> dict[str, str] | None:
         return None
     pressure = run.long.channels
     gain = wav.listening_gain(pressure)
-    content = sentence(run.long.numbers, run.sound.levels.laeq_db)
+    content = sentence(run, run.long)
     record = wav.listening(pressure, gain, content, run.label, 16)
     return {"wav": maps.uri("audio/wav", record), "text": content}
 

@@ -22,7 +22,7 @@ from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
-from rolling.results.long_listening import listen, reason_against, released
+from rolling.results.listening import listen, reason_against, released
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
