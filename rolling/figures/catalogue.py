@@ -66,8 +66,10 @@ COMPARING = {
         partial(sound.third_octave_table, a_weighted=True),
     ),
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
-    "levels": FigureKind(sweep.levels, sweep.level_table, _is_swept),
-    "contact_areas": FigureKind(sweep.contact_areas, sweep.area_table, _is_swept),
+    "levels": FigureKind(sweep.levels, partial(sweep.swept_table, names=sweep.LEVELS), _is_swept),
+    "contact_areas": FigureKind(
+        sweep.contact_areas, partial(sweep.swept_table, names=sweep.AREAS), _is_swept
+    ),
     "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
 }
 SINGLE = {

@@ -38,12 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _Levels = Mapping[str, float | None]
-_ERRORS = {  # columns of the table with their keys in the summary
-    "grid_error_db": "grid_error_db",
-    "grid_error_standard_uncertainty_db": "grid_error_uncertainty_db",
-    "solver_error_db": "solver_error_db",
-    "subgrid_error_db": "subgrid_error_db",
-}
 
 
 # ---- runs compared
@@ -91,7 +85,7 @@ def third_octaves(
         for run in shown
     ]
     # A band that is too uncertain in any run is grey in all of them.
-    shortest = min(_unrepeated_seconds(run) for run in shown)
+    shortest = min(run.sound.duration / run.laps for run in shown)
     ax = plots.third_octaves(
         axes_of(ax), curves, shortest, errors=errors, ordered=_is_ordered(shown)
     )
@@ -113,13 +107,14 @@ def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.Data
             "standard_uncertainty_db": run.sound.uncertainty.third_octave_db,
         }
         if total := total_errors_db(run.summary):
-            columns |= {name: run.summary[key] for name, key in _ERRORS.items()}
+            for kind in ("grid_error", "grid_error_uncertainty", "solver_error", "subgrid_error"):
+                name = kind.replace("uncertainty", "standard_uncertainty")
+                columns[f"{name}_db"] = run.summary[f"{kind}_db"]
             columns["corrected_level_db"] = total
-        frame = pd.DataFrame(columns, [*BAND_NAMES], dtype=float)
+        frame = band_table(columns)
         if total:
             frame["corrected_level_db"] = frame["level_db"] - frame["corrected_level_db"]
         frame.insert(0, "run", run.label)
-        frame.insert(1, "mid_frequency_hz", MID_HZ)
         frames.append(frame)
     return pd.concat(frames, ignore_index=True)
 
@@ -253,11 +248,9 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     ax.plot(time / second, power / watt, color=COLOURS[0], linewidth=width, label="release power")
     ax.axhline(mean, color=COLOURS[1], linestyle="--", label=f"mean {rounded(mean, 4)} {unit}W")
     room = 0.05 * (high - low) * mean or 1.0
-    ax.set_ylim(low * mean - room, high * mean + room)
-    ax.set_xlim(0.0, sound.duration / second)
+    ax.set(xlim=(0.0, sound.duration / second), ylim=(low * mean - room, high * mean + room))
+    ax.set(xlabel=f"time [{time_unit}s]", ylabel=f"release power [{unit}W]")
     ax.ticklabel_format(useOffset=False)
-    ax.set_xlabel(f"time [{time_unit}s]")
-    ax.set_ylabel(f"release power [{unit}W]")
     facts = [*distance_and_duration([run])[1:], "q and distance are not in it"]
     if run.scene.dynamics is not None:
         moved = any(caveat["key"] == "moving_load_release" for caveat in run.summary["caveats"])
@@ -334,9 +327,11 @@ def _extremes(shown: Spectrogram) -> list[float]:
 # ---- numbers of runs
 
 
-def column(levels: _Levels) -> Array:
-    """Return levels by band [dB] as an array (31,), with NaN in place of None."""
-    return np.array([levels[band] for band in BAND_NAMES], dtype=float)
+def band_table(columns: Mapping[str, _Levels]) -> pd.DataFrame:
+    """Tabulate levels by band [dB] over nominal mid frequency [Hz]."""
+    table = pd.DataFrame(columns, [*BAND_NAMES], dtype=float)
+    table.insert(0, "mid_frequency_hz", MID_HZ)
+    return table
 
 
 def _bands(run: Run, a_weighted: bool) -> _Levels:
@@ -355,11 +350,6 @@ def _level(mean_square: Array) -> Array:
     """Return levels of mean squares [Pa²] in dB re 20 µPa, -inf for silence."""
     with np.errstate(divide="ignore"):
         return np.asarray(10 * np.log10(mean_square / P_REF_PA**2))
-
-
-def _unrepeated_seconds(run: Run) -> float:
-    """Return the duration of the part of a record that does not repeat itself [s]."""
-    return run.sound.duration / run.laps
 
 
 def _is_ordered(runs: Sequence[Run]) -> bool:
