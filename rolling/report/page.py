@@ -25,7 +25,7 @@ from rolling.figures.picture import Picture, slug
 from rolling.report import assumed, film, hearing, maps, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
-from rolling.results.listening import sentence
+from rolling.results.listening import heard
 from rolling.results.run_result import Run
 from rolling.sound.contact_sound import ContactSound
 from rolling.terminal import defaults
@@ -55,9 +55,9 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     bytes
         The HTML file.
     """
-    heard = runs if len(runs) <= MOST_RUNS else []
-    scale = maps.map_scale(heard)
-    views = _views(heard)
+    shown = runs if len(runs) <= MOST_RUNS else []
+    scale = maps.map_scale(shown)
+    views = _views(shown)
     players = [_player(view, scale) for view in views]
     html = (
         _environment()
@@ -65,7 +65,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         .render(
             version=__version__,
             title=text.titles(runs),
-            descriptions=_descriptions(heard),
+            descriptions=_descriptions(shown),
             text=text,
             hearing=hearing,
             caveats=caveats,
@@ -82,7 +82,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
             filmed=any(player["film"] for player in players),
             moved=any(player["film"] and player["film"]["motion"] for player in players),
             curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
-            surfaces=_surfaces(heard),
+            surfaces=_surfaces(shown),
             vibrations=_vibrations(views),
             css=Markup(text.asset("report.css")),
             js=Markup("\n".join(text.asset(f"{name}.js") for name in SCRIPTS)),
@@ -160,10 +160,8 @@ def long_record(run: Run) -> dict[str, str] | None:
     """Return the long record of a run and its facts; None where there is none."""
     if run.long is None:
         return None
-    pressure = run.long.channels
-    gain = wav.listening_gain(pressure)
-    content = sentence(run, run.long)
-    record = wav.listening(pressure, gain, content, run.label, 16)
+    pressure, content = heard(run)
+    record = wav.listening(pressure, wav.listening_gain(pressure), content, run.label, 16)
     return {"wav": maps.uri("audio/wav", record), "text": content}
 
 
@@ -246,7 +244,7 @@ def _db(ratio: float) -> float:
 
 def _exhibit(picture: Picture) -> dict[str, Any]:
     """Embed a picture with its table, its size [CSS pixels] and, over time, its time axis."""
-    svg, table = picture.svg, picture.file("csv")
+    svg, table = picture.file("svg") or b"", picture.file("csv")
     short = table is not None and len(table) <= LARGEST_CSV
     width, height = picture.figure.get_size_inches()
     return {

@@ -152,16 +152,6 @@ def _read_maps(arrays: Arrays, facts: Facts, result: Result) -> dict[int, Pressu
     return maps
 
 
-def _write_events(pieces: dict[int, Arrays], run: Run) -> Group:
-    """Return the table of recovery events."""
-    return dict(run.events or {}), {}
-
-
-def _read_events(arrays: Arrays, facts: Facts, result: Result) -> dict[int, Arrays]:
-    """Return the table of recovery events as that of a single piece."""
-    return {0: {name: arrays[name] for name in EVENT_COLUMNS}}
-
-
 _LEVELS = (*LEVELS, DETAIL)  # that of detail is NaN where a stretch is not marched on it
 _STRETCH = {"release_energy": "release", "approach": "approach", "plastic_area": "plastic_area"}
 
@@ -288,7 +278,11 @@ def _contact_force(vibration: Vibration) -> Group:
 _GROUPS: dict[str, tuple[str, Callable[[Any, Run], Group], Callable[..., Any]]] = {
     "snapshot": ("snapshot", _write_snapshot, _read_snapshot),
     "pressure_maps": ("maps", _write_maps, _read_maps),
-    "events": ("event_pieces", _write_events, _read_events),
+    "events": (  # as those of a single piece
+        "event_pieces",
+        lambda pieces, run: (dict(run.events or {}), {}),
+        lambda arrays, facts, result: {0: {name: arrays[name] for name in EVENT_COLUMNS}},
+    ),
     "error_estimate": ("stretches", _write_stretches, _read_stretches),
     "slow_motion": ("slow_motion", _write_film, _read_film),
     "force_law": ("load_marches", _write_law, _read_law),

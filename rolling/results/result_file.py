@@ -92,9 +92,9 @@ def read_result(path: Path, scene: Scene) -> Result:
                 raise FolderError(f"{path}: solved for another scene or surface")
             arrays = _arrays(file)
             _refuse_shapes(arrays, result, len(content))
-            groups: dict[str, Group] = {"": ({}, _facts(file))}
-            groups |= {
-                name: ({}, _facts(node)) for name, node in file.items() if name not in arrays
+            nodes = {name: node for name, node in file.items() if name not in arrays}
+            groups: dict[str, Group] = {
+                name: ({}, _facts(node)) for name, node in ({"": file} | nodes).items()
             }
             for place in arrays.keys() & TABLE.keys():
                 group, _, name = place.rpartition("/")
@@ -114,13 +114,9 @@ def _facts(group: h5py.Group) -> Facts:
     for name in group.attrs:
         if math.prod(group.attrs.get_id(name).shape) != 1:  # a bomb of texts that share their bytes
             raise ValueError(f"{group.name}: attribute {name}: not one text or number")
-        facts[name] = _plain(group.attrs[name])
+        value = group.attrs[name]
+        facts[name] = value if isinstance(value, str) else np.asarray(value).item()
     return facts
-
-
-def _plain(value: Any) -> Any:
-    """Return an attribute as a plain text or number."""
-    return value if isinstance(value, str) else np.asarray(value).item()
 
 
 # ---- refusals

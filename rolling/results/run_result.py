@@ -246,18 +246,20 @@ class Run:
     def _repr_html_(self) -> str:
         """Write levels and caveats for a notebook."""
         judged = self.summary.get("verdict") or {"word": "-", "reason": ""}
-        rows = [
+        level, *levels = (
             (name, runs_table.level_text(self.summary, key), unit)
             for key, (name, unit) in runs_table.LEVELS.items()
-        ]
-        rows[0] = (runs_table.level_name(self.summary), *rows[0][1:])
-        rows.insert(1, ("beside it", runs_table.beside_text([self.summary]) or "-", ""))
-        rows.insert(2, ("verdict", judged["word"], judged["reason"]))
-        levels = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
-        caveats = "".join(
-            f"<li>{html.escape(caveat['text'])}</li>" for caveat in self.summary["caveats"]
         )
-        return f"<h4>{html.escape(self.title)}</h4><table>{levels}</table><ul>{caveats}</ul>"
+        rows = [
+            (runs_table.level_name(self.summary), *level[1:]),
+            ("beside it", runs_table.beside_text([self.summary]) or "-", ""),
+            ("verdict", judged["word"], judged["reason"]),
+            *levels,
+        ]
+        table = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
+        texts = (html.escape(caveat["text"]) for caveat in self.summary["caveats"])
+        caveats = "".join(f"<li>{text}</li>" for text in texts)
+        return f"<h4>{html.escape(self.title)}</h4><table>{table}</table><ul>{caveats}</ul>"
 
 
 def hear(
