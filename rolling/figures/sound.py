@@ -19,16 +19,8 @@ from acoustics.plot_style import COLOURS, DENSE, Lines, envelope, unit_prefix
 from acoustics.spectrum import Spectrogram, line_spectrum, welch
 from acoustics.spectrum import spectrogram as spectrogram_of
 from acoustics.weighting import a_weighting_db
-from rolling.figures.picture import (
-    axes_of,
-    common,
-    distance_and_duration,
-    finish,
-    finish_grid,
-    listed,
-    number,
-    subject,
-)
+from rolling.figures import picture
+from rolling.figures.picture import axes_of, finish, finish_grid, listed, subject
 from rolling.results import labels
 from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
@@ -89,7 +81,7 @@ def third_octaves(
     ax = plots.third_octaves(
         axes_of(ax), curves, shortest, errors=errors, ordered=_is_ordered(shown)
     )
-    facts = distance_and_duration(shown)
+    facts = picture.distance_and_duration(shown)
     if len(shown) <= plots.FEW and any(run.sound.levels.level_db is not None for run in shown):
         facts.append("bars: standard uncertainty of Gaussian noise of that duration")
     weighting = "A" if a_weighted else "Z"
@@ -140,8 +132,8 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> rolling.plot.spectrum([run])  # doctest: +SKIP
     """
     shown = listed(runs)
-    lines = common("lines of", [1 / run.sound.duration for run in shown], "Hz")
-    facts = [*distance_and_duration(shown), lines]
+    lines = picture.common("lines of", [1 / run.sound.duration for run in shown], "Hz")
+    facts = [*picture.distance_and_duration(shown), lines]
     spectra = [_a_weighted_lines(run) for run in shown]
     level = "A-weighted line level [dB re 20 µPa]"
     return _spectrum(shown, spectra, ax, ("A-weighted spectrum", level), facts)
@@ -174,9 +166,9 @@ def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     shown = listed(runs)
     densities = [welch(run.sound.pressure, run.sound.sample_rate) for run in shown]
     facts = [
-        *distance_and_duration(shown),
+        *picture.distance_and_duration(shown),
         f"Welch, {densities[0].window.capitalize()}",
-        common("ENBW", [density.enbw_hz for density in densities], "Hz"),
+        picture.common("ENBW", [density.enbw_hz for density in densities], "Hz"),
     ]
     lines = [Lines.audible(density.frequency_hz, _level(density.psd)) for density in densities]
     words = "Power spectral density", "density level [dB re (20 µPa)²/Hz]"
@@ -251,7 +243,7 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     ax.set(xlim=(0.0, sound.duration / second), ylim=(low * mean - room, high * mean + room))
     ax.set(xlabel=f"time [{time_unit}s]", ylabel=f"release power [{unit}W]")
     ax.ticklabel_format(useOffset=False)
-    facts = [*distance_and_duration([run])[1:], "q and distance are not in it"]
+    facts = [*picture.distance_and_duration([run])[1:], "q and distance are not in it"]
     if run.scene.dynamics is not None:
         moved = any(caveat["key"] == "moving_load_release" for caveat in run.summary["caveats"])
         facts.append(f"under the {'moving' if moved else 'constant'} load")
@@ -295,10 +287,10 @@ def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> 
     )
     ax = plots.spectrogram(axes_of(ax), shown, run.sound.duration, limits)
     facts = [
-        *distance_and_duration([run]),
+        *picture.distance_and_duration([run]),
         f"{shown.window.capitalize()} frames of {rounded(shown.frame_s * 1e3, 3)} ms"
         f" every {rounded(shown.hop_s * 1e3, 3)} ms",
-        f"ENBW {number(shown.enbw_hz)} Hz",
+        f"ENBW {picture.number(shown.enbw_hz)} Hz",
         "rows of 1/12 octave",
     ]
     return finish(ax, f"Spectrogram: {run.title}", facts)

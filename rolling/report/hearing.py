@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -136,42 +135,29 @@ def _reason(run: Run) -> str:
     frequency, power = _weighted(run)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())
-    text = f"{text}, and over a correlation length of the surface, {_rate(length, speed)}."
-    if share < MAINLY:
-        return (
-            f"{text} Only {percent(share)} of the A-weighted power lies between the two rates,"
-            " where waves of the surface fit into the contact."
-        )
-    return (
-        f"{text} Waves of the surface between these two lengths fit into the contact:"
-        f" {percent(share)} of the A-weighted power lies between the two rates."
-    )
+    lies = f"{percent(share)} of the A-weighted power lies between the two rates"
+    reason = f"Only {lies}, where waves of the surface fit into the contact."
+    if share >= MAINLY:
+        reason = f"Waves of the surface between these two lengths fit into the contact: {lies}."
+    return f"{text}, and over a correlation length of the surface, {_rate(length, speed)}. {reason}"
 
 
 def _shaken(run: Run) -> str:
-    """State the frequency at which the ball rings on its contact, and how long it flies."""
+    """State the frequency at which the ball rings on its contact, its fall, and its flights."""
     summary = run.summary
-    flies = _fallen(summary)
-    if summary["flight_share"] > 0:
-        times = "time" if summary["impacts"] == 1 else "times"
-        flies += (
-            f" It flies for {percent(summary['flight_share'])} of the time, and hits the plate"
-            f" {summary['impacts']} {times}."
-        )
-    return (
+    text = (
         f"The ball rings on its contact at {kilohertz(summary['resonance_hz'])}, where waves of the"
-        f" surface of {rounded(summary['resonance_wavelength_m'] * 1e6)} µm shake it.{flies}"
+        f" surface of {rounded(summary['resonance_wavelength_m'] * 1e6)} µm shake it."
     )
-
-
-def _fallen(summary: Mapping[str, Any]) -> str:
-    """State the height of a fall, and the speed that the first impact leaves."""
-    if "drop_mm" not in summary:
-        return ""
-    fall = f" It falls from {rounded(summary['drop_mm'])} mm above the surface"
-    if summary["restitution"] is None:
-        return f"{fall}."
-    return f"{fall}, and its first impact leaves {percent(summary['restitution'])} of its speed."
+    if "drop_mm" in summary:
+        text += f" It falls from {rounded(summary['drop_mm'])} mm above the surface"
+        if (left := summary["restitution"]) is not None:
+            text += f", and its first impact leaves {percent(left)} of its speed"
+        text += "."
+    if summary["flight_share"] > 0:
+        text += f" It flies for {percent(summary['flight_share'])} of the time, and hits the plate"
+        text += f" {summary['impacts']} time{'' if summary['impacts'] == 1 else 's'}."
+    return text
 
 
 def _rate(length: float, speed: float) -> str:

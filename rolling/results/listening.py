@@ -22,13 +22,9 @@ from acoustics.arrays import Array
 from acoustics.numbers import decibels_a, rounded
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
+from rolling.sound import long_listening
 from rolling.sound.contact_sound import ContactSound, contact_sound
-from rolling.sound.long_listening import (
-    Listening,
-    listen_to_release,
-    listen_to_vibration,
-    with_speed,
-)
+from rolling.sound.long_listening import Listening, with_speed
 from rolling.terminal import defaults
 from rolling.terminal.files import make_below, write_bytes
 
@@ -216,12 +212,14 @@ def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) 
             " which take ten minutes"
         )
     if run.vibration is not None and run.sound.source == "vibration":
-        listening = listen_to_vibration(scene, run.vibration.law, seconds, seed)
+        listening = long_listening.listen_to_vibration(scene, run.vibration.law, seconds, seed)
     else:
         lap, track = run.result.solved_steps, run.scene.track
         energy = released(run.scene, run.result)[0][:lap]
         closed = track.lap_steps <= lap and not run.sound.has_seam
-        listening = listen_to_release(scene, energy, run.result.step, closed, seconds, seed)
+        listening = long_listening.listen_to_release(
+            scene, energy, run.result.step, closed, seconds, seed
+        )
     listening.numbers["seed"] = seed
     listening.numbers["limits"] = limits(listening.numbers)
     return listening

@@ -15,14 +15,8 @@ import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
 from rolling.check.error_cost import DETAIL, LEVELS
-from rolling.marches.observers import (
-    EVENT_COLUMNS,
-    STATE_SERIES,
-    STEP_SERIES,
-    PressureMap,
-    SlowMotion,
-    Snapshot,
-)
+from rolling.marches import observers
+from rolling.marches.observers import PressureMap, SlowMotion, Snapshot
 from rolling.marches.result import (
     MOVING_SERIES,
     ErrorStretches,
@@ -100,7 +94,7 @@ def groups_of(run: Run) -> dict[str, Group]:
 def fill(result: Result, groups: dict[str, Group]) -> None:
     """Fill an empty result with the arrays of the groups of its file."""
     series, _ = groups[""]
-    for name in (*STEP_SERIES, *STATE_SERIES):
+    for name in (*observers.STEP_SERIES, *observers.STATE_SERIES):
         if name in TABLE:
             result.series[name] = series[name][: len(result.series[name])].copy()
     for name, (field, _, read) in _GROUPS.items():
@@ -281,7 +275,7 @@ _GROUPS: dict[str, tuple[str, Callable[[Any, Run], Group], Callable[..., Any]]] 
     "events": (  # as those of a single piece
         "event_pieces",
         lambda pieces, run: (dict(run.events or {}), {}),
-        lambda arrays, facts, result: {0: {name: arrays[name] for name in EVENT_COLUMNS}},
+        lambda arrays, facts, result: {0: {name: arrays[name] for name in observers.EVENT_COLUMNS}},
     ),
     "error_estimate": ("stretches", _write_stretches, _read_stretches),
     "slow_motion": ("slow_motion", _write_film, _read_film),

@@ -19,15 +19,8 @@ import numpy as np
 
 from rolling.check import cost
 from rolling.marches.result import Result
-from rolling.results.result_arrays import (
-    FORMAT,
-    TABLE,
-    Facts,
-    Group,
-    fill,
-    fixed_lengths,
-    groups_of,
-)
+from rolling.results import result_arrays
+from rolling.results.result_arrays import FORMAT, TABLE, Facts, Group
 from rolling.scene.scene import Scene
 from rolling.scene.yaml_text import read_regular
 from rolling.terminal.files import FolderError
@@ -49,7 +42,7 @@ def write_result(run: Run) -> bytes:
     import xarray  # slow to import, for whole runs only
 
     nodes = {}
-    for group, (arrays, facts) in groups_of(run).items():
+    for group, (arrays, facts) in result_arrays.groups_of(run).items():
         variables = {}
         for name, values in arrays.items():
             dimensions, unit, kind = TABLE[f"{group}/{name}".lstrip("/")]
@@ -99,7 +92,7 @@ def read_result(path: Path, scene: Scene) -> Result:
             for place in arrays.keys() & TABLE.keys():
                 group, _, name = place.rpartition("/")
                 groups[group][0][name] = arrays[place][()]
-        fill(result, groups)
+        result_arrays.fill(result, groups)
     except FolderError:
         raise
     except Exception as error:  # h5py raises errors of any kind on hostile files
@@ -160,7 +153,7 @@ def _refuse_shapes(arrays: dict[str, h5py.Dataset], result: Result, size: int) -
     ------
     ValueError : the first fault, with its path.
     """
-    fixed = fixed_lengths(result)
+    fixed = result_arrays.fixed_lengths(result)
     lengths = {("", name): length for name, length in fixed.items()}
     total = 0
     for path, data in arrays.items():

@@ -304,17 +304,11 @@ def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
     """Return places and levels of the listeners of a plate with edges."""
     if scene.plate.edges_mm is None:
         return {}
-    listeners = zip(scene.listeners, vibration.listener_levels(), strict=True)
-    return {
-        "listeners": [
-            {
-                "at_mm": [round(1e3 * x, 6) for x in place],
-                "laeq_db": levels.laeq_db,
-                "level_db": levels.level_db,
-            }
-            for place, levels in listeners
-        ]
-    }
+    listeners = []
+    for place, levels in zip(scene.listeners, vibration.listener_levels(), strict=True):
+        at = {"at_mm": [round(1e3 * x, 6) for x in place]}
+        listeners.append({**at, "laeq_db": levels.laeq_db, "level_db": levels.level_db})
+    return {"listeners": listeners}
 
 
 def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:
@@ -349,16 +343,13 @@ def _difference(scene: Scene, release: SoundLevels, vibration: SoundLevels) -> d
         difference = release.laeq_db - vibration.laeq_db
         if scene.sound.gain_pa_per_w_m2 is None:  # the level of a release follows 10 lg q
             equal = scene.sound.q * 10 ** (-difference / 10)
-    return {
-        "vibration_laeq_db": vibration.laeq_db,
-        "vibration_level_db": vibration.level_db,
-        "vibration_third_octave_db": vibration.third_octave_db,
-        "release_laeq_db": release.laeq_db,
-        "release_level_db": release.level_db,
-        "release_third_octave_db": release.third_octave_db,
-        "release_over_vibration_db": difference,
-        "equivalent_q": equal,
+    sources = {"vibration": vibration, "release": release}
+    levels = {
+        f"{source}_{key}": getattr(of_source, key)
+        for source, of_source in sources.items()
+        for key in ("laeq_db", "level_db", "third_octave_db")
     }
+    return levels | {"release_over_vibration_db": difference, "equivalent_q": equal}
 
 
 def _total(power: Array) -> float | None:
