@@ -59,35 +59,32 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     scale = maps.map_scale(shown)
     views = _views(shown)
     players = [_player(view, scale) for view in views]
-    html = (
-        _environment()
-        .get_template("report.html")
-        .render(
-            version=__version__,
-            title=text.titles(runs),
-            descriptions=_descriptions(shown),
-            text=text,
-            hearing=hearing,
-            caveats=caveats,
-            runs_table=runs_table,
-            summaries=[(run.label, run.summary) for run in runs],
-            LEAST_BT=LEAST_BT,
-            assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
-            runs=runs,
-            views=views,
-            unsolved=list(unsolved),
-            lengths={round(run.sound.duration, 4) for run in runs},
-            short=any(player["buzzes"] for player in players),
-            map_scale=scale,
-            filmed=any(player["film"] for player in players),
-            moved=any(player["film"] and player["film"]["motion"] for player in players),
-            curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
-            surfaces=_surfaces(shown),
-            vibrations=_vibrations(views),
-            css=Markup(text.asset("report.css")),
-            js=Markup("\n".join(text.asset(f"{name}.js") for name in SCRIPTS)),
-            data={"runs": players, "view": scale, "bands": BAND_NAMES},
-        )
+    template = _environment().get_template("report.html")
+    html = template.render(
+        version=__version__,
+        title=text.titles(runs),
+        descriptions=_descriptions(shown),
+        text=text,
+        hearing=hearing,
+        caveats=caveats,
+        runs_table=runs_table,
+        summaries=[(run.label, run.summary) for run in runs],
+        LEAST_BT=LEAST_BT,
+        assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
+        runs=runs,
+        views=views,
+        unsolved=list(unsolved),
+        lengths={round(run.sound.duration, 4) for run in runs},
+        short=any(player["buzzes"] for player in players),
+        map_scale=scale,
+        filmed=any(player["film"] for player in players),
+        moved=any(player["film"] and player["film"]["motion"] for player in players),
+        curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
+        surfaces=_surfaces(shown),
+        vibrations=_vibrations(views),
+        css=Markup(text.asset("report.css")),
+        js=Markup("\n".join(text.asset(f"{name}.js") for name in SCRIPTS)),
+        data={"runs": players, "view": scale, "bands": BAND_NAMES},
     )
     return html.encode()
 
@@ -216,8 +213,10 @@ def gains(
         scale and for a common LAeq, `calibrated_pa` and `equal_pa` [Pa] the full scales that they
         lead to, and `equal_db` [dB] their ratio. A silent record has factors of 0 and no scales.
     """
-    scales = [peak / wav.PEAK if peak > 0 else 1.0 for peak in peaks_pa]
-    records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
+    records = [
+        (peak / wav.PEAK if peak > 0 else 1.0, peak, level)
+        for peak, level in zip(peaks_pa, laeq_db, strict=True)
+    ]
     common = max((scale for scale, peak, _ in records if peak > 0), default=1.0)
     # Each record is loudest with its peak at the limit. All records can reach the minimum of these
     # levels.
@@ -276,33 +275,26 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
         places = (scene.height_path, track.n_along, track.n_across)
         ball = scene.sphere.surface and (scene.sphere.surface, track.turn_nodes)
         sharing.setdefault(f"{scene.surface.model_dump_json()} {ball} {places}", []).append(run)
-    surfaces = []
-    for members in sharing.values():
-        picture = single_picture("surface", members[0])
-        assert picture is not None
-        surfaces.append(
-            {
-                "labels": [run.label for run in members],
-                "words": assumed.surface_words(members[0].scene),
-                "statistics": members[0].summary["surface"],
-                "parts": runs_table.surface_parts(members[0].summary),
-                "picture": _exhibit(picture),
-            }
-        )
-    return surfaces
+    return [
+        {
+            "labels": [run.label for run in members],
+            "words": assumed.surface_words(members[0].scene),
+            "statistics": members[0].summary["surface"],
+            "parts": runs_table.surface_parts(members[0].summary),
+            "picture": _exhibit(picture),
+        }
+        for members in sharing.values()
+        if (picture := single_picture("surface", members[0]))
+    ]
 
 
 def _vibrations(views: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:
     """Return label and pictures of the runs that vibrate; equal pictures are shown once."""
-    shown, seen = [], set[bytes]()
+    seen: dict[str, tuple[str, dict[str, Any]]] = {}
     for view in views:
-        pictures = []
-        for name in VIBRATION:
-            picture = view["pictures"].get(name)
-            drawn = picture and (picture["csv"] or picture["src"])
-            if drawn and drawn not in seen:
-                pictures.append(picture)
-                seen.add(drawn)
-        if pictures:
-            shown.append((view["label"], pictures))
-    return shown
+        for picture in (view["pictures"][x] for x in VIBRATION if x in view["pictures"]):
+            seen.setdefault(picture["csv"] or picture["src"], (view["label"], picture))
+    shown: dict[str, list[dict[str, Any]]] = {}
+    for label, picture in seen.values():
+        shown.setdefault(label, []).append(picture)
+    return [*shown.items()]

@@ -100,17 +100,16 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
 
 def listeners(runs: Sequence[Run]) -> list[tuple[str, str, str, str]]:
     """Return run, place, LAeq and LZeq of each listener of the runs with more than one."""
-    rows = []
-    for run in runs:
-        places = run.summary.get("listeners") or []
-        for listener in places if len(places) > 1 else []:
-            at = f"{bracketed(listener['at_mm'])} mm"
-            laeq, level = (
-                "silent" if listener[key] is None else f"{listener[key]:.1f}"
-                for key in ("laeq_db", "level_db")
-            )
-            rows.append((run.label, at, laeq, level))
-    return rows
+
+    def decibels(level: float | None) -> str:
+        return "silent" if level is None else f"{level:.1f}"
+
+    return [
+        (run.label, f"{bracketed(x['at_mm'])} mm", decibels(x["laeq_db"]), decibels(x["level_db"]))
+        for run in runs
+        if len(listeners := run.summary.get("listeners") or []) > 1
+        for x in listeners
+    ]
 
 
 def _cell(run: Run, key: str, column: Column) -> str:
@@ -154,10 +153,8 @@ def facts(runs: Sequence[Run], records: Sequence[Mapping[str, str]]) -> list[Fac
         labels_by_value: dict[str, list[str]] = {}
         for run, record in zip(runs, records, strict=True):
             labels_by_value.setdefault(record.get(name, NOTHING), []).append(run.label)
-        alone = len(labels_by_value) == 1
-        values = [
-            ("" if alone else "; ".join(names), value) for value, names in labels_by_value.items()
-        ]
+        several = len(labels_by_value) > 1
+        values = [("; ".join(names * several), x) for x, names in labels_by_value.items()]
         merged.append((name, values))
     return merged
 
@@ -188,18 +185,14 @@ def recipes(runs: Sequence[Run]) -> list[dict[str, str]]:
     for run in runs:
         members.setdefault(run.home, []).append(run)
     written = []
-    for home, sweep in members.items():
-        name, path = f"{sweep[0].scene.name}.yaml", home / "scene.yaml"
+    for home, (first, *others) in members.items():
+        name, path = f"{first.scene.name}.yaml", home / "scene.yaml"
         # The folder of a run in memory is the working directory, whose scene.yaml is a stranger's.
-        is_stored = "provenance" in sweep[0].summary and path.is_file()
-        written.append(
-            {
-                "labels": "; ".join(run.label for run in sweep),
-                "file": name,
-                "scene": path.read_text("utf-8") if is_stored else file.dump(sweep[0].scene),
-                "command": f"rolling run {name}",
-            }
-        )
+        is_stored = "provenance" in first.summary and path.is_file()
+        scene = path.read_text("utf-8") if is_stored else file.dump(first.scene)
+        names = "; ".join(run.label for run in (first, *others))
+        command = f"rolling run {name}"
+        written.append({"labels": names, "file": name, "scene": scene, "command": command})
     return written
 
 

@@ -71,11 +71,9 @@ def labels(runs: Sequence[Labelled]) -> list[str]:
     if len(set(names)) > 1:
         texts = [f"{name}, {text}" for name, text in zip(names, texts, strict=True)]
     homes = [(run.folder.parent if run.values else run.folder).resolve().name for run in runs]
-    shared: dict[str, set[str]] = {}
-    for text, home in zip(texts, homes, strict=True):
-        shared.setdefault(text, set()).add(home)
+    shared = Counter(text for text, _ in {*zip(texts, homes, strict=True)})
     texts = [
-        f"{text} ({printable(home)})" if len(shared[text]) > 1 else text
+        f"{text} ({printable(home)})" if shared[text] > 1 else text
         for text, home in zip(texts, homes, strict=True)
     ]
     return _numbered([_cut(text, LONGEST) for text in texts])

@@ -127,14 +127,12 @@ def _estimate(
 
 def _not_linear(vibration: Vibration | None) -> str:
     """Explain that no linear chain carries an error to the sound; empty where one does."""
-    if vibration is None:
+    if vibration is not None and vibration.motion.flight_share > 0:
+        words = "contact is lost"
+    elif vibration is not None and vibration.rms_ratio > LINEAR:
+        words = f"the contact force fluctuates by {rounded(vibration.rms_ratio)} of the load"
+    else:
         return ""
-    lost, rms = vibration.motion.flight_share > 0, vibration.rms_ratio
-    if not lost and rms <= LINEAR:
-        return ""
-    words = (
-        "contact is lost" if lost else f"the contact force fluctuates by {rounded(rms)} of the load"
-    )
     return f"{words}, and no linear chain carries an error of the approach to the sound then"
 
 
