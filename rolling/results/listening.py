@@ -212,17 +212,15 @@ def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) 
             " which take ten minutes"
         )
     if run.vibration is not None and run.sound.source == "vibration":
-        listening = long_listening.listen_to_vibration(scene, run.vibration.law, seconds, seed)
+        record = long_listening.listen_to_vibration(scene, run.vibration.law, seconds, seed)
     else:
-        lap, track = run.result.solved_steps, run.scene.track
+        lap, step = run.result.solved_steps, run.result.step
         energy = released(run.scene, run.result)[0][:lap]
-        closed = track.lap_steps <= lap and not run.sound.has_seam
-        listening = long_listening.listen_to_release(
-            scene, energy, run.result.step, closed, seconds, seed
-        )
-    listening.numbers["seed"] = seed
-    listening.numbers["limits"] = limits(listening.numbers)
-    return listening
+        closed = run.scene.track.lap_steps <= lap and not run.sound.has_seam
+        record = long_listening.listen_to_release(scene, energy, step, closed, seconds, seed)
+    record.numbers["seed"] = seed
+    record.numbers["limits"] = limits(record.numbers)
+    return record
 
 
 def _refuse(seconds: float, speed: Speed | None) -> None:
