@@ -55,13 +55,13 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
         moving = result.moving
         pieces += [piece("moving", *ends, forces=moving.force) for ends in moving.missing()]
     if film and not pieces and (passes is None or passes.before is not None):
-        stretch = film_stretch(scene, result)
-        if stretch is None:
+        positions, film_so_far = film_stretch(scene, result), result.slow_motion
+        if positions is None:
             result.slow_motion = None
-        elif not stretch.is_shown(result.slow_motion):
-            ends = stretch.first, stretch.last
-            sunk = None if passes is None else passes.before
-            pieces = [piece("film", *ends, stride=stretch.stride, sunk=sunk)]
+        # A film without a map is of a stretch that could not be solved again.
+        elif film_so_far is None or [*film_so_far.positions] not in ([], [*positions]):
+            ends, sunk = (positions[0], positions[-1]), passes and passes.before
+            pieces = [piece("film", *ends, stride=positions.step, sunk=sunk)]
     return pieces
 
 
