@@ -39,11 +39,8 @@ def run() -> Run:
         (("numerics.error_estimate=true",), f"error_estimate: got true, {SMOOTH}: false"),
         (("plate.hardness_gpa=",), "plate.hardness_gpa: missing; plasticity: permanent needs it"),
         (("plate.plasticity=memoryless",), "rolling.passes: got 2, which needs plate.plasticity"),
-        (("plate.plasticity=",), "rolling.passes: got 2, which needs plate.plasticity: permanent"),
-        (("plate.plasticity=forever",), 'plate.plasticity: got "forever"'),
         (("rolling.passes=0",), "rolling.passes: got 0, allowed: greater than or equal to 1"),
         (("rolling.passes=101",), "rolling.passes: got 101, allowed: less than or equal to 100"),
-        (("rolling.passes=2.5",), "rolling.passes: got 2.5, allowed: a whole number"),
         (
             ("sphere.surface={kind: graded, grade: G10, seed: 1}",),
             'plate.plasticity: got "permanent", which only goes with a smooth sphere',
@@ -58,12 +55,8 @@ def test_refused_scenes(changes: tuple[str, ...], message: str) -> None:
 def test_steps_that_interleave_on_a_file_are_refused(tmp_path: Path) -> None:
     """Steps of 3 nodes go round 64 nodes three times before they repeat."""
     np.save(tmp_path / "heights.npy", np.random.default_rng(1).normal(0, 1e-7, (64, 64)))
-    text = re.sub(
-        r"surface: {.*?}",
-        f"surface: {{kind: file, path: {tmp_path}/heights.npy, spacing_um: 2}}",
-        MEMORY,
-        flags=re.S,
-    )
+    surface = f"surface: {{kind: file, path: {tmp_path}/heights.npy, spacing_um: 2}}"
+    text = re.sub(r"surface: {.*?}", surface, MEMORY, flags=re.S)
     scene = loads(text, ("numerics.step_nodes=3",))
     with pytest.raises(SceneError, match=r"got 3, .* a divisor of the 64 nodes"):
         refusals.refuse(scene)
