@@ -59,6 +59,7 @@ if __name__ == "__main__":
             "rolling": ["py.typed"],
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
+            "rolling.scene": ["*.yaml"],
             SCENES: ["*.yaml", "scene.schema.json", "*/*/*.yaml"],
         },
         include_package_data=False,

@@ -84,7 +84,7 @@ def situation(runs: Sequence[Run]) -> str:
 def _parts(run: Run) -> tuple[str, ...]:
     """Return sphere, diameter, speed, load, thickness, plate, surface and distance in words."""
     scene, plate = run.scene, run.scene.plate
-    yields = f" that yields at {plate.hardness_gpa:g} GPa" if plate.hardness_gpa else ""
+    yields = f" that yields at {plate.cap_gpa:g} GPa" if math.isfinite(plate.cap_gpa) else ""
     speed = "changing speed"
     if run.sound.constant_speed:
         speed = f"{rounded(scene.motion.fastest(run.sound.duration), 3)} m/s"

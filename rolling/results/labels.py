@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+from rolling.scene.named import NAMES
 from rolling.scene.scene import Scene
 from rolling.scene.section import Section
 from rolling.scene.sweep import Value
@@ -42,6 +43,7 @@ WORDS = {  # in the order in which labels name them
     "rolling.drop_mm": Word("drop", "mm", "no drop"),
     **{f"surface.{name}": word for name, word in _HEIGHTS.items()},
     "surface.level": Word("levelling"),
+    "surface.finish": Word("finish", "", "no finish"),
     "surface.faults": Word("faults", "", "no faults"),
     "sphere.radius_mm": Word("sphere radius", "mm"),
     **{
@@ -52,12 +54,15 @@ WORDS = {  # in the order in which labels name them
     "sphere.surface.spacing_um": Word("sphere spacing", "µm", minor=True),
     "sphere.surface.waviness": Word("waviness", "", "no waviness"),
     "sphere.surface.faults": Word("sphere faults", "", "no sphere faults"),
+    "sphere.material": Word("sphere", "", "sphere without a name"),
     "sphere.youngs_modulus_gpa": Word("sphere Young's modulus", "GPa", "rigid sphere"),
     "sphere.poissons_ratio": Word("sphere Poisson's ratio"),
     "sphere.density_kg_m3": Word("sphere density", "kg/m³", "sphere density as steel"),
+    "plate.material": Word("plate", "", "plate without a name"),
     "plate.youngs_modulus_gpa": Word("Young's modulus", "GPa"),
     "plate.poissons_ratio": Word("Poisson's ratio"),
     "plate.hardness_gpa": Word("hardness", "GPa", "no hardness"),
+    "plate.yield_strength_gpa": Word("yield strength", "GPa", "no yield strength"),
     "plate.density_kg_m3": Word("plate density", "kg/m³", "no plate density"),
     "plate.thickness_mm": Word("thickness", "mm", "half-space"),
     "plate.loss_factor": Word("loss factor", "", "no loss factor"),
@@ -165,6 +170,10 @@ def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
     sections = tuple(f"{key}." for key in swept if key not in WORDS)  # swept under labels
     keys = [*swept, *(key for key in WORDS if not key.startswith(sections))]
     texts = {key: _texts(key, runs) for key in dict.fromkeys(keys)}
+    for section, name in NAMES.items():  # different names stand for their values
+        if len(set(texts.get(f"{section}.{name.key}", ()))) > 1:
+            given = {f"{section}.{key}" for key in name.gives}.difference(swept)
+            texts = {key: words for key, words in texts.items() if key not in given}
     minor = {key: WORDS.get(key, Word(key)).minor for key in texts}
     differing = sorted((key for key in texts if len(set(texts[key])) > 1), key=minor.__getitem__)
     names = [run.scene.name for run in runs]

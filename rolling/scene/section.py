@@ -74,6 +74,8 @@ class Section(BaseModel, metaclass=_SceneErrors):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
     IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
+    GIVEN_BY: ClassVar[str] = ""  # key of a name that gives the required keys in `NAMED`
+    NAMED: ClassVar[tuple[str, ...]] = ()
 
     @classmethod
     def descriptions(cls) -> dict[str, str]:
@@ -96,6 +98,10 @@ class Section(BaseModel, metaclass=_SceneErrors):
         if cls.IN_FILES:
             schema["properties"][cls.IN_FILES].pop("default", None)
             schema["required"] = [cls.IN_FILES, *schema.get("required", [])]
+        if cls.GIVEN_BY:
+            named = [key for key in schema["required"] if key in cls.NAMED]
+            schema["required"] = [key for key in schema["required"] if key not in named]
+            schema["anyOf"] = [{"required": [cls.GIVEN_BY]}, {"required": named}]
         return reference
 
     @classmethod

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
+from rolling.scene import named
 from rolling.scene.balls import Roughness
 from rolling.scene.faults import SurfaceFault
 from rolling.scene.messages import fault, plain_number
@@ -61,6 +62,8 @@ class Gaussian(Roughness, MadeSurface):
     ----------
     kind : "gaussian"
         A random surface with Gaussian heights
+    finish : str, optional
+        Name of a finish, which gives Ra, correlation lengths and law; values beside it win
     spacing_um : float
         Node spacing [um], along and across
     width_um : float
@@ -80,8 +83,17 @@ class Gaussian(Roughness, MadeSurface):
         Single faults of the surface
     """
 
+    GIVEN_BY: ClassVar[str] = "finish"
+    NAMED: ClassVar[tuple[str, ...]] = ("kind", "roughness_ra_um", "correlation_length_um")
+
     kind: Literal["gaussian"] = "gaussian"
+    finish: Annotated[str, named.NameSchema("finishes")] | None = None
     faults: list[SurfaceFault] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_finish(cls, values: Any) -> Any:
+        return named.validated("surface", values)
 
 
 class Smooth(MadeSurface):
