@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 
-from rolling.figures import contact, modulation, sound, sweep, vibration
+from rolling.figures import contact, modulation, sound, sweep, vibration, wavelengths
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
 from rolling.surface.scene_surface import scene_surface
@@ -74,6 +74,11 @@ SINGLE = {
     "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
     "spectrogram": FigureKind(sound.spectrogram, None, among=True),
     "modulation": FigureKind(modulation.modulation, modulation.modulation_table, _turns),
+    "wavelengths": FigureKind(
+        wavelengths.wavelengths,
+        wavelengths.wavelength_table,
+        lambda runs: bool(runs[0].wavelength_octaves),
+    ),
     "surface": FigureKind(contact.surface, None),
     "contact_pressure": FigureKind(
         contact.contact_pressure, None, lambda runs: runs[0].result.snapshot is not None, among=True

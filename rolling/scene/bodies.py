@@ -32,7 +32,7 @@ def _hardness(value: Any) -> Any:
     if value == named.NONE:
         return value
     if not is_number(value):
-        raise fault(f"got {shown(value)}, allowed: a number, or {named.NONE}")
+        raise fault(f"got {shown(value)}, allowed: a finite number, or {named.NONE}")
     if not HARDNESS.least <= value <= HARDNESS.most:
         raise fault(implausible(value, HARDNESS))
     return float(value)

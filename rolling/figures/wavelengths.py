@@ -1,0 +1,76 @@
+"""Figure of the part of the sound that each octave of roughness wavelength makes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from acoustics.plot_style import COLOURS
+from rolling.figures.picture import axes_of, finish, finish_grid
+from rolling.results.run_result import Run
+from rolling.sound.wavelengths import limits, sentence
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
+    """Plot the share of each octave of roughness wavelength in the A-weighted energy of a run.
+
+    Parameters
+    ----------
+    run : Run
+        Run to plot.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with shares, %, over wavelength along the track, µm: all of the sound at the
+        frequencies of an octave, and the part that follows its waves where it is known.
+
+    Raises
+    ------
+    ValueError
+        The run is silent, or a fall.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.plot.wavelengths(run)  # doctest: +SKIP
+    """
+    table, ax = wavelength_table(run), axes_of(ax)
+    low, width = table["from_um"], 0.92 * (table["to_um"] - table["from_um"])
+    bars = {"energy_share": "at the frequencies of these waves"}
+    if table["linear_share"].notna().any():
+        bars["linear"] = "following these waves"
+        table["linear"] = table["energy_share"] * table["linear_share"].fillna(0.0)
+    for k, (name, label) in enumerate(bars.items()):
+        alpha = 0.4 if k < len(bars) - 1 else 1.0
+        ax.bar(
+            low,
+            100 * table[name],
+            width,
+            0,
+            align="edge",
+            color=COLOURS[0],
+            alpha=alpha,
+            label=label,
+        )
+    ax.set_xscale("log")
+    ax.set_xticks(low, [f"{edge:g}" for edge in low])
+    ax.set_xticks([], minor=True)
+    ax.set_xlabel("wavelength along the track, lower edge of the octave [µm]")
+    ax.set_ylabel("part of the A-weighted energy [%]")
+    flight = run.vibration.motion.flight_share if run.vibration else 0.0
+    facts = [sentence(run.wavelength_octaves), limits(run.scene, run.sound, flight)]
+    return finish(finish_grid(ax), f"Wavelengths: {run.title}", facts)
+
+
+def wavelength_table(run: Run) -> pd.DataFrame:
+    """Tabulate the octaves of wavelength of a run, short waves first; NaN is unknown."""
+    if not run.wavelength_octaves:
+        raise ValueError(f"{run.title}: is silent or falls, so it has no octaves of wavelength")
+    return pd.DataFrame(run.wavelength_octaves).astype(float)
