@@ -9,7 +9,7 @@ import pandas as pd
 from acoustics.plot_style import COLOURS
 from rolling.figures.picture import axes_of, finish, finish_grid
 from rolling.results.run_result import Run
-from rolling.sound.wavelengths import limits, sentence
+from rolling.sound.wavelengths import LEAST_SHARE, limits, sentence
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +42,7 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     >>> rolling.plot.wavelengths(run)  # doctest: +SKIP
     """
     table, ax = wavelength_table(run), axes_of(ax)
+    table = table[table["energy_share"] >= LEAST_SHARE].copy()
     low, width = table["from_um"], 0.92 * (table["to_um"] - table["from_um"])
     bars = {"energy_share": "at the frequencies of these waves"}
     if table["linear_share"].notna().any():
@@ -65,8 +66,8 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     ax.set_xlabel("wavelength along the track, lower edge of the octave [µm]")
     ax.set_ylabel("part of the A-weighted energy [%]")
     flight = run.vibration.motion.flight_share if run.vibration else 0.0
-    facts = [sentence(run.wavelength_octaves), limits(run.scene, run.sound, flight)]
-    return finish(finish_grid(ax), f"Wavelengths: {run.title}", facts)
+    words = f"{sentence(run.wavelength_octaves)} {limits(run.scene, run.sound, flight)}"
+    return finish(finish_grid(ax), f"Wavelengths: {run.title}", [words])
 
 
 def wavelength_table(run: Run) -> pd.DataFrame:

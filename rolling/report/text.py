@@ -180,7 +180,7 @@ def waves(run: Run) -> Waves:
             NOTHING if octave.fall_db is None else f"{octave.fall_db:.1f}",
         ]
         for octave in octaves
-        if octave.energy_share >= 1e-3
+        if octave.energy_share >= wavelengths.LEAST_SHARE
     ]
     limits = wavelengths.limits(run.scene, run.sound, flight)
     return Waves(wavelengths.sentence(octaves), limits, rows)

@@ -23,6 +23,7 @@ from rolling.sound.contact_sound import ContactSound
 
 EDGE_UM = 10.0  # an edge of the octaves
 FOLLOWS = 0.5  # linear share from which the sound of an octave counts as made by its waves
+LEAST_SHARE = 1e-3  # of the energy in an octave that is shown
 _ALL = 1e-6  # share of the energy besides an octave, below which nothing is left without it
 _LEAST_LINES = 8  # of an octave whose coherence is estimated, which is wrong by one over them
 _MOST_NODES = 20_000_000  # under the contact; of longer tracks fewer lines count
@@ -31,7 +32,8 @@ _MOST_NODES = 20_000_000  # under the contact; of longer tracks fewer lines coun
 class WavelengthOctave(NamedTuple):
     """Octave of wavelengths: its share of the A-weighted energy, and the fall without it.
 
-    linear_share : share of the approach in the octave that follows its waves; None if unknown.
+    linear_share : share of the approach in the octave that follows its waves; None of a release,
+        and where it is unknown.
     fall_db : fall of LAeq without the waves of the octave; None where nothing is left.
     """
 
@@ -61,12 +63,13 @@ def wavelength_octaves(
     """Return the octaves of wavelength within hearing, short waves first.
 
     Heights [m] of the surface and approach [m] of the solved steps under the constant load tell
-    the linear shares. A silent record has no octaves, and neither has a fall.
+    the linear shares of a vibration. A silent record has no octaves, and neither has a fall.
     """
     frequency, square, weighted = weighted_lines(sound)
     if scene.rolling.drop_mm is not None or not weighted.sum() > 0:
         return []
-    linear = _linear_shares(scene, heights, approach)
+    vibrates = sound.source == "vibration"
+    linear = _linear_shares(scene, heights, approach) if vibrates else {}
     order = _order(1e6 * mean_speed(scene, sound) / frequency)
     octaves = []
     for k in range(order.min(), order.max() + 1):
