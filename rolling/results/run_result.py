@@ -91,7 +91,8 @@ class Run:
     @cached_property
     def wavelength_octaves(self) -> list[WavelengthOctave]:
         """Octaves of roughness wavelength with their parts of the sound; none of a silent run."""
-        heights, approach = scene_surface(self.scene).heights, self.result.series["approach"]
+        heights = scene_surface(self.scene).heights if self.vibration else None
+        approach = self.result.series["approach"]
         return wavelength_octaves(self.scene, self.sound, heights, approach)
 
     @property

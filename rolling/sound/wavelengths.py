@@ -58,18 +58,19 @@ def mean_speed(scene: Scene, sound: ContactSound) -> float:
 
 
 def wavelength_octaves(
-    scene: Scene, sound: ContactSound, heights: Array, approach: Array
+    scene: Scene, sound: ContactSound, heights: Array | None, approach: Array
 ) -> list[WavelengthOctave]:
     """Return the octaves of wavelength within hearing, short waves first.
 
-    Heights [m] of the surface and approach [m] of the solved steps under the constant load tell
-    the linear shares of a vibration. A silent record has no octaves, and neither has a fall.
+    Heights [m] of the surface, which a vibration needs, and approach [m] of the solved steps under
+    the constant load tell the linear shares. A silent record has no octaves, nor has a fall.
     """
     frequency, square, weighted = weighted_lines(sound)
     if scene.rolling.drop_mm is not None or not weighted.sum() > 0:
         return []
-    vibrates = sound.source == "vibration"
-    linear = _linear_shares(scene, heights, approach) if vibrates else {}
+    linear = dict[int, float]()
+    if heights is not None and sound.source == "vibration":
+        linear = _linear_shares(scene, heights, approach)
     order = _order(1e6 * mean_speed(scene, sound) / frequency)
     octaves = []
     for k in range(order.min(), order.max() + 1):
