@@ -165,7 +165,7 @@ def name_tables() -> str:
 
     parts = []
     for table in ("materials", "finishes"):
-        entries, sources = named.entries(table), named.sources(table)
+        entries, sources = named.data(table)[table], named.data(table)["sources"]
         numbers = {key: n for n, key in enumerate(sources, 1)}
         keys = list(
             dict.fromkeys(

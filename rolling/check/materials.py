@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 from rolling.check.finding import Finding, si
@@ -14,14 +13,13 @@ def findings(scene: Scene) -> Iterator[Finding]:
     """State the materials of plate and sphere; warn where the model does not hold for them."""
     for body in ("plate", "sphere"):
         section = getattr(scene, body)
-        entry = named.entries("materials").get(section.material or "")
-        if entry is None:
+        if section.material is None:
             continue
-        own = named.own_values(body, section.model_dump())
-        but = ", ".join(f"{key} {value}" for key, value in own.items())
-        value = section.material + (f" with its own {but}" if own else "")
-        warning = None
-        if reason := entry.get("sound_only"):
+        value, warning = section.material, None
+        for key, usual in named.named_values(body, value).items():
+            if (own := getattr(section, key)) not in (None, usual):
+                value += f", own {key} {own}"
+        if reason := named.data("materials")["materials"][section.material].get("sound_only"):
             warning = (
                 f"{section.material} is for its sound only, not for levels, because {reason}; the"
                 " contact is computed as of an isotropic elastic half-space that yields"
@@ -32,14 +30,12 @@ def findings(scene: Scene) -> Iterator[Finding]:
 
 def _soft_sphere(scene: Scene) -> Iterator[Finding]:
     """Warn of a sphere whose material yields at a lower pressure than the plate."""
-    hardness = scene.sphere.material and named.hardness_gpa(scene.sphere.material)
-    if not hardness or 1e9 * hardness >= scene.hardness:
-        return
-    plate = "is purely elastic"
-    if math.isfinite(scene.hardness):
-        plate = f"bears up to {si(scene.hardness, 'Pa')}"
-    warning = (
-        f"the sphere would yield first, at {si(1e9 * hardness, 'Pa')}, and the program does not let"
-        f" it: the plate {plate}; give the plate a hardness of the sphere, or a harder sphere"
-    )
-    yield Finding("sphere_yields", "hardness of the sphere", si(1e9 * hardness, "Pa"), warning)
+    material = scene.sphere.material
+    hardness = material and named.named_values("plate", material)["hardness_gpa"]
+    if isinstance(hardness, float) and 1e9 * hardness < scene.hardness:
+        pressure = si(1e9 * hardness, "Pa")
+        warning = (
+            f"the sphere would yield first, at {pressure}, and the program does not let it, because"
+            " the plate bears more: lower plate.hardness_gpa, or take a harder sphere"
+        )
+        yield Finding("sphere_yields", "hardness of the sphere", pressure, warning)

@@ -9,7 +9,8 @@ import pandas as pd
 from acoustics.plot_style import COLOURS
 from rolling.figures.picture import axes_of, finish, finish_grid
 from rolling.results.run_result import Run
-from rolling.sound.wavelengths import LEAST_SHARE, limits, sentence
+from rolling.sound import wavelengths as octaves
+from rolling.sound.wavelengths import LEAST_SHARE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,32 +43,27 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     >>> rolling.plot.wavelengths(run)  # doctest: +SKIP
     """
     table, ax = wavelength_table(run), axes_of(ax)
-    table = table[table["energy_share"] >= LEAST_SHARE].copy()
-    low, width = table["from_um"], 0.92 * (table["to_um"] - table["from_um"])
-    bars = {"energy_share": "at the frequencies of these waves"}
-    if table["linear_share"].notna().any():
-        bars["linear"] = "following these waves"
-        table["linear"] = table["energy_share"] * table["linear_share"].fillna(0.0)
-    for k, (name, label) in enumerate(bars.items()):
-        alpha = 0.4 if k < len(bars) - 1 else 1.0
-        ax.bar(
-            low,
-            100 * table[name],
-            width,
-            0,
-            align="edge",
-            color=COLOURS[0],
-            alpha=alpha,
-            label=label,
-        )
+    table = table[table["energy_share"] >= LEAST_SHARE]
+    low, share = table["from_um"], 100 * table["energy_share"]
+    linear = share * table["linear_share"].fillna(0.0)
+    bars = [
+        (share, 0.4, "at the frequencies of these waves"),
+        (linear, 1.0, "following these waves"),
+    ]
+    for height, alpha, label in bars if linear.any() else bars[:1]:
+        ax.bar(low, height, 0.92 * low, 0, align="edge", color=COLOURS[0], alpha=alpha, label=label)
     ax.set_xscale("log")
     ax.set_xticks(low, [f"{edge:g}" for edge in low])
     ax.set_xticks([], minor=True)
     ax.set_xlabel("wavelength along the track, lower edge of the octave [µm]")
     ax.set_ylabel("part of the A-weighted energy [%]")
+    return finish(finish_grid(ax), f"Wavelengths: {run.title}", [reading(run)])
+
+
+def reading(run: Run) -> str:
+    """State the octave of wavelength that makes most of the sound of a run, and the doubts."""
     flight = run.vibration.motion.flight_share if run.vibration else 0.0
-    words = f"{sentence(run.wavelength_octaves)} {limits(run.scene, run.sound, flight)}"
-    return finish(finish_grid(ax), f"Wavelengths: {run.title}", [words])
+    return octaves.reading(run.scene, run.sound, run.wavelength_octaves, flight)
 
 
 def wavelength_table(run: Run) -> pd.DataFrame:

@@ -17,18 +17,9 @@ from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.results.runs_table import beside_text, level_name, uncertain, verdicts
 from rolling.scene import file
-from rolling.sound import wavelengths
 
 NOTHING = "-"  # for a number that does not exist
 Fact = tuple[str, list[tuple[str, str]]]  # quantity; labels of runs (empty: all runs) and value
-
-
-class Waves(NamedTuple):
-    """Words on the octaves of wavelength of a run: sentence, limits, and rows of a table."""
-
-    sentence: str
-    limits: str
-    rows: list[list[str]]
 
 
 class Column(NamedTuple):
@@ -166,24 +157,6 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
     units = [f" [{column.unit}]" if column.unit else "" for column in columns]
     heads = [head + unit for head, unit in zip(heads, units, strict=True)]
     return heads, [(run.label, [_cell(run, column) for column in columns]) for run in runs]
-
-
-def waves(run: Run) -> Waves:
-    """Return the octaves of wavelength of a run that sounds; those below 0.1 % are left out."""
-    octaves = run.wavelength_octaves
-    flight = run.vibration.motion.flight_share if run.vibration else 0.0
-    rows = [
-        [
-            f"{octave.from_um:g} to {octave.to_um:g}",
-            f"{100 * octave.energy_share:.1f}",
-            NOTHING if octave.linear_share is None else f"{100 * octave.linear_share:.0f}",
-            NOTHING if octave.fall_db is None else f"{octave.fall_db:.1f}",
-        ]
-        for octave in octaves
-        if octave.energy_share >= wavelengths.LEAST_SHARE
-    ]
-    limits = wavelengths.limits(run.scene, run.sound, flight)
-    return Waves(wavelengths.sentence(octaves), limits, rows)
 
 
 def listeners(runs: Sequence[Run]) -> list[tuple[str, str, str, str]]:

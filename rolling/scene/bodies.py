@@ -23,7 +23,12 @@ from rolling.scene.section import Section
 
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
 DENSITY = MATERIALS["density_kg_m3"]
-Material = Annotated[str, named.NameSchema("materials")]
+Material = Annotated[
+    str,
+    Field(
+        json_schema_extra=lambda schema: schema.update(enum=[*named.data("materials")["materials"]])
+    ),
+]
 HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
 
 
@@ -31,11 +36,10 @@ def _hardness(value: Any) -> Any:
     """Return a hardness, or the word for a plate without one."""
     if value == named.NONE:
         return value
-    if not is_number(value):
-        raise fault(f"got {shown(value)}, allowed: a finite number, or {named.NONE}")
-    if not HARDNESS.least <= value <= HARDNESS.most:
-        raise fault(implausible(value, HARDNESS))
-    return float(value)
+    if is_number(value) and HARDNESS.least <= value <= HARDNESS.most:
+        return float(value)
+    words = f"got {shown(value)}, allowed: a finite number, or {named.NONE}"
+    raise fault(implausible(value, HARDNESS) if is_number(value) else words)
 
 
 _NUMBER = {"type": "number", "minimum": HARDNESS.least, "maximum": HARDNESS.most}
@@ -75,17 +79,14 @@ class Sphere(Section):
         Surface of the sphere, wrapped around its circumference; absent: perfectly smooth
     """
 
+    NAMED: ClassVar[str] = "sphere"
+
     radius_mm: float = Field(gt=0)
     material: Material | None = None
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     youngs_modulus_gpa: float | None = Field(default=None, ge=YOUNG.least, le=YOUNG.most)
     poissons_ratio: float | None = Field(default=None, ge=0, le=0.5)
     surface: BallSurface | None = Field(default=None, discriminator="kind")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _of_material(cls, values: Any) -> Any:
-        return named.validated("sphere", values)
 
     @model_validator(mode="after")
     def _both_or_neither(self) -> Sphere:
@@ -159,8 +160,7 @@ class Plate(Section):
         Loss factor of the contact stiffness [-] at the contact resonance; absent: 0
     """
 
-    GIVEN_BY: ClassVar[str] = "material"
-    NAMED: ClassVar[tuple[str, ...]] = ("youngs_modulus_gpa", "poissons_ratio")
+    NAMED: ClassVar[str] = "plate"
 
     material: Material | None = None
     youngs_modulus_gpa: float = Field(ge=YOUNG.least, le=YOUNG.most)
@@ -199,26 +199,20 @@ class Plate(Section):
         ends = {"contact_mm": self.contact_mm or default, "contact_end_mm": self.contact_end_mm}
         return {key: point for key, point in ends.items() if point is not None}
 
-    @model_validator(mode="before")
-    @classmethod
-    def _of_material(cls, values: Any) -> Any:
-        return named.validated("plate", values)
-
     @model_validator(mode="after")
     def _softer_than_bonds(self) -> Plate:
         """Refuse a hardness beside a yield strength, and a pressure that no bonds bear."""
-        strength, most = self.yield_strength_gpa, self.youngs_modulus_gpa / HARDEST
-        if strength is not None and self.hardness_gpa not in (None, named.NONE):
-            words = f"not beside hardness_gpa, which is {named.YIELDS} times as much"
-            raise fault(words, "plate", "yield_strength_gpa")
-        if most <= self.cap_gpa < math.inf:
-            key, part = "hardness_gpa", "fifth"
-            if strength is not None:
-                key, part, most = "yield_strength_gpa", "fifteenth", most / named.YIELDS
+        key, part, share = "hardness_gpa", "fifth", HARDEST
+        if self.yield_strength_gpa is not None:
+            key, part, share = "yield_strength_gpa", "fifteenth", HARDEST * named.YIELDS
+            if self.hardness_gpa not in (None, named.NONE):
+                words = f"not beside hardness_gpa, which is {named.YIELDS} times as much"
+                raise fault(words, "plate", key)
+        if self.youngs_modulus_gpa / HARDEST <= self.cap_gpa < math.inf:
             words = (
                 f"got {plain_number(getattr(self, key))}, allowed: below a {part} of"
-                f" youngs_modulus_gpa, {rounded(most, 4)}; without a hardness the plate is purely"
-                " elastic"
+                f" youngs_modulus_gpa, {rounded(self.youngs_modulus_gpa / share, 4)}; without a"
+                " hardness the plate is purely elastic"
             )
             raise fault(words, "plate", key)
         return self

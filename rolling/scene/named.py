@@ -12,7 +12,6 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
-from pydantic import GetJsonSchemaHandler
 from ruamel.yaml import YAML
 
 from acoustics.numbers import rounded
@@ -22,6 +21,7 @@ HV_GPA = 9.80665e-3 / 0.927  # mean pressure under a Vickers indenter over the h
 NONE = "none"  # hardness of a plate that is purely elastic
 _ELASTIC = ("youngs_modulus_gpa", "poissons_ratio", "density_kg_m3")
 YIELDS = 3  # hardness over yield strength of metals, by Tabor's rule
+_HARDNESS = {"hardness_hv": HV_GPA, "yield_strength_gpa": YIELDS}  # factors of keys of the data
 
 
 class Name(NamedTuple):
@@ -40,59 +40,27 @@ NAMES = {
 NAME_KEYS = tuple(f"{section}.{name.key}" for section, name in NAMES.items())
 
 
-class NameSchema:
-    """JSON Schema of the names in a table, which is read only when a schema is made."""
-
-    def __init__(self, table: str) -> None:
-        self.table = table
-
-    def __get_pydantic_json_schema__(self, core: Any, handler: GetJsonSchemaHandler) -> Any:
-        return {"type": "string", "enum": [*entries(self.table)]}
-
-
 @cache
-def _file(table: str) -> dict[str, Any]:
+def data(table: str) -> dict[str, dict[str, Any]]:
+    """Return the `sources` of a table by key, and under its own name its entries by name.
+
+    Each value of an entry stands before the key of its source.
+    """
     text = files("rolling.scene").joinpath(f"{table}.yaml").read_text(encoding="utf-8")
     return dict(YAML(typ="safe", pure=True).load(text))
 
 
-def entries(table: str) -> dict[str, dict[str, Any]]:
-    """Return the entries of a table by name; each value stands before the key of its source."""
-    return dict(_file(table)[table])
-
-
-def sources(table: str) -> dict[str, str]:
-    """Return the sources of a table by their keys."""
-    return dict(_file(table)["sources"])
-
-
-@cache
-def _values(section: str, name: str) -> dict[str, Any]:
+def named_values(section: str, name: str) -> dict[str, Any]:
     """Return the values that a name gives to a section; none for an unknown name."""
     table = NAMES[section].table
-    entry = entries(table).get(name)
-    if entry is None:
-        return {}
+    entry = data(table)[table].get(name, {})
     values = {key: pair[0] for key, pair in entry.items() if isinstance(pair, list)}
-    if "hardness_hv" in values:
-        values["hardness_gpa"] = float(rounded(HV_GPA * values["hardness_hv"], 3))
-    if "yield_strength_gpa" in values:
-        values["hardness_gpa"] = float(rounded(YIELDS * values["yield_strength_gpa"], 3))
-    if table == "materials":
+    for key, factor in _HARDNESS.items():
+        if key in values:
+            values["hardness_gpa"] = float(rounded(factor * values[key], 3))
+    if entry:
         values.setdefault("hardness_gpa", NONE)
     return {key: values[key] for key in NAMES[section].gives if key in values}
-
-
-def hardness_gpa(material: str) -> float | None:
-    """Return the hardness of a material [GPa]; None without one."""
-    value = _values("plate", material).get("hardness_gpa")
-    return None if value in (None, NONE) else float(value)
-
-
-def own_values(section: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of a section with a name that differ from those of the name."""
-    table = _values(section, str(values[NAMES[section].key]))
-    return {key: values[key] for key in table if values.get(key) not in (None, table[key])}
 
 
 # ---- sections with a name
@@ -109,7 +77,7 @@ def filled(section: str, values: Any) -> Any:
     if name_of(section, values) is None:
         return values
     given = {key: value for key, value in values.items() if value is not None}
-    table = dict(_values(section, given[NAMES[section].key]))
+    table = named_values(section, given[NAMES[section].key])
     if "thickness_mm" not in given:
         table.pop("loss_factor", None)
     if "yield_strength_gpa" in given:
@@ -123,7 +91,7 @@ def validated(section: str, values: Any) -> Any:
     """Fill in a section; raise a fault for a name that its table does not have."""
     name = NAMES[section]
     given = values.get(name.key) if isinstance(values, Mapping) else None
-    known = entries(name.table) if given is not None else {}
+    known = data(name.table)[name.table] if given is not None else {}
     if given is None or (isinstance(given, str) and given in known):
         return filled(section, values)
     forms = {other.partition("-")[0]: other for other in reversed(known)} | {x: x for x in known}
@@ -145,7 +113,7 @@ def freed(data: Mapping[str, Any], key: str, value: Any) -> Mapping[str, Any]:
     old, renamed = name_of(section, values), last == NAMES[section].key
     if (renamed and value is None) or not (renamed or old):
         return data
-    table = _values(section, str(old or value))
+    table = named_values(section, str(old or value))
     kept = {k: v for k, v in values.items() if k not in table or (old and v != table[k])}
     return {**data, section: kept}
 

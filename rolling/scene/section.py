@@ -17,9 +17,11 @@ from pydantic import (
     GetJsonSchemaHandler,
     ValidationError,
     field_validator,
+    model_validator,
 )
 
 from acoustics.numbers import rounded
+from rolling.scene import named
 from rolling.scene.messages import SceneError, cut, dotted, explained, fault, shown, writable
 
 if TYPE_CHECKING:
@@ -74,8 +76,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
     IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
-    GIVEN_BY: ClassVar[str] = ""  # key of a name that gives the required keys in `NAMED`
-    NAMED: ClassVar[tuple[str, ...]] = ()
+    NAMED: ClassVar[str] = ""  # section of `named.NAMES` whose name gives values
 
     @classmethod
     def descriptions(cls) -> dict[str, str]:
@@ -98,10 +99,11 @@ class Section(BaseModel, metaclass=_SceneErrors):
         if cls.IN_FILES:
             schema["properties"][cls.IN_FILES].pop("default", None)
             schema["required"] = [cls.IN_FILES, *schema.get("required", [])]
-        if cls.GIVEN_BY:
-            named = [key for key in schema["required"] if key in cls.NAMED]
-            schema["required"] = [key for key in schema["required"] if key not in named]
-            schema["anyOf"] = [{"required": [cls.GIVEN_BY]}, {"required": named}]
+        by_name = named.NAMES.get(cls.NAMED)
+        if by_name and cls.NAMED != "sphere":  # whose named keys are optional anyway
+            given = [key for key in schema["required"] if key in (*by_name.gives, "kind")]
+            schema["required"] = [key for key in schema["required"] if key not in given]
+            schema["anyOf"] = [{"required": [by_name.key]}, {"required": given}]
         return reference
 
     @classmethod
@@ -116,6 +118,11 @@ class Section(BaseModel, metaclass=_SceneErrors):
                 key = key if key[:1] == (section,) else (section, *key)
                 faults.append(f"scene: {cut(dotted(key))}: {message}")
             raise SceneError(faults) from error
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_name(cls, values: Any) -> Any:
+        return named.validated(cls.NAMED, values) if cls.NAMED else values
 
     @field_validator("*")
     @classmethod

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -55,6 +55,14 @@ def _refuse_width(width_um: float, spacing_um: float) -> None:
         raise fault(f"got {plain_number(width_um)}, allowed: {words}", "surface", "width_um")
 
 
+Finish = Annotated[
+    str,
+    Field(
+        json_schema_extra=lambda schema: schema.update(enum=[*named.data("finishes")["finishes"]])
+    ),
+]
+
+
 class Gaussian(Roughness, MadeSurface):
     """Random periodic surface with Gaussian heights.
 
@@ -83,17 +91,11 @@ class Gaussian(Roughness, MadeSurface):
         Single faults of the surface
     """
 
-    GIVEN_BY: ClassVar[str] = "finish"
-    NAMED: ClassVar[tuple[str, ...]] = ("kind", "roughness_ra_um", "correlation_length_um")
+    NAMED: ClassVar[str] = "surface"
 
     kind: Literal["gaussian"] = "gaussian"
-    finish: Annotated[str, named.NameSchema("finishes")] | None = None
+    finish: Finish | None = None
     faults: list[SurfaceFault] | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _of_finish(cls, values: Any) -> Any:
-        return named.validated("surface", values)
 
 
 class Smooth(MadeSurface):

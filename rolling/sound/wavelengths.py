@@ -136,29 +136,25 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
 # ---- words
 
 
-def sentence(octaves: Sequence[WavelengthOctave]) -> str:
-    """Name the octave that makes most of the sound, and the fall of LAeq without it."""
+def reading(
+    scene: Scene, sound: ContactSound, octaves: Sequence[WavelengthOctave], flight_share: float
+) -> str:
+    """Name the octave that makes most of the sound, the fall without it, and the doubts."""
     most = max(octaves, key=lambda octave: octave.energy_share)
-    waves = f"waves of {most.from_um:g} to {most.to_um:g} µm"
+    waves = f"aves of {most.from_um:g} to {most.to_um:g} µm"
     share = f"{100 * most.energy_share:.0f} % of the A-weighted energy"
+    fall = "nothing is left" if most.fall_db is None else f"LAeq falls by {most.fall_db:.1f} dB"
+    text = f"W{waves} make {share}; without them {fall}."
     if most.linear_share is not None and most.linear_share < FOLLOWS:
-        return (
-            f"{share} sounds at the frequencies of {waves}, but only"
+        text = (
+            f"{share} sounds at the frequencies of w{waves}, but only"
             f" {100 * most.linear_share:.0f} % of the approach follows these waves: the contact"
             " makes the rest out of other waves."
         )
-    fall = "nothing is left" if most.fall_db is None else f"LAeq falls by {most.fall_db:.1f} dB"
-    return f"Waves{waves[5:]} make {share}; without them {fall}."
-
-
-def limits(scene: Scene, sound: ContactSound, flight_share: float) -> str:
-    """State what the reading of wavelengths takes for granted."""
     speed = "the speed" if sound.constant_speed else "the mean speed"
-    text = f"A wave along the track sounds at {speed} over its length, read linearly."
+    text += f" A wave along the track sounds at {speed} over its length, read linearly."
     if flight_share > 0:
-        text += (
-            " The sphere loses contact, and impacts spread energy over all frequencies: doubtful."
-        )
+        text += " Impacts spread energy over all frequencies, which makes it doubtful."
     if sound.source == "release":
         text += " The release is not linear in the heights, so falls are estimates."
     return text

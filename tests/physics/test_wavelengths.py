@@ -36,7 +36,8 @@ def test_a_tone_belongs_to_the_octave_of_speed_over_frequency() -> None:
     )
     # 24 waves of 400 um on 9.6 mm; 15 kHz at 6 m/s; without them nothing is left
     assert (octave.from_um, octave.to_um, octave.fall_db) == (320, 640, None)
-    assert "without them nothing is left" in wavelengths.sentence([octave])
+    text = wavelengths.reading(scene, sound, [octave], 0.0)
+    assert "Waves of 320 to 640 µm make 100 %" in text and "nothing is left" in text
 
 
 def test_the_share_that_follows_is_one_for_the_mean_under_hertz_pressure_and_none_for_noise() -> (
