@@ -97,9 +97,9 @@ def _fall_db(
     """
     if sound.source == "vibration":
         share *= 1.0 if linear is None else linear
-    if max(share, plain) >= 1 - _ALL:
-        return None
     by_rms = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
+    if max(share, plain if by_rms else 0.0) >= 1 - _ALL:
+        return None
     return -10 * math.log10(1 - share) + (5 * math.log10(1 - plain) if by_rms else 0.0)
 
 
@@ -157,4 +157,6 @@ def reading(
         text += " Impacts spread energy over all frequencies, which makes it doubtful."
     if sound.source == "release":
         text += " The release is not linear in the heights, so falls are estimates."
+    elif most.linear_share is None:
+        text += " Whether the approach follows these waves is unknown."
     return text
