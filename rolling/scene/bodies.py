@@ -19,7 +19,7 @@ from rolling.scene.messages import (
     plain_number,
     shown,
 )
-from rolling.scene.section import Section
+from rolling.scene.sections import Section
 
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
 DENSITY = MATERIALS["density_kg_m3"]
