@@ -108,7 +108,7 @@ def _yielding(scene: Scene) -> list[Finding]:
         warning = (
             "the impact would yield, and the force law gives its work back, so that the sphere"
             f" bounces too high: choose a rolling.drop_mm of at most {rounded_down(1e3 * height)},"
-            " or leave out plate.hardness_gpa"
+            " or plate.hardness_gpa: none"
         )
     value = f"up to {rounded(1e3 * height)} mm"
     return [Finding("impacts_yield", "elastic drop", value, warning)]

@@ -123,7 +123,8 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
         mean += np.fft.rfft(line) * np.fft.rfft(weight)
     actual = np.fft.rfft(approach[:lap])
     waves = np.arange(1, min(len(mean), len(actual)))
-    mean, actual = mean[waves], actual[waves]
+    begin = scene.start / (count * scene.spacing)  # of the steps, in laps
+    mean, actual = mean[waves] * np.exp(2j * np.pi * begin * waves), actual[waves]
     order, shares = _order(1e6 * count * scene.spacing / waves), {}
     for k in np.unique(order):
         x, y = mean[order == k], actual[order == k]

@@ -50,8 +50,13 @@ def test_the_share_that_follows_is_one_for_the_mean_under_hertz_pressure_and_non
     pressure = np.sqrt(np.clip(1 - (x**2 + y**2) / radius**2, 0, None))
     wrapped = np.pad(heights, ((6, 6), (0, 0)), mode="wrap")
     mean = fftconvolve(wrapped, pressure, mode="same")[6:-6, 16]
-    for approach, least, most in ((mean, 1 - 1e-9, 1), (rng.normal(size=STEPS), 0, 0.5)):
-        shares = wavelengths._linear_shares(scene, heights, np.append(approach, approach[0]))
+    shifted = scene.with_({"rolling.start_um": 7 * 16})
+    for begins, approach, least, most in (
+        (scene, mean, 1 - 1e-9, 1),
+        (shifted, np.roll(mean, -7), 1 - 1e-9, 1),
+        (scene, rng.normal(size=STEPS), 0, 0.5),
+    ):
+        shares = wavelengths._linear_shares(begins, heights, np.append(approach, approach[0]))
         # of n lines, chance leaves one over n; the octave with the fewest has 8
         assert all(least <= share <= most + 1e-9 for share in shares.values()) and len(shares) > 3
 
