@@ -8,9 +8,9 @@ import pandas as pd
 
 from acoustics.plot_style import COLOURS
 from rolling.figures.picture import axes_of, finish, finish_grid
+from rolling.results.caveats import SENTENCES
 from rolling.results.run_result import Run
-from rolling.sound import wavelengths as octaves
-from rolling.sound.wavelengths import LEAST_SHARE
+from rolling.sound.wavelengths import FOLLOWS, LEAST_SHARE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,8 +62,19 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
 
 def reading(run: Run) -> str:
     """State the octave of wavelength that makes most of the sound of a run, and the doubts."""
-    flight = run.vibration.motion.flight_share if run.vibration else 0.0
-    return octaves.reading(run.scene, run.sound, run.wavelength_octaves, flight)
+    most = max(run.wavelength_octaves, key=lambda octave: octave.energy_share)
+    released, linear = run.sound.source == "release", most.linear_share
+    kinds = ["made" if linear is None or linear >= FOLLOWS else "elsewhere", "read"]
+    if most.fall_db is None:
+        kinds[0] = "all"
+    if run.vibration and run.vibration.motion.flight_share > 0:
+        kinds.append("impacts")
+    if linear is None:
+        kinds.append("release" if released else "unknown")
+    mean = "" if run.sound.constant_speed else "mean "
+    numbers = most._asdict() | {"mean": mean, "percent": 100 * most.energy_share}
+    numbers |= {"linear": 100 * (linear or 0.0)}
+    return " ".join(SENTENCES[f"waves.{kind}"].format(**numbers) for kind in kinds)
 
 
 def wavelength_table(run: Run) -> pd.DataFrame:

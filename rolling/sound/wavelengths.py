@@ -8,7 +8,6 @@ comes from the nonlinear contact of longer waves. The coherence of surface and a
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -132,32 +131,3 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
         if len(x) >= _LEAST_LINES and powers > 0:
             shares[int(k)] = float(abs(np.vdot(x, y)) ** 2 / powers)
     return shares
-
-
-# ---- words
-
-
-def reading(
-    scene: Scene, sound: ContactSound, octaves: Sequence[WavelengthOctave], flight_share: float
-) -> str:
-    """Name the octave that makes most of the sound, the fall without it, and the doubts."""
-    most = max(octaves, key=lambda octave: octave.energy_share)
-    waves = f"aves of {most.from_um:g} to {most.to_um:g} µm"
-    share = f"{100 * most.energy_share:.0f} % of the A-weighted energy"
-    fall = "nothing is left" if most.fall_db is None else f"LAeq falls by {most.fall_db:.1f} dB"
-    text = f"W{waves} make {share}; without them {fall}."
-    if most.linear_share is not None and most.linear_share < FOLLOWS:
-        text = (
-            f"{share} sounds at the frequencies of w{waves}, but only"
-            f" {100 * most.linear_share:.0f} % of the approach follows these waves: the contact"
-            " makes the rest out of other waves."
-        )
-    speed = "the speed" if sound.constant_speed else "the mean speed"
-    text += f" A wave along the track sounds at {speed} over its length, read linearly."
-    if flight_share > 0:
-        text += " Impacts spread energy over all frequencies, which makes it doubtful."
-    if sound.source == "release":
-        text += " The release is not linear in the heights, so falls are estimates."
-    elif most.linear_share is None:
-        text += " Whether the approach follows these waves is unknown."
-    return text
