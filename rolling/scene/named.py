@@ -42,10 +42,7 @@ NAME_KEYS = tuple(f"{section}.{name.key}" for section, name in NAMES.items())
 
 @cache
 def data(table: str) -> dict[str, dict[str, Any]]:
-    """Return the `sources` of a table by key, and under its own name its entries by name.
-
-    Each value of an entry stands before the key of its source.
-    """
+    """Return a table: its `sources` by key, its entries by name, each value before its source."""
     text = files("rolling.scene").joinpath(f"{table}.yaml").read_text(encoding="utf-8")
     return dict(YAML(typ="safe", pure=True).load(text))
 
@@ -101,11 +98,7 @@ def validated(section: str, values: Any) -> Any:
 
 
 def freed(data: Mapping[str, Any], key: str, value: Any) -> Mapping[str, Any]:
-    """Return plain values without the values that a change of one key replaces.
-
-    A changed section takes the values of its name anew. A name for a section that had none replaces
-    all values that the name gives.
-    """
+    """Return plain values without the values that a change of one key replaces."""
     section, _, last = key.partition(".")
     values = data.get(section)
     if section not in NAMES or not isinstance(values, Mapping) or not last or "." in last:
@@ -113,6 +106,7 @@ def freed(data: Mapping[str, Any], key: str, value: Any) -> Mapping[str, Any]:
     old, renamed = name_of(section, values), last == NAMES[section].key
     if (renamed and value is None) or not (renamed or old):
         return data
+    # The values of the old name are filled in anew; a first name replaces all that it gives.
     table = named_values(section, str(old or value))
     kept = {k: v for k, v in values.items() if k not in table or (old and v != table[k])}
     return {**data, section: kept}

@@ -59,10 +59,10 @@ def mean_speed(scene: Scene, sound: ContactSound) -> float:
 def wavelength_octaves(
     scene: Scene, sound: ContactSound, heights: Array | None, approach: Array
 ) -> list[WavelengthOctave]:
-    """Return the octaves of wavelength within hearing, short waves first.
+    """Return the octaves within hearing, short waves first, with heights and approach [m].
 
-    Heights [m] of the surface, which a vibration needs, and approach [m] of the solved steps under
-    the constant load tell the linear shares. A silent record has no octaves, nor has a fall.
+    The approach of the solved steps under the constant load is compared with the heights, which
+    only a vibration needs. A silent record has no octaves, nor has a fall.
     """
     frequency, square, weighted = weighted_lines(sound)
     if scene.rolling.drop_mm is not None or not weighted.sum() > 0:
@@ -89,13 +89,10 @@ def _order(length_um: Array) -> Array:
 def _fall_db(
     scene: Scene, sound: ContactSound, share: float, plain: float, linear: float | None
 ) -> float | None:
-    """Return the fall of LAeq without the A- and Z-weighted shares of an octave [dB].
-
-    Of a vibration only the linear share goes with the waves. The default factor of a release makes
-    p^2 proportional to the rms of the power, which gives half of the fall back.
-    """
-    if sound.source == "vibration":
+    """Return the fall of LAeq without the A- and Z-weighted shares of an octave [dB]."""
+    if sound.source == "vibration":  # of which only the linear share goes with the waves
         share *= 1.0 if linear is None else linear
+    # The default factor makes p^2 proportional to the rms of the power: half of the fall.
     by_rms = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
     if max(share, plain if by_rms else 0.0) >= 1 - _ALL:
         return None
@@ -103,11 +100,9 @@ def _fall_db(
 
 
 def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, float]:
-    """Return the coherence of surface and approach by octave; empty unless a lap is solved.
-
-    To first order in the heights the approach under a constant load is their mean with the pressure
-    as weight, for which Hertz's pressure stands.
-    """
+    """Return the coherence of surface and approach by octave; empty unless a lap is solved."""
+    # To first order the approach under a constant load is the mean of the heights under the
+    # pressure, for which Hertz's pressure stands.
     track, count = scene.track, len(heights)
     lap = round(count * scene.spacing / track.step)
     closes = track.closed and track.lap_steps == lap < len(approach)
