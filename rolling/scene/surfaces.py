@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
+from rolling.scene import named
 from rolling.scene.balls import Roughness
 from rolling.scene.faults import SurfaceFault
 from rolling.scene.messages import fault, plain_number
@@ -54,6 +55,14 @@ def _refuse_width(width_um: float, spacing_um: float) -> None:
         raise fault(f"got {plain_number(width_um)}, allowed: {words}", "surface", "width_um")
 
 
+Finish = Annotated[
+    str,
+    Field(
+        json_schema_extra=lambda schema: schema.update(enum=[*named.data("finishes")["finishes"]])
+    ),
+]
+
+
 class Gaussian(Roughness, MadeSurface):
     """Random periodic surface with Gaussian heights.
 
@@ -61,6 +70,8 @@ class Gaussian(Roughness, MadeSurface):
     ----------
     kind : "gaussian"
         A random surface with Gaussian heights
+    finish : str, optional
+        Name of a finish, which gives Ra, correlation lengths and law; values beside it win
     spacing_um : float
         Node spacing [um], along and across
     width_um : float
@@ -80,7 +91,10 @@ class Gaussian(Roughness, MadeSurface):
         Single faults of the surface
     """
 
+    NAMED: ClassVar[str] = "surface"
+
     kind: Literal["gaussian"] = "gaussian"
+    finish: Finish | None = None
     faults: list[SurfaceFault] | None = None
 
 
