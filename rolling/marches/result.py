@@ -327,6 +327,10 @@ class Result:
         if events is not None:
             self.event_pieces[piece.first] = events
 
+    def left_by_passes(self, heights: Array) -> Array:
+        """Return the heights [m] of a plate as its passes leave them."""
+        return heights if self.passes is None else heights - self.passes.sunk
+
     def missing(self) -> list[tuple[int, int]]:
         """Return first and last position of the pieces of the track that are not solved yet."""
         return _lacking(self.series["release_energy"], ())

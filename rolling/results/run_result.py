@@ -95,7 +95,9 @@ class Run:
     @cached_property
     def wavelength_octaves(self) -> list[WavelengthOctave]:
         """Octaves of roughness wavelength with their parts of the sound; none of a silent run."""
-        heights = scene_surface(self.scene).heights if self.vibration else None
+        heights = None
+        if self.vibration:
+            heights = self.result.left_by_passes(scene_surface(self.scene).heights)
         approach = self.result.series["approach"]
         return wavelength_octaves(self.scene, self.sound, heights, approach)
 

@@ -95,7 +95,7 @@ def summarize(
         "wavelength_octaves": [
             octave._asdict()
             for octave in wavelength_octaves(
-                scene, sound, surface.heights, result.series["approach"]
+                scene, sound, result.left_by_passes(surface.heights), result.series["approach"]
             )
         ],
         **_vibration(scene, release, vibration),
