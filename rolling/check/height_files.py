@@ -50,7 +50,10 @@ def tilt_text(levelling: Levelling) -> str:
     if not taken:
         return f"nothing taken off, the plane has {plane}"
     before, after = si(levelling.ra_before, "m"), si(levelling.ra_after, "m")
-    return f"plane taken off: {plane}; Ra {before} before, {after} after"
+    second = (
+        "second order taken off with the plane" if levelling.is_quadratic else "plane taken off"
+    )
+    return f"{second}: {plane}; Ra {before} before, {after} after"
 
 
 def _resolution(surface: SceneSurface) -> list[Finding]:
