@@ -7,8 +7,8 @@ instant.
 
 Scenes
     read_scene, Scene and its sections Sphere, Plate, Gaussian, Smooth, HeightFile, Rolling,
-    Numerics, Recovery, Dynamics, Sound; surfaces of the sphere GaussianBall, SmoothBall,
-    GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError
+    Numerics, Recovery, Dynamics, Sound; HeightArray; surfaces of the sphere GaussianBall,
+    SmoothBall, GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError
 Runs
     simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError,
     FolderError
@@ -40,6 +40,7 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.scene.scene import Scene
     from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
     from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
+    from rolling.surface.height_array import HeightArray
     from rolling.terminal.files import FolderError
 
 _SUBMODULES = {"check": "check", "closed_forms": "contact.closed_forms", "plot": "plot"}
@@ -56,6 +57,7 @@ _MODULES = {
     "scene.scene": ("Scene",),
     "scene.sections": ("Dynamics", "Numerics", "Recovery", "Rolling", "Sound"),
     "scene.surfaces": ("Gaussian", "HeightFile", "Smooth"),
+    "surface.height_array": ("HeightArray",),
     "terminal.files": ("FolderError",),
 }
 _PLACES = _SUBMODULES | {name: module for module, names in _MODULES.items() for name in names}
@@ -69,6 +71,7 @@ __all__ = [
     "GaussianBall",
     "GradedBall",
     "HalfSpace",
+    "HeightArray",
     "HeightFile",
     "Numerics",
     "Plate",

@@ -7,15 +7,18 @@ import math
 from acoustics.numbers import rounded
 from rolling.check import long_steps
 from rolling.check.finding import Finding, rounded_down, si
+from rolling.scene.instruments import is_instrument, read
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling
+from rolling.surface.preparation import Effect
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
 # Share of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of the
 # variance; noise of 4 % doubles that difference.
 MAX_NOISE = 0.05
+_ISO = {"sa_m": "Sa", "sq_m": "Sq", "ssk": "Ssk", "sku": "Sku", "sdq": "Sdq"}
 MAX_FORM = 0.5  # share of the variance that a plane and a parabola may make up
 
 
@@ -27,6 +30,8 @@ def findings(scene: Scene) -> list[Finding]:
     assert surface.levelling is not None  # every file has one
     return [
         *_resolution(surface),
+        *_file(scene, scene.surface),
+        *(Finding(effect.step, effect.step, effect_text(effect)) for effect in surface.preparation),
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
         *_form(surface),
@@ -54,6 +59,34 @@ def tilt_text(levelling: Levelling) -> str:
         "second order taken off with the plane" if levelling.is_quadratic else "plane taken off"
     )
     return f"{second}: {plane}; Ra {before} before, {after} after"
+
+
+def effect_text(effect: Effect) -> str:
+    """Write a step of the preparation with the roughness before and after it."""
+    numbers = (
+        f"{_ISO[name]} {_iso(name, value)} -> {_iso(name, effect.after[name])}"
+        for name, value in effect.before.items()
+    )
+    return f"{effect.text}; {', '.join(numbers)}"
+
+
+def _iso(name: str, value: float) -> str:
+    return si(value, "m") if name.endswith("_m") else rounded(value, 3)
+
+
+def _file(scene: Scene, surface: HeightFile) -> list[Finding]:
+    """State channel, nodes and spacing of the file of an instrument."""
+    path = scene.height_path
+    if path is None or not is_instrument(path):
+        return []
+    measured = read(path, surface.channel, surface.height_unit)
+    channel = surface.channel or measured.channels[0]
+    others = f" of {', '.join(measured.channels)}" if len(measured.channels) > 1 else ""
+    rows, columns = measured.heights.shape
+    assert measured.spacing_m is not None  # instruments have one
+    dy, dx = (si(step, "m") for step in measured.spacing_m)
+    value = f"{channel}{others}, {columns} x {rows} nodes of {dx} x {dy} (x, y)"
+    return [Finding("file", "measurement", value)]
 
 
 def _resolution(surface: SceneSurface) -> list[Finding]:
@@ -99,7 +132,7 @@ def _seam(scene: Scene, levelling: Levelling) -> Finding:
             f"the file is no period of a surface. The contact is on that step for {on_seam} of the"
             f" record's {record} ({rounded(100 * share)} %); the sound of that time belongs to the"
             " cut, and the record does not loop: roll over the middle of the file only"
-            " (rolling.start_um, rolling.duration_s), or blend its end into its beginning"
+            " (rolling.start_um, rolling.duration_s), or set surface.periodic to blend"
         )
     return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
 
@@ -123,7 +156,7 @@ def _form(surface: SceneSurface) -> list[Finding]:
     if share > MAX_FORM:
         warning = (
             f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights and"
-            " pass for roughness: take tilt off with surface.level plane, the form before"
+            " pass for roughness: take them off with surface.level quadratic"
         )
     return [
         Finding("form", "plane and parabola", f"{rounded(100 * share)} % of the variance", warning)

@@ -85,7 +85,7 @@ def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
             cells |= {"verdict": value["word"], "verdict_reason": value["reason"]}
         elif key == "laeq_uncertainty_db":
             cells["laeq_total_uncertainty_db"] = value
-        elif key not in ("name", "levelling") and not isinstance(value, Mapping):
+        elif key not in ("name", "levelling", "preparation") and not isinstance(value, Mapping):
             cells[key] = value
     bands = {
         f"{key}_{name}": level for key in BANDS for name, level in summary.get(key, {}).items()
@@ -319,6 +319,11 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
         f" {rounded(s['rms_slope'], 3)}{surface_parts(summary)}"
         for summary, s in ((summary, summary["surface"]) for _, summary in runs)
     )
+    steps = dict.fromkeys(
+        f"{step['step']}: {step['text']}"
+        for _, summary in runs
+        for step in summary.get("preparation", ())
+    )
     tilts = dict.fromkeys(
         f"tilt: {levelling['text']}"
         for _, summary in runs
@@ -330,7 +335,8 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     if (more := len(ranked) - MOST_WARNINGS) > 0:
         others = f"{more} more warning{'s' * (more > 1)}"
         ranked[MOST_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
-    return [wrapped(line) for line in (" ".join(beside), "", *surfaces, *tilts, *repeats, *ranked)]
+    lines = (" ".join(beside), "", *surfaces, *steps, *tilts, *repeats, *ranked)
+    return [wrapped(line) for line in lines]
 
 
 def surface_parts(summary: Mapping[str, Any]) -> str:
