@@ -59,7 +59,7 @@ if __name__ == "__main__":
             "rolling": ["py.typed"],
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
-            SCENES: ["*.yaml", "scene.schema.json", "*/*/*.yaml"],
+            SCENES: ["*.yaml", "*.sdf", "scene.schema.json", "*/*/*.yaml"],
         },
         include_package_data=False,
         long_description=project_page(),

@@ -31,7 +31,7 @@ def findings(scene: Scene) -> list[Finding]:
     return [
         *_resolution(surface),
         *_file(scene, scene.surface),
-        *(Finding(effect.step, effect.step, effect_text(effect)) for effect in surface.preparation),
+        *map(_step, surface.preparation),
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
         *_form(surface),
@@ -59,6 +59,11 @@ def tilt_text(levelling: Levelling) -> str:
         "second order taken off with the plane" if levelling.is_quadratic else "plane taken off"
     )
     return f"{second}: {plane}; Ra {before} before, {after} after"
+
+
+def _step(effect: Effect) -> Finding:
+    """State a step of the preparation."""
+    return Finding(effect.step, effect.step.replace("_", "-"), effect_text(effect))
 
 
 def effect_text(effect: Effect) -> str:

@@ -320,7 +320,7 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
         for summary, s in ((summary, summary["surface"]) for _, summary in runs)
     )
     steps = dict.fromkeys(
-        f"{step['step']}: {step['text']}"
+        f"{str(step['step']).replace('_', '-')}: {step['text']}"
         for _, summary in runs
         for step in summary.get("preparation", ())
     )

@@ -94,14 +94,14 @@ def prepare(
 
     if surface.outliers:
         heights, count = without_outliers(heights, surface.outliers)
-        done("outliers", f"{count} of {heights.size} nodes above {surface.outliers:g}")
+        done("outliers", f"{count} of {heights.size} nodes, at a threshold of {surface.outliers:g}")
     if count := int(np.count_nonzero(np.isnan(heights))):
         heights = filled(heights, is_period)
         share = rounded(100 * count / heights.size)
-        done("unmeasured points", f"{count} filled, {share} % of the nodes")
+        done("unmeasured", f"{count} filled, {share} % of the nodes")
     if surface.s_filter_um:
         heights = smoothed(heights, steps, surface.s_filter_um * 1e-6, is_period)
-        done("S-filter", f"shorter waves than {surface.s_filter_um:g} um taken off")
+        done("s_filter", f"shorter waves than {surface.s_filter_um:g} um taken off")
     if grid.is_resampled:
         heights = resampled(heights, grid)
         sides, steps = " x ".join(f"{1e6 * step:.4g}" for step in steps), (grid.spacing,) * 2
@@ -109,10 +109,10 @@ def prepare(
     mode = "plane" if surface.level == "auto" and not is_period else surface.level
     heights, plane = levelling.level(heights, grid.spacing, mode)
     if any(plane.taken) or plane.is_quadratic:
-        done("F-operator", "second order" if plane.is_quadratic else "plane")
+        done("f_operator", "second order" if plane.is_quadratic else "plane")
     if surface.l_filter_um:
         heights = heights - smoothed(heights, steps, surface.l_filter_um * 1e-6, is_period)
-        done("L-filter", f"longer waves than {surface.l_filter_um:g} um taken off")
+        done("l_filter", f"longer waves than {surface.l_filter_um:g} um taken off")
     if not is_period:
         heights -= heights.mean()
         if surface.made_periodic == "mirror":
