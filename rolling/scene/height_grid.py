@@ -11,6 +11,7 @@ from pathlib import Path
 
 from acoustics.numbers import rounded
 from rolling.scene import height_files, instruments
+from rolling.scene.height_files import MAX_BYTES
 from rolling.scene.messages import fault, plain_number
 from rolling.scene.surfaces import HeightFile, refuse_width
 from rolling.scene.track import MAX_NODES, MIN_NODES, readable
@@ -64,6 +65,10 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
         shape, steps = (shape[0], round(surface.width_um * 1e-6 / spacing)), (steps[0], spacing)
     _refuse_filters(surface, 1e6 * min(shape[k] * steps[k] for k in (0, 1)[: 2 - is_profile]))
     resampled = _resampled(shape[0], steps[0], spacing), _resampled(shape[1], steps[1], spacing)
+    if resampled != shape and 8 * resampled[0] * resampled[1] > MAX_BYTES:
+        got = f"got {rounded(spacing * 1e6, 4)}, which makes {resampled[0]} x {resampled[1]} nodes"
+        most = f"less than {rounded(MAX_BYTES / 8)} nodes"
+        raise fault(f"{got} of {surface.path}, allowed: {most}", "surface", "spacing_um")
     overlap, nodes = (0, 0), resampled
     if surface.made_periodic == "blend":
         overlap = _overlap(surface, resampled[0], spacing), 0

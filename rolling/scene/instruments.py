@@ -112,7 +112,7 @@ def _read(path: Path, channel: str | None, unit: str, stamp: tuple[int, ...]) ->
     if values.ndim != 2 or not values.size:
         raise HeightFormatError("holds no heights")
     values[~np.isfinite(values)] = np.nan
-    along, across = (float(f"{abs(float(step)):.12g}") for step in spacing)  # units leave noise
+    along, across = (float(f"{step:.12g}") for step in spacing)  # units leave noise
     if not all(_SPACINGS[0] <= step <= _SPACINGS[1] for step in (along, across)):
         got = f"got a spacing of {along:g} m along and {across:g} m across"
         raise HeightFormatError(f"{got}, allowed: {_SPACINGS[0]:g} to {_SPACINGS[1]:g} m")

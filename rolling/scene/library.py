@@ -57,8 +57,8 @@ def titles(inner: bool = False) -> list[tuple[str, str]]:
 def copy(name: str, target: Path) -> list[Path]:
     """Copy a scene of the library into a folder, with its heights and the schema that it names.
 
-    Return the files that were written, the scene first; other files that exist stay as they are. Raise
-    LibraryError where there is no such scene, or the file exists.
+    Return the files that were written, the scene first; other files that exist stay as they are.
+    Raise LibraryError where there is no such scene, or the file exists.
     """
     file = scenes().get(name.removesuffix(_SUFFIX))
     if file is None:

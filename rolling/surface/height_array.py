@@ -68,7 +68,7 @@ def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
     is_profile = values.ndim == 1 or 1 in values.shape
     if max(values.shape) < MIN_NODES or (min(values.shape) < MIN_NODES and not is_profile):
         raise ValueError(f"heights: got an array of shape {values.shape}, {allowed}")
-    positive("spacing_um", spacing_um)
+    positive("spacing_um", spacing_um, 1e15)
     surface = HeightFile(path=COPY, spacing_um=float(spacing_um), **keys)
     in_metres(values, surface.height_unit, "heights", surface.unmeasured == "fill")
     stream = io.BytesIO()
