@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 from acoustics.numbers import rounded
 from rolling.check import long_steps
@@ -11,14 +12,12 @@ from rolling.scene.instruments import is_instrument, read
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling
-from rolling.surface.preparation import Effect
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
 # Share of the variance. At 5 nodes per correlation length neighbouring heights differ by 8 % of the
 # variance; noise of 4 % doubles that difference.
 MAX_NOISE = 0.05
-_ISO = {"sa_m": "Sa", "sq_m": "Sq", "ssk": "Ssk", "sku": "Sku", "sdq": "Sdq"}
 MAX_FORM = 0.5  # share of the variance that a plane and a parabola may make up
 
 
@@ -26,12 +25,12 @@ def findings(scene: Scene) -> list[Finding]:
     """Judge the heights of a file; generated surfaces have no such findings."""
     if not isinstance(scene.surface, HeightFile):
         return []
-    surface = scene_surface(scene)
-    assert surface.levelling is not None  # every file has one
+    surface, path = scene_surface(scene), scene.height_path
+    assert surface.levelling is not None and path is not None  # every file has both
     return [
         *_resolution(surface),
-        *_file(scene, scene.surface),
-        *map(_step, surface.preparation),
+        *_file(path, scene.surface),
+        *(Finding(e.step, e.step.replace("_", "-"), e.text) for e in surface.preparation),
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
         *_form(surface),
@@ -61,36 +60,16 @@ def tilt_text(levelling: Levelling) -> str:
     return f"{second}: {plane}; Ra {before} before, {after} after"
 
 
-def _step(effect: Effect) -> Finding:
-    """State a step of the preparation."""
-    return Finding(effect.step, effect.step.replace("_", "-"), effect_text(effect))
-
-
-def effect_text(effect: Effect) -> str:
-    """Write a step of the preparation with the roughness before and after it."""
-    numbers = (
-        f"{_ISO[name]} {_iso(name, value)} -> {_iso(name, effect.after[name])}"
-        for name, value in effect.before.items()
-    )
-    return f"{effect.text}; {', '.join(numbers)}"
-
-
-def _iso(name: str, value: float) -> str:
-    return si(value, "m") if name.endswith("_m") else rounded(value, 3)
-
-
-def _file(scene: Scene, surface: HeightFile) -> list[Finding]:
+def _file(path: Path, surface: HeightFile) -> list[Finding]:
     """State channel, nodes and spacing of the file of an instrument."""
-    path = scene.height_path
-    if path is None or not is_instrument(path):
+    if not is_instrument(path):
         return []
     measured = read(path, surface.channel, surface.height_unit)
-    channel = surface.channel or measured.channels[0]
-    others = f" of {', '.join(measured.channels)}" if len(measured.channels) > 1 else ""
     rows, columns = measured.heights.shape
-    assert measured.spacing_m is not None  # instruments have one
-    dy, dx = (si(step, "m") for step in measured.spacing_m)
-    value = f"{channel}{others}, {columns} x {rows} nodes of {dx} x {dy} (x, y)"
+    dy, dx = (si(step, "m") for step in measured.spacing_m or ())
+    value = f"{columns} x {rows} nodes (x, y) of {dx} x {dy}"
+    if len(measured.channels) > 1:
+        value += f", {surface.channel or measured.channels[0]} of {', '.join(measured.channels)}"
     return [Finding("file", "measurement", value)]
 
 

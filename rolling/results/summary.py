@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 import subprocess
-from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from functools import cache
@@ -35,7 +34,6 @@ from rolling.sound import vibration_estimate
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration, compact_source_db
 from rolling.surface.levelling import Levelling
-from rolling.surface.preparation import Effect
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 from rolling.terminal import program
 
@@ -94,7 +92,7 @@ def summarize(
         "seconds": float(times.sum()),
         "surface": asdict(surface.statistics),
         "levelling": _levelling(surface.levelling) if surface.levelling else None,
-        **({"preparation": _preparation(surface.preparation)} if surface.preparation else {}),
+        **({"preparation": [*map(asdict, surface.preparation)]} if surface.preparation else {}),
         **_turns(scene, surface, sound),
         **_vibration(scene, release, vibration),
         **law,
@@ -182,11 +180,6 @@ def _contact(scene: Scene, result: Result) -> dict[str, Any]:
         "iterations_mean": float(state["iterations"].mean()),
         "convolutions_mean": float(state["convolutions"].mean()),
     }
-
-
-def _preparation(effects: Sequence[Effect]) -> list[dict[str, Any]]:
-    """Return the steps that prepared a height file, each with the roughness before and after."""
-    return [{**asdict(effect), "text": height_files.effect_text(effect)} for effect in effects]
 
 
 def _levelling(levelling: Levelling) -> dict[str, Any]:

@@ -6,6 +6,7 @@ spacing of the file and from the keys of the surface.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,10 +32,10 @@ class HeightGrid:
     overlap: Pair  # nodes that are blended into the beginning
     nodes: Pair  # of the period
 
-    @property
-    def is_resampled(self) -> bool:
-        """Whether the file has other nodes than its period."""
-        return not all(_same(step, self.spacing) for step in self.steps)
+
+def is_other(steps: Sequence[float], spacing: float) -> bool:
+    """Tell whether the spacings [m] of a file differ from that of its period."""
+    return any(abs(step / spacing - 1) > SAME for step in steps)
 
 
 def is_turned(shape: Pair, surface: HeightFile) -> bool:
@@ -64,7 +65,11 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
         refuse_width(surface.width_um, spacing * 1e6)
         shape, steps = (shape[0], round(surface.width_um * 1e-6 / spacing)), (steps[0], spacing)
     _refuse_filters(surface, 1e6 * min(shape[k] * steps[k] for k in (0, 1)[: 2 - is_profile]))
-    resampled = _resampled(shape[0], steps[0], spacing), _resampled(shape[1], steps[1], spacing)
+    resampled = shape
+    if is_other(steps, spacing):
+        lengths = ((shape[k] - 1) * steps[k] / spacing for k in (0, 1))
+        along, across = (int(min(length, 2e9) + SAME) + 1 for length in lengths)
+        resampled = along, across
     if resampled != shape and 8 * resampled[0] * resampled[1] > MAX_BYTES:
         got = f"got {rounded(spacing * 1e6, 4)}, which makes {resampled[0]} x {resampled[1]} nodes"
         most = f"less than {rounded(MAX_BYTES / 8)} nodes"
@@ -93,15 +98,6 @@ def _read(path: Path, surface: HeightFile) -> tuple[Pair, tuple[float, float] | 
     measured = instruments.read(path, surface.channel, surface.height_unit)
     rows, columns = measured.heights.shape
     return (rows, columns), measured.spacing_m
-
-
-def _same(first: float, second: float) -> bool:
-    return abs(first / second - 1) <= SAME
-
-
-def _resampled(count: int, step: float, spacing: float) -> int:
-    """Return the nodes at a spacing [m] that lie on a line of some nodes at a step [m]."""
-    return count if _same(step, spacing) else int(min((count - 1) * step / spacing, 2e9) + SAME) + 1
 
 
 def _overlap(surface: HeightFile, count: int, spacing: float) -> int:

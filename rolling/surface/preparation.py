@@ -18,7 +18,7 @@ from scipy.sparse import linalg
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.scene.height_files import HeightFormatError, numbers
-from rolling.scene.height_grid import HeightGrid, is_turned
+from rolling.scene.height_grid import HeightGrid, is_other, is_turned
 from rolling.scene.instruments import is_instrument
 from rolling.scene.instruments import read as read_instrument
 from rolling.scene.surfaces import HeightFile
@@ -39,7 +39,7 @@ class Effect:
     """Step of the preparation, and roughness of the measured points before and after it."""
 
     step: str
-    text: str
+    text: str  # the step in words, with the roughness
     before: dict[str, float]  # Sa, Sq [m], Ssk, Sku, Sdq [-]
     after: dict[str, float]
 
@@ -82,14 +82,14 @@ def prepare(
         heights = np.repeat(heights, grid.resampled[1], axis=1)
     keys = surface.outliers, surface.s_filter_um, surface.l_filter_um
     named = any(keys) or surface.unmeasured == "fill" or surface.level == "quadratic"
-    watched = named or not is_period or grid.is_resampled
+    watched = named or not is_period or is_other(grid.steps, grid.spacing)
     steps, before = grid.steps, values(heights, grid.steps) if watched else {}
 
     def done(step: str, text: str) -> None:
         nonlocal before
         if watched:
             after = values(heights, steps)
-            effects.append(Effect(step, text, before, after))
+            effects.append(Effect(step, f"{text}; {_words(before, after)}", before, after))
             before = after
 
     if surface.outliers:
@@ -102,7 +102,7 @@ def prepare(
     if surface.s_filter_um:
         heights = smoothed(heights, steps, surface.s_filter_um * 1e-6, is_period)
         done("s_filter", f"shorter waves than {surface.s_filter_um:g} um taken off")
-    if grid.is_resampled:
+    if is_other(grid.steps, grid.spacing):
         heights = resampled(heights, grid)
         sides, steps = " x ".join(f"{1e6 * step:.4g}" for step in steps), (grid.spacing,) * 2
         done("resampling", f"from {sides} um to {1e6 * grid.spacing:.4g} um")
@@ -139,6 +139,17 @@ def values(heights: Array, steps: Sequence[float]) -> dict[str, float]:
         "sku": float(np.nanmean((z / sq) ** 4)) if sq else 0.0,
         "sdq": float(np.sqrt(sum(slopes))),
     }
+
+
+def _words(before: dict[str, float], after: dict[str, float]) -> str:
+    """Write the roughness before and after a step, lengths in um."""
+    scales = {"sa_m": 1e6, "sq_m": 1e6}
+    texts = []
+    for name, value in before.items():
+        scale = scales.get(name, 1.0)
+        first, last = rounded(scale * value, 3), rounded(scale * after[name], 3)
+        texts.append(f"{name[:3].rstrip('_').capitalize()} {first} -> {last}{' um' * (scale > 1)}")
+    return ", ".join(texts)
 
 
 # ---- points
