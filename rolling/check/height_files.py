@@ -30,7 +30,10 @@ def findings(scene: Scene) -> list[Finding]:
     return [
         *_resolution(surface),
         *_file(path, scene.surface),
-        *(Finding(e.step, e.step.replace("_", "-"), e.text) for e in surface.preparation),
+        *(
+            Finding(e.step, e.step.replace("_", "-"), e.text, e.warning)
+            for e in surface.preparation
+        ),
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
         *_form(surface),

@@ -41,7 +41,12 @@ WORDS = {  # in the order in which labels name them
     "rolling.resistance": Word("rolling resistance", "", "no rolling resistance"),
     "rolling.drop_mm": Word("drop", "mm", "no drop"),
     **{f"surface.{name}": word for name, word in _HEIGHTS.items()},
+    "surface.channel": Word("channel", "", "first channel"),
+    "surface.outliers": Word("outliers beyond", "", "with outliers"),
+    "surface.s_filter_um": Word("S-filter", "µm", "no S-filter"),
     "surface.level": Word("levelling"),
+    "surface.l_filter_um": Word("L-filter", "µm", "no L-filter"),
+    "surface.periodic": Word("period", "", "period by default"),
     "surface.faults": Word("faults", "", "no faults"),
     "sphere.radius_mm": Word("sphere radius", "mm"),
     **{

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SEED = "surface.seed"
+MOST_STEPS = 8  # of the preparation of height files that are written; one run has at most 7
 MOST_WARNINGS = 3  # after a run; the page and `rolling check` have all of them
 LEVELS = {  # keys of the summary with name and unit
     "laeq_db": ("LAeq", "dB(A)"),
@@ -319,11 +320,15 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
         f" {rounded(s['rms_slope'], 3)}{surface_parts(summary)}"
         for summary, s in ((summary, summary["surface"]) for _, summary in runs)
     )
-    steps = dict.fromkeys(
-        f"{str(step['step']).replace('_', '-')}: {step['text']}"
-        for _, summary in runs
-        for step in summary.get("preparation", ())
+    steps = list(
+        dict.fromkeys(
+            f"{str(step['step']).replace('_', '-')}: {step['text']}"
+            for _, summary in runs
+            for step in summary.get("preparation", ())
+        )
     )
+    if (more := len(steps) - MOST_STEPS) > 0:
+        steps[MOST_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]
     tilts = dict.fromkeys(
         f"tilt: {levelling['text']}"
         for _, summary in runs

@@ -18,7 +18,7 @@ from scipy.sparse import linalg
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.scene.height_files import HeightFormatError, numbers
-from rolling.scene.height_grid import HeightGrid, is_other, is_turned
+from rolling.scene.height_grid import SAME, HeightGrid, is_other, is_turned
 from rolling.scene.instruments import is_instrument
 from rolling.scene.instruments import read as read_instrument
 from rolling.scene.surfaces import HeightFile
@@ -42,6 +42,7 @@ class Effect:
     text: str  # the step in words, with the roughness
     before: dict[str, float]  # Sa, Sq [m], Ssk, Sku, Sdq [-]
     after: dict[str, float]
+    warning: str | None = None
 
 
 def read(path: Path, surface: HeightFile) -> Array:
@@ -85,11 +86,11 @@ def prepare(
     watched = named or not is_period or is_other(grid.steps, grid.spacing)
     steps, before = grid.steps, values(heights, grid.steps) if watched else {}
 
-    def done(step: str, text: str) -> None:
+    def done(step: str, text: str, warning: str | None = None) -> None:
         nonlocal before
         if watched:
             after = values(heights, steps)
-            effects.append(Effect(step, f"{text}; {_words(before, after)}", before, after))
+            effects.append(Effect(step, f"{text}; {_words(before, after)}", before, after, warning))
             before = after
 
     if surface.outliers:
@@ -105,7 +106,11 @@ def prepare(
     if is_other(grid.steps, grid.spacing):
         heights = resampled(heights, grid)
         sides, steps = " x ".join(f"{1e6 * step:.4g}" for step in steps), (grid.spacing,) * 2
-        done("resampling", f"from {sides} um to {1e6 * grid.spacing:.4g} um")
+        least, warning = 2e6 * grid.spacing, None
+        if grid.spacing > min(grid.steps) and (surface.s_filter_um or 0) < least * (1 - SAME):
+            warning = "waves below two nodes fold onto longer ones: choose a surface.s_filter_um of"
+            warning += f" at least {least:.4g}"
+        done("resampling", f"from {sides} um to {1e6 * grid.spacing:.4g} um", warning)
     mode = "plane" if surface.level == "auto" and not is_period else surface.level
     heights, plane = levelling.level(heights, grid.spacing, mode)
     if any(plane.taken) or plane.is_quadratic:
@@ -117,10 +122,14 @@ def prepare(
         heights -= heights.mean()
         if surface.made_periodic == "mirror":
             heights = mirrored(heights, (0,) if is_profile else (0, 1))
-            text = "mirrored: the second half is the first backwards, the sound is palindromic"
+            done(
+                "periodic",
+                "mirrored",
+                "the second half is the first backwards: it sounds palindromic",
+            )
         else:
             heights, text = blended(heights, grid.overlap, grid.spacing)
-        done("periodic", text)
+            done("periodic", text)
     if effects:
         seams = levelling.seam(heights, 0), levelling.seam(heights, 1)
         plane = replace(plane, seams=seams)

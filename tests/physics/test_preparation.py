@@ -179,7 +179,7 @@ def test_a_period_stays_as_it_is_unless_a_key_says_otherwise(tmp_path: Path) -> 
     out, _, effects = prepared(tmp_path, z)
     assert np.array_equal(out, z - z.mean()) and effects == []
     mirrored = prepared(tmp_path, z, periodic="mirror")
-    assert mirrored[0].shape == (126, 94) and "palindromic" in mirrored[2][0].text
+    assert mirrored[0].shape == (126, 94) and "palindromic" in mirrored[2][0].warning
     np.testing.assert_array_equal(mirrored[0][1:], mirrored[0][:0:-1])
     turned = prepared(tmp_path, z, along="x")[0]
     np.testing.assert_array_equal(turned, out.T)
