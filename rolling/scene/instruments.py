@@ -93,21 +93,19 @@ def _read(path: Path, channel: str | None, unit: str, stamp: tuple[int, ...]) ->
     ending = path.suffix.lower()
     try:
         _refuse_large(path, stamp[1])
-        if ending == TRIPLES:
-            channels = [_triples(path, unit)]
-        else:
-            reader = {".x3p": _x3p, ".sdf": _sdf}.get(ending, _topography)
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of readers about the contents of the file
-                channels = reader(path)
-        heights, spacing = _chosen(channels, channel)()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of readers about the contents of the file
+            if ending == TRIPLES:
+                channels = _triples(path, unit)
+            else:
+                channels = {".x3p": _x3p, ".sdf": _sdf}.get(ending, _topography)(path)
+            heights, spacing = _chosen(channels, channel)()
     except HeightFormatError:
         raise
     except ModuleNotFoundError as error:
         raise HeightFormatError(missing(ending, error)) from error
     except Exception as error:  # readers raise whatever the bytes of a damaged file lead to
-        reason = first_line(error)[:_REASON]
-        raise HeightFormatError(f"no readable {ending} file ({reason})") from error
+        raise HeightFormatError(f"no readable {ending} file ({_reason(error)})") from error
     values = np.array(np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan), dtype=np.float64)
     if values.ndim != 2 or not values.size:
         raise HeightFormatError("holds no heights")
@@ -118,6 +116,11 @@ def _read(path: Path, channel: str | None, unit: str, stamp: tuple[int, ...]) ->
         raise HeightFormatError(f"{got}, allowed: {_SPACINGS[0]:g} to {_SPACINGS[1]:g} m")
     values.flags.writeable = False
     return Measured(values, (along, across), tuple(name for name, _ in channels))
+
+
+def _reason(error: Exception) -> str:
+    """Return the beginning of the message of a reader, which may quote any byte of a file."""
+    return "".join(filter(str.isprintable, first_line(error)))[:_REASON]
 
 
 def _refuse_large(path: Path, size: int) -> None:
@@ -193,7 +196,7 @@ def _topography(path: Path) -> list[_Channel]:
         try:
             file = kind(str(path))
         except Exception as error:
-            reasons.append(first_line(error)[:_REASON])
+            reasons.append(_reason(error))
             continue
         return [
             (channel.channel_id, lambda channel=channel: _of_channel(channel))  # type: ignore[misc]
@@ -219,7 +222,7 @@ def _of_channel(channel: Any) -> tuple[Any, list[float]]:
     return heights, [steps[-1], steps[0]]
 
 
-def _triples(path: Path, unit: str) -> _Channel:
+def _triples(path: Path, unit: str) -> list[_Channel]:
     """Return the heights of a text of triples x, y, z on a regular grid."""
     table = height_files.numbers_of_text(path)
     if table.ndim != 2 or table.shape[1] != 3:
@@ -233,7 +236,7 @@ def _triples(path: Path, unit: str) -> _Channel:
     if np.count_nonzero(np.isfinite(heights)) < len(table):
         raise HeightFormatError("several points lie on the same node, allowed: a regular grid")
     steps = [(dy or dx) * UNITS[unit], (dx or dy) * UNITS[unit]]
-    return "heights", lambda: (heights * UNITS[unit], steps)
+    return [("heights", lambda: (heights * UNITS[unit], steps))]
 
 
 def _axis(values: Array, name: str) -> tuple[Any, int, float]:
