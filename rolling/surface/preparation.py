@@ -137,28 +137,33 @@ def prepare(
 
 
 def values(heights: Array, steps: Sequence[float]) -> dict[str, float]:
-    """Return Sa, Sq [m], Ssk, Sku and Sdq [-] of the measured points about their mean."""
-    z = heights - np.nanmean(heights)
-    sq = float(np.sqrt(np.nanmean(z**2)))
-    slopes = (np.nanmean((np.diff(z, axis=k) / steps[k]) ** 2) for k in (0, 1))
-    return {
-        "sa_m": float(np.nanmean(np.abs(z))),
-        "sq_m": sq,
-        "ssk": float(np.nanmean((z / sq) ** 3)) if sq else 0.0,
-        "sku": float(np.nanmean((z / sq) ** 4)) if sq else 0.0,
-        "sdq": float(np.sqrt(sum(slopes))),
-    }
+    """Return Sa, Sq [m], Ssk, Sku and Sdq [-] of the measured points about their mean.
+
+    Sdq is left out where no two neighbours were measured.
+    """
+    z = heights - _mean(heights)
+    sq = float(np.sqrt(_mean(z**2)))
+    along, across = (_mean((np.diff(z, axis=k) / steps[k]) ** 2) for k in (0, 1))
+    shares = z / (sq or 1.0)
+    result = {"sa_m": _mean(np.abs(z)), "sq_m": sq, "ssk": _mean(shares**3)}
+    result |= {"sku": _mean(shares**4), "sdq": float(np.sqrt(along + across))}
+    return {name: value for name, value in result.items() if not np.isnan(value)}
+
+
+def _mean(values: Array) -> float:
+    """Return the mean of the measured values, NaN without any."""
+    measured = values[~np.isnan(values)]
+    return float(measured.mean()) if measured.size else np.nan
 
 
 def _words(before: dict[str, float], after: dict[str, float]) -> str:
     """Write the roughness before and after a step, lengths in um."""
-    scales = {"sa_m": 1e6, "sq_m": 1e6}
     texts = []
-    for name, value in before.items():
-        scale = scales.get(name, 1.0)
-        first, last = rounded(scale * value, 3), rounded(scale * after[name], 3)
-        texts.append(f"{name[:3].rstrip('_').capitalize()} {first} -> {last}{' um' * (scale > 1)}")
-    return ", ".join(texts)
+    for name in before.keys() & after.keys():
+        short, scale = name[:3].rstrip("_").capitalize(), 1e6 if name.endswith("_m") else 1.0
+        first, last = (rounded(scale * values[name], 3) for values in (before, after))
+        texts.append(f"{short} {first} -> {last}{' um' * (scale > 1)}")
+    return ", ".join(sorted(texts))
 
 
 # ---- points

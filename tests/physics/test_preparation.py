@@ -201,3 +201,10 @@ def test_resampling_keeps_waves_and_lengths() -> None:
     x, y = 1.5 * np.arange(106)[:, None], 1.5 * np.arange(119)
     want = np.cos(x * np.pi / 16) * np.cos(y * np.pi / 24)
     assert np.abs(out - want)[8:-8, 8:-8].max() < 1e-3
+
+
+def test_gaps_without_neighbours_have_no_slope() -> None:
+    """On a checkerboard of gaps no slope is known, and nothing is not a number."""
+    z = np.where(np.add.outer(np.arange(8), np.arange(9)) % 2, np.nan, rough(8, 9))
+    assert [*preparation.values(z, (UM, UM))] == ["sa_m", "sq_m", "ssk", "sku"]
+    assert set(preparation.values(np.zeros((4, 4)), (UM, UM)).values()) == {0.0}
