@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy import fft, interpolate, ndimage, sparse
-from scipy.sparse import linalg
+from scipy import fft
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
@@ -159,11 +158,11 @@ def _mean(values: Array) -> float:
 def _words(before: dict[str, float], after: dict[str, float]) -> str:
     """Write the roughness before and after a step, lengths in um."""
     texts = []
-    for name in before.keys() & after.keys():
+    for name in (name for name in before if name in after):
         short, scale = name[:3].rstrip("_").capitalize(), 1e6 if name.endswith("_m") else 1.0
         first, last = (rounded(scale * values[name], 3) for values in (before, after))
         texts.append(f"{short} {first} -> {last}{' um' * (scale > 1)}")
-    return ", ".join(sorted(texts))
+    return ", ".join(texts)
 
 
 # ---- points
@@ -174,6 +173,8 @@ def without_outliers(heights: Array, threshold: float) -> tuple[Array, int]:
 
     The threshold is in robust standard deviations of the heights about their plane.
     """
+    from scipy import ndimage
+
     gaps = np.isnan(heights)
     z = heights
     if gaps.any():  # the median takes the nearest measured node for a missing one
@@ -203,6 +204,9 @@ def filled(heights: Array, wraps: bool) -> Array:
     At the edges of heights that do not wrap the normal slope is zero. Raise SurfaceError where more
     than half of the nodes are missing.
     """
+    from scipy import sparse
+    from scipy.sparse import linalg
+
     gaps = np.isnan(heights)
     count = int(np.count_nonzero(gaps))
     if count > MOST_UNMEASURED * heights.size:
@@ -261,6 +265,8 @@ def smoothed(heights: Array, steps: Sequence[float], cutoff: float, wraps: bool)
 
 def resampled(heights: Array, grid: HeightGrid) -> Array:
     """Return heights at the square nodes of a grid, by cubic splines along each axis."""
+    from scipy import interpolate
+
     for axis, (step, count) in enumerate(zip(grid.steps, grid.resampled, strict=True)):
         own = np.arange(heights.shape[axis]) * step
         places = np.minimum(np.arange(count) * grid.spacing, own[-1])

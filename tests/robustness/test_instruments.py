@@ -246,6 +246,30 @@ def test_keys_that_do_not_fit_the_file_are_refused(
     assert words in refused(tmp_path / "h.x3p", setting)
 
 
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("path: h.npy", "surface.spacing_um: missing; files of arrays"),
+        ("path: h.npy, spacing_um: 2, channel: a", "surface.channel: only goes with a file of an"),
+        (
+            "path: h.npy, spacing_um: 2, overlap_um: 9",
+            "surface.overlap_um: only goes with surface.p",
+        ),
+        ("path: h.sdf, outliers: 6", "surface.outliers: only goes with surface.unmeasured fill"),
+        (
+            "path: h.sdf, s_filter_um: 9, l_filter_um: 9",
+            "surface.s_filter_um: got 9, allowed: less",
+        ),
+        ("path: h.sdf, along: z", 'surface.along: got "z", allowed: x or y'),
+    ],
+)
+def test_keys_that_do_not_go_together_are_refused_with_their_line(keys: str, words: str) -> None:
+    text = TEXT.replace("path: %s, unmeasured: fill", keys)
+    with pytest.raises(SceneError) as error:
+        file.loads(text, where="scan.yaml")
+    assert str(error.value).startswith("scan.yaml:4: ") and words in str(error.value)
+
+
 def test_readers_are_imported_when_a_file_asks_for_them(tmp_path: Path) -> None:
     """A missing package is one sentence with the command that installs it."""
     measured.write(tmp_path / "h.x3p", Z, STEPS)
