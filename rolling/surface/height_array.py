@@ -60,6 +60,8 @@ def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
     """
     allowed = f"allowed: real numbers, (along, across), at least {MIN_NODES} each way, or a profile"
     try:
+        if np.ma.isMaskedArray(heights):
+            heights = np.ma.filled(heights.astype(float), np.nan)
         values = np.asarray(heights)
     except ValueError as error:  # rows of several lengths
         raise ValueError(f"heights: got rows of several lengths, {allowed}") from error

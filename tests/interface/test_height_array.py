@@ -62,6 +62,7 @@ def test_steps_of_the_preparation_are_stored(tmp_path: Path) -> None:
         ("heights.npy", "got 0-D <U11"),
         (None, "got 0-D object"),
         (np.where(Z > 2e-7, np.nan, Z), r"heights: \d+ of 7680 heights are not numbers, the first"),
+        (np.ma.masked_greater(Z, 2e-7), r"heights: \d+ of 7680 heights are not numbers"),
         (Z * np.inf, "7680 of 7680 heights are not numbers"),
         (Z * 1e15, "got a height of .* allowed: up to 1000000 m"),
         (Z * 1e6, "Ra would be .* surface.height_unit"),
