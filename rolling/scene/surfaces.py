@@ -12,7 +12,7 @@ from rolling.scene.balls import Roughness
 from rolling.scene.faults import SurfaceFault
 from rolling.scene.instruments import TRIPLES, is_instrument
 from rolling.scene.messages import fault, plain_number, shown
-from rolling.scene.section import Section
+from rolling.scene.sections import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 _CHANNEL, _S_FILTER = ("surface", "channel"), ("surface", "s_filter_um")
