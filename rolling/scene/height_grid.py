@@ -74,21 +74,20 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
         got = f"got {rounded(spacing * 1e6, 4)}, which makes {resampled[0]} x {resampled[1]} nodes"
         most = f"less than {rounded(MAX_BYTES / 8)} nodes"
         raise fault(f"{got} of {surface.path}, allowed: {most}", "surface", "spacing_um")
-    overlap, nodes = (0, 0), resampled
-    if surface.made_periodic == "blend":
-        overlap = _overlap(surface, resampled[0], spacing), 0
-        if not is_profile:
-            overlap = overlap[0], _overlap(surface, resampled[1], spacing)
-        nodes = resampled[0] - overlap[0], resampled[1] - overlap[1]
-    elif surface.made_periodic == "mirror":
-        nodes = 2 * resampled[0] - 2, resampled[1] if is_profile else 2 * resampled[1] - 2
+    overlap, nodes = [0, 0], [*resampled]
+    for axis in (0,) if is_profile else (0, 1):
+        if surface.made_periodic == "blend":
+            overlap[axis] = _overlap(surface, resampled[axis], spacing)
+            nodes[axis] -= overlap[axis]
+        elif surface.made_periodic == "mirror":
+            nodes[axis] = 2 * resampled[axis] - 2
     if not MIN_NODES <= min(nodes) <= max(nodes) < MAX_NODES:
         raise fault(
             f"{surface.path}: got {nodes[0]} x {nodes[1]} nodes, allowed: at least {MIN_NODES} each"
             f" way and less than {rounded(MAX_NODES)}",
             *("surface", "path"),
         )
-    return HeightGrid(steps, spacing, resampled, overlap, nodes)
+    return HeightGrid(steps, spacing, resampled, (overlap[0], overlap[1]), (nodes[0], nodes[1]))
 
 
 def _read(path: Path, surface: HeightFile) -> tuple[Pair, tuple[float, float] | None]:

@@ -16,12 +16,11 @@ from scipy import fft
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene.height_files import HeightFormatError, numbers
+from rolling.scene.height_files import HeightFormatError
 from rolling.scene.height_grid import SAME, HeightGrid, is_other, is_turned
 from rolling.scene.instruments import is_instrument
-from rolling.scene.instruments import read as read_instrument
 from rolling.scene.surfaces import HeightFile
-from rolling.surface import levelling
+from rolling.surface import levelling, measured
 from rolling.surface.heights import SurfaceError
 from rolling.surface.levelling import Levelling
 
@@ -49,17 +48,15 @@ def read(path: Path, surface: HeightFile) -> Array:
 
     Raise SurfaceError for heights that cannot be used, or that have gaps that may not be filled.
     """
+    has_unit, unit = is_instrument(path), surface.height_unit
     try:
-        if is_instrument(path):
-            values = read_instrument(path, surface.channel, surface.height_unit).heights
-        else:
-            values = numbers(path)
+        values = measured.read(path, surface.channel, unit if has_unit else "m").heights
     except HeightFormatError as error:
         raise SurfaceError(error.of(path)) from error
     rows, columns = values.shape
     values = values.T if is_turned((rows, columns), surface) else values
-    unit = "m" if is_instrument(path) else surface.height_unit
-    return levelling.in_metres(values, unit, str(path), surface.unmeasured == "fill")
+    has_gaps = surface.unmeasured == "fill"
+    return levelling.in_metres(values, "m" if has_unit else unit, str(path), has_gaps)
 
 
 def prepare(
@@ -151,8 +148,8 @@ def values(heights: Array, steps: Sequence[float]) -> dict[str, float]:
 
 def _mean(values: Array) -> float:
     """Return the mean of the measured values, NaN without any."""
-    measured = values[~np.isnan(values)]
-    return float(measured.mean()) if measured.size else np.nan
+    known = values[~np.isnan(values)]
+    return float(known.mean()) if known.size else np.nan
 
 
 def _words(before: dict[str, float], after: dict[str, float]) -> str:
