@@ -132,6 +132,7 @@ def _refuse_large(path: Path, size: int) -> None:
 
 
 def _refuse_bytes(size: int) -> None:
+    """Refuse heights of more bytes than MAX_BYTES."""
     if size > MAX_BYTES:
         raise HeightFormatError(f"holds {size:,} bytes of heights, allowed: {MAX_BYTES:,}")
 

@@ -59,6 +59,23 @@ def read(path: Path, surface: HeightFile) -> Array:
     return levelling.in_metres(values, "m" if has_unit else unit, str(path), has_gaps)
 
 
+class Preparation:
+    """Heights [m] and their spacings [m] on the way to a period, with the steps that were taken."""
+
+    def __init__(self, heights: Array, steps: tuple[float, float], watched: bool) -> None:
+        self.heights, self.steps = heights, steps
+        self.effects: list[Effect] = []
+        self.roughness = values(heights, steps) if watched else None
+
+    def take(self, heights: Array, step: str, text: str, warning: str | None = None) -> None:
+        """Replace the heights by those after a step, and note its effect."""
+        self.heights, before = heights, self.roughness
+        if before is not None:
+            self.roughness = values(heights, self.steps)
+            words = f"{text}; {_words(before, self.roughness)}"
+            self.effects.append(Effect(step, words, before, self.roughness, warning))
+
+
 def prepare(
     heights: Array, surface: HeightFile, grid: HeightGrid
 ) -> tuple[Array, Levelling, list[Effect]]:
@@ -73,63 +90,68 @@ def prepare(
     effects : list of Effect
         Steps that were taken.
     """
-    effects: list[Effect] = []
-    is_profile, is_period = surface.width_um is not None, surface.made_periodic == "none"
-    if is_profile:
+    is_period = surface.made_periodic == "none"
+    if surface.width_um is not None:
         heights = np.repeat(heights, grid.resampled[1], axis=1)
     keys = surface.outliers, surface.s_filter_um, surface.l_filter_um
     named = any(keys) or surface.unmeasured == "fill" or surface.level == "quadratic"
     watched = named or not is_period or is_other(grid.steps, grid.spacing)
-    steps, before = grid.steps, values(heights, grid.steps) if watched else {}
-
-    def done(step: str, text: str, warning: str | None = None) -> None:
-        nonlocal before
-        if watched:
-            after = values(heights, steps)
-            effects.append(Effect(step, f"{text}; {_words(before, after)}", before, after, warning))
-            before = after
-
-    if surface.outliers:
-        heights, count = without_outliers(heights, surface.outliers)
-        done("outliers", f"{count} of {heights.size} nodes, at a threshold of {surface.outliers:g}")
-    if count := int(np.count_nonzero(np.isnan(heights))):
-        heights = filled(heights, is_period)
-        share = rounded(100 * count / heights.size)
-        done("unmeasured", f"{count} filled, {share} % of the nodes")
-    if surface.s_filter_um:
-        heights = smoothed(heights, steps, surface.s_filter_um * 1e-6, is_period)
-        done("s_filter", f"shorter waves than {surface.s_filter_um:g} um taken off")
+    work = Preparation(heights, grid.steps, watched)
+    _complete(work, surface, is_period)
+    if cutoff := surface.s_filter_um:
+        long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
+        work.take(long, "s_filter", f"shorter waves than {cutoff:g} um taken off")
     if is_other(grid.steps, grid.spacing):
-        heights = resampled(heights, grid)
-        sides, steps = " x ".join(f"{1e6 * step:.4g}" for step in steps), (grid.spacing,) * 2
-        least, warning = 2e6 * grid.spacing, None
-        if grid.spacing > min(grid.steps) and (surface.s_filter_um or 0) < least * (1 - SAME):
-            warning = "waves below two nodes fold onto longer ones: choose a surface.s_filter_um of"
-            warning += f" at least {least:.4g}"
-        done("resampling", f"from {sides} um to {1e6 * grid.spacing:.4g} um", warning)
+        _resample(work, surface, grid)
     mode = "plane" if surface.level == "auto" and not is_period else surface.level
-    heights, plane = levelling.level(heights, grid.spacing, mode)
+    heights, plane = levelling.level(work.heights, grid.spacing, mode)
     if any(plane.taken) or plane.is_quadratic:
-        done("f_operator", "second order" if plane.is_quadratic else "plane")
-    if surface.l_filter_um:
-        heights = heights - smoothed(heights, steps, surface.l_filter_um * 1e-6, is_period)
-        done("l_filter", f"longer waves than {surface.l_filter_um:g} um taken off")
+        work.take(heights, "f_operator", "second order" if plane.is_quadratic else "plane")
+    if cutoff := surface.l_filter_um:
+        long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
+        work.take(work.heights - long, "l_filter", f"longer waves than {cutoff:g} um taken off")
     if not is_period:
-        heights -= heights.mean()
-        if surface.made_periodic == "mirror":
-            heights = mirrored(heights, (0,) if is_profile else (0, 1))
-            done(
-                "periodic",
-                "mirrored",
-                "the second half is the first backwards: it sounds palindromic",
-            )
-        else:
-            heights, text = blended(heights, grid.overlap, grid.spacing)
-            done("periodic", text)
-    if effects:
-        seams = levelling.seam(heights, 0), levelling.seam(heights, 1)
-        plane = replace(plane, seams=seams)
-    return np.ascontiguousarray(heights), plane, effects
+        _close(work, surface, grid)
+    if work.effects:
+        plane = replace(
+            plane, seams=(levelling.seam(work.heights, 0), levelling.seam(work.heights, 1))
+        )
+    return np.ascontiguousarray(work.heights), plane, work.effects
+
+
+def _complete(work: Preparation, surface: HeightFile, is_period: bool) -> None:
+    """Take outliers out, and fill all points that were not measured."""
+    if threshold := surface.outliers:
+        heights, count = without_outliers(work.heights, threshold)
+        text = f"{count} of {heights.size} nodes, at a threshold of {threshold:g}"
+        work.take(heights, "outliers", text)
+    if count := int(np.count_nonzero(np.isnan(work.heights))):
+        text = f"{count} filled, {rounded(100 * count / work.heights.size)} % of the nodes"
+        work.take(filled(work.heights, is_period), "unmeasured", text)
+
+
+def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
+    """Resample to square nodes; warn where they are coarser and no filter goes before."""
+    sides, least = " x ".join(f"{1e6 * step:.4g}" for step in grid.steps), 2e6 * grid.spacing
+    warning = None
+    if grid.spacing > min(grid.steps) and (surface.s_filter_um or 0) < least * (1 - SAME):
+        warning = "waves below two nodes fold onto longer ones: choose a surface.s_filter_um of"
+        warning += f" at least {least:.4g}"
+    work.steps = grid.spacing, grid.spacing
+    text = f"from {sides} um to {1e6 * grid.spacing:.4g} um"
+    work.take(resampled(work.heights, grid), "resampling", text, warning)
+
+
+def _close(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
+    """Lead the end of each side into its beginning; a profile has no end across."""
+    heights = work.heights - work.heights.mean()
+    if surface.made_periodic == "blend":
+        heights, text = blended(heights, grid.overlap, grid.spacing)
+        work.take(heights, "periodic", text)
+        return
+    axes = (0,) if surface.width_um is not None else (0, 1)
+    warning = "the second half is the first backwards: it sounds palindromic"
+    work.take(mirrored(heights, axes), "periodic", "mirrored", warning)
 
 
 def values(heights: Array, steps: Sequence[float]) -> dict[str, float]:
