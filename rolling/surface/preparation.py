@@ -163,8 +163,8 @@ def values(heights: Array, steps: Sequence[float]) -> dict[str, float]:
     sq = float(np.sqrt(_mean(z**2)))
     along, across = (_mean((np.diff(z, axis=k) / steps[k]) ** 2) for k in (0, 1))
     shares = z / (sq or 1.0)
-    result = {"sa_m": _mean(np.abs(z)), "sq_m": sq, "ssk": _mean(shares**3)}
-    result |= {"sku": _mean(shares**4), "sdq": float(np.sqrt(along + across))}
+    result = {"Sa": _mean(np.abs(z)), "Sq": sq, "Ssk": _mean(shares**3)}
+    result |= {"Sku": _mean(shares**4), "Sdq": float(np.sqrt(along + across))}
     return {name: value for name, value in result.items() if not np.isnan(value)}
 
 
@@ -178,9 +178,9 @@ def _words(before: dict[str, float], after: dict[str, float]) -> str:
     """Write the roughness before and after a step, lengths in um."""
     texts = []
     for name in (name for name in before if name in after):
-        short, scale = name[:3].rstrip("_").capitalize(), 1e6 if name.endswith("_m") else 1.0
-        first, last = (rounded(scale * values[name], 3) for values in (before, after))
-        texts.append(f"{short} {first} -> {last}{' um' * (scale > 1)}")
+        scale, unit = (1e6, " um") if name in ("Sa", "Sq") else (1.0, "")
+        first, last = (rounded(scale * roughness[name], 3) for roughness in (before, after))
+        texts.append(f"{name} {first} -> {last}{unit}")
     return ", ".join(texts)
 
 

@@ -46,7 +46,7 @@ def test_steps_of_the_preparation_are_stored(tmp_path: Path) -> None:
     assert [step["step"] for step in steps] == ["unmeasured", "f_operator", "periodic"]
     number = np.count_nonzero(np.isnan(gaps))
     assert steps[0]["text"].startswith(f"{number} filled, ") and " -> " in steps[0]["text"]
-    assert steps[0]["before"]["sq_m"] == pytest.approx(np.nanstd(gaps), rel=1e-9)
+    assert steps[0]["before"]["Sq"] == pytest.approx(np.nanstd(gaps), rel=1e-9)
     assert rc.open_run(folder).scene.track.n_along == 96 - 10
 
 
