@@ -8,7 +8,7 @@ instant.
 Scenes
     read_scene, Scene and its sections Sphere, Plate, Gaussian, Smooth, HeightFile, Rolling,
     Numerics, Recovery, Dynamics, Sound; surfaces of the sphere GaussianBall, SmoothBall,
-    GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError
+    GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError; surface_parameters
 Runs
     simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError,
     FolderError
@@ -40,6 +40,7 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.scene.scene import Scene
     from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
     from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
+    from rolling.surface.parameters import surface_parameters
     from rolling.terminal.files import FolderError
 
 _SUBMODULES = {"check": "check", "closed_forms": "contact.closed_forms", "plot": "plot"}
@@ -56,6 +57,7 @@ _MODULES = {
     "scene.scene": ("Scene",),
     "scene.sections": ("Dynamics", "Numerics", "Recovery", "Rolling", "Sound"),
     "scene.surfaces": ("Gaussian", "HeightFile", "Smooth"),
+    "surface.parameters": ("surface_parameters",),
     "terminal.files": ("FolderError",),
 }
 _PLACES = _SUBMODULES | {name: module for module, names in _MODULES.items() for name in names}
@@ -92,6 +94,7 @@ __all__ = [
     "simulate",
     "simulate_sweep",
     "solve_contact",
+    "surface_parameters",
 ]
 
 
