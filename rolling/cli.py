@@ -179,6 +179,22 @@ def _plot(given: argparse.Namespace) -> int:
     return OK
 
 
+def _surface(given: argparse.Namespace) -> int:
+    """Describe a surface of a file or a scene."""
+    with progress.step(LOADING):
+        from rolling import commands
+    commands.describe_surface(
+        given.source,
+        given.set,
+        given.spacing_um,
+        given.channel,
+        given.height_unit,
+        save=given.save,
+        out=given.out,
+    )
+    return OK
+
+
 def _listen(given: argparse.Namespace) -> int:
     """Write a long record of a run, which goes on beyond its solved track."""
     with progress.step(LOADING):
@@ -318,6 +334,14 @@ _COMMANDS = {
         " continuation of it, at any speed",
         ("folder", "--seconds", "--speed", "--seed"),
     ),
+    "surface": _Command(
+        _surface,
+        "describe measured heights, or the surface of a scene: parameters of ISO 25178-2, picture",
+        (
+            *("source", "--set", "--spacing-um", "--channel", "--height-unit"),
+            *("--save", "--out"),
+        ),
+    ),
     "accuracy": _Command(
         _accuracy,
         "speed against error: a scene on finer grids, with other edges, tolerances and steps",
@@ -340,6 +364,7 @@ _OUT = {
     "report": "page to write (default: RUN/report.html)",
     "reproduce": "folder of the study (default: outputs/STUDY); again: goes on there",
     "plot": "folder of the files (default: RUN/figures)",
+    "surface": "folder of picture and table (default: outputs/NAME-surface)",
 }
 
 

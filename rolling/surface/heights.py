@@ -10,7 +10,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.scene.balls import Roughness
-from rolling.surface.parameters import about_mean, height_parameters, rms_gradient, squared_slopes
+from rolling.surface.parameters import roughness
 
 AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
     "gaussian": (1.0, 2),
@@ -199,15 +199,14 @@ def statistics(heights: Array, spacing: float) -> Statistics:
 
     The rms slope is the norm of the gradient over one spacing.
     """
-    z = about_mean(heights)
-    values = height_parameters(z)
+    values = roughness(heights, spacing, wrap=True)
     rough = values["Sq"] > 0
     return Statistics(
         ra=values["Sa"],
         rq=values["Sq"],
         skewness=values["Ssk"] if rough else 0.0,
         kurtosis=values["Sku"] if rough else 0.0,
-        rms_slope=rms_gradient(*squared_slopes(z, np.full(2, spacing), wrap=True)),
+        rms_slope=values["Sdq"],
         highest=values["Sp"],
         lowest=-values["Sv"],
     )

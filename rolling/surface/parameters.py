@@ -94,12 +94,31 @@ def parameters(
     """Compute all parameters of heights [m] of a spacing [m], periodic if they wrap."""
     z, steps = about_mean(heights), np.broadcast_to(spacing, 2)
     slopes = squared_slopes(z, steps, wrap)
-    return (
-        height_parameters(z)
-        | spatial_parameters(z, steps, wrap)
-        | {"Sdq": rms_gradient(*slopes), "Sdr": developed_area(*slopes, wrap)}
-        | material_parameters(z)
-    )
+    values = height_parameters(z) | spatial_parameters(z, steps, wrap) | material_parameters(z)
+    values |= {"Sdq": rms_gradient(*slopes), "Sdr": developed_area(*slopes, wrap)}
+    return {name: values[name] for name in NAMES}
+
+
+def roughness(
+    heights: Array, spacing: float | Sequence[float] | Array, wrap: bool = False
+) -> dict[str, float]:
+    """Compute the height parameters and Sdq alone, as `parameters` does."""
+    z, steps = about_mean(heights), np.broadcast_to(spacing, 2)
+    return height_parameters(z) | {"Sdq": rms_gradient(*squared_slopes(z, steps, wrap))}
+
+
+def without_plane(heights: Array) -> Array:
+    """Return heights [m] less the least-squares plane of the measured nodes."""
+    measured = np.isfinite(heights)
+    along, across = np.nonzero(measured)
+    middle = along.mean(), across.mean()
+    terms = np.stack([np.ones(len(along)), along - middle[0], across - middle[1]])
+    level, *slopes = np.linalg.lstsq(terms @ terms.T, terms @ heights[measured])[0]
+    lines = [
+        slope * (np.arange(n) - at)
+        for slope, n, at in zip(slopes, heights.shape, middle, strict=True)
+    ]
+    return np.asarray(heights - level - np.add.outer(*lines))
 
 
 def about_mean(heights: Array) -> Array:
@@ -251,7 +270,7 @@ def _lay(z: Array, steps: Array, wrap: bool) -> float:
     """
     z = np.nan_to_num(z)
     if not wrap:
-        z = z * np.outer(*(_taper(n) for n in z.shape))
+        z = z * np.outer(*(taper(n) for n in z.shape))
     power = np.abs(np.fft.rfft2(z)) ** 2
     power[0, 0] = 0.0
     power[:, 0] /= 2  # both waves of each pair stand in this column
@@ -265,7 +284,7 @@ def _lay(z: Array, steps: Array, wrap: bool) -> float:
     return normal - 90.0 if normal > 0 else 90.0
 
 
-def _taper(n: int) -> Array:
+def taper(n: int) -> Array:
     """Return a window of n nodes that rises and falls as a cosine over a tenth of them."""
     edge = np.minimum(np.arange(1, n + 1), np.arange(n, 0, -1)) * 10 / (n + 1)
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(edge, 1)))

@@ -43,7 +43,7 @@ def _power_of_two(text: str) -> int:
     return value
 
 
-def _seconds(text: str) -> float:
+def _positive(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
@@ -78,6 +78,27 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
     },
     "folder": {"type": _path, "metavar": "RUN", "help": "run folder"},
     "folders": {"type": _path, "metavar": "RUN", "nargs": "+", "help": "run folders"},
+    "source": {
+        "type": _path,
+        "metavar": "FILE",
+        "help": "file of heights in any format, scene file (YAML), or a name of `rolling scenes`",
+    },
+    "--spacing-um": {
+        "type": _positive,
+        "metavar": "UM",
+        "help": "node spacing of a file that holds none",
+    },
+    "--channel": {"metavar": "NAME", "help": "channel of the file (default: the first)"},
+    "--height-unit": {
+        "choices": ("m", "mm", "um", "nm"),
+        "default": "m",
+        "help": "unit of the heights in a file that names none (default: m)",
+    },
+    "--save": {
+        "type": _path,
+        "metavar": "OUT",
+        "help": "write the heights to a new file, in the format of its ending",
+    },
     "--set": {
         "action": "append",
         "default": [],
@@ -131,7 +152,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "help": "picture, or its numbers (default: png)",
     },
     "--seconds": {
-        "type": _seconds,
+        "type": _positive,
         "default": defaults.LISTENED_SECONDS,
         "metavar": "S",
         "help": f"length of the record to make (default {defaults.LISTENED_SECONDS:g}), up to"
@@ -156,7 +177,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "help": f"divide the spacing by 2, 4, ... up to N (default {defaults.FINEST})",
     },
     "--duration": {
-        "type": _seconds,
+        "type": _positive,
         "default": defaults.ACCURACY_SECONDS,
         "metavar": "S",
         "help": f"seconds of rolling at most (default {defaults.ACCURACY_SECONDS:g}:"
