@@ -424,6 +424,7 @@ def _measured(
 ) -> tuple[Array, tuple[float, float]]:
     """Read measured heights [m] less their plane, and their spacings [m]."""
     from rolling.surface import measured
+    from rolling.surface.levelling import HIGHEST, LARGEST_RA
     from rolling.surface.parameters import without_plane
 
     try:
@@ -435,6 +436,9 @@ def _measured(
         raise FolderError(f"{path}: --spacing-um: {words} spacing")
     if not np.isfinite(read.heights).any():
         raise FolderError(f"{path}: holds no measured heights")
-    heights = without_plane(read.heights)
+    highest = float(np.nanmax(np.abs(read.heights)))
+    if highest > HIGHEST or np.nanmean(np.abs(heights := without_plane(read.heights))) > LARGEST_RA:
+        words = f"Ra would be more than {LARGEST_RA:g} m; give the unit of the file"
+        raise FolderError(f"{path}: --height-unit: {words}")
     along, across = read.spacing_m or (1e-6 * (spacing_um or 0),) * 2
     return (heights.T, (across, along)) if len(heights) == 1 else (heights, (along, across))

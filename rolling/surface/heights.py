@@ -208,7 +208,7 @@ def statistics(heights: Array, spacing: float) -> Statistics:
         kurtosis=values["Sku"] if rough else 0.0,
         rms_slope=values["Sdq"],
         highest=values["Sp"],
-        lowest=-values["Sv"],
+        lowest=0.0 - values["Sv"],
     )
 
 

@@ -36,6 +36,7 @@ NAMES = {
 }
 DECAY = 0.2  # of the autocorrelation, the default of ISO 25178-3
 CORE = 0.4  # of the material ratio, over which the secant of the core is drawn
+_ROUNDING = 1e-12  # of the heights with their plane; less is no roughness
 _RAYS = 360  # directions of the half-plane
 _BLOCK = 64  # samples of a ray at a time, two in each node
 _SMOOTHING = np.radians(12.0)  # standard deviation of the smoothed angular spectrum
@@ -109,16 +110,15 @@ def roughness(
 
 def without_plane(heights: Array) -> Array:
     """Return heights [m] less the least-squares plane of the measured nodes."""
-    measured = np.isfinite(heights)
-    along, across = np.nonzero(measured)
+    z = about_mean(heights)
+    along, across = np.nonzero(~np.isnan(z))
     middle = along.mean(), across.mean()
     terms = np.stack([np.ones(len(along)), along - middle[0], across - middle[1]])
-    level, *slopes = np.linalg.lstsq(terms @ terms.T, terms @ heights[measured])[0]
-    lines = [
-        slope * (np.arange(n) - at)
-        for slope, n, at in zip(slopes, heights.shape, middle, strict=True)
-    ]
-    return np.asarray(heights - level - np.add.outer(*lines))
+    factors = np.linalg.lstsq(terms @ terms.T, terms @ z[along, across])[0]
+    rows, columns = (np.arange(n) - at for n, at in zip(z.shape, middle, strict=True))
+    rest = z - factors[0] - np.add.outer(factors[1] * rows, factors[2] * columns)
+    is_rounding = np.nanmax(np.abs(rest)) <= _ROUNDING * np.nanmax(np.abs(z))
+    return np.asarray(0.0 * z if is_rounding else rest)
 
 
 def about_mean(heights: Array) -> Array:
@@ -151,7 +151,7 @@ def height_parameters(z: Array) -> dict[str, float]:
         "Ssk": _mean(shares**3),
         "Sku": _mean(shares**4),
         "Sp": highest,
-        "Sv": -lowest,
+        "Sv": 0.0 - lowest,
         "Sz": highest - lowest,
     }
 
@@ -191,11 +191,11 @@ def spatial_parameters(z: Array, steps: Array, wrap: bool) -> dict[str, float]:
     """Compute the autocorrelation length [m], the aspect ratio and the lay [deg] of a texture.
 
     The aspect ratio is the shortest over the longest distance to the decay on any ray. A ray that
-    leaves half the surface before its decay counts with its length, so Str is then an upper bound.
+    ends before its decay, at half the surface, counts with its length: Str is then an upper bound.
     """
     if not np.nanmax(z) > np.nanmin(z):
         return dict.fromkeys(("Sal", "Str", "Std"), np.nan)
-    decay, ends = _decay(autocorrelation(z, wrap), steps)
+    decay, ends = _decay(autocorrelation(z, wrap), steps, wrap)
     shortest = float(decay.min())
     directed = min(z.shape) > 1
     return {
@@ -215,7 +215,7 @@ def autocorrelation(z: Array, wrap: bool) -> Array:
     """
     from scipy.fft import next_fast_len  # slow to import
 
-    lags = [np.arange(-(n // 2), n // 2 + 1) for n in z.shape]
+    lags = [np.arange(n if wrap else 2 * (n // 2) + 1) - n // 2 for n in z.shape]
     size = [n if wrap else next_fast_len(n + n // 2, real=True) for n in z.shape]
 
     def products(values: Array) -> Array:
@@ -231,34 +231,34 @@ def autocorrelation(z: Array, wrap: bool) -> Array:
     return np.asarray(covariance / covariance[z.shape[0] // 2, z.shape[1] // 2])
 
 
-def _decay(share: Array, steps: Array) -> tuple[Array, Array]:
-    """Return the distances [m] at which an autocorrelation decays on each ray, and the ray's end.
+def _decay(share: Array, steps: Array, wrap: bool) -> tuple[Array, Array]:
+    """Return the distances [m] at which an autocorrelation decays on each ray, and the rays' ends.
 
     Without a decay the distance is infinite. The autocorrelation is interpolated by cubic splines.
     """
     from scipy import ndimage  # slow to import
 
-    angle = np.pi * np.arange(_RAYS) / _RAYS
+    angle, half = np.pi * np.arange(_RAYS) / _RAYS, np.array(share.shape) // 2
     rays = np.array([np.cos(angle), np.sin(angle)]) / steps[:, None]  # nodes of each axis per m
     sample = 0.5 / np.abs(rays).max(axis=0)  # [m]
-    half = np.array(share.shape)[:, None] // 2
-    ends = np.where(np.abs(rays) * sample > 1e-9, half / np.maximum(np.abs(rays), 1e-300), np.inf)
-    count = np.floor(ends.min(axis=0) / sample * (1 + 1e-9)).astype(int)
-    coefficients = ndimage.spline_filter(share, mode="mirror")
+    reach = half[:, None] / np.maximum(np.abs(rays), 1e-9 / sample)
+    count = ((max(half * steps) if wrap else reach.min(axis=0)) / sample + 1e-6).astype(int)
+    mode = "grid-wrap" if wrap else "mirror"
+    coefficients = ndimage.spline_filter(share, mode=mode)
     decay, last = np.full(_RAYS, np.inf), np.ones(_RAYS)
     for first in range(1, count.max() + 1, _BLOCK):
         left = np.flatnonzero(np.isinf(decay) & (count >= first))
         number = first + np.arange(_BLOCK)[:, None]
-        places = half[:, :, None] + rays[:, None, left] * (number * sample[left])
-        value = ndimage.map_coordinates(coefficients, places, prefilter=False, mode="mirror")
+        places = half[:, None, None] + rays[:, None, left] * (number * sample[left])
+        value = ndimage.map_coordinates(coefficients, places, prefilter=False, mode=mode)
         value[number > count[left]] = 1.0
-        before = np.vstack([last[left], value[:-1]])
-        row = np.argmax(value <= DECAY, axis=0)
-        pick = row, np.arange(len(left))
-        fraction = (before[pick] - DECAY) / (before[pick] - value[pick])
-        hit = value[pick] <= DECAY
-        decay[left[hit]] = ((first + row - 1 + fraction) * sample[left])[hit]
+        before = np.vstack([last[left], value])
         last[left] = value[-1]
+        column = np.flatnonzero(value.min(axis=0) <= DECAY)
+        row = np.argmax(value[:, column] <= DECAY, axis=0)
+        high, low = before[row, column], value[row, column]
+        number = first + row - (DECAY - low) / (high - low)
+        decay[left[column]] = number * sample[left[column]]
     return decay, count * sample
 
 
