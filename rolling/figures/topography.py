@@ -20,7 +20,7 @@ from rolling.surface import parameters as iso
 _HEIGHT_IN = 7.0
 _MOST_NODES = 500  # of a map, in each direction
 _LONGEST = 1.6  # times its shorter side, the longer side of a map
-_COLOURED = 0.2, 99.8  # percentiles of the heights that have the first and the last colour
+_WITHOUT_COLOUR = 0.002  # of the heights on either side, which have the last colour
 _SHOWN = 1e-4  # of the maximum of a spectrum, the least that is shown
 _TITLED = ("Sa", "Sq", "Ssk", "Sku", "Str")
 _LOOKS: tuple[dict[str, Any], ...] = (
@@ -48,11 +48,12 @@ def topography(
         Whether the heights are one period of the surface.
     """
     z = 1e6 * iso.about_mean(heights)
+    descending = np.sort(z[~np.isnan(z)])[::-1]
     figure = Figure(figsize=(WIDTH_IN, _HEIGHT_IN), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     (on_map, on_ratio), (on_spectrum, on_correlation) = figure.subplots(2, 2)
-    _map(on_map, z, 1e6 * steps)
-    _material_ratio(on_ratio, z)
+    _map(on_map, z, 1e6 * steps, descending)
+    _material_ratio(on_ratio, descending)
     if values["Sq"] > 0:
         _spectrum(on_spectrum, z, 1e6 * steps, wrap)
         _autocorrelation(on_correlation, z, 1e6 * steps, wrap, 1e6 * values["Sal"])
@@ -75,7 +76,7 @@ def written(short: str, values: dict[str, float]) -> str:
     return "-" if math.isnan(value) else f"{rounded(value, 4)} {unit}".rstrip()
 
 
-def _map(ax: Axes, z: Array, steps: Array) -> None:
+def _map(ax: Axes, z: Array, steps: Array, descending: Array) -> None:
     """Draw heights [um] at the beginning, no longer than 1.6 times their width; a profile whole."""
     shape = np.array(z.shape)
     longest = _LONGEST * min(steps * shape) if min(shape) > 1 else math.inf
@@ -83,7 +84,8 @@ def _map(ax: Axes, z: Array, steps: Array) -> None:
     strides = -(-nodes // _MOST_NODES)
     shown = z[: nodes[0] : strides[0], : nodes[1] : strides[1]]
     along, across = strides * steps * shown.shape
-    low, high = np.nanpercentile(z, _COLOURED)
+    extreme = int(_WITHOUT_COLOUR * len(descending))
+    low, high = descending[-1 - extreme], descending[extreme]
     look: dict[str, Any] = {
         "origin": "lower",
         "interpolation": "none",
@@ -97,14 +99,15 @@ def _map(ax: Axes, z: Array, steps: Array) -> None:
     ax.set(xlabel="along [µm]", ylabel="across [µm]")
 
 
-def _material_ratio(ax: Axes, z: Array) -> None:
+def _material_ratio(ax: Axes, descending: Array) -> None:
     """Draw the distribution of heights [um], their material ratio, and the line of the core."""
-    measured, ratio = np.sort(z[~np.isnan(z)])[::-1], np.linspace(0, 100, 1001)
-    count, edges = np.histogram(measured, 80)
+    ratio = np.linspace(0, 100, 1001)
+    shown = descending[np.rint(ratio / 100 * (len(descending) - 1)).astype(int)]
+    count, edges = np.histogram(descending, 80)
     share, name = 100 * count / count.max(), "distribution of heights"
     ax.stairs(share, edges, orientation="horizontal", fill=True, color="0.8", label=name)
-    ax.plot(ratio, np.percentile(measured, 100 - ratio), color=COLOURS[0], label="material ratio")
-    ax.plot((0, 100), iso.core(measured), "--", color=COLOURS[1], label="equivalent line")
+    ax.plot(ratio, shown, color=COLOURS[0], label="material ratio")
+    ax.plot((0, 100), iso.core(descending), "--", color=COLOURS[1], label="equivalent line")
     ax.set_xlim(0, 100)
     _finish(ax, "material ratio [%]", "height [µm]")
 
