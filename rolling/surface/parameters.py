@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, positive, real_array
 
 # Unit in SI and meaning by short name, in the order of the standard.
 NAMES = {
@@ -81,12 +81,11 @@ def surface_parameters(
     >>> round(values["Sq"] * 1e6, 4), round(values["Sku"], 4), round(values["Std"])
     (0.7071, 1.5, 90)
     """
-    heights, steps = np.asarray(heights, dtype=np.float64), np.broadcast_to(spacing_um, 2)
-    if heights.ndim != 2 or not np.isfinite(heights).any():
-        raise ValueError(f"heights: got {heights.shape}, allowed: (m, n) with a finite height")
-    if not (np.isfinite(steps).all() and (steps > 0).all()):
-        raise ValueError(f"spacing_um: got {spacing_um}, allowed: finite numbers above 0")
-    return parameters(heights, steps * 1e-6, periodic)
+    pair = spacing_um if isinstance(spacing_um, tuple | list) else (spacing_um, spacing_um)
+    if len(pair) != 2:
+        raise ValueError(f"spacing_um: got {len(pair)} numbers, allowed: one or a pair")
+    steps = [1e-6 * positive("spacing_um", step) for step in pair]
+    return parameters(real_array("heights", heights, 2, gaps=True), steps, periodic)
 
 
 def parameters(

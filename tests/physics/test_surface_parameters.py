@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.special import ndtri
 
-import rolling
 from acoustics.arrays import Array
 from rolling.surface import parameters as iso
 from rolling.surface.heights import gaussian
@@ -123,17 +122,3 @@ def test_tiny_surfaces(shape: tuple[int, int], wrap: bool) -> None:
     assert 0 <= got["Smrk1"] <= got["Smrk2"] <= 100
     assert got["Sz"] >= got["Sq"] >= got["Sa"]
     assert min(shape) > 1 or np.isnan(got["Std"])
-
-
-@pytest.mark.parametrize(
-    ("heights", "spacing_um", "words"),
-    [
-        (np.zeros(5), 1.0, "heights"),
-        (np.full((3, 3), np.nan), 1.0, "heights"),
-        (np.zeros((3, 3)), 0.0, "spacing_um"),
-        (np.zeros((3, 3)), (1.0, np.inf), "spacing_um"),
-    ],
-)
-def test_what_is_no_surface_is_refused(heights: Array, spacing_um: float, words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        rolling.surface_parameters(heights, spacing_um)
