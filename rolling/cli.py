@@ -183,15 +183,8 @@ def _surface(given: argparse.Namespace) -> int:
     """Describe a surface of a file or a scene."""
     with progress.step(LOADING):
         from rolling import commands
-    commands.describe_surface(
-        given.source,
-        given.set,
-        given.spacing_um,
-        given.channel,
-        given.height_unit,
-        save=given.save,
-        out=given.out,
-    )
+    height_keys = given.spacing_um, given.channel, given.height_unit
+    commands.surface(given.source, given.set, *height_keys, save=given.save, out=given.out)
     return OK
 
 
@@ -337,10 +330,7 @@ _COMMANDS = {
     "surface": _Command(
         _surface,
         "describe measured heights, or the surface of a scene: parameters of ISO 25178-2, picture",
-        (
-            *("source", "--set", "--spacing-um", "--channel", "--height-unit"),
-            *("--save", "--out"),
-        ),
+        ("source", "--set", *("--spacing-um", "--channel", "--height-unit"), "--save", "--out"),
     ),
     "accuracy": _Command(
         _accuracy,

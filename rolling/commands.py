@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.numbers import rounded
 from rolling.results import labels, listening, runs_table
 from rolling.results.long_listening import ListeningError, sentence
 from rolling.results.run_result import Run
@@ -32,12 +31,12 @@ if TYPE_CHECKING:
 PAGE, TABLE = "report.html", "runs.csv"
 __all__ = [
     "default_folder",
-    "describe_surface",
     "listen",
     "plot",
     "report",
     "resound",
     "run_scene",
+    "surface",
     "tabulate",
 ]
 
@@ -350,7 +349,7 @@ def _refuse_unknown(name: str, known: Sequence[str], kind: str) -> None:
         raise FolderError(f"{name}: no {kind}{hint}, allowed: {', '.join(known)}")
 
 
-def describe_surface(
+def surface(
     source: Path,
     overrides: Sequence[str] = (),
     spacing_um: float | None = None,
@@ -409,11 +408,10 @@ def describe_surface(
     if progress.is_quiet():
         print(folder)
         return
-    nodes, spacings = (
-        " x ".join(map(str, pair))
-        for pair in (heights.shape, [rounded(1e6 * step, 4) for step in steps])
+    nodes, sides = (
+        " x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * np.array(steps), 6))
     )
-    print(f"{labels.printable(name)}: {nodes} nodes of {spacings} um, {words}")
+    print(f"{labels.printable(name)}: {nodes} nodes of {sides} um, {words}")
     for short, (_, meaning) in NAMES.items():
         print(f"{short:6}{written(short, values):>12}  {meaning}")
     print(f"\nall files: {labels.printable(str(folder))}")
@@ -434,11 +432,11 @@ def _measured(
     if (read.spacing_m is None) == (spacing_um is None):
         words = "missing; the file holds no" if spacing_um is None else "the file holds its own"
         raise FolderError(f"{path}: --spacing-um: {words} spacing")
-    if not np.isfinite(read.heights).any():
-        raise FolderError(f"{path}: holds no measured heights")
-    highest = float(np.nanmax(np.abs(read.heights)))
-    if highest > HIGHEST or np.nanmean(np.abs(heights := without_plane(read.heights))) > LARGEST_RA:
-        words = f"Ra would be more than {LARGEST_RA:g} m; give the unit of the file"
-        raise FolderError(f"{path}: --height-unit: {words}")
+    size = np.abs(read.heights[np.isfinite(read.heights)])
+    if not size.size or size.max() > HIGHEST:
+        raise FolderError(f"{path}: holds no heights, or heights above {HIGHEST:g} m")
+    heights = without_plane(read.heights)
+    if np.nanmean(np.abs(heights)) > LARGEST_RA:
+        raise FolderError(f"{path}: --height-unit: Ra would be more than {LARGEST_RA:g} m")
     along, across = read.spacing_m or (1e-6 * (spacing_um or 0),) * 2
     return (heights.T, (across, along)) if len(heights) == 1 else (heights, (along, across))

@@ -93,18 +93,30 @@ def parameters(
 ) -> dict[str, float]:
     """Compute all parameters of heights [m] of a spacing [m], periodic if they wrap."""
     z, steps = about_mean(heights), np.broadcast_to(spacing, 2)
-    slopes = squared_slopes(z, steps, wrap)
-    values = height_parameters(z) | spatial_parameters(z, steps, wrap) | material_parameters(z)
-    values |= {"Sdq": rms_gradient(*slopes), "Sdr": developed_area(*slopes, wrap)}
+    values = roughness(z, steps, wrap) | spatial_parameters(z, steps, wrap)
+    values |= {"Sdr": developed_area(z, steps, wrap)} | material_parameters(z)
     return {name: values[name] for name in NAMES}
 
 
 def roughness(
     heights: Array, spacing: float | Sequence[float] | Array, wrap: bool = False
 ) -> dict[str, float]:
-    """Compute the height parameters and Sdq alone, as `parameters` does."""
-    z, steps = about_mean(heights), np.broadcast_to(spacing, 2)
-    return height_parameters(z) | {"Sdq": rms_gradient(*squared_slopes(z, steps, wrap))}
+    """Compute Sa, Sq, Sp, Sv, Sz [m], Ssk, Sku and Sdq alone, as `parameters` does."""
+    z = about_mean(heights)
+    along, across = _squared_slopes(z, np.broadcast_to(spacing, 2), wrap)
+    rms = float(np.sqrt(_mean(z**2)))
+    shares = z / rms if rms > 0 else np.full(1, np.nan)
+    highest, lowest = float(np.nanmax(z)), float(np.nanmin(z))
+    return {
+        "Sa": _mean(np.abs(z)),
+        "Sq": rms,
+        "Ssk": _mean(shares**3),
+        "Sku": _mean(shares**4),
+        "Sp": highest,
+        "Sv": 0.0 - lowest,
+        "Sz": highest - lowest,
+        "Sdq": float(np.sqrt(_mean(along) + _mean(across))),
+    }
 
 
 def without_plane(heights: Array) -> Array:
@@ -136,43 +148,22 @@ def _mean(values: Array) -> float:
     return float(values.mean()) if values.size else np.nan
 
 
-# ---- heights and slopes
+# ---- slopes
 
 
-def height_parameters(z: Array) -> dict[str, float]:
-    """Compute the moments and extremes of heights about their mean [m]."""
-    rms = float(np.sqrt(_mean(z**2)))
-    highest, lowest = float(np.nanmax(z)), float(np.nanmin(z))
-    shares = z / rms if rms > 0 else np.full(1, np.nan)
-    return {
-        "Sa": _mean(np.abs(z)),
-        "Sq": rms,
-        "Ssk": _mean(shares**3),
-        "Sku": _mean(shares**4),
-        "Sp": highest,
-        "Sv": 0.0 - lowest,
-        "Sz": highest - lowest,
-    }
-
-
-def squared_slopes(z: Array, steps: Array, wrap: bool) -> tuple[Array, Array]:
-    """Return the squared slopes between neighbouring heights [m], along and across."""
-    along, across = (
-        np.square((following - here) / steps[axis])
-        for axis, (here, following) in enumerate(_neighbours(z, axis, wrap) for axis in (0, 1))
-    )
-    return along, across
-
-
-def rms_gradient(along: Array, across: Array) -> float:
-    """Return Sdq from squared slopes along and across."""
-    return float(np.sqrt(_mean(along) + _mean(across)))
-
-
-def developed_area(along: Array, across: Array, wrap: bool) -> float:
-    """Return Sdr [%] from squared slopes: the mean over the two triangles of each cell."""
+def developed_area(z: Array, steps: Array, wrap: bool) -> float:
+    """Return Sdr [%], the mean over the two triangles of each cell."""
+    along, across = _squared_slopes(z, steps, wrap)
     cells = map(np.add, _neighbours(along, 1, wrap), _neighbours(across, 0, wrap))
     return 50 * sum(_mean(square / (1 + np.sqrt(1 + square))) for square in cells)
+
+
+def _squared_slopes(z: Array, steps: Array, wrap: bool) -> list[Array]:
+    """Return the squared slopes between neighbouring heights [m], along and across."""
+    pairs = (_neighbours(z, axis, wrap) for axis in (0, 1))
+    return [
+        ((beyond - here) / step) ** 2 for (here, beyond), step in zip(pairs, steps, strict=True)
+    ]
 
 
 def _neighbours(values: Array, axis: int, wrap: bool) -> tuple[Array, Array]:
@@ -192,18 +183,14 @@ def spatial_parameters(z: Array, steps: Array, wrap: bool) -> dict[str, float]:
     The aspect ratio is the shortest over the longest distance to the decay on any ray. A ray that
     ends before its decay, at half the surface, counts with its length: Str is then an upper bound.
     """
-    if not np.nanmax(z) > np.nanmin(z):
+    if not np.nan_to_num(z).any():
         return dict.fromkeys(("Sal", "Str", "Std"), np.nan)
     decay, ends = _decay(autocorrelation(z, wrap), steps, wrap)
-    shortest = float(decay.min())
-    directed = min(z.shape) > 1
-    return {
-        "Sal": shortest if np.isfinite(shortest) else np.nan,
-        "Str": shortest / float(np.minimum(decay, ends).max())
-        if directed and np.isfinite(shortest)
-        else np.nan,
-        "Std": _lay(z, steps, wrap) if directed else np.nan,
-    }
+    length = float(decay.min()) if np.isfinite(decay).any() else np.nan
+    if 1 in z.shape:
+        return {"Sal": length, "Str": np.nan, "Std": np.nan}
+    ratio = length / float(np.minimum(decay, ends).max())
+    return {"Sal": length, "Str": ratio, "Std": _lay(z, steps, wrap)}
 
 
 def autocorrelation(z: Array, wrap: bool) -> Array:

@@ -83,22 +83,14 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
         "metavar": "FILE",
         "help": "file of heights in any format, scene file (YAML), or a name of `rolling scenes`",
     },
-    "--spacing-um": {
-        "type": _positive,
-        "metavar": "UM",
-        "help": "node spacing of a file that holds none",
-    },
-    "--channel": {"metavar": "NAME", "help": "channel of the file (default: the first)"},
+    "--spacing-um": {"type": _positive, "metavar": "UM", "help": "node spacing, if FILE has none"},
+    "--channel": {"metavar": "NAME", "help": "channel of FILE (default: the first)"},
     "--height-unit": {
         "choices": ("m", "mm", "um", "nm"),
         "default": "m",
-        "help": "unit of the heights in a file that names none (default: m)",
+        "help": "unit of the heights, if FILE has none (default: m)",
     },
-    "--save": {
-        "type": _path,
-        "metavar": "OUT",
-        "help": "write the heights to a new file, in the format of its ending",
-    },
+    "--save": {"type": _path, "metavar": "OUT", "help": "new file for the heights, by its ending"},
     "--set": {
         "action": "append",
         "default": [],

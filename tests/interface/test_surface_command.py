@@ -54,7 +54,7 @@ def test_the_parameters_of_a_file_are_printed_and_written(
         assert written[name] == pytest.approx(value, rel=1e-8, nan_ok=True)
         assert f"\n{name} " in said
     assert 0.9e-7 < direct["Sq"] < 1.1e-7  # the noise without the plane of 90 um
-    assert "40 x 30 nodes of 1 x 2 um" in said
+    assert "40 x 30 nodes of 1.0 x 2.0 um" in said
     assert Path("outputs/scan.xyz-surface/surface.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -86,7 +86,7 @@ def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFix
         (["plate.yaml", "--spacing-um", "1"], "only go with a file"),
         (["plate.yaml", "--set", "surface.sed=1"], "nearest: surface.seed"),
         (["flat.npy"], "--spacing-um: missing"),
-        (["gaps.npy", "--spacing-um", "1"], "no measured heights"),
+        (["gaps.npy", "--spacing-um", "1"], "holds no heights"),
         (["metres.npy", "--spacing-um", "1"], "--height-unit: Ra would be more than 0.001 m"),
     ],
 )

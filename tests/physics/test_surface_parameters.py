@@ -54,7 +54,7 @@ def test_gradient_of_a_law() -> None:
     got = iso.parameters(heights, STEP, wrap=True)
     assert got["Sdq"] == pytest.approx(2 * got["Sq"] / 8e-6, rel=0.03)
     assert got["Sdr"] == pytest.approx(50 * got["Sdq"] ** 2, rel=1e-3)
-    for square in iso.squared_slopes(heights, np.full(2, STEP), True):
+    for square in iso._squared_slopes(heights, np.full(2, STEP), True):
         assert np.sqrt(square.mean()) == pytest.approx(np.sqrt(2) * got["Sq"] / 8e-6, rel=0.03)
 
 
