@@ -4,6 +4,8 @@ heights
     makes random and flat heights, and computes roughness statistics
 levelling
     reads heights from files, finds their tilt and seam, and removes the tilt
+parameters
+    computes the areal parameters of ISO 25178-2
 refined
     computes heights between the nodes, on finer and coarser grids and on sub-cells
 scene_surface
