@@ -392,6 +392,8 @@ def surface(
             raise FolderError("--set: only goes with a scene")
         name, words = source.name, "less its least-squares plane"
         heights, steps = _measured(source, spacing_um, channel, unit)
+        if gaps := np.count_nonzero(np.isnan(heights)):
+            words += f", {gaps} not measured"
     with progress.step("computing the parameters, drawing the picture"):
         values = parameters(heights, steps, is_scene)
         drawn = topography(name, values, heights, np.array(steps), is_scene)
