@@ -20,7 +20,7 @@ from rolling.surface import parameters as iso
 _HEIGHT_IN = 7.0
 _MOST_NODES = 500  # of a map, in each direction
 _LONGEST = 1.6  # times its shorter side, the longer side of a map
-_WITHOUT_COLOUR = 0.002  # of the heights on either side, which have the last colour
+_HIDDEN = 0.002  # of the heights at either end, which have no colour of their own
 _SHOWN = 1e-4  # of the maximum of a spectrum, the least that is shown
 _TITLED = ("Sa", "Sq", "Ssk", "Sku", "Str")
 _LOOKS: tuple[dict[str, Any], ...] = (
@@ -49,11 +49,13 @@ def topography(
     """
     z = 1e6 * iso.about_mean(heights)
     descending = np.sort(z[~np.isnan(z)])[::-1]
+    extremes = int(_HIDDEN * len(descending))
+    shown = descending[extremes : len(descending) - extremes]
     figure = Figure(figsize=(WIDTH_IN, _HEIGHT_IN), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     (on_map, on_ratio), (on_spectrum, on_correlation) = figure.subplots(2, 2)
-    _map(on_map, z, 1e6 * steps, descending)
-    _material_ratio(on_ratio, descending)
+    _map(on_map, z, 1e6 * steps, shown)
+    _material_ratio(on_ratio, shown, iso.core(descending))
     if values["Sq"] > 0:
         _spectrum(on_spectrum, z, 1e6 * steps, wrap)
         _autocorrelation(on_correlation, z, 1e6 * steps, wrap, 1e6 * values["Sal"])
@@ -84,8 +86,7 @@ def _map(ax: Axes, z: Array, steps: Array, descending: Array) -> None:
     strides = -(-nodes // _MOST_NODES)
     shown = z[: nodes[0] : strides[0], : nodes[1] : strides[1]]
     along, across = strides * steps * shown.shape
-    extreme = int(_WITHOUT_COLOUR * len(descending))
-    low, high = descending[-1 - extreme], descending[extreme]
+    low, high = descending[-1], descending[0]
     look: dict[str, Any] = {
         "origin": "lower",
         "interpolation": "none",
@@ -99,15 +100,15 @@ def _map(ax: Axes, z: Array, steps: Array, descending: Array) -> None:
     ax.set(xlabel="along [µm]", ylabel="across [µm]")
 
 
-def _material_ratio(ax: Axes, descending: Array) -> None:
+def _material_ratio(ax: Axes, descending: Array, line: tuple[float, float]) -> None:
     """Draw the distribution of heights [um], their material ratio, and the line of the core."""
-    ratio = np.linspace(0, 100, 1001)
-    shown = descending[np.rint(ratio / 100 * (len(descending) - 1)).astype(int)]
+    ratio = np.linspace(_HIDDEN, 1 - _HIDDEN, 1001)
+    curve = descending[np.linspace(0, len(descending) - 1, 1001).round().astype(int)]
     count, edges = np.histogram(descending, 80)
     share, name = 100 * count / count.max(), "distribution of heights"
     ax.stairs(share, edges, orientation="horizontal", fill=True, color="0.8", label=name)
-    ax.plot(ratio, shown, color=COLOURS[0], label="material ratio")
-    ax.plot((0, 100), iso.core(descending), "--", color=COLOURS[1], label="equivalent line")
+    ax.plot(100 * ratio, curve, color=COLOURS[0], label="material ratio")
+    ax.plot((0, 100), line, "--", color=COLOURS[1], label="equivalent line")
     ax.set_xlim(0, 100)
     _finish(ax, "material ratio [%]", "height [µm]")
 
