@@ -60,8 +60,8 @@ def topography(
         _spectrum(on_spectrum, z, 1e6 * steps, wrap)
         _autocorrelation(on_correlation, z, 1e6 * steps, wrap, 1e6 * values["Sal"])
     else:
-        for ax in (on_spectrum, on_correlation):
-            ax.set_axis_off()
+        on_spectrum.set_axis_off()
+        on_correlation.set_axis_off()
     facts = ", ".join(f"{short} {written(short, values)}" for short in _TITLED)
     title = f"Surface: {name}: {facts.replace(' um', ' µm')}"
     figure.suptitle(drawable(title), x=0.012, ha="left", fontsize=11, parse_math=False)
@@ -86,15 +86,10 @@ def _map(ax: Axes, z: Array, steps: Array, descending: Array) -> None:
     strides = -(-nodes // _MOST_NODES)
     shown = z[: nodes[0] : strides[0], : nodes[1] : strides[1]]
     along, across = strides * steps * shown.shape
-    low, high = descending[-1], descending[0]
-    look: dict[str, Any] = {
-        "origin": "lower",
-        "interpolation": "none",
-        "extent": (0.0, along, 0.0, across),
-    }
-    look |= {"vmin": min(low, -1e-3), "vmax": max(high, 1e-3)}  # a flat surface shows no rounding
-    look["aspect"] = "equal" if min(shape) > 1 else "auto"
-    image = ax.imshow(shown.T, "cividis", **look)
+    extent = (0.0, along, 0.0, across)
+    image = ax.imshow(shown.T, "cividis", origin="lower", interpolation="none", extent=extent)
+    image.set_clim(min(descending[-1], -1e-3), max(descending[0], 1e-3))  # above any rounding
+    ax.set_aspect("equal" if min(shape) > 1 else "auto")
     ax.set_facecolor("0.7")  # where nothing was measured
     ax.figure.colorbar(image, ax=ax, label="height [µm]", shrink=0.8, extend="both")
     ax.set(xlabel="along [µm]", ylabel="across [µm]")

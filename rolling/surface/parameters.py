@@ -152,7 +152,7 @@ def _mean(values: Array) -> float:
 
 
 def developed_area(z: Array, steps: Array, wrap: bool) -> float:
-    """Return Sdr [%], the mean over the two triangles of each cell."""
+    """Return Sdr [%] (ISO 25178-2, 4.4), the mean over the two triangles of each cell."""
     along, across = _squared_slopes(z, steps, wrap)
     cells = map(np.add, _neighbours(along, 1, wrap), _neighbours(across, 0, wrap))
     return 50 * sum(_mean(square / (1 + np.sqrt(1 + square))) for square in cells)
@@ -178,7 +178,7 @@ def _neighbours(values: Array, axis: int, wrap: bool) -> tuple[Array, Array]:
 
 
 def spatial_parameters(z: Array, steps: Array, wrap: bool) -> dict[str, float]:
-    """Compute the autocorrelation length [m], the aspect ratio and the lay [deg] of a texture.
+    """Compute the spatial parameters of ISO 25178-2, 4.3, in m and degrees.
 
     The aspect ratio is the shortest over the longest distance to the decay on any ray. A ray that
     ends before its decay, at half the surface, counts with its length: Str is then an upper bound.
@@ -226,8 +226,9 @@ def _decay(share: Array, steps: Array, wrap: bool) -> tuple[Array, Array]:
 
     angle, half = np.pi * np.arange(_RAYS) / _RAYS, np.array(share.shape) // 2
     rays = np.array([np.cos(angle), np.sin(angle)]) / steps[:, None]  # nodes of each axis per m
+    rays[1, 0] = rays[0, _RAYS // 2] = 0.0  # exactly along an axis
     sample = 0.5 / np.abs(rays).max(axis=0)  # [m]
-    reach = half[:, None] / np.maximum(np.abs(rays), 1e-9 / sample)
+    reach = np.divide(half[:, None], np.abs(rays), np.full(rays.shape, np.inf), where=rays != 0)
     count = ((max(half * steps) if wrap else reach.min(axis=0)) / sample + 1e-6).astype(int)
     mode = "grid-wrap" if wrap else "mirror"
     coefficients = ndimage.spline_filter(share, mode=mode)
@@ -280,7 +281,7 @@ def taper(n: int) -> Array:
 
 
 def material_parameters(z: Array) -> dict[str, float]:
-    """Compute core height, reduced peaks and dales [m], and the material ratios [%] between them.
+    """Compute the parameters of the material ratio curve (ISO 25178-2, 4.5) in m and %.
 
     Peaks above the core and dales below it become triangles of the same area.
     """

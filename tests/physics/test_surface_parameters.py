@@ -80,6 +80,10 @@ def test_a_plane_facet_and_a_wave() -> None:
     assert got["Sal"] == pytest.approx(40e-6 * np.arccos(0.2) / (2 * np.pi), rel=2e-3)
     assert (got["Std"], got["Sku"], got["Sz"]) == pytest.approx((0.0, 1.5, 2e-7))
     assert got["Str"] <= got["Sal"] / 90e-6 * 1.01  # the wave never decays along its crests
+    for profile, wrap in ((wave[:1], True), (wave[:1].T, False)):  # three waves, or open ends
+        line = iso.parameters(profile, STEP, wrap)
+        assert line["Sal"] == pytest.approx(got["Sal"], rel=0.05)
+        assert line["Sdq"] == pytest.approx(got["Sdq"], rel=0.05)
 
 
 def test_scaling_and_flipping() -> None:
