@@ -43,6 +43,9 @@ def index_page(readme: str, repository: str | None, revision: str) -> str:
     return page
 
 
+TABLES = "check", "lee2025", "results", "surface", "terminal"  # rooms with tables beside their code
+
+
 def project_page() -> str:
     """Return the text of the index page of this version."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -56,7 +59,8 @@ if __name__ == "__main__":
         packages=[*find_packages(include=["rolling*", "acoustics*"]), SCENES],
         package_dir={SCENES: "scenarios"},
         package_data={
-            "rolling": ["py.typed"],
+            "rolling": ["py.typed", "*.pyi"],
+            **{f"rolling.{room}": ["*.toml"] for room in TABLES},
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
             SCENES: ["*.yaml", "scene.schema.json", "*/*/*.yaml"],

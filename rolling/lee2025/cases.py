@@ -12,15 +12,14 @@ import pandas as pd
 
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, MID_HZ
-from acoustics.level import I_REF_W_M2, P_REF_PA
 from acoustics.plot_style import NOTHING_DB, Lines
+from acoustics.radiation import I_REF_W_M2, P_REF_PA
 from acoustics.spectrum import article_line_level_db
 from acoustics.uncertainty import level_uncertainty
 from acoustics.weighting import a_weighting_db
 from rolling.results.run_result import Run
 from rolling.run.folder import stored_runs
-from rolling.run.solving import solve_folder
-from rolling.run.stored import open_runs
+from rolling.run.solving import open_runs, solve_folder
 from rolling.scene import file
 from rolling.scene.surfaces import Gaussian
 from rolling.surface import scene_surface

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 from acoustics.numbers import rounded
 from rolling.scene.faults import SurfaceFault
 from rolling.scene.messages import fault, is_number, plain_number, shown
-from rolling.scene.section import Section
+from rolling.scene.sections import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 WAVE_NODES = 4  # minimum number of nodes of a wave of the circumference

@@ -10,7 +10,7 @@ from acoustics.numbers import rounded
 from rolling.scene.balls import Roughness
 from rolling.scene.faults import SurfaceFault
 from rolling.scene.messages import fault, plain_number
-from rolling.scene.section import Section
+from rolling.scene.sections import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 

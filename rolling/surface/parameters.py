@@ -8,32 +8,18 @@ NaN.
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
 from acoustics.arrays import Array, positive, real_array
 
-# Unit in SI and meaning by short name, in the order of the standard.
-NAMES = {
-    "Sa": ("m", "arithmetical mean height"),
-    "Sq": ("m", "root mean square height"),
-    "Ssk": ("", "skewness"),
-    "Sku": ("", "kurtosis"),
-    "Sp": ("m", "maximum peak height"),
-    "Sv": ("m", "maximum pit depth"),
-    "Sz": ("m", "maximum height"),
-    "Sal": ("m", "autocorrelation length, to 0.2"),
-    "Str": ("", "texture aspect ratio"),
-    "Std": ("deg", "direction of the lay, from along to across"),
-    "Sdq": ("", "root mean square gradient"),
-    "Sdr": ("%", "developed interfacial area ratio"),
-    "Sk": ("m", "core height"),
-    "Spk": ("m", "reduced peak height"),
-    "Svk": ("m", "reduced dale depth"),
-    "Smrk1": ("%", "material ratio where the peaks end"),
-    "Smrk2": ("%", "material ratio where the dales begin"),
-}
+# Unit in SI and meaning by short name.
+NAMES: dict[str, tuple[str, str]] = tomllib.loads(
+    Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+)
 DECAY = 0.2  # of the autocorrelation, the default of ISO 25178-3
 CORE = 0.4  # of the material ratio, over which the secant of the core is drawn
 _ROUNDING = 1e-12  # of the heights with their plane; less is no roughness
