@@ -8,6 +8,8 @@ levelling
     checks heights, finds their tilt and seam, and removes the tilt
 measured
     reads and writes files of all formats
+parameters
+    computes the areal parameters of ISO 25178-2
 preparation
     fills, filters, resamples and closes measured heights by ISO 25178-3
 refined

@@ -23,7 +23,9 @@ from rolling.scene.surfaces import HeightFile
 from rolling.surface import levelling, measured
 from rolling.surface.heights import SurfaceError
 from rolling.surface.levelling import Levelling
+from rolling.surface.parameters import roughness, without_plane
 
+NAMES = "Sa", "Sq", "Ssk", "Sku", "Sdq"  # of the roughness before and after a step
 ALPHA = float(np.sqrt(np.log(2) / np.pi))  # 0.4697, of the Gaussian filter of ISO 16610-61
 NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
 ROBUST = 1.4826  # standard deviation of Gaussian numbers over the median of their magnitudes
@@ -155,23 +157,9 @@ def _close(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
 
 
 def values(heights: Array, steps: Sequence[float]) -> dict[str, float]:
-    """Return Sa, Sq [m], Ssk, Sku and Sdq [-] of the measured points about their mean.
-
-    Sdq is left out where no two neighbours were measured.
-    """
-    z = heights - _mean(heights)
-    sq = float(np.sqrt(_mean(z**2)))
-    along, across = (_mean((np.diff(z, axis=k) / steps[k]) ** 2) for k in (0, 1))
-    shares = z / (sq or 1.0)
-    result = {"Sa": _mean(np.abs(z)), "Sq": sq, "Ssk": _mean(shares**3)}
-    result |= {"Sku": _mean(shares**4), "Sdq": float(np.sqrt(along + across))}
-    return {name: value for name, value in result.items() if not np.isnan(value)}
-
-
-def _mean(values: Array) -> float:
-    """Return the mean of the measured values, NaN without any."""
-    known = values[~np.isnan(values)]
-    return float(known.mean()) if known.size else np.nan
+    """Return Sa, Sq [m], Ssk, Sku and Sdq of the measured points, without unknown ones."""
+    numbers = roughness(heights, steps)
+    return {name: numbers[name] for name in NAMES if not np.isnan(numbers[name])}
 
 
 def _words(before: dict[str, float], after: dict[str, float]) -> str:
@@ -179,7 +167,7 @@ def _words(before: dict[str, float], after: dict[str, float]) -> str:
     texts = []
     for name in (name for name in before if name in after):
         scale, unit = (1e6, " um") if name in ("Sa", "Sq") else (1.0, "")
-        first, last = (rounded(scale * roughness[name], 3) for roughness in (before, after))
+        first, last = (rounded(scale * numbers[name], 3) for numbers in (before, after))
         texts.append(f"{name} {first} -> {last}{unit}")
     return ", ".join(texts)
 
@@ -202,19 +190,10 @@ def without_outliers(heights: Array, threshold: float) -> tuple[Array, int]:
     edge = NEIGHBOURS // 2  # beyond which slopes go on
     wide = np.pad(z, edge, mode="reflect", reflect_type="odd")
     median = ndimage.median_filter(wide, NEIGHBOURS)[edge:-edge, edge:-edge]
-    level = z - plane_of(z)
+    level = without_plane(z)
     size = ROBUST * np.median(np.abs(level - np.median(level))) or np.std(level)
     outliers = np.abs(heights - median) > threshold * size  # NaN is not above it
     return np.where(outliers, np.nan, heights), int(np.count_nonzero(outliers))
-
-
-def plane_of(heights: Array) -> Array:
-    """Return the least-squares plane of heights about their mean."""
-    along, across = (
-        levelling.slope(heights, 1.0, axis) * levelling.centred(n)
-        for axis, n in enumerate(heights.shape)
-    )
-    return np.asarray(along[:, None] + across)
 
 
 def filled(heights: Array, wraps: bool) -> Array:
@@ -269,8 +248,8 @@ def smoothed(heights: Array, steps: Sequence[float], cutoff: float, wraps: bool)
     The filter halves the amplitude at the cut-off. Heights that do not wrap are filtered without
     their plane, and the weights are scaled to a sum of 1 at the edges.
     """
-    plane = 0.0 if wraps else plane_of(heights)
-    z = np.asarray(heights - plane)
+    z = heights if wraps else without_plane(heights)
+    plane = heights - z
     for axis, (n, step) in enumerate(zip(heights.shape, steps, strict=True)):
         pad = 0 if wraps else int(REACH * ALPHA * cutoff / step) + 1
         size = fft.next_fast_len(n + pad, real=True) if pad else n
