@@ -92,8 +92,8 @@ def _folder() -> Path:
 
 def with_copy(scene: Scene, folder: Path) -> Scene:
     """Copy the array of a scene into a folder; return the scene with the copy in its place."""
-    path = scene.height_path
-    if path is None or path.parent != _folder():
+    path, is_made = scene.height_path, _folder.cache_info().currsize > 0
+    if path is None or not is_made or path.parent != _folder():
         return scene
     files.write_bytes(folder / COPY, path.read_bytes())
     data = scene.to_dict()

@@ -270,6 +270,12 @@ def test_keys_that_do_not_go_together_are_refused_with_their_line(keys: str, wor
     assert str(error.value).startswith("scan.yaml:4: ") and words in str(error.value)
 
 
+def test_a_sphere_with_a_surface_needs_the_spacing_in_the_scene() -> None:
+    ball = "sphere: {radius_mm: 5, surface: {kind: smooth, waviness: {9: 0.1}}}"
+    with pytest.raises(SceneError, match=r"4: surface.spacing_um: missing; the surface of the sp"):
+        file.loads(TEXT.replace("sphere: {radius_mm: 5}", ball) % "h.x3p")
+
+
 def test_readers_are_imported_when_a_file_asks_for_them(tmp_path: Path) -> None:
     """A missing package is one sentence with the command that installs it."""
     measured.write(tmp_path / "h.x3p", Z, STEPS)
