@@ -9,6 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from acoustics.arrays import Array
 from rolling.results import labels, listening, runs_table
 from rolling.results.listening import ListeningError
 from rolling.results.run_result import Run
@@ -16,6 +19,7 @@ from rolling.run import folder as folders
 from rolling.run.folder import Part, RunFolder, default_folder
 from rolling.run.solving import open_runs, runs_of_part, solve_folder
 from rolling.scene import file
+from rolling.scene.height_files import HeightFormatError
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
@@ -24,7 +28,16 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PAGE, TABLE = "report.html", "runs.csv"
-__all__ = ["default_folder", "listen", "plot", "report", "resound", "run_scene", "tabulate"]
+__all__ = [
+    "default_folder",
+    "listen",
+    "plot",
+    "report",
+    "resound",
+    "run_scene",
+    "surface",
+    "tabulate",
+]
 
 
 def run_scene(
@@ -319,3 +332,98 @@ def _refuse_unknown(name: str, known: Sequence[str], kind: str) -> None:
         near = difflib.get_close_matches(name, known, 1)
         hint = f", nearest: {near[0]}" if near else ""
         raise FolderError(f"{name}: no {kind}{hint}, allowed: {', '.join(known)}")
+
+
+def surface(
+    source: Path,
+    overrides: Sequence[str] = (),
+    spacing_um: float | None = None,
+    channel: str | None = None,
+    unit: str = "m",
+    *,
+    save: Path | None = None,
+    out: Path | None = None,
+) -> None:
+    """Print the parameters of a surface by ISO 25178-2, and write them with a picture.
+
+    Parameters
+    ----------
+    source : Path. A scene, whose surface is described, or a file of measured heights.
+    overrides : sequence of str. Assignments such as "surface.level=plane", to a scene.
+    spacing_um, channel, unit : as in the section `surface` of a scene, of a file of heights.
+    save : Path. File for the heights, in the format of its ending. Default: none.
+    out : Path. Folder of picture and table. Default: outputs/NAME-surface.
+
+    Raises
+    ------
+    SceneError, FolderError : bad input; nothing is written.
+    """
+    from rolling.figures.topography import topography, written
+    from rolling.surface import measured, scene_surface
+    from rolling.surface.parameters import NAMES, parameters
+
+    for path in (save, out):
+        if path is not None and path.exists() and (path is save or not path.is_dir()):
+            raise FolderError(f"{path}: exists; take another name, or remove it")
+    is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
+    if is_scene:
+        if spacing_um or channel:
+            raise FolderError("--spacing-um, --channel: only go with a file of heights")
+        scene = file.read_scene(source, overrides)
+        name, words, heights = scene.name, "periodic", scene_surface.heights(scene)
+        steps = scene.spacing, scene.spacing
+    else:
+        if overrides:
+            raise FolderError("--set: only goes with a scene")
+        name, words = source.name, "less its least-squares plane"
+        heights, steps = _measured(source, spacing_um, channel, unit)
+        if gaps := np.count_nonzero(np.isnan(heights)):
+            words += f", {gaps} not measured"
+    with progress.step("computing the parameters, drawing the picture"):
+        values = parameters(heights, steps, is_scene)
+        drawn = topography(name, values, heights, np.array(steps), is_scene)
+        contents = {form: drawn.file(form) or b"" for form in ("png", "csv")}
+    if save is not None:
+        try:
+            measured.write(save, heights, steps)
+        except HeightFormatError as error:
+            raise FolderError(error.of(f"--save {save}")) from error
+    folder = out or Path("outputs") / f"{name}-surface"
+    folder.mkdir(parents=True, exist_ok=True)
+    for form, content in contents.items():
+        files.write_bytes(folder / f"{drawn.name}.{form}", content)
+    if progress.is_quiet():
+        print(folder)
+        return
+    nodes, sides = (
+        " x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * np.array(steps), 6))
+    )
+    print(f"{labels.printable(name)}: {nodes} nodes of {sides} um, {words}")
+    for short, (_, meaning) in NAMES.items():
+        print(f"{short:6}{written(short, values):>12}  {meaning}")
+    print(f"\nall files: {labels.printable(str(folder))}")
+
+
+def _measured(
+    path: Path, spacing_um: float | None, channel: str | None, unit: str
+) -> tuple[Array, tuple[float, float]]:
+    """Read measured heights [m] less their plane, and their spacings [m]."""
+    from rolling.surface import measured
+    from rolling.surface.levelling import HIGHEST, LARGEST_RA
+    from rolling.surface.parameters import without_plane
+
+    try:
+        read = measured.read(path, channel, unit)
+    except HeightFormatError as error:
+        raise FolderError(error.of(path)) from error
+    if (read.spacing_m is None) == (spacing_um is None):
+        words = "missing; the file holds no" if spacing_um is None else "the file holds its own"
+        raise FolderError(f"{path}: --spacing-um: {words} spacing")
+    size = np.abs(read.heights[np.isfinite(read.heights)])
+    if not size.size or size.max() > HIGHEST:
+        raise FolderError(f"{path}: holds no heights, or heights above {HIGHEST:g} m")
+    heights = without_plane(read.heights)
+    if np.nanmean(np.abs(heights)) > LARGEST_RA:
+        raise FolderError(f"{path}: --height-unit: Ra would be more than {LARGEST_RA:g} m")
+    along, across = read.spacing_m or (1e-6 * (spacing_um or 0),) * 2
+    return (heights.T, (across, along)) if len(heights) == 1 else (heights, (along, across))
