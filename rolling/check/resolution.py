@@ -120,7 +120,8 @@ def advice(scene: Scene, error: float) -> str:
     """
     wanted, bands = (spacing(scene, error, goal) for goal in (WANTED_DB, BANDS_DB))
     blended = ""
-    if math.isfinite(scene.hardness) and scene.numerics.edges == "sharp":
+    may_blend = math.isfinite(scene.hardness) and not scene.is_permanent
+    if may_blend and scene.numerics.edges == "sharp":
         blended = "choose numerics.edges: blended, or "
     kind = "made" if isinstance(scene.surface, MadeSurface) else "measured"
     return blended + sentence(KEY, kind, wanted=wanted, bands=bands)

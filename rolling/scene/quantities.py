@@ -202,6 +202,16 @@ class SceneQuantities(Section):
         return self.plate.cap_gpa * 1e9
 
     @property
+    def is_permanent(self) -> bool:
+        """Whether the plastic overlap stays in the surface of the plate."""
+        return self.plate.plasticity == "permanent"
+
+    @property
+    def passes(self) -> int:
+        """Number of passes over the track."""
+        return self.rolling.passes or 1
+
+    @property
     def spacing(self) -> float:
         """Node spacing [m], by default that of the height file."""
         given = self.surface.spacing_um
