@@ -11,15 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.axes import Axes
 
-from rolling.figures import (
-    contact,
-    modulation,
-    running_in,
-    sound,
-    sweep,
-    vibration,
-    wavelengths,
-)
+from rolling.figures import contact, modulation, running_in, sound, sweep, vibration, wavelengths
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
 from rolling.surface.scene_surface import scene_surface
