@@ -19,6 +19,7 @@ from rolling.check import (
     error_cost,
     height_files,
     long_steps,
+    materials,
     refusals,
     resolution,
     validity,
@@ -209,6 +210,7 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
             *_smooth_contact(scene),
             *resolution.findings(scene),
             *height_files.findings(scene),
+            *materials.findings(scene),
             *validity.findings(scene),
             resolution.record(scene),
         )

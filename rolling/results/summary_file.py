@@ -21,7 +21,7 @@ _MAPPINGS = (
 )
 _TEXTS = ("name", "label", "source", "text")
 _NUMBER = re.compile(
-    r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|restitution)"
+    r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|um|restitution)"
 )
 
 
@@ -59,6 +59,10 @@ def _fits(key: str, value: Any) -> bool:
         return isinstance(value, list) and all(
             isinstance(caveat, dict) and {*map(type, caveat.values())} == {str} and "text" in caveat
             for caveat in value
+        )
+    if key == "preparation":
+        return isinstance(value, list) and all(
+            isinstance(step, dict) and {"step", "text"} <= {*step} for step in value
         )
     if key in _TEXTS:
         return isinstance(value, str | None)

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
-from rolling.scene import library, messages, yaml_text
+from rolling.scene import library, messages, named, yaml_text
 from rolling.scene.bodies import VIBRATING_PLATE, Sphere
 from rolling.scene.messages import Key, SceneError, all_keys, shown
 from rolling.scene.quantities import motion_of
@@ -32,7 +32,8 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     ----------
     path : Path or str
         File of YAML 1.2 in UTF-8, or the name of a scene of the library, such as "quickstart", if
-        there is no such file. A scene found by name reads its height file from the current folder.
+        there is no such file. A scene found by name reads its height file from the current folder,
+        unless the library has that file too.
     overrides : sequence of str
         Values such as "rolling.load_n=50", written in YAML. No value (or null) removes an optional
         key or section. A key that the scene sweeps leaves the sweep when it is set;
@@ -53,7 +54,8 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
         text = yaml_text.read_text(file)
     except TextError as error:
         raise SceneError([str(error)]) from error
-    return loads(text, overrides, str(file), path.parent if file == path else Path())
+    is_whole = file == path or library.companions(file)
+    return loads(text, overrides, str(file), file.parent if is_whole else Path())
 
 
 def loads(
@@ -113,7 +115,7 @@ def _flowing(value: Any) -> Any:
 def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]) -> list[str]:
     """Put overrides into `data` and `places`, and return the faults of wrong overrides."""
     faults = []
-    for override in overrides:
+    for override in sorted(overrides, key=lambda text: named.names_first(text.partition("=")[0])):
         name, equals, text = override.partition("=")
         name = name.strip()
         if not equals or not name:

@@ -114,8 +114,8 @@ def _ending(path: Path) -> str:
     if ending not in _ENDINGS:
         raise HeightFormatError(
             f"got {f'the ending {path.suffix}' if ending else 'no ending'}, allowed: .npy, .npz,"
-            " .csv or .txt; export the heights as a matrix of numbers, for example in Gwyddion with"
-            ' "ASCII data matrix (.txt)"'
+            " .csv or .txt, of a plate .xyz and formats of instruments such as .x3p, .sdf or .sur;"
+            ' export others as a matrix of numbers, in Gwyddion "ASCII data matrix (.txt)"'
         )
     return ending
 

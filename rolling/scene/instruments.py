@@ -12,7 +12,7 @@ import warnings
 import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -39,8 +39,8 @@ _SPARSE = 4  # nodes of a grid for each point of a file, at most
 _REASON = 120  # letters of an error of a reader
 _SPACINGS = 1e-12, 1.0  # [m]
 
-# Name, and heights [m] (y, x) with their spacings [m] along y and x, made when they are asked for.
-_Channel = tuple[str, Callable[[], tuple[Any, Sequence[float]]]]
+# Heights [m] (y, x) with their spacings [m] along y and x, made when a channel is asked for.
+_Channels = dict[str, Callable[[], tuple[Any, Sequence[float]]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,31 +93,34 @@ def _read(path: Path, channel: str | None, unit: str, stamp: tuple[int, ...]) ->
     ending = path.suffix.lower()
     try:
         _refuse_large(path, stamp[1])
-        if ending == TRIPLES:
-            channels = [_triples(path, unit)]
-        else:
-            reader = {".x3p": _x3p, ".sdf": _sdf}.get(ending, _topography)
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of readers about the contents of the file
-                channels = reader(path)
-        heights, spacing = _chosen(channels, channel)()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of readers about the contents of the file
+            if ending == TRIPLES:
+                channels = _triples(path, unit)
+            else:
+                channels = {".x3p": _x3p, ".sdf": _sdf}.get(ending, _topography)(path)
+            heights, spacing = _chosen(channels, channel)
     except HeightFormatError:
         raise
     except ModuleNotFoundError as error:
         raise HeightFormatError(missing(ending, error)) from error
     except Exception as error:  # readers raise whatever the bytes of a damaged file lead to
-        reason = first_line(error)[:_REASON]
-        raise HeightFormatError(f"no readable {ending} file ({reason})") from error
+        raise HeightFormatError(f"no readable {ending} file ({_reason(error)})") from error
     values = np.array(np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan), dtype=np.float64)
     if values.ndim != 2 or not values.size:
         raise HeightFormatError("holds no heights")
     values[~np.isfinite(values)] = np.nan
-    along, across = (float(f"{abs(float(step)):.12g}") for step in spacing)  # units leave noise
+    along, across = (float(f"{step:.12g}") for step in spacing)  # units leave noise
     if not all(_SPACINGS[0] <= step <= _SPACINGS[1] for step in (along, across)):
         got = f"got a spacing of {along:g} m along and {across:g} m across"
         raise HeightFormatError(f"{got}, allowed: {_SPACINGS[0]:g} to {_SPACINGS[1]:g} m")
     values.flags.writeable = False
-    return Measured(values, (along, across), tuple(name for name, _ in channels))
+    return Measured(values, (along, across), tuple(channels))
+
+
+def _reason(error: Exception) -> str:
+    """Return the beginning of the message of a reader, which may quote any byte of a file."""
+    return "".join(filter(str.isprintable, first_line(error)))[:_REASON]
 
 
 def _refuse_large(path: Path, size: int) -> None:
@@ -129,29 +132,26 @@ def _refuse_large(path: Path, size: int) -> None:
 
 
 def _refuse_bytes(size: int) -> None:
+    """Refuse heights of more bytes than MAX_BYTES."""
     if size > MAX_BYTES:
         raise HeightFormatError(f"holds {size:,} bytes of heights, allowed: {MAX_BYTES:,}")
 
 
-def _chosen(channels: Sequence[_Channel], wanted: str | None) -> Callable[[], Any]:
-    """Return the reader of the wanted channel, or of the first."""
+def _chosen(channels: _Channels, wanted: str | None) -> tuple[Any, Sequence[float]]:
+    """Read the wanted channel, or the first."""
     if not channels:
         raise HeightFormatError("holds no channel of heights")
-    readers: dict[str, Callable[[], Any]] = {}
-    for name, reader in channels:
-        readers.setdefault(name, reader)
-    if wanted is None:
-        return channels[0][1]
-    if wanted not in readers:
-        names = ", ".join(shown(name) for name in list(readers)[:20])
+    channel = next(iter(channels)) if wanted is None else wanted
+    if channel not in channels:
+        names = ", ".join(map(shown, list(channels)[:20]))
         raise HeightFormatError(f"got the channel {shown(wanted)}, allowed: {names}")
-    return readers[wanted]
+    return channels[channel]()
 
 
 # ---- formats: each gives its channels
 
 
-def _x3p(path: Path) -> list[_Channel]:
+def _x3p(path: Path) -> _Channels:
     """Return the layers of a file of ISO 25178-72."""
     import x3pio
 
@@ -163,22 +163,22 @@ def _x3p(path: Path) -> list[_Channel]:
     axes = file.header.y, file.header.x
     profile = isinstance(file, x3pio.Profile)
     steps = [axes[1 if profile else k].increment for k in (0, 1)]
-    return [
-        (f"layer {k}", lambda layer=layer: (np.atleast_2d(layer.z), steps))  # type: ignore[misc]
+    return {
+        f"layer {k}": lambda layer=layer: (np.atleast_2d(layer.z), steps)  # type: ignore[misc]
         for k, layer in enumerate(file.layers, 1)
-    ]
+    }
 
 
-def _sdf(path: Path) -> list[_Channel]:
+def _sdf(path: Path) -> _Channels:
     """Return the heights of a file of ISO 25178-71."""
     import sdfio
 
     file = sdfio.read(path)
     steps = file.header.x_scale if file.is_profile else file.header.y_scale, file.header.x_scale
-    return [("heights", lambda: (file.data, steps))]
+    return {"heights": lambda: (file.data, steps)}
 
 
-def _topography(path: Path) -> list[_Channel]:
+def _topography(path: Path) -> _Channels:
     """Return the channels of heights of a file that SurfaceTopography reads by its ending."""
     with warnings.catch_warnings():
         # It says at import that it works without MPI.
@@ -193,13 +193,10 @@ def _topography(path: Path) -> list[_Channel]:
         try:
             file = kind(str(path))
         except Exception as error:
-            reasons.append(first_line(error)[:_REASON])
+            reasons.append(_reason(error))
             continue
-        return [
-            (channel.channel_id, lambda channel=channel: _of_channel(channel))  # type: ignore[misc]
-            for channel in file.channels
-            if channel.is_height_channel
-        ]
+        heights = (channel for channel in file.channels if channel.is_height_channel)
+        return {channel.channel_id: partial(_of_channel, channel) for channel in heights}
     raise HeightFormatError(f"no readable .{ending} file ({'; '.join(reasons)})")
 
 
@@ -219,7 +216,7 @@ def _of_channel(channel: Any) -> tuple[Any, list[float]]:
     return heights, [steps[-1], steps[0]]
 
 
-def _triples(path: Path, unit: str) -> _Channel:
+def _triples(path: Path, unit: str) -> _Channels:
     """Return the heights of a text of triples x, y, z on a regular grid."""
     table = height_files.numbers_of_text(path)
     if table.ndim != 2 or table.shape[1] != 3:
@@ -233,7 +230,7 @@ def _triples(path: Path, unit: str) -> _Channel:
     if np.count_nonzero(np.isfinite(heights)) < len(table):
         raise HeightFormatError("several points lie on the same node, allowed: a regular grid")
     steps = [(dy or dx) * UNITS[unit], (dx or dy) * UNITS[unit]]
-    return "heights", lambda: (heights * UNITS[unit], steps)
+    return {"heights": lambda: (heights * UNITS[unit], steps)}
 
 
 def _axis(values: Array, name: str) -> tuple[Any, int, float]:
