@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from acoustics.arrays import Array
 from rolling.results import labels, listening, runs_table
 from rolling.results.listening import ListeningError
 from rolling.results.run_result import Run
@@ -358,9 +357,9 @@ def surface(
     ------
     SceneError, FolderError : bad input; nothing is written.
     """
-    from rolling.figures.topography import topography, written
+    from rolling.figures.topography import parameter_lines, topography
     from rolling.surface import measured, scene_surface
-    from rolling.surface.parameters import NAMES, parameters
+    from rolling.surface.parameters import parameters
 
     for path in (save, out):
         if path is not None and path.exists() and (path is save or not path.is_dir()):
@@ -371,21 +370,21 @@ def surface(
             raise FolderError("--spacing-um, --channel: only go with a file of heights")
         scene = file.read_scene(source, overrides)
         name, words, heights = scene.name, "periodic", scene_surface.heights(scene)
-        steps = scene.spacing, scene.spacing
+        steps = np.full(2, scene.spacing)
     else:
         if overrides:
             raise FolderError("--set: only goes with a scene")
         name, words = source.name, "less its least-squares plane"
-        heights, steps = _measured(source, spacing_um, channel, unit)
+        heights, steps = measured.levelled(source, spacing_um, channel, unit)
         if gaps := np.count_nonzero(np.isnan(heights)):
             words += f", {gaps} not measured"
     with progress.step("computing the parameters, drawing the picture"):
         values = parameters(heights, steps, is_scene)
-        drawn = topography(name, values, heights, np.array(steps), is_scene)
+        drawn = topography(name, values, heights, steps, is_scene)
         contents = {form: drawn.file(form) or b"" for form in ("png", "csv")}
     if save is not None:
         try:
-            measured.write(save, heights, steps)
+            measured.write(save, heights, (steps[0], steps[1]))
         except HeightFormatError as error:
             raise FolderError(error.of(f"--save {save}")) from error
     folder = out or Path("outputs") / f"{name}-surface"
@@ -395,35 +394,6 @@ def surface(
     if progress.is_quiet():
         print(folder)
         return
-    nodes, sides = (
-        " x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * np.array(steps), 6))
-    )
+    nodes, sides = (" x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * steps, 6)))
     print(f"{labels.printable(name)}: {nodes} nodes of {sides} um, {words}")
-    for short, (_, meaning) in NAMES.items():
-        print(f"{short:6}{written(short, values):>12}  {meaning}")
-    print(f"\nall files: {labels.printable(str(folder))}")
-
-
-def _measured(
-    path: Path, spacing_um: float | None, channel: str | None, unit: str
-) -> tuple[Array, tuple[float, float]]:
-    """Read measured heights [m] less their plane, and their spacings [m]."""
-    from rolling.surface import measured
-    from rolling.surface.levelling import HIGHEST, LARGEST_RA
-    from rolling.surface.parameters import without_plane
-
-    try:
-        read = measured.read(path, channel, unit)
-    except HeightFormatError as error:
-        raise FolderError(error.of(path)) from error
-    if (read.spacing_m is None) == (spacing_um is None):
-        words = "missing; the file holds no" if spacing_um is None else "the file holds its own"
-        raise FolderError(f"{path}: --spacing-um: {words} spacing")
-    size = np.abs(read.heights[np.isfinite(read.heights)])
-    if not size.size or size.max() > HIGHEST:
-        raise FolderError(f"{path}: holds no heights, or heights above {HIGHEST:g} m")
-    heights = without_plane(read.heights)
-    if np.nanmean(np.abs(heights)) > LARGEST_RA:
-        raise FolderError(f"{path}: --height-unit: Ra would be more than {LARGEST_RA:g} m")
-    along, across = read.spacing_m or (1e-6 * (spacing_um or 0),) * 2
-    return (heights.T, (across, along)) if len(heights) == 1 else (heights, (along, across))
+    print(*parameter_lines(values), "", f"all files: {labels.printable(str(folder))}", sep="\n")

@@ -78,6 +78,13 @@ def written(short: str, values: dict[str, float]) -> str:
     return "-" if math.isnan(value) else f"{rounded(value, 4)} {unit}".rstrip()
 
 
+def parameter_lines(values: dict[str, float]) -> list[str]:
+    """Write parameters with their units and meanings, one on each line."""
+    return [
+        f"{short:6}{written(short, values):>12}  {text}" for short, (_, text) in iso.NAMES.items()
+    ]
+
+
 def _map(ax: Axes, z: Array, steps: Array, descending: Array) -> None:
     """Draw heights [um] at the beginning, no longer than 1.6 times their width; a profile whole."""
     shape = np.array(z.shape)

@@ -11,7 +11,10 @@ from acoustics.arrays import Array
 from rolling.scene import height_files, instruments
 from rolling.scene.height_files import UNITS, HeightFormatError
 from rolling.scene.instruments import Measured
+from rolling.surface.levelling import HIGHEST, LARGEST_RA
+from rolling.surface.parameters import without_plane
 from rolling.terminal import files
+from rolling.terminal.files import FolderError
 
 WRITTEN = ".npy", ".csv", ".xyz", ".x3p", ".sdf"
 
@@ -48,6 +51,31 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
         heights = height_files.numbers(path).astype(np.float64) * UNITS[unit]
     heights[~np.isfinite(heights)] = np.nan
     return Measured(heights, None)
+
+
+def levelled(
+    path: Path, spacing_um: float | None, channel: str | None, unit: str
+) -> tuple[Array, Array]:
+    """Read measured heights [m] less their plane, and their spacings [m] along and across.
+
+    A profile lies along the track. Raise FolderError for heights that cannot be used, and for a
+    spacing [um] that is missing or that the file has itself.
+    """
+    try:
+        measured = read(path, channel, unit)
+    except HeightFormatError as error:
+        raise FolderError(error.of(path)) from error
+    if (measured.spacing_m is None) == (spacing_um is None):
+        words = "missing; the file holds no" if spacing_um is None else "the file holds its own"
+        raise FolderError(f"{path}: --spacing-um: {words} spacing")
+    sizes = np.abs(measured.heights[np.isfinite(measured.heights)])
+    if not sizes.size or sizes.max() > HIGHEST:
+        raise FolderError(f"{path}: holds no heights, or heights above {HIGHEST:g} m")
+    heights = without_plane(measured.heights)
+    if np.nanmean(np.abs(heights)) > LARGEST_RA:
+        raise FolderError(f"{path}: --height-unit: Ra would be more than {LARGEST_RA:g} m")
+    steps = np.array(measured.spacing_m or (1e-6 * (spacing_um or 0),) * 2)
+    return (heights.T, steps[::-1]) if len(heights) == 1 else (heights, steps)
 
 
 def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
