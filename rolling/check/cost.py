@@ -67,7 +67,7 @@ def roughness(scene: Scene) -> tuple[float, float]:
     if scene.height_paths:
         statistics = scene_surface(scene).statistics
         return statistics.rq, statistics.rms_slope
-    parts = [_roughness(law, scene.surface.spacing_um) for law in scene.laws]
+    parts = [_roughness(law, scene.spacing_um) for law in scene.laws]
     ball = scene.sphere.surface
     if ball is not None and ball.waviness:
         waves = ball.waviness.items()

@@ -83,7 +83,7 @@ def _spacing(scene: Scene) -> list[Finding]:
     if error is None:
         return []
     shortest = min(min(law.lengths_um) for law in scene.laws)
-    nodes = shortest / scene.surface.spacing_um
+    nodes = shortest / scene.spacing_um
     value = f"about {error:.0f} dB of the fluctuation"
     warning = too_coarse(scene, error, "by a rule that is off by some 4 dB")
     if warning is None and error > BANDS_DB:
@@ -130,7 +130,7 @@ def advice(scene: Scene, error: float) -> str:
 def spacing(scene: Scene, error: float, goal: float) -> float:
     """Return the spacing [um] that brings an error of the grid [dB] down to a goal [dB]."""
     factor = 10 ** ((goal - error) / PER_SPACING_DB)
-    return fitting_spacing(scene, scene.surface.spacing_um * factor)
+    return fitting_spacing(scene, scene.spacing_um * factor)
 
 
 def fitting_spacing(scene: Scene, spacing_um: float) -> float:

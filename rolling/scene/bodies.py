@@ -223,7 +223,7 @@ class Plate(Section):
 
     @model_validator(mode="after")
     def _yields(self) -> Plate:
-        if self.plasticity == "permanent" and self.cap_gpa == math.inf:
+        if self.plasticity == "permanent" and math.isinf(self.cap_gpa):
             words = "missing; plasticity: permanent needs it, an elastic plate keeps its surface"
             raise fault(words, "plate", "hardness_gpa")
         return self

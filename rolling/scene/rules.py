@@ -90,6 +90,8 @@ def refuse_numerics(numerics: Numerics, values: Values) -> None:
     if surface is None or sphere is None:
         return
     if sphere.surface is not None:
+        if surface.spacing_um is None:
+            raise fault("missing; the surface of the sphere has the same", "surface", "spacing_um")
         refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
     if rolling is not None and not isinstance(surface, HeightFile):
         quantities.track_of(sphere, surface, rolling, numerics, Path())
