@@ -6,8 +6,8 @@ Public names are imported when they are first used, so `import rolling` and `rol
 instant.
 
 Scenes
-    read_scene, Scene and its sections Sphere, Plate, Gaussian, Smooth, HeightFile, Rolling,
-    Numerics, Recovery, Dynamics, Sound; surfaces of the sphere GaussianBall, SmoothBall,
+    read_scene, Scene and its sections Sphere, Plate, Gaussian, SelfAffine, Smooth, HeightFile,
+    Rolling, Numerics, Recovery, Dynamics, Sound; surfaces of the sphere GaussianBall, SmoothBall,
     GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError
 Runs
     simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError,
@@ -39,7 +39,7 @@ if TYPE_CHECKING:  # for editors and mypy; at run time `__getattr__` imports
     from rolling.scene.messages import SceneError
     from rolling.scene.scene import Scene
     from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
-    from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
+    from rolling.scene.surfaces import Gaussian, HeightFile, SelfAffine, Smooth
     from rolling.terminal.files import FolderError
 
 _SUBMODULES = {"check": "check", "closed_forms": "contact.closed_forms", "plot": "plot"}
@@ -55,7 +55,7 @@ _MODULES = {
     "scene.messages": ("SceneError",),
     "scene.scene": ("Scene",),
     "scene.sections": ("Dynamics", "Numerics", "Recovery", "Rolling", "Sound"),
-    "scene.surfaces": ("Gaussian", "HeightFile", "Smooth"),
+    "scene.surfaces": ("Gaussian", "HeightFile", "SelfAffine", "Smooth"),
     "terminal.files": ("FolderError",),
 }
 _PLACES = _SUBMODULES | {name: module for module, names in _MODULES.items() for name in names}
@@ -76,6 +76,7 @@ __all__ = [
     "Rolling",
     "Scene",
     "SceneError",
+    "SelfAffine",
     "Smooth",
     "SmoothBall",
     "Sound",

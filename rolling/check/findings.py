@@ -17,6 +17,7 @@ from rolling.check import (
     error_cost,
     height_files,
     long_steps,
+    made_surfaces,
     refusals,
     resolution,
     validity,
@@ -227,6 +228,7 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
             *_smooth_contact(scene),
             *resolution.findings(scene),
             *height_files.findings(scene),
+            *made_surfaces.findings(scene),
             *validity.findings(scene),
             resolution.record(scene),
         )

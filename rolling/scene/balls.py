@@ -13,14 +13,13 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from acoustics.numbers import rounded
-from rolling.scene.faults import SurfaceFault
+from rolling.scene.faults import FaultedSurface
+from rolling.scene.laws import Roughness
 from rolling.scene.messages import fault, is_number, plain_number, shown
-from rolling.scene.section import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
-WAVE_NODES = 4  # minimum number of nodes of a wave of the circumference
+WAVE_NODES = 4  # minimum number of nodes of a wave
 LARGEST_UM = 1e3  # [um] amplitude of an order
-Autocorrelation = Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"]
 
 
 class Grade(NamedTuple):
@@ -51,58 +50,9 @@ def _grade(value: Any) -> Any:
     if isinstance(value, str) and value in GRADES:
         return value
     words = f"got {shown(value)}, allowed: {', '.join(GRADES)}"
-    digits = re.sub(r"[^0-9]", "", str(value))[:9]
-    if digits:
-        closest = min(GRADES, key=lambda name: abs(int(name[1:]) - int(digits)))
-        words = f"{words}; nearest: {closest}"
+    if digits := re.sub(r"[^0-9]", "", str(value))[:9]:
+        words += f"; nearest: {min(GRADES, key=lambda name: abs(int(name[1:]) - int(digits)))}"
     raise fault(words)
-
-
-class Roughness(Section):
-    """Random heights by their law.
-
-    Attributes
-    ----------
-    autocorrelation : str
-        Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct
-        exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)
-    roughness_ra_um : float
-        Arithmetic mean roughness Ra [um]
-    correlation_length_um : float
-        Correlation length [um], along the track
-    correlation_length_across_um : float, optional
-        Correlation length across the track [um]; absent: the same as along
-    seed : int
-        Seed of the random heights
-    """
-
-    autocorrelation: Autocorrelation = "gaussian"
-    roughness_ra_um: float = Field(gt=0, le=1000)
-    correlation_length_um: float = Field(gt=0)
-    correlation_length_across_um: float | None = Field(default=None, gt=0)
-    seed: int = Field(ge=0)
-
-    @property
-    def law(self) -> Roughness | None:
-        """Law of the random heights."""
-        return self
-
-    @property
-    def lengths_um(self) -> tuple[float, float]:
-        """Correlation lengths along and across the track [um]."""
-        along = self.correlation_length_um
-        return along, self.correlation_length_across_um or along
-
-    @property
-    def lengths_m(self) -> tuple[float, float]:
-        """Correlation lengths along and across the track [m]."""
-        along, across = self.lengths_um
-        return along * 1e-6, across * 1e-6
-
-    @property
-    def rq_m(self) -> float:
-        """Root-mean-square height [m], of Gaussian heights."""
-        return self.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
 
 
 def _orders(value: Any) -> Any:
@@ -133,28 +83,18 @@ _AMPLITUDES = {
 Waviness = Annotated[dict[int, float], BeforeValidator(_orders), WithJsonSchema(_AMPLITUDES)]
 
 
-class RoundSurface(Section):
+class RoundSurface(FaultedSurface):
     """Surface of a sphere of any kind.
 
     Attributes
     ----------
     waviness : dict, optional
         Amplitudes [um] of waves around the circumference by their order, with a crest at its start
-    faults : list of SurfaceFault, optional
-        Single faults of the surface
     """
 
     SECTION: ClassVar[str] = "sphere.surface"
-    IN_FILES: ClassVar[str] = "kind"
 
-    kind: str
     waviness: Waviness | None = None
-    faults: list[SurfaceFault] | None = None
-
-    @property
-    def law(self) -> Roughness | None:
-        """Law of the random heights, None without random heights."""
-        return None
 
     @property
     def has_form(self) -> bool:
@@ -163,12 +103,12 @@ class RoundSurface(Section):
 
 
 class GaussianBall(Roughness, RoundSurface):
-    """Random surface of a sphere with Gaussian heights.
+    """Random surface of a sphere by its autocorrelation.
 
     Attributes
     ----------
     kind : "gaussian"
-        A random surface with Gaussian heights
+        A random surface by its autocorrelation
     """
 
     kind: Literal["gaussian"] = "gaussian"

@@ -12,9 +12,10 @@ from pydantic import BeforeValidator, Field, PrivateAttr
 from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
-from rolling.scene.balls import BallHeightFile, Roughness, turn_nodes
+from rolling.scene.balls import BallHeightFile, turn_nodes
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.faults import SurfaceFault, refuse_misplaced
+from rolling.scene.laws import HeightLaw
 from rolling.scene.messages import Key, SceneError, dotted, fault, shown
 from rolling.scene.motion import Motion
 from rolling.scene.section import Section
@@ -89,10 +90,9 @@ class SceneQuantities(Section):
         }
 
     @property
-    def laws(self) -> tuple[Roughness, ...]:
+    def laws(self) -> tuple[HeightLaw, ...]:
         """Laws of the random heights of plate and sphere, none beside heights from a file."""
-        parts = self.surface, self.sphere.surface
-        laws = (part.law for part in parts if not isinstance(part, HeightFile | None))
+        laws = [part.law for part in (self.surface, self.sphere.surface) if part is not None]
         return () if self.height_paths else tuple(law for law in laws if law is not None)
 
     @property
@@ -275,8 +275,8 @@ def track_of(
         nodes = height_nodes(folder / surface.path, surface.path, surface.n_across)
         track = file_track(nodes, spacing, numerics.step_nodes, motion, wanted, turn)
     else:
-        assert wanted is not None  # refused before
         across = surface.n_across
+        assert wanted is not None and across is not None  # refused before
         track = made_track(across, spacing, numerics.step_nodes, motion, wanted, turn)
     placed: list[tuple[list[SurfaceFault] | None, int, Key]] = [
         (surface.faults, track.plate_nodes, ("surface", "faults"))

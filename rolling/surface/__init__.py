@@ -2,6 +2,8 @@
 
 heights
     makes random and flat heights, and computes roughness statistics
+made, johnson
+    make random heights of a law, with a skewness and a kurtosis from Johnson's system
 levelling
     reads heights from files, finds their tilt and seam, and removes the tilt
 refined

@@ -13,16 +13,17 @@ from rolling.scene.balls import GRADES, WAVE_NODES, BallHeightFile, BallSurface,
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 from rolling.surface import heights as surface
-from rolling.surface import levelling
+from rolling.surface import levelling, made
 from rolling.surface.faults import add_faults
+from rolling.surface.made import MadeHeights
 
 FORM_ORDERS = range(2, 16)  # that make up the deviation of a grade from spherical form
 # Parts of the seeds of a sphere, so that sphere and plate of equal seeds have other heights.
 _ROUGHNESS, _FORM = 1, 2
 
 
-def ball_heights(scene: Scene, ball: BallSurface) -> Array:
-    """Make the heights [m] of a sphere's surface, (nodes of a turn, across).
+def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, MadeHeights | None]:
+    """Make the heights [m] of a sphere's surface, (nodes of a turn, across), and describe them.
 
     Raises
     ------
@@ -32,15 +33,16 @@ def ball_heights(scene: Scene, ball: BallSurface) -> Array:
     track, law = scene.track, ball.law
     shape, spacing = (track.turn_nodes, track.n_across), track.spacing
     if law is not None:
-        heights = surface.of_law(shape, spacing, law, (law.seed, _ROUGHNESS))
+        heights = made.of_law(shape, spacing, law, (law.seed, _ROUGHNESS))
     elif isinstance(ball, BallHeightFile):
         heights = _read(scene, ball)
     else:
         heights = surface.smooth(shape)
+    described = made.described(heights, spacing, law)
     if ball.has_form:
         heights += _form(ball, track.turn_nodes)[:, None]
     add_faults(heights, ball.faults or (), spacing)
-    return heights
+    return heights, described
 
 
 def _read(scene: Scene, ball: BallHeightFile) -> Array:
