@@ -133,7 +133,7 @@ def _waves(scene: Scene) -> Finding:
     """
     speed, frequency = scene.motion.fastest(scene.duration), cost.bounce_hz(scene)
     wave, warning = speed / frequency, None
-    shortest = min((law.lengths_m[0] for law in scene.laws), default=0.0)
+    shortest = 1e-6 * min((law.lengths_um[0] for law in scene.laws), default=0.0)
     if wave < shortest:
         warning = (
             f"at {rounded(speed, 3)} m/s they are shorter than the correlation length of"

@@ -151,7 +151,7 @@ def _reason(run: Run) -> str:
         return f"{text}. {_shaken(run)}"
     if not scene.laws:
         return f"{text}."
-    length = max(scene.laws, key=lambda law: law.rq_m).lengths_m[0]  # of the rougher surface
+    length = 1e-6 * max(scene.laws, key=lambda law: law.rq_m).lengths_um[0]  # of the rougher
     frequency, power = _weighted(run)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())

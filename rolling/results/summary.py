@@ -92,7 +92,7 @@ def summarize(
         "seconds": float(times.sum()),
         "surface": asdict(surface.statistics),
         "levelling": _levelling(surface.levelling) if surface.levelling else None,
-        **_made(surface),
+        **{key: asdict(heights) for key, heights in surface.made.items()},
         **_turns(scene, surface, sound),
         **_vibration(scene, release, vibration),
         **law,
@@ -197,12 +197,6 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
         "seam_stands_out": seam.stands_out,
         "text": height_files.tilt_text(levelling),
     }
-
-
-def _made(surface: SceneSurface) -> dict[str, Any]:
-    """Return skewness, kurtosis and spectrum of made heights of plate and sphere."""
-    parts = {"surface_made": surface.made, "ball_surface_made": surface.ball_made}
-    return {name: asdict(part) for name, part in parts.items() if part is not None}
 
 
 def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str, Any]:

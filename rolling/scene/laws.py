@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -21,8 +21,8 @@ Autocorrelation = Literal["gaussian", "gaussian_10pct", "exponential", "exponent
 RA_OF_RQ = math.sqrt(2 / math.pi)  # of Gaussian heights
 
 
-class HeightLaw(Section):
-    """Random heights of any law.
+class Distribution(Section):
+    """Distribution of random heights, and their seed.
 
     Attributes
     ----------
@@ -40,31 +40,28 @@ class HeightLaw(Section):
     seed: int = Field(ge=0)
 
     @model_validator(mode="after")
-    def _has_distribution(self) -> HeightLaw:
+    def _has_distribution(self) -> Distribution:
         skewness, kurtosis = self.moments
         if not kurtosis > (least := skewness**2 + 1):
-            words = (
-                f"got {plain_number(kurtosis)}, allowed: more than {rounded(least, 6)}, the square"
-                f" of the skewness plus 1, below which no heights exist; nearest:"
-                f" {math.ceil(101 * least) / 100:g}"
-            )
-            raise self.fault_at("kurtosis", words)
+            words = f"more than {rounded(least, 6)}, the square of the skewness plus 1, as no other"
+            words += f" heights have it; nearest: {math.ceil(101 * least) / 100:g}"
+            raise self.wrong("kurtosis", words, kurtosis)
         return self
 
-    def fault_at(self, key: str, words: str) -> Exception:
-        """Make the fault of a key of this section."""
-        return fault(words, *filter(None, self.SECTION.split(".")), key)
+    def wrong(self, key: str, allowed: str, value: float) -> Exception:
+        """Make the fault of a value of a key of this section."""
+        at = *filter(None, self.SECTION.split(".")), key
+        return fault(f"got {plain_number(value)}, allowed: {allowed}", *at)
 
     @property
-    def law(self) -> HeightLaw | None:
+    def law(self) -> Self:
         """Law of the random heights."""
         return self
 
     @property
     def moments(self) -> tuple[float, float]:
         """Skewness and kurtosis of the heights."""
-        kurtosis = 3.0 if self.kurtosis is None else self.kurtosis
-        return self.skewness or 0.0, kurtosis
+        return self.skewness or 0.0, self.kurtosis or 3.0
 
     @property
     def is_gaussian(self) -> bool:
@@ -72,47 +69,12 @@ class HeightLaw(Section):
         return self.moments == (0.0, 3.0)
 
     @property
-    def is_reported(self) -> bool:
-        """Whether the made heights are compared with the law."""
-        return not self.is_gaussian
-
-    @property
-    def goes_on(self) -> bool:
-        """Whether the law has waves of any length, however short."""
-        return False
-
-    @property
-    def rq_m(self) -> float:
-        """Root-mean-square height [m], from Ra as for Gaussian heights."""
-        raise NotImplementedError
-
-    @property
-    def lengths_um(self) -> tuple[float, float]:
-        """Correlation lengths along and across the track [um]."""
-        raise NotImplementedError
-
-    @property
-    def lengths_m(self) -> tuple[float, float]:
-        """Correlation lengths along and across the track [m]."""
-        along, across = self.lengths_um
-        return along * 1e-6, across * 1e-6
-
-    def rms_slope(self, spacing_um: float) -> float:
-        """Return the rms norm of the gradient over a spacing."""
-        raise NotImplementedError
-
-    @property
-    def words(self) -> str:
-        """Description of the heights."""
-        shape = "" if self.is_gaussian else ", skewness {:g}, kurtosis {:g}".format(*self.moments)
-        return f"random, {self._spectrum_words}{shape}, seed {self.seed}"
-
-    @property
-    def _spectrum_words(self) -> str:
-        raise NotImplementedError
+    def _end_of_words(self) -> str:
+        shape = "" if self.is_gaussian else "skewness {:g}, kurtosis {:g}, ".format(*self.moments)
+        return f"{shape}seed {self.seed}"
 
 
-class Roughness(HeightLaw):
+class Roughness(Distribution):
     """Random heights by their autocorrelation.
 
     Attributes
@@ -140,12 +102,18 @@ class Roughness(HeightLaw):
     @model_validator(mode="after")
     def _has_lay(self) -> Roughness:
         if self.lay_deg is not None and self.correlation_length_across_um is None:
-            words = "missing; a lay_deg turns two correlation lengths"
-            raise self.fault_at("correlation_length_across_um", words)
+            words = "none without correlation_length_across_um, as it turns two lengths"
+            raise self.wrong("lay_deg", words, self.lay_deg)
         return self
 
     @property
-    def ellipse_um(self) -> tuple[float, float, float]:
+    def correlation(self) -> tuple[tuple[float, float], str, float]:
+        """Correlation lengths [m] in two perpendicular directions, law, and angle [rad]."""
+        first, second, angle = self._ellipse
+        return (first * 1e-6, second * 1e-6), self.autocorrelation, angle
+
+    @property
+    def _ellipse(self) -> tuple[float, float, float]:
         """Correlation lengths in two perpendicular directions [um], and the first's angle [rad].
 
         The angle of a lay along or across the track is 0.
@@ -160,7 +128,7 @@ class Roughness(HeightLaw):
     @property
     def lengths_um(self) -> tuple[float, float]:
         """Correlation lengths along and across the track [um]."""
-        first, second, angle = self.ellipse_um
+        first, second, angle = self._ellipse
         if not angle:
             return first, second
         cosine, sine = math.cos(angle), math.sin(angle)
@@ -188,17 +156,18 @@ class Roughness(HeightLaw):
         return self.rq_m * math.sqrt(2 * sum(drops)) / (spacing_um * 1e-6)
 
     @property
-    def _spectrum_words(self) -> str:
+    def words(self) -> str:
+        """Description of the heights."""
         length = f"{self.correlation_length_um:g} µm"
         if self.correlation_length_across_um:
             length += f" along, {self.correlation_length_across_um:g} µm across"
         if self.lay_deg:
             length += f", turned by {self.lay_deg:g}°"
-        name = self.autocorrelation.replace("_", " ")
-        return f"Ra {self.roughness_ra_um:g} µm, correlation length {length} ({name})"
+        name, size = self.autocorrelation.replace("_", " "), f"Ra {self.roughness_ra_um:g} µm"
+        return f"random, {size}, correlation length {length} ({name}), {self._end_of_words}"
 
 
-class SelfAffineLaw(HeightLaw):
+class SelfAffineLaw(Distribution):
     """Random heights of a self-affine spectrum.
 
     The spectrum is constant from the longest waves to the roll-off q_r, falls with the wave number
@@ -220,6 +189,8 @@ class SelfAffineLaw(HeightLaw):
         Root-mean-square gradient Sdq of the waves
     """
 
+    goes_on: ClassVar[bool] = False
+
     hurst: float = Field(ge=0, le=1)
     rolloff_um: float = Field(gt=0)
     shortest_um: float = Field(gt=0)
@@ -232,23 +203,22 @@ class SelfAffineLaw(HeightLaw):
         sizes = {"roughness_ra_um": self.roughness_ra_um, "rq_um": self.rq_um, "rdq": self.rdq}
         given = [key for key, size in sizes.items() if size is not None]
         if len(given) != 1:
-            words = f"got {' and '.join(given)}" if given else "missing"
-            words += f", allowed: exactly one of {', '.join(sizes)}"
-            raise self.fault_at((given or [*sizes])[-1], words)
+            got = f"got {' and '.join(given)}" if given else "missing"
+            raise fault(f"{got}, allowed: exactly one of {', '.join(sizes)}", "surface", "rq_um")
         if self.shortest_um > self.rolloff_um:
-            words = f"got {plain_number(self.shortest_um)}, allowed: at most rolloff_um,"
-            raise self.fault_at("shortest_um", f"{words} {plain_number(self.rolloff_um)}")
+            words = f"at most rolloff_um, {plain_number(self.rolloff_um)}"
+            raise self.wrong("shortest_um", words, self.shortest_um)
         return self
-
-    @property
-    def is_reported(self) -> bool:
-        """Whether the made heights are compared with the law."""
-        return True
 
     @property
     def lengths_um(self) -> tuple[float, float]:
         """Approximate correlation lengths along and across the track [um]."""
-        return 0.25 * self.rolloff_um, 0.25 * self.rolloff_um
+        return self.rolloff_um / 4, self.rolloff_um / 4
+
+    @property
+    def rolloff_rad_m(self) -> float:
+        """Wave number q_r of the roll-off [rad/m]."""
+        return 2e6 * math.pi / self.rolloff_um
 
     @property
     def integrals(self) -> tuple[float, float]:
@@ -260,14 +230,7 @@ class SelfAffineLaw(HeightLaw):
     @property
     def gradient_m(self) -> float:
         """Sdq over Sq [1/m]."""
-        heights, gradients = self.integrals
-        return 2e6 * math.pi / self.rolloff_um * math.sqrt(gradients / heights)
-
-    @property
-    def plateau_m4(self) -> float:
-        """Spectral density of the plateau [m4], whose integral over wave numbers is Sq^2."""
-        q_r = 2e6 * math.pi / self.rolloff_um
-        return self.rq_m**2 / (2 * math.pi * q_r**2 * self.integrals[0])
+        return self.rolloff_rad_m * math.sqrt(self.integrals[1] / self.integrals[0])
 
     @property
     def rq_m(self) -> float:
@@ -281,12 +244,15 @@ class SelfAffineLaw(HeightLaw):
         return self.rq_m * self.gradient_m
 
     @property
-    def _spectrum_words(self) -> str:
-        sizes = {"Ra": self.roughness_ra_um, "Sq": self.rq_um, "Sdq": self.rdq}
-        size = next(f"{name} {size:g}" for name, size in sizes.items() if size is not None)
-        unit = " µm" if self.rdq is None else ""
-        waves = f"{self.rolloff_um:g} to {self.shortest_um:g} µm"
-        return f"{size}{unit}, self-affine from {waves} with Hurst exponent {self.hurst:g}"
+    def words(self) -> str:
+        """Description of the heights."""
+        sizes = {"Ra {:g} µm": self.roughness_ra_um, "Sq {:g} µm": self.rq_um, "Sdq {:g}": self.rdq}
+        size = next(name.format(size) for name, size in sizes.items() if size is not None)
+        waves = f"{self.rolloff_um:g} to {self.shortest_um:g} µm with Hurst exponent {self.hurst:g}"
+        return f"random, {size}, self-affine from {waves}, {self._end_of_words}"
+
+
+HeightLaw = Roughness | SelfAffineLaw
 
 
 def _power_integral(power: float, logarithm: float) -> float:

@@ -86,11 +86,11 @@ class SelfAffine(SelfAffineLaw, MadeSurface):
     def _holds_waves(self) -> SelfAffine:
         least = WAVE_NODES * self.spacing_um
         if self.shortest_um < least * (1 - 1e-9):
-            words = f"got {plain_number(self.shortest_um)}, allowed: at least {rounded(least, 6)},"
-            raise self.fault_at("shortest_um", f"{words} {WAVE_NODES} spacings")
+            words = f"at least {WAVE_NODES} spacings, {rounded(least, 6)}"
+            raise self.wrong("shortest_um", words, self.shortest_um)
         if self.rolloff_um > self.width_um:
-            words = f"got {plain_number(self.rolloff_um)}, allowed: at most the width_um,"
-            raise self.fault_at("rolloff_um", f"{words} {plain_number(self.width_um)}")
+            words = f"at most width_um, {plain_number(self.width_um)}"
+            raise self.wrong("rolloff_um", words, self.rolloff_um)
         return self
 
 

@@ -22,7 +22,7 @@ FORM_ORDERS = range(2, 16)  # that make up the deviation of a grade from spheric
 _ROUGHNESS, _FORM = 1, 2
 
 
-def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, MadeHeights | None]:
+def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, dict[str, MadeHeights]]:
     """Make the heights [m] of a sphere's surface, (nodes of a turn, across), and describe them.
 
     Raises
@@ -38,7 +38,7 @@ def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, MadeHeights | 
         heights = _read(scene, ball)
     else:
         heights = surface.smooth(shape)
-    described = made.described(heights, spacing, law)
+    described = made.described("ball_surface_made", heights, spacing, law)
     if ball.has_form:
         heights += _form(ball, track.turn_nodes)[:, None]
     add_faults(heights, ball.faults or (), spacing)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -133,17 +134,19 @@ def spectral_density(
     Its mean over all waves is 1. Parameters as in `filtered`.
     """
     decay, exponent = AUTOCORRELATIONS[autocorrelation]
-    lags = [np.minimum(np.arange(n), n - np.arange(n)) * spacing for n in shape]
+    x, y = (((np.arange(n) + n // 2) % n - n // 2) * spacing for n in shape)  # lags
     first, second = correlation_length
-    if angle:
-        x, y = (np.fft.fftfreq(n, 1 / (n * spacing)) for n in shape)
-        along = (np.cos(angle) * x[:, None] + np.sin(angle) * y) / first
-        across = (np.cos(angle) * y - np.sin(angle) * x[:, None]) / second
-    else:
-        along, across = (lags[0] / first)[:, None], lags[1] / second
-    r2 = along**2 + across**2
+    along, across = turned(x[:, None], y, angle)
+    r2 = (along / first) ** 2 + (across / second) ** 2
     # On a periodic grid the law can have slightly negative spectral densities from rounding.
     return np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
+
+
+def turned(x: Any, y: Any, angle: float) -> tuple[Any, Any]:
+    """Return coordinates in axes that are turned by an angle [rad] from x to y."""
+    if not angle:
+        return x, y
+    return np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
 
 
 def smooth(shape: tuple[int, int]) -> Array:

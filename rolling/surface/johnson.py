@@ -80,11 +80,7 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
     """Return the root of a rising function between two ends, or the end that is nearest to it."""
     if function(low) >= 0:
         return low
-    top = max(2 * low, 1.0)
-    while (value := function(min(top, high))) < 0 and top < high:
-        top *= 2
-    top = min(top, high)
-    return top if value <= 0 else float(brentq(function, low, top, xtol=1e-10))
+    return high if function(high) <= 0 else float(brentq(function, low, high, xtol=1e-10))
 
 
 def _unbounded(v: Array) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 from scipy import fft
 
 from acoustics.arrays import Array
-from rolling.scene.laws import AUTOCORRELATIONS, RA_OF_RQ, HeightLaw, Roughness, SelfAffineLaw
+from rolling.scene.laws import AUTOCORRELATIONS, HeightLaw, Roughness, SelfAffineLaw
 from rolling.surface import heights as surface
 from rolling.surface.johnson import johnson_heights, moments
 
@@ -50,34 +50,18 @@ def of_law(
 def filtered(noise: Array, spacing: float, law: HeightLaw) -> Array:
     """Filter periodic white noise to Gaussian heights of a law, of zero mean and any size."""
     if isinstance(law, Roughness):
-        first, second, angle = law.ellipse_um
-        lengths = first * 1e-6, second * 1e-6
-        return surface.filtered(noise, spacing, lengths, law.autocorrelation, angle)
+        return surface.filtered(noise, spacing, *law.correlation)
     return surface.shaped(noise, spectral_density(noise.shape, spacing, law))
 
 
 def scale(heights: Array, spacing: float, law: HeightLaw) -> float:
     """Return the factor that gives heights the Ra, Sq or Sdq of a law."""
-    ra_um = None
-    if isinstance(law, SelfAffineLaw):
-        if law.rdq is not None:
-            gradients = _shares(heights) * _wave_numbers(heights.shape, spacing) ** 2
-            return law.rdq / float(np.sqrt(gradients.sum()))
-        if law.rq_um is not None:
-            return law.rq_um * 1e-6 / float(np.sqrt(np.mean(heights**2)))
-        ra_um = law.roughness_ra_um
-    elif isinstance(law, Roughness):
-        ra_um = law.roughness_ra_um
-    assert ra_um is not None  # every law has a size
-    return ra_um * 1e-6 / float(np.abs(heights).mean())
-
-
-def rms_height(law: HeightLaw) -> float:
-    """Return the rms height [m] of a law, from Ra by its distribution."""
-    if law.is_gaussian or getattr(law, "roughness_ra_um", None) is None:
-        return law.rq_m
-    typical = np.abs(johnson_heights(*law.moments, 4096)).mean()
-    return float(law.rq_m * RA_OF_RQ / typical)
+    if isinstance(law, SelfAffineLaw) and law.rdq is not None:
+        gradients = _powers(heights) * _wave_numbers(heights.shape, spacing) ** 2
+        return law.rdq / float(np.sqrt(gradients.sum()))
+    if isinstance(law, SelfAffineLaw) and law.rq_um is not None:
+        return law.rq_um * 1e-6 / float(np.sqrt(np.mean(heights**2)))
+    return (law.roughness_ra_um or 0.0) * 1e-6 / float(np.abs(heights).mean())
 
 
 # ---- spectra
@@ -89,9 +73,7 @@ def spectral_density(shape: tuple[int, int], spacing: float, law: HeightLaw) -> 
     Its mean over all waves is 1 [-].
     """
     if isinstance(law, Roughness):
-        first, second, angle = law.ellipse_um
-        lengths = first * 1e-6, second * 1e-6
-        return surface.spectral_density(shape, spacing, lengths, law.autocorrelation, angle)
+        return surface.spectral_density(shape, spacing, *law.correlation)
     density = _self_affine(_wave_numbers(shape, spacing), law)
     density[0, 0] = 0.0
     return np.asarray(density * (shape[0] * shape[1] / (_counted(shape) * density).sum()))
@@ -103,25 +85,21 @@ def plane_density(law: HeightLaw, along: Array, across: Array) -> Array:
     Its integral over the plane of wave numbers is the mean square of the heights.
     """
     if isinstance(law, SelfAffineLaw):
-        return law.plateau_m4 * _self_affine(np.hypot(along, across), law)
-    assert isinstance(law, Roughness)
-    decay, exponent = AUTOCORRELATIONS[law.autocorrelation]
-    *lengths, angle = law.ellipse_um
-    first, second = (length * 1e-6 * decay ** (-1 / exponent) for length in lengths)
-    u, v = along, across
-    if angle:
-        u = np.cos(angle) * along + np.sin(angle) * across
-        v = np.cos(angle) * across - np.sin(angle) * along
+        plateau = law.rq_m**2 / (2 * np.pi * law.rolloff_rad_m**2 * law.integrals[0])
+        return plateau * _self_affine(np.hypot(along, across), law)
+    lengths, name, angle = law.correlation
+    decay, exponent = AUTOCORRELATIONS[name]
+    first, second = (length * decay ** (-1 / exponent) for length in lengths)
+    u, v = surface.turned(along, across, angle)
     scaled = np.square(u * first) + np.square(v * second)
     if exponent == 2:
         return np.asarray(law.rq_m**2 * first * second * np.exp(-scaled / 4) / (4 * np.pi))
     return np.asarray(law.rq_m**2 * first * second / (2 * np.pi * (1 + scaled) ** 1.5))
 
 
-def _self_affine(wave_numbers: Array, law: HeightLaw) -> Array:
+def _self_affine(wave_numbers: Array, law: SelfAffineLaw) -> Array:
     """Return a self-affine spectrum over its plateau at wave numbers [rad/m]."""
-    assert isinstance(law, SelfAffineLaw)
-    ratio = wave_numbers * (law.rolloff_um * 1e-6 / (2 * np.pi))
+    ratio = wave_numbers / law.rolloff_rad_m
     falling = np.maximum(ratio, 1.0) ** (-2 * (1 + law.hurst))
     # Rounding must not take the shortest wave itself away.
     return np.where(ratio <= law.rolloff_um / law.shortest_um * (1 + 1e-9), falling, 0.0)
@@ -131,9 +109,10 @@ def has_detail(spacing: float, law: HeightLaw) -> bool:
     """Return whether a law has heights that a grid of this spacing [m] cannot hold."""
     if not isinstance(law, Roughness):
         return False  # its shortest wave has four nodes
-    decay, exponent = AUTOCORRELATIONS[law.autocorrelation]
+    lengths, name, _ = law.correlation
+    decay, exponent = AUTOCORRELATIONS[name]
     # The Gaussian law has the spectrum exp(-(k L)^2 / (4 decay)), of whose root the tail counts.
-    end = END * np.pi / spacing * min(law.ellipse_um[:2]) * 1e-6
+    end = END * np.pi / spacing * min(lengths)
     return exponent < 2 or float(np.exp(-(end**2) / (8 * decay))) > DETAIL
 
 
@@ -229,10 +208,17 @@ class MadeHeights:
     spectrum_chance_db: dict[str, float]
 
 
-def described(heights: Array, spacing: float, law: HeightLaw | None) -> MadeHeights | None:
-    """Compare made heights [m] with a law that is self-affine or not Gaussian."""
-    if law is None or not law.is_reported:
-        return None
+def is_described(law: HeightLaw) -> bool:
+    """Tell whether made heights are compared with their law."""
+    return isinstance(law, SelfAffineLaw) or not law.is_gaussian
+
+
+def described(
+    key: str, heights: Array, spacing: float, law: HeightLaw | None
+) -> dict[str, MadeHeights]:
+    """Compare made heights [m] with a law that is self-affine or not Gaussian, under a key."""
+    if law is None or not is_described(law):
+        return {}
     skewness, kurtosis = map(float, moments(heights))
     counted = _counted(heights.shape)
     density = spectral_density(heights.shape, spacing, law)
@@ -242,7 +228,7 @@ def described(heights: Array, spacing: float, law: HeightLaw | None) -> MadeHeig
     octave = np.floor(np.log2(np.where(np.isfinite(nodes), nodes, 1.0)) + 1e-9).astype(int).ravel()
     got, wanted, squares = (
         np.bincount(octave, power.ravel())
-        for power in (_shares(heights), counted * density, counted * density**2)
+        for power in (_powers(heights), counted * density, counted * density**2)
     )
     errors, chances = dict[str, float](), dict[str, float]()
     for k in np.flatnonzero((got > 0) & (wanted > LEAST_SHARE * wanted.sum())):
@@ -251,10 +237,10 @@ def described(heights: Array, spacing: float, law: HeightLaw | None) -> MadeHeig
         errors[name] = round(float(10 * np.log10(share)), 3)
         # A random wave has an exponentially distributed mean square.
         chances[name] = round(float(10 / np.log(10) * np.sqrt(2 * squares[k]) / wanted[k]), 3)
-    return MadeHeights(skewness, kurtosis, errors, chances)
+    return {key: MadeHeights(skewness, kurtosis, errors, chances)}
 
 
-def _shares(heights: Array) -> Array:
+def _powers(heights: Array) -> Array:
     """Return the mean square [m2] that each wave of the half plane, counted twice, adds."""
     lines = np.abs(fft.rfft2(heights)) ** 2 * _counted(heights.shape)
     lines[0, 0] = 0.0

@@ -6,7 +6,7 @@ most runs of a sweep share it, and small ones before it, so that a sweep may alt
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -36,8 +36,7 @@ class SceneSurface:
     spacing: float  # [m]
     levelling: Levelling | None = None  # of heights from a file
     part_ra: tuple[float, float] | None = None  # [m] of plate and sphere, where both have a surface
-    made: MadeHeights | None = None  # of the plate, beside its law
-    ball_made: MadeHeights | None = None
+    made: dict[str, MadeHeights] = field(default_factory=dict)  # by key in the summary
 
     @cached_property
     def statistics(self) -> Statistics:
@@ -123,17 +122,17 @@ def _making(scene: Scene) -> str:
 def _make(scene: Scene) -> SceneSurface:
     """Make the surface of plate and sphere of a scene."""
     plate, plane = _plate(scene)
-    of_plate = made.described(plate, scene.spacing, scene.surface.law)
+    described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
     add_faults(plate, scene.surface.faults or (), scene.spacing)
     if scene.sphere.surface is None:
-        return SceneSurface(plate, scene.spacing, plane, made=of_plate)
+        return SceneSurface(plate, scene.spacing, plane, made=described)
     try:
         ball, of_ball = ball_heights(scene, scene.sphere.surface)
     except surface.SurfaceError as error:
         raise SceneError([f"sphere.surface: {error}"]) from error
     part_ra = _ra(plate), _ra(ball)
     total = rolled_together(plate, ball, scene.track, scene.start)
-    return SceneSurface(total, scene.spacing, plane, part_ra, of_plate, of_ball)
+    return SceneSurface(total, scene.spacing, plane, part_ra, described | of_ball)
 
 
 def _ra(heights: Array) -> float:
@@ -163,7 +162,7 @@ def continued_rows(scene: Scene, first: int, rows: int) -> Array:
     whole = heights(scene)
     patch = whole[(first + np.arange(rows)) % len(whole)]
     seed = scene.laws[0].seed, first % len(whole), rows
-    laws = [(made.rms_height(law), law) for law in scene.laws]
+    laws = [(law.rq_m, law) for law in scene.laws]
     return made.continued(patch, scene.spacing, laws, seed)
 
 
