@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from acoustics.numbers import rounded
 from rolling.check import cost, refusals
 from rolling.check.finding import Finding
 from rolling.scene.laws import HeightLaw, SelfAffineLaw
 from rolling.scene.scene import Scene
-from rolling.surface.made import MadeHeights, is_described
+from rolling.surface.made import is_described
 from rolling.surface.scene_surface import scene_surface
 
 OFF = 0.005  # difference of skewness or kurtosis that is named
@@ -25,7 +27,7 @@ def findings(scene: Scene) -> list[Finding]:
         name = "sphere " * key.startswith("ball")
         if not law.is_gaussian:
             result.append(_moments(key, name, law, heights))
-        errors, chances = heights.spectrum_error_db, heights.spectrum_chance_db
+        errors, chances = heights["spectrum_error_db"], heights["spectrum_chance_db"]
         largest = max(errors, key=lambda octave: abs(errors[octave]) / max(chances[octave], 0.1))
         value = f"at most {errors[largest]:+.1f} dB at {largest} um"
         value += f", where chance makes {chances[largest]:.1f} dB"
@@ -34,9 +36,9 @@ def findings(scene: Scene) -> list[Finding]:
     return result
 
 
-def _moments(key: str, name: str, law: HeightLaw, heights: MadeHeights) -> Finding:
+def _moments(key: str, name: str, law: HeightLaw, heights: dict[str, Any]) -> Finding:
     """Compare skewness and kurtosis with the requested values."""
-    got = heights.skewness, heights.kurtosis
+    got = heights["skewness"], heights["kurtosis"]
     texts = [rounded(value, 4) for value in (*got, *law.moments)]
     value, warning = "{} and {}, requested {} and {}".format(*texts), None
     if max(abs(a - b) for a, b in zip(got, law.moments, strict=True)) > OFF:

@@ -92,7 +92,7 @@ def summarize(
         "seconds": float(times.sum()),
         "surface": asdict(surface.statistics),
         "levelling": _levelling(surface.levelling) if surface.levelling else None,
-        **{key: asdict(heights) for key, heights in surface.made.items()},
+        **surface.made,
         **_turns(scene, surface, sound),
         **_vibration(scene, release, vibration),
         **law,

@@ -178,7 +178,7 @@ class SelfAffineLaw(Distribution):
     hurst : float
         Hurst exponent H, from 0 to 1
     rolloff_um : float
-        Wavelength of the roll-off, 2 pi/q_r [um], at most the width
+        Wavelength of the roll-off, 2 pi/q_r [um], from shortest_um to width_um
     shortest_um : float
         Shortest wavelength, 2 pi/q_s [um], at least four spacings
     roughness_ra_um : float, optional
@@ -205,9 +205,6 @@ class SelfAffineLaw(Distribution):
         if len(given) != 1:
             got = f"got {' and '.join(given)}" if given else "missing"
             raise fault(f"{got}, allowed: exactly one of {', '.join(sizes)}", "surface", "rq_um")
-        if self.shortest_um > self.rolloff_um:
-            words = f"at most rolloff_um, {plain_number(self.rolloff_um)}"
-            raise self.wrong("shortest_um", words, self.shortest_um)
         return self
 
     @property

@@ -88,8 +88,8 @@ class SelfAffine(SelfAffineLaw, MadeSurface):
         if self.shortest_um < least * (1 - 1e-9):
             words = f"at least {WAVE_NODES} spacings, {rounded(least, 6)}"
             raise self.wrong("shortest_um", words, self.shortest_um)
-        if self.rolloff_um > self.width_um:
-            words = f"at most width_um, {plain_number(self.width_um)}"
+        if not self.shortest_um <= self.rolloff_um <= self.width_um:
+            words = f"from shortest_um, {self.shortest_um:g}, to width_um, {self.width_um:g}"
             raise self.wrong("rolloff_um", words, self.rolloff_um)
         return self
 

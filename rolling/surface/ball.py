@@ -6,6 +6,8 @@ surfaces add up to one that does not move: z(x, y) = plate(x, y) + sphere(x mod 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from acoustics.arrays import Array
@@ -15,14 +17,13 @@ from rolling.scene.track import Track
 from rolling.surface import heights as surface
 from rolling.surface import levelling, made
 from rolling.surface.faults import add_faults
-from rolling.surface.made import MadeHeights
 
 FORM_ORDERS = range(2, 16)  # that make up the deviation of a grade from spherical form
 # Parts of the seeds of a sphere, so that sphere and plate of equal seeds have other heights.
 _ROUGHNESS, _FORM = 1, 2
 
 
-def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, dict[str, MadeHeights]]:
+def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, dict[str, Any]]:
     """Make the heights [m] of a sphere's surface, (nodes of a turn, across), and describe them.
 
     Raises

@@ -15,7 +15,7 @@ from scipy.special import expit, ndtri
 
 from acoustics.arrays import Array
 
-POINTS = 801  # of the integrals over the Gaussian u
+POINTS, END = 801, 9.0  # of the integrals over the Gaussian u
 STEEPEST, FARTHEST = 128.0, 512.0  # limits of b and a
 FLATTEST = 1e-4  # of b, where heights are Gaussian
 
@@ -28,11 +28,11 @@ def johnson_heights(skewness: float, kurtosis: float, count: int) -> Array:
     They are quantiles at equal steps of probability. Where so few cannot have the kurtosis, theirs
     is as near as the system comes.
     """
-    highest = float(ndtri(1 - 0.5 / count))
-    u = np.linspace(-highest, highest, POINTS)
-    weights = np.exp(-(u**2) / 2) / np.exp(-(u**2) / 2).sum()
-    shape, slope, offset = _fitted(abs(skewness), kurtosis, u, weights)
     quantiles = ndtri((np.arange(count) + 0.5) / count)
+    u = np.linspace(-END, END, POINTS)
+    weights = np.exp(-(u**2) / 2) / np.exp(-(u**2) / 2).sum()
+    ends = float(quantiles[0]), float(quantiles[-1])
+    shape, slope, offset = _fitted(abs(skewness), kurtosis, np.clip(u, *ends), weights)
     heights = shape(slope * quantiles + offset)
     if skewness < 0:
         heights = -heights[::-1]

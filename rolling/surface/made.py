@@ -9,7 +9,7 @@ Two-parameter corrections then bring skewness and kurtosis to the requested valu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import fft
@@ -192,31 +192,17 @@ def _corrected(z: Array, amplitudes: Array, missing: Array) -> Array:
 # ---- report
 
 
-@dataclass(frozen=True)
-class MadeHeights:
-    """Skewness, kurtosis and spectrum of made heights, beside the law that asked for them.
-
-    skewness, kurtosis : float. Of the heights.
-    spectrum_error_db : dict. Mean square of the heights in each octave of wavelength over that of
-        the law of the same rms height [dB], by the octave's wavelengths in um.
-    spectrum_chance_db : dict. Standard deviation of that error between random surfaces [dB].
-    """
-
-    skewness: float
-    kurtosis: float
-    spectrum_error_db: dict[str, float]
-    spectrum_chance_db: dict[str, float]
-
-
 def is_described(law: HeightLaw) -> bool:
     """Tell whether made heights are compared with their law."""
     return isinstance(law, SelfAffineLaw) or not law.is_gaussian
 
 
-def described(
-    key: str, heights: Array, spacing: float, law: HeightLaw | None
-) -> dict[str, MadeHeights]:
-    """Compare made heights [m] with a law that is self-affine or not Gaussian, under a key."""
+def described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -> dict[str, Any]:
+    """Compare made heights [m] with a law that is self-affine or not Gaussian, under a key.
+
+    Returned are skewness and kurtosis, the mean square of the heights in each octave of wavelength
+    [um] over that of the law of the same rms height [dB], and its standard deviation by chance.
+    """
     if law is None or not is_described(law):
         return {}
     skewness, kurtosis = map(float, moments(heights))
@@ -230,14 +216,18 @@ def described(
         np.bincount(octave, power.ravel())
         for power in (_powers(heights), counted * density, counted * density**2)
     )
+    shares, kept = wanted / wanted.sum(), np.flatnonzero(wanted > LEAST_SHARE * wanted.sum())
+    # A random wave has an exponentially distributed mean square; the sum of all varies as well.
+    spread = 2 * squares / np.where(wanted > 0, wanted, 1.0) ** 2
+    spread = spread * (1 - 2 * shares) + (spread * shares**2).sum()
     errors, chances = dict[str, float](), dict[str, float]()
-    for k in np.flatnonzero((got > 0) & (wanted > LEAST_SHARE * wanted.sum())):
+    for k in kept:
         name = " to ".join(f"{2.0**n * spacing * 1e6:.6g}" for n in (k, k + 1))
-        share = got[k] / got.sum() * wanted.sum() / wanted[k]
-        errors[name] = round(float(10 * np.log10(share)), 3)
-        # A random wave has an exponentially distributed mean square.
-        chances[name] = round(float(10 / np.log(10) * np.sqrt(2 * squares[k]) / wanted[k]), 3)
-    return {key: MadeHeights(skewness, kurtosis, errors, chances)}
+        error = 10 * np.log10(max(got[k] / got.sum() / shares[k], 1e-30))
+        errors[name] = round(float(error), 3)
+        chances[name] = round(float(10 / np.log(10) * np.sqrt(spread[k])), 3)
+    spectrum = {"spectrum_error_db": errors, "spectrum_chance_db": chances}
+    return {key: {"skewness": skewness, "kurtosis": kurtosis, **spectrum}}
 
 
 def _powers(heights: Array) -> Array:

@@ -22,7 +22,6 @@ from rolling.surface.ball import ball_heights, rolled_together
 from rolling.surface.faults import add_faults
 from rolling.surface.heights import Correlation, Statistics
 from rolling.surface.levelling import Levelling
-from rolling.surface.made import MadeHeights
 from rolling.terminal import progress
 
 
@@ -36,7 +35,7 @@ class SceneSurface:
     spacing: float  # [m]
     levelling: Levelling | None = None  # of heights from a file
     part_ra: tuple[float, float] | None = None  # [m] of plate and sphere, where both have a surface
-    made: dict[str, MadeHeights] = field(default_factory=dict)  # by key in the summary
+    made: dict[str, Any] = field(default_factory=dict)  # by key in the summary
 
     @cached_property
     def statistics(self) -> Statistics:
