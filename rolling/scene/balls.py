@@ -74,11 +74,9 @@ def _orders(value: Any) -> Any:
     return orders
 
 
-_AMPLITUDES = {
-    "type": "object",
-    "minProperties": 1,
-    "patternProperties": {r"^[0-9]+$": {"type": "number", "exclusiveMinimum": 0}},
-    "additionalProperties": False,
+_AMPLITUDE = {"type": "number", "exclusiveMinimum": 0}
+_AMPLITUDES = {"type": "object", "minProperties": 1, "additionalProperties": False} | {
+    "patternProperties": {r"^[0-9]+$": _AMPLITUDE}
 }
 Waviness = Annotated[dict[int, float], BeforeValidator(_orders), WithJsonSchema(_AMPLITUDES)]
 
@@ -98,8 +96,8 @@ class RoundSurface(FaultedSurface):
 
     @property
     def has_form(self) -> bool:
-        """Whether the surface has waves around the circumference."""
-        return self.waviness is not None
+        """Whether the surface has waves around the circumference, of waviness or grade."""
+        return self.waviness is not None or self.kind == "graded"
 
 
 class GaussianBall(Roughness, RoundSurface):
@@ -163,11 +161,6 @@ class GradedBall(RoundSurface):
             seed=self.seed,
         )
 
-    @property
-    def has_form(self) -> bool:
-        """Whether the surface has waves around the circumference."""
-        return True
-
 
 class BallHeightFile(RoundSurface):
     """Surface of a sphere read from a file, which holds one turn of it.
@@ -205,13 +198,11 @@ def refuse_ball(surface: BallSurface, radius_mm: float, spacing_um: float) -> No
     circumference = 2e3 * math.pi * radius_mm
     if not MIN_NODES <= circumference / spacing_um < MAX_NODES:
         words = f"{MIN_NODES} to {rounded(MAX_NODES)} nodes of {spacing_um:g} um around the sphere"
-        got = f"got a circumference of {rounded(circumference, 4)} um"
-        raise fault(f"{got}, allowed: {words}", *at)
+        raise fault(f"got a circumference of {rounded(circumference, 4)} um, allowed: {words}", *at)
     most = turn_nodes(radius_mm, spacing_um) // WAVE_NODES
     if (highest := max(surface.waviness or {0: 0})) > most:
         words = f"up to {most}, waves of at least {WAVE_NODES} nodes"
         raise fault(f"got the order {highest}, allowed: {words}", *at, "waviness")
     if isinstance(surface, BallHeightFile) and surface.spacing_um != spacing_um:
-        words = f"{plain_number(spacing_um)}, the spacing of the plate's surface"
-        got = plain_number(surface.spacing_um)
-        raise fault(f"got {got}, allowed: {words}", *at, "spacing_um")
+        words = f"got {plain_number(surface.spacing_um)}, allowed: {plain_number(spacing_um)},"
+        raise fault(f"{words} the spacing of the plate's surface", *at, "spacing_um")

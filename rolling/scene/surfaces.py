@@ -30,27 +30,30 @@ class PlateSurface(FaultedSurface):
     spacing_um: float = Field(gt=0)
     width_um: float | None = Field(default=None, gt=0)
 
+    @model_validator(mode="after")
+    def _whole_width(self) -> PlateSurface:
+        if self.width_um is not None:
+            refuse_width(self.width_um, self.spacing_um)
+        return self
+
     @property
     def n_across(self) -> int | None:
         """Nodes across the track; None: a file has them."""
         return None if self.width_um is None else round(self.width_um / self.spacing_um)
 
-    @model_validator(mode="after")
-    def _whole_width(self) -> PlateSurface:
-        if self.width_um is None:
-            return self
-        nodes = self.width_um / self.spacing_um
-        words = ""
-        if not nodes < MAX_NODES:
-            words = f"less than {rounded(MAX_NODES)} nodes"
-        elif round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
-            fitting = max(MIN_NODES, round(nodes)) * self.spacing_um
-            words = f"a whole number of nodes of {self.spacing_um:g} um, at least {MIN_NODES};"
-            words += f" nearest: {fitting:.10g}"
-        if words:
-            got = plain_number(self.width_um)
-            raise fault(f"got {got}, allowed: {words}", "surface", "width_um")
-        return self
+
+def refuse_width(width_um: float, spacing_um: float) -> None:
+    """Raise a fault for a width that is no whole number of nodes, too small or too large."""
+    nodes = width_um / spacing_um
+    words = ""
+    if not nodes < MAX_NODES:
+        words = f"less than {rounded(MAX_NODES)} nodes"
+    elif round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
+        fitting = max(MIN_NODES, round(nodes)) * spacing_um
+        words = f"a whole number of nodes of {spacing_um:g} um, at least {MIN_NODES};"
+        words += f" nearest: {fitting:.10g}"
+    if words:
+        raise fault(f"got {plain_number(width_um)}, allowed: {words}", "surface", "width_um")
 
 
 class MadeSurface(PlateSurface):
