@@ -13,7 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from acoustics.numbers import rounded
-from rolling.scene.faults import FaultedSurface
+from rolling.scene.faults import SurfaceFault, SurfaceKind
 from rolling.scene.laws import Roughness
 from rolling.scene.messages import fault, is_number, plain_number, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES
@@ -81,7 +81,7 @@ _AMPLITUDES = {"type": "object", "minProperties": 1, "additionalProperties": Fal
 Waviness = Annotated[dict[int, float], BeforeValidator(_orders), WithJsonSchema(_AMPLITUDES)]
 
 
-class RoundSurface(FaultedSurface):
+class RoundSurface(SurfaceKind):
     """Surface of a sphere of any kind.
 
     Attributes
@@ -93,6 +93,7 @@ class RoundSurface(FaultedSurface):
     SECTION: ClassVar[str] = "sphere.surface"
 
     waviness: Waviness | None = None
+    faults: list[SurfaceFault] | None = None
 
     @property
     def has_form(self) -> bool:

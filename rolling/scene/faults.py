@@ -78,7 +78,7 @@ class SurfaceFault(Section):
         return _STEEPEST.get(self.kind, math.pi) * self.depth_um / self.size_um
 
 
-class FaultedSurface(Section):
+class SurfaceKind(Section):
     """Surface of plate or sphere, of any kind.
 
     Attributes
@@ -90,7 +90,6 @@ class FaultedSurface(Section):
     IN_FILES: ClassVar[str] = "kind"
 
     kind: str
-    faults: list[SurfaceFault] | None = None
 
     @property
     def law(self) -> HeightLaw | None:

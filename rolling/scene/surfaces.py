@@ -8,13 +8,13 @@ from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene.balls import WAVE_NODES
-from rolling.scene.faults import FaultedSurface
+from rolling.scene.faults import SurfaceFault, SurfaceKind
 from rolling.scene.laws import Roughness, SelfAffineLaw
 from rolling.scene.messages import fault, plain_number
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 
-class PlateSurface(FaultedSurface):
+class PlateSurface(SurfaceKind):
     """Surface of a plate of any kind.
 
     Attributes
@@ -72,6 +72,7 @@ class Gaussian(Roughness, MadeSurface):
     """
 
     kind: Literal["gaussian"] = "gaussian"
+    faults: list[SurfaceFault] | None = None
 
 
 class SelfAffine(SelfAffineLaw, MadeSurface):
@@ -84,6 +85,7 @@ class SelfAffine(SelfAffineLaw, MadeSurface):
     """
 
     kind: Literal["self-affine"] = "self-affine"
+    faults: list[SurfaceFault] | None = None
 
     @model_validator(mode="after")
     def _holds_waves(self) -> SelfAffine:
@@ -107,6 +109,7 @@ class Smooth(MadeSurface):
     """
 
     kind: Literal["smooth"] = "smooth"
+    faults: list[SurfaceFault] | None = None
 
 
 class HeightFile(PlateSurface):
@@ -133,6 +136,7 @@ class HeightFile(PlateSurface):
     path: str = Field(min_length=1)
     height_unit: Literal["m", "mm", "um", "nm"] = "m"
     level: Literal["auto", "plane", "none"] = "auto"
+    faults: list[SurfaceFault] | None = None
 
 
-Surface = Annotated[Gaussian | SelfAffine | Smooth | HeightFile, Field(discriminator="kind")]
+Surface = Annotated[Gaussian | Smooth | HeightFile | SelfAffine, Field(discriminator="kind")]

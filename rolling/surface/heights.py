@@ -174,6 +174,15 @@ def statistics(heights: Array, spacing: float) -> Statistics:
     )
 
 
+def moments(heights: Array, weights: Array | None = None) -> Array:
+    """Return skewness and kurtosis of heights, each node counting by its weight."""
+    z = heights - np.average(heights, weights=weights)
+    square = z * z
+    variance = np.average(square, weights=weights)
+    third, fourth = (np.average(square * other, weights=weights) for other in (z, square))
+    return np.array([third / variance**1.5, fourth / variance**2])
+
+
 def correlation(heights: Array, spacing: float, axis: int) -> Correlation:
     """Estimate the correlation of periodic heights (m, n) [m] along one axis.
 

@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from scipy.special import expit, ndtri
 
 from acoustics.arrays import Array
+from rolling.surface.heights import moments
 
 POINTS, END = 801, 9.0  # of the integrals over the Gaussian u
 STEEPEST, FARTHEST = 128.0, 512.0  # limits of b and a
@@ -38,15 +39,6 @@ def johnson_heights(skewness: float, kurtosis: float, count: int) -> Array:
         heights = -heights[::-1]
     heights -= heights.mean()
     return np.asarray(heights / np.sqrt(np.mean(heights**2)))
-
-
-def moments(heights: Array, weights: Array | None = None) -> Array:
-    """Return skewness and kurtosis of heights, each node counting by its weight."""
-    z = heights - np.average(heights, weights=weights)
-    square = z * z
-    variance = np.average(square, weights=weights)
-    third, fourth = (np.average(square * other, weights=weights) for other in (z, square))
-    return np.array([third / variance**1.5, fourth / variance**2])
 
 
 def _fitted(

@@ -12,12 +12,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy import fft
 
 from acoustics.arrays import Array
 from rolling.scene.laws import AUTOCORRELATIONS, HeightLaw, Roughness, SelfAffineLaw
 from rolling.surface import heights as surface
-from rolling.surface.johnson import johnson_heights, moments
+from rolling.surface.heights import moments
 
 ROUNDS, CORRECTIONS = 40, 30  # maximum numbers
 NEAR, EXACT = 0.05, 1e-4  # differences of skewness and kurtosis that end rounds and corrections
@@ -147,8 +146,10 @@ def continued(
 
 def _with_moments(heights: Array, skewness: float, kurtosis: float) -> Array:
     """Give heights other phases, so that they have a skewness and a kurtosis."""
+    from rolling.surface.johnson import johnson_heights  # scipy.optimize is slow to import
+
     z: Array = heights / np.sqrt(np.mean(heights**2))
-    amplitudes = np.abs(fft.rfft2(z))
+    amplitudes = np.abs(np.fft.rfft2(z))
     amplitudes[0, 0] = 0.0
     targets, wanted = johnson_heights(skewness, kurtosis, z.size), np.array([skewness, kurtosis])
     for _ in range(ROUNDS):
@@ -171,10 +172,10 @@ def _with_moments(heights: Array, skewness: float, kurtosis: float) -> Array:
 
 def _with_amplitudes(heights: Array, amplitudes: Array) -> Array:
     """Give the waves of heights other amplitudes and keep their phases."""
-    lines = fft.rfft2(heights)
+    lines = np.fft.rfft2(heights)
     size = np.abs(lines)
     lines *= amplitudes / np.where(size > 0, size, 1.0)
-    return np.asarray(fft.irfft2(lines, s=heights.shape))
+    return np.asarray(np.fft.irfft2(lines, s=heights.shape))
 
 
 def _corrected(z: Array, amplitudes: Array, missing: Array) -> Array:
@@ -232,7 +233,7 @@ def described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -
 
 def _powers(heights: Array) -> Array:
     """Return the mean square [m2] that each wave of the half plane, counted twice, adds."""
-    lines = np.abs(fft.rfft2(heights)) ** 2 * _counted(heights.shape)
+    lines = np.abs(np.fft.rfft2(heights)) ** 2 * _counted(heights.shape)
     lines[0, 0] = 0.0
     return np.asarray(lines / heights.size**2)
 
