@@ -15,6 +15,7 @@ from rolling.surface import made
 
 SHAPE, SPACING, SEEDS = (1024, 256), 1e-6, (1, 2, 3)
 PAIRS = ((-0.8, 4.0), (-2.0, 8.0), (0.0, 2.0), (0.9, 3.1), (0.5, 10.0))
+HARDER = (3, -3, 15), (10, 0, 1.2), (10, 1.5, 4), (30, 5, 60), (85, 0, 10), (85, -3, 15)
 
 
 def law(name: str, seed: int, pair: tuple[float, float] = (0.0, 3.0)) -> HeightLaw:
@@ -71,6 +72,12 @@ def main() -> None:
     print("| law | octave, um | error, dB (seeds 1, 2, 3) | chance, dB | by the pairs, dB |")
     print("|---|---|---|---|---|")
     print("\n".join(line for lines in spectra.values() for line in lines))
+    print("\n| L, um | requested | obtained |\n|---|---|---|")
+    for length, *pair in HARDER:
+        hard = law("gaussian", 3, pair).model_copy(update={"correlation_length_um": float(length)})
+        result = described(hard)[0]
+        obtained = f"{result['skewness']:.3f}, {result['kurtosis']:.2f}"
+        print(f"| {length} | {pair[0]:g}, {pair[1]:g} | {obtained} |")
 
 
 if __name__ == "__main__":
