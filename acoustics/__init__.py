@@ -41,36 +41,12 @@ if TYPE_CHECKING:
     from acoustics.weighting import a_weighting_db
 
 __all__ = [
-    "BAND_NAMES",
-    "EDGES_HZ",
-    "I_REF_W_M2",
-    "MID_HZ",
-    "P_REF_PA",
-    "RHO_C",
-    "EnvelopeSpectrum",
-    "LevelUncertainty",
-    "Psd",
-    "SoundLevels",
-    "a_weighting_db",
-    "band_uncertainty_db",
-    "envelope_spectrum",
-    "intensity",
-    "kurtosis",
-    "kurtosis_uncertainty",
-    "laeq_db",
-    "level_db",
-    "level_uncertainty",
-    "line_spectrum",
-    "loudest_octave",
-    "modulated_octave",
-    "plots",
-    "reliable",
-    "sound_levels",
-    "sound_pressure",
-    "third_octave_mean_square",
-    "wav",
-    "welch",
-]
+    "BAND_NAMES", "EDGES_HZ", "I_REF_W_M2", "MID_HZ", "P_REF_PA", "RHO_C", "EnvelopeSpectrum",
+    "LevelUncertainty", "Psd", "SoundLevels", "a_weighting_db", "band_uncertainty_db",
+    "envelope_spectrum", "intensity", "kurtosis", "kurtosis_uncertainty", "laeq_db", "level_db",
+    "level_uncertainty", "line_spectrum", "loudest_octave", "modulated_octave", "plots", "reliable",
+    "sound_levels", "sound_pressure", "third_octave_mean_square", "wav", "welch",
+]  # fmt: skip
 
 _SUBMODULES = ("plots", "wav")
 _MODULES = (

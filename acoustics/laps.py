@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -70,4 +70,4 @@ def crossfaded_lap(record: Array, fade: int, sample_rate_hz: float) -> Lap:
     lap = Lap(fade + best, end, overlap, min(max(float(alike[best]), 0.0), 1.0))
     levels = [a_weighted_rms(x, sample_rate_hz) for x in (record, lap.samples(record))]
     factor = levels[0] / levels[1] if min(levels) > 0.0 else 1.0
-    return Lap(lap.begin, end, overlap, lap.correlation, factor)
+    return replace(lap, factor=factor)

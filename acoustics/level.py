@@ -12,21 +12,10 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
-from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C
+from acoustics.radiation import P_REF_PA
 from acoustics.resampling import resample_closed
 from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
-
-__all__ = [
-    "I_REF_W_M2",
-    "P_REF_PA",
-    "RHO_C",
-    "SoundLevels",
-    "a_weighted_rms",
-    "laeq_db",
-    "level_db",
-    "sound_levels",
-]
 
 # A part 200 dB below the record counts as rounding. Transforms leave -300 dB, or -200 dB of a
 # fluctuation that is 1e-5 of its mean. Hearing spans 130 dB, and no contact solve is better than
@@ -119,7 +108,7 @@ def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     Raises
     ------
     ValueError
-        As `acoustics.spectrum.check_record`.
+        As `acoustics.spectrum.checked_record`.
 
     References
     ----------
@@ -190,7 +179,7 @@ def sound_levels(
     Raises
     ------
     ValueError
-        As `acoustics.spectrum.check_record`, or if the mean square is not finite.
+        As `acoustics.spectrum.checked_record`, or if the mean square is not finite.
 
     References
     ----------
@@ -228,8 +217,8 @@ def sound_levels(
     a_weighted_pa = a_weighted(pressure_pa, sample_rate_hz)
 
     def a_maximum(time_constant_s: float) -> float | None:
-        maximum = maximum_mean_square(a_weighted_pa, sample_rate_hz, time_constant_s, closed)
-        return level_db(_above_rounding(maximum, whole))
+        running = running_mean_square(a_weighted_pa, sample_rate_hz, time_constant_s, closed)
+        return level_db(_above_rounding(float(running.max()), whole))
 
     return SoundLevels(
         laeq_db=level_db(_above_rounding(weighted.sum(), whole)),
@@ -296,16 +285,6 @@ def running_mean_square(
         settled = running[-1] / -math.expm1(-n * decay)
         running += settled * np.exp(-decay * np.arange(1, n + 1))
     return running
-
-
-def maximum_mean_square(
-    pressure_pa: Array, sample_rate_hz: float, time_constant_s: float, closed: bool
-) -> float:
-    """Return the maximum of `running_mean_square` [Pa^2].
-
-    Its level is the maximum that a sound level meter holds.
-    """
-    return float(running_mean_square(pressure_pa, sample_rate_hz, time_constant_s, closed).max())
 
 
 def a_weighted(pressure_pa: Array, sample_rate_hz: float) -> Array:

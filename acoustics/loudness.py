@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.spectrum import check_record
+from acoustics.spectrum import checked_record
 
 LEAST_RATE_HZ = 48000  # mosqito would resample lower rates
 
@@ -55,7 +55,7 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     ModuleNotFoundError
         If mosqito is not installed.
     ValueError
-        As `acoustics.spectrum.check_record`, or for a sample rate below 48 kHz.
+        As `acoustics.spectrum.checked_record`, or for a sample rate below 48 kHz.
 
     References
     ----------
@@ -63,16 +63,16 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     """
     from mosqito.sq_metrics import loudness_zwst, sharpness_din_from_loudness
 
-    check_record(pressure_pa)
+    record = checked_record(pressure_pa, sample_rate_hz)
     if sample_rate_hz < LEAST_RATE_HZ:
         raise ValueError(
             f"loudness needs a sample rate of {LEAST_RATE_HZ} Hz or more, got {sample_rate_hz:g}"
         )
     # the onset of a mean would excite the filters like a bang
-    fluctuation = pressure_pa - np.mean(pressure_pa)
+    fluctuation = record - np.mean(record)
     if not np.any(fluctuation):
         return Loudness(0.0, None)
-    rounds = math.ceil(_PLAYED_S * sample_rate_hz / len(pressure_pa)) if closed else 1
+    rounds = math.ceil(_PLAYED_S * sample_rate_hz / len(record)) if closed else 1
     try:
         sone, specific, _ = loudness_zwst(
             np.tile(fluctuation, rounds), sample_rate_hz, field_type="free"

@@ -8,7 +8,7 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from acoustics.bands import EDGES_HZ, third_octave_mean_square
-from acoustics.spectrum import check_record, line_spectrum
+from acoustics.spectrum import checked_record, line_spectrum
 from acoustics.weighting import a_weighting_db
 
 OCTAVE = 3  # third octaves
@@ -45,9 +45,7 @@ class EnvelopeSpectrum:
         -------
         float. Modulation [-]; 0 beyond the last line.
         """
-        if not len(self.frequency_hz):
-            return 0.0
-        width = float(self.frequency_hz[0])
+        width = self.frequency_hz[:1]  # of a line
         near = np.abs(self.frequency_hz - frequency_hz) <= 1.5 * width
         return float(self.modulation[near].max(initial=0.0))
 
@@ -92,7 +90,7 @@ def modulated_octave(
     Raises
     ------
     ValueError
-        The record is empty or holds values that are not finite.
+        As `acoustics.spectrum.checked_record`.
 
     Examples
     --------
@@ -112,13 +110,11 @@ def modulated_octave(
         for band, own in zip(bands, power, strict=True)
         if own > least and band[1] - band[0] > wide
     ]
-    return max(
-        heard,
-        key=lambda band: envelope_spectrum(signal, sample_rate_hz, band, closed).prominence(
-            frequency_hz
-        ),
-        default=loudest_octave(signal, sample_rate_hz),
-    )
+
+    def prominence(band: tuple[float, float]) -> float:
+        return envelope_spectrum(signal, sample_rate_hz, band, closed).prominence(frequency_hz)
+
+    return max(heard, key=prominence, default=loudest_octave(signal, sample_rate_hz))
 
 
 def loudest_octave(signal: Array, sample_rate_hz: float) -> tuple[float, float]:
@@ -139,7 +135,7 @@ def loudest_octave(signal: Array, sample_rate_hz: float) -> tuple[float, float]:
     Raises
     ------
     ValueError
-        The record is empty or holds values that are not finite.
+        As `acoustics.spectrum.checked_record`.
 
     Examples
     --------
@@ -189,7 +185,7 @@ def envelope_spectrum(
     Raises
     ------
     ValueError
-        The record is empty or holds values that are not finite, or the band is empty.
+        As `acoustics.spectrum.checked_record`, or if the band is empty.
 
     References
     ----------
@@ -205,15 +201,15 @@ def envelope_spectrum(
     >>> round(envelope_spectrum(tone, 48000, closed=True).at(4.0), 6)
     0.5
     """
-    check_record(signal)
+    record = checked_record(signal, sample_rate_hz)
     low, high = loudest_octave(signal, sample_rate_hz) if band_hz is None else band_hz
     if not 0 <= low < high:
         raise ValueError(f"band_hz: got ({low:g}, {high:g}), allowed: edges that rise from 0 Hz")
-    count = len(signal)
+    count = len(record)
     frequency = np.fft.rfftfreq(count, 1 / sample_rate_hz)
     analytic = np.zeros(count, dtype=complex)
-    inside = (frequency >= low) & (frequency < high)
-    analytic[: len(frequency)][inside] = 2 * np.fft.rfft(signal)[inside]
+    inside = np.flatnonzero((frequency >= low) & (frequency < high))
+    analytic[inside] = 2 * np.fft.rfft(record)[inside]
     envelope = np.abs(np.fft.ifft(analytic))
     window = np.ones(count) if closed else 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
     mean = float(window @ envelope / window.sum())

@@ -8,7 +8,7 @@ has a meaning.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -87,28 +87,15 @@ def band_ticks(ax: Axes, octaves: bool = False) -> None:
     width_in = ax.get_window_extent().width / ax.figure.dpi
     named = slice(2, None, 3) if octaves or width_in < _ROOM_IN else slice(None)
     names = [short_name(name) for name in BAND_NAMES[named]]
-    upright = len(names) * _WIDEST_IN > width_in
-    ax.set_xticks(
-        MID_HZ[named],
-        names,
-        rotation=90 if upright else 0,
-        fontsize="small" if upright else "medium",
-    )
+    rotation, size = (90, "small") if len(names) * _WIDEST_IN > width_in else (0, "medium")
+    ax.set_xticks(MID_HZ[named], names, rotation=rotation, fontsize=size)
 
 
 def say_if_silent(ax: Axes, sounds: bool) -> None:
     """Write `no sound` on axes without a level."""
     if not sounds:
-        ax.text(
-            0.5,
-            0.5,
-            "no sound",
-            transform=ax.transAxes,
-            ha="center",
-            va="center",
-            color="0.4",
-            fontsize=14,
-        )
+        middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": ax.transAxes}
+        ax.text(0.5, 0.5, "no sound", color="0.4", fontsize=14, **middle)
 
 
 def look_of(number: int, count: int, ordered: bool = False) -> dict[str, Any]:
@@ -120,25 +107,14 @@ def look_of(number: int, count: int, ordered: bool = False) -> dict[str, Any]:
     if count > len(COLOURS) or (ordered and count >= FEW):
         # Beyond 0.72 the map has a contrast below 2.5 to white paper.
         colour = to_hex(matplotlib.colormaps["plasma"](0.72 * number / (count - 1)))
-    return {
-        "color": colour,
-        "linestyle": _cycled(LINE_STYLES, number),
-        "marker": _cycled(MARKERS, number),
-    }
+    style = number % len(LINE_STYLES)
+    return {"color": colour, "linestyle": LINE_STYLES[style], "marker": MARKERS[style]}
 
 
 def bars(ax: Axes, x: Array, level_db: Array, uncertainty_db: Array, colour: str) -> None:
     """Draw error bars of the standard uncertainty."""
-    ax.errorbar(
-        x,
-        level_db,
-        yerr=uncertainty_db,
-        fmt="none",
-        ecolor=colour,
-        elinewidth=0.9,
-        capsize=2.5,
-        capthick=0.9,
-    )
+    lines: dict[str, Any] = {"elinewidth": 0.9, "capsize": 2.5, "capthick": 0.9}
+    ax.errorbar(x, level_db, uncertainty_db, fmt="none", ecolor=colour, **lines)
 
 
 def numbers(levels_db: Iterable[float | None]) -> Array:
@@ -157,10 +133,6 @@ def short_name(name: str) -> str:
     """Write a frequency for a tick label: 1000 is 1k."""
     value = float(name)
     return f"{value / 1000.0:g}k" if value >= 1000.0 else name
-
-
-def _cycled(items: Sequence[Any], number: int) -> Any:
-    return items[number % len(items)]
 
 
 # ---- records as they are drawn
@@ -196,7 +168,15 @@ class Lines:
 
         Parts of the axis without lines are left out.
         """
-        return _band_mean(self.frequency_hz, self.level_db)
+        octaves = math.log2(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
+        edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(math.ceil(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
+        band, bands = np.searchsorted(edges, self.frequency_hz, side="right") - 1, len(edges) - 1
+        lines = np.bincount(band, minlength=bands)
+        power = np.bincount(band, weights=10.0 ** (self.level_db / 10.0), minlength=bands)
+        held = lines > 0
+        with np.errstate(divide="ignore"):
+            level = 10.0 * np.log10(power[held] / lines[held])
+        return np.sqrt(edges[:-1] * edges[1:])[held], np.maximum(level, NOTHING_DB)
 
     @cached_property
     def envelope(self) -> tuple[Array, Array]:
@@ -239,27 +219,8 @@ def _thinned(x: Array, y: Array, share: Array) -> tuple[Array, Array]:
     starts = np.flatnonzero(np.diff(column, prepend=-1.0))
     counts = np.diff(starts, append=len(x))
     crowded = counts > 2
-    alone = np.repeat(~crowded, counts)
-    at = np.repeat(x[starts[crowded]], 2)
-    extremes = np.stack(
-        [np.minimum.reduceat(y, starts)[crowded], np.maximum.reduceat(y, starts)[crowded]], 1
-    ).ravel()
-    merged = np.argsort(np.concatenate([x[alone], at]), kind="stable")
-    return np.concatenate([x[alone], at])[merged], np.concatenate([y[alone], extremes])[merged]
-
-
-def _band_mean(frequency_hz: Array, level_db: Array) -> tuple[Array, Array]:
-    """Return mid frequency and level of the mean power of the lines in each 1/12 octave.
-
-    Parts of the axis without lines are left out.
-    """
-    octaves = math.log2(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
-    edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(math.ceil(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
-    band = np.searchsorted(edges, frequency_hz, side="right") - 1
-    lines = np.bincount(band, minlength=len(edges) - 1)
-    power = np.bincount(band, weights=10.0 ** (level_db / 10.0), minlength=len(edges) - 1)
-    held = lines > 0
-    mid = np.sqrt(edges[:-1] * edges[1:])
-    with np.errstate(divide="ignore"):
-        level = 10.0 * np.log10(power[held] / lines[held])
-    return mid[held], np.maximum(level, NOTHING_DB)
+    alone, first = np.repeat(~crowded, counts), x[starts[crowded]]
+    extremes = (limit.reduceat(y, starts)[crowded] for limit in (np.minimum, np.maximum))
+    merged_x, merged_y = np.concatenate((x[alone], first, first)), (y[alone], *extremes)
+    order = np.argsort(merged_x, kind="stable")
+    return merged_x[order], np.concatenate(merged_y)[order]

@@ -37,22 +37,10 @@ from acoustics.plot_style import (
 from acoustics.spectrum import Spectrogram
 
 __all__ = [
-    "COLOURS",
-    "FEW",
-    "LINE_STYLES",
-    "MARKERS",
-    "PER_OCTAVE",
-    "BandErrors",
-    "Lines",
-    "bars",
-    "drawn_as_means",
-    "level_limits",
-    "look_of",
-    "short_name",
-    "spectrogram",
-    "spectrum",
+    "COLOURS", "FEW", "LINE_STYLES", "MARKERS", "PER_OCTAVE", "BandErrors", "Lines", "bars",
+    "drawn_as_means", "level_limits", "look_of", "short_name", "spectrogram", "spectrum",
     "third_octaves",
-]
+]  # fmt: skip
 
 # Errors of band levels [dB] and their standard uncertainty, by nominal frequency.
 BandErrors = tuple[Mapping[str, float | None], Mapping[str, float | None]]
@@ -108,12 +96,8 @@ def spectrum(
         else:
             level = np.maximum(lines.level_db, NOTHING_DB)
             ax.plot(lines.frequency_hz, level, linewidth=1.2, label=label, **look)
-    ax.set_ylim(
-        limits_db or level_limits([level for _, lines in curves for level in lines.extremes])
-    )
-    _audible(ax)
-    say_if_silent(ax, any(lines.extremes for _, lines in curves))
-    band_ticks(ax, octaves=True)
+    seen = [level for _, lines in curves for level in lines.extremes]
+    _audible(ax, seen, limits_db, octaves=True)
     ax.set_xlabel("frequency [Hz]")
     return finish(ax, "level [dB]")
 
@@ -171,40 +155,28 @@ def third_octaves(
         look = look_of(number, len(curves), ordered)
         _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
         if number < len(errors) and (of_curve := errors[number]) and len(curves) <= FEW:
-            _error_marks(ax, label, number, level, of_curve, look)
-            seen += _corrected(levels, of_curve[0])
+            seen += _error_marks(ax, label, number, level, of_curve, look["color"])
     if first > 0:
-        ax.axvspan(
-            EDGES_HZ[0],
-            EDGES_HZ[first],
-            color="0.93",
-            zorder=0,
-            label=f"B T < {LEAST_BT:g}: uncertain by 2 dB or more",
-        )
-    ax.set_ylim(limits_db or level_limits(seen))
-    _audible(ax)
-    say_if_silent(ax, bool(np.isfinite(seen).any()))
-    band_ticks(ax)
+        short = f"B T < {LEAST_BT:g}: uncertain by 2 dB or more"
+        ax.axvspan(EDGES_HZ[0], EDGES_HZ[first], color="0.93", zorder=0, label=short)
+    _audible(ax, seen, limits_db)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     return finish(ax, "sound pressure level [dB re 20 µPa]")
 
 
-def _corrected(
-    levels: Mapping[str, float | None], errors: Mapping[str, float | None]
-) -> list[float]:
-    """Return the known levels less their errors [dB], both by nominal frequency."""
-    return [
-        level - error
-        for name, level in levels.items()
-        if level is not None and (error := errors[name]) is not None
-    ]
-
-
-def _audible(ax: Axes) -> None:
-    """Give the axes a logarithmic frequency axis over the audible range."""
+def _audible(
+    ax: Axes,
+    levels_db: Sequence[float],
+    limits_db: tuple[float, float] | None,
+    octaves: bool = False,
+) -> None:
+    """Give the axes a logarithmic axis of the audible range and one of the levels."""
+    ax.set_ylim(limits_db or level_limits(levels_db))
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.xaxis.set_minor_locator(NullLocator())
+    say_if_silent(ax, bool(np.isfinite(levels_db).any()))
+    band_ticks(ax, octaves)
 
 
 def _band_curve(
@@ -235,40 +207,26 @@ def _band_curve(
 
 
 def _error_marks(
-    ax: Axes, label: str, number: int, level: Array, errors: BandErrors, look: dict[str, Any]
-) -> None:
-    """Draw diamonds at levels less their errors, and hatch the bands that are off by over 1 dB."""
+    ax: Axes, label: str, number: int, level: Array, errors: BandErrors, colour: str
+) -> list[float]:
+    """Draw diamonds at levels less their errors, and hatch the bands that are off by over 1 dB.
+
+    Returns these levels [dB].
+    """
     error, spread = (numbers(by_name[name] for name in BAND_NAMES) for by_name in errors)
     known = np.isfinite(error) & np.isfinite(level)
-    diamond: dict[str, Any] = {
-        "marker": "D",
-        "markersize": 7,  # the curve's own mark shows inside
-        "markerfacecolor": "none",
-        "markeredgewidth": 0.8,
-        "linestyle": "none",
-    }
-    marked = "level less its estimated error"
-    ax.errorbar(
-        MID_HZ[known],
-        (level - error)[known],
-        np.nan_to_num(spread[known]),
-        color=look["color"],
-        elinewidth=0.7,
-        zorder=1.8,
-        label=None if marked in ax.get_legend_handles_labels()[1] else marked,
-        **diamond,
-    )
-    hatch: dict[str, Any] = {
-        "facecolor": "none",
-        "edgecolor": look["color"],
-        "alpha": 0.6,
-        "hatch": _HATCHES[number],
-        "linewidth": 0.0,
-    }
-    off = np.flatnonzero(known & (np.abs(error) > OFF_DB))
-    for k, band in enumerate(off):
+    right, marked = (level - error)[known], "level less its estimated error"
+    named = None if marked in ax.get_legend_handles_labels()[1] else marked
+    # The curve's own mark shows inside a diamond of this size.
+    style: dict[str, Any] = {"fmt": "D", "markersize": 7, "markeredgewidth": 0.8, "elinewidth": 0.7}
+    style |= {"color": colour, "markerfacecolor": "none", "zorder": 1.8}
+    ax.errorbar(MID_HZ[known], right, np.nan_to_num(spread[known]), label=named, **style)
+    hatch: dict[str, Any] = {"facecolor": "none", "edgecolor": colour, "alpha": 0.6}
+    hatch |= {"hatch": _HATCHES[number], "linewidth": 0.0, "zorder": 0.5}
+    for k, band in enumerate(np.flatnonzero(known & (np.abs(error) > OFF_DB))):
         named = None if k else f"{label}: off by more than {OFF_DB:g} dB"
-        ax.axvspan(EDGES_HZ[band], EDGES_HZ[band + 1], zorder=0.5, label=named, **hatch)
+        ax.axvspan(EDGES_HZ[band], EDGES_HZ[band + 1], label=named, **hatch)
+    return [float(level) for level in right]
 
 
 def spectrogram(
@@ -303,22 +261,13 @@ def spectrogram(
     colours = matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85")
     # Rows are equally wide on a logarithmic scale, so an image on a linear axis of logarithms shows
     # each value as a dot.
-    image = ax.imshow(
-        shown.level_db,
-        origin="lower",
-        extent=(first, last, low, high),
-        aspect="auto",
-        cmap=colours,
-        vmin=limits_db[0],
-        vmax=limits_db[1],
-        interpolation="none",
-    )
+    shape: dict[str, Any] = {"extent": (first, last, low, high), "aspect": "auto"}
+    shades: dict[str, Any] = {"cmap": colours, "vmin": limits_db[0], "vmax": limits_db[1]}
+    image = ax.imshow(shown.level_db, origin="lower", interpolation="none", **shape, **shades)
     say_if_silent(ax, bool(np.isfinite(shown.level_db).any()))
-    ax.set_xlim(0.0, duration_s / factor)
-    ax.set_ylim(low, high)
+    ax.set(xlim=(0.0, duration_s / factor), ylim=(low, high))
     octaves = slice(2, None, 3)
     ax.set_yticks(np.log10(MID_HZ[octaves]), [short_name(name) for name in BAND_NAMES[octaves]])
-    ax.set_xlabel(f"time [{prefix}s]")
-    ax.set_ylabel("frequency [Hz]")
+    ax.set(xlabel=f"time [{prefix}s]", ylabel="frequency [Hz]")
     ax.figure.colorbar(image, ax=ax, label="density level [dB re (20 µPa)²/Hz]", extend="both")
     return ax

@@ -7,9 +7,8 @@ has the time of the force that made it. The listener is far away, at many ball r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,8 +20,6 @@ I_REF_W_M2 = 1e-12  # reference intensity
 RHO_C = 413.3  # characteristic impedance of air at 20 C, Pa s/m
 AIR_KG_M3 = 1.204  # density of air at 20 C
 SOUND_M_S = 343.2  # speed of sound in air at 20 C
-
-_END = 512  # samples by which an open record is continued at both ends before it is filtered
 
 
 def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
@@ -133,6 +130,11 @@ class ThinPlate:
         """Mobility at a point, 1 / (8 sqrt(B m'')) [s/kg]."""
         return float(1 / (8 * np.sqrt(self.bending_stiffness_n_m * self.mass_per_area_kg_m2)))
 
+    def bending_wavelength_m(self, frequency_hz: float) -> float:
+        """Return the length of bending waves [m]."""
+        ratio = self.bending_stiffness_n_m / self.mass_per_area_kg_m2
+        return float(2 * np.pi * ratio**0.25 / np.sqrt(2 * np.pi * frequency_hz))
+
     @property
     def nearest_m(self) -> float:
         """Distance sqrt(8 B / m'') / c that a listener on the axis must exceed by far [m]."""
@@ -238,17 +240,19 @@ def pressure_on_axis(
     sample_rate_hz: float,
     sources: Sequence[ThinPlate | HalfSpaceBody | Ball],
     distance_m: float,
-    closed: bool,
 ) -> Array:
     """Return the pressure on the axis above a ball that a fluctuating force moves.
 
+    A plate needs no filter. For the other bodies the lines of the spectrum are multiplied by
+    `axis_transfer`; the line at Nyquist is dropped, since its phase is unknown.
+
     Parameters
     ----------
-    force_n : array (n,), N. Fluctuation of the force that presses ball and plane apart.
+    force_n : array (n,), N. Fluctuation of the force that presses ball and plane apart, a closed or
+        faded record.
     sample_rate_hz : float, Hz. Sample rate.
     sources : sequence of ThinPlate, HalfSpaceBody or Ball. Bodies whose pressures add.
     distance_m : float, m. Distance r of the listener from the point of contact.
-    closed : bool. If true, the record is one period; if false, it has two ends.
 
     Returns
     -------
@@ -257,62 +261,19 @@ def pressure_on_axis(
     Examples
     --------
     >>> from acoustics.radiation import ThinPlate, pressure_on_axis
-    >>> pressure = pressure_on_axis([1.0, -2.0, 1.0], 48000, [ThinPlate(78.5, 18.9e3)], 1.0, False)
+    >>> pressure = pressure_on_axis([1.0, -2.0, 1.0], 48000, [ThinPlate(78.5, 18.9e3)], 1.0)
     >>> [round(1e3 * float(value), 2) for value in pressure]
     [-2.44, 4.88, -2.44]
     """
-    pressure = np.zeros(np.shape(force_n))
+    force = np.asarray(force_n, dtype=float)
+    pressure, n = np.zeros(force.shape), force.size
     for source in sources:
-        if isinstance(source, ThinPlate):  # no filter, so no end either
-            factor = axis_transfer(0.0, source, distance_m).real
-            pressure += factor * np.asarray(force_n, dtype=float)
-        else:
-            response = partial(axis_transfer, source=source, distance_m=distance_m)
-            pressure += filtered(force_n, sample_rate_hz, response, closed)
+        if isinstance(source, ThinPlate):
+            pressure += axis_transfer(0.0, source, distance_m).real * force
+            continue
+        frequency = np.fft.rfftfreq(n, 1 / sample_rate_hz)
+        lines = np.fft.rfft(force) * axis_transfer(frequency, source, distance_m)
+        if n % 2 == 0:
+            lines[-1] = 0
+        pressure += np.fft.irfft(lines, n)
     return pressure
-
-
-def filtered(
-    signal: ArrayLike,
-    sample_rate_hz: float,
-    response: Callable[[Array], NDArray[np.complex128]],
-    closed: bool,
-) -> Array:
-    """Return a record with the lines of its spectrum multiplied by a frequency response.
-
-    A closed record is filtered exactly. An open record is first continued at both ends by its point
-    reflection, which keeps value and slope, faded to its end values, and cut again. The line at
-    Nyquist is dropped, since its phase is unknown.
-
-    Parameters
-    ----------
-    signal : array (n,), any unit. Record.
-    sample_rate_hz : float, Hz. Sample rate.
-    response : function of an array of frequencies [Hz]. Complex factors, of exp(i w t).
-    closed : bool. If true, the record is one period; if false, it has two ends.
-
-    Returns
-    -------
-    array (n,), unit of the signal times that of the response
-    """
-    record = np.asarray(signal, dtype=float)
-    begin = 0
-    if not closed and record.size > 1:
-        begin = min(_END, record.size - 1)
-        record = _continued(record, begin)
-    n = record.size
-    lines = np.fft.rfft(record)
-    lines *= response(np.asarray(np.fft.rfftfreq(n, 1 / sample_rate_hz), dtype=np.float64))
-    if n % 2 == 0:
-        lines[-1] = 0
-    return np.asarray(np.fft.irfft(lines, n)[begin : n - begin])
-
-
-def _continued(record: Array, count: int) -> Array:
-    """Return an open record continued at both ends so that its period closes smoothly."""
-    ramp = np.square(np.cos(0.5 * np.pi * np.arange(1, count + 1) / (count + 1)))
-    mean = np.mean(record[[0, -1]])
-    before = 2 * record[0] - record[1 : count + 1]
-    after = 2 * record[-1] - record[-2 : -count - 2 : -1]
-    before, after = mean + ramp * (before - mean), mean + ramp * (after - mean)
-    return np.concatenate((before[::-1], record, after))

@@ -78,11 +78,8 @@ class RandomRows:
         self._white = lines * np.exp(-0.5 * smooth)
         ratio = count / self.block
         place = np.clip(np.arange(1, (self.block + 1) // 2) * ratio, own[0], own[-1])
-        self._level = (
-            self.block
-            * np.sqrt(ratio)
-            * np.exp([0.5 * np.interp(place, own, row) for row in smooth])
-        )
+        level = np.exp([0.5 * np.interp(place, own, row) for row in smooth])
+        self._level = self.block * np.sqrt(ratio) * level
         windows = _windows(place, own)
         self._steps = [(line, np.sqrt(weight)) for line, weight in windows if weight.any()]
 

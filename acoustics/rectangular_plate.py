@@ -19,7 +19,7 @@ from acoustics.baffled_modes import (
     own_resistance,
     power_of_modes,
 )
-from acoustics.radiation import AIR_KG_M3, SOUND_M_S
+from acoustics.radiation import AIR_KG_M3, SOUND_M_S, ThinPlate
 
 MODES_HZ = 30e3  # highest natural frequency of the modes that move
 _BEYOND = 100.0  # times this frequency: modes up to there are summed for their static compliance
@@ -27,8 +27,8 @@ _SIDES = 2  # of the plate with air
 _BLOCK = 2**19  # values of all modes at once
 
 
-@dataclass(frozen=True)
-class RectangularPlate:
+@dataclass(frozen=True, kw_only=True)
+class RectangularPlate(ThinPlate):
     """Thin rectangular plate, simply supported at all four edges.
 
     Mode (m, n) has the shape sin(m pi x / a) sin(n pi y / b), the natural frequency
@@ -47,14 +47,11 @@ class RectangularPlate:
     Examples
     --------
     >>> from acoustics.rectangular_plate import RectangularPlate
-    >>> plate = RectangularPlate(78.5, 18.9e3, 1e-2, 0.4, 0.3)
+    >>> plate = RectangularPlate(78.5, 18.9e3, 1e-2, length_m=0.4, width_m=0.3)
     >>> len(plate.angular_frequency), round(float(plate.angular_frequency[0]) / 6.2832)
     (104, 423)
     """
 
-    mass_per_area_kg_m2: float
-    bending_stiffness_n_m: float
-    loss_factor: float
     length_m: float
     width_m: float
 
@@ -87,20 +84,7 @@ class RectangularPlate:
         orders = self._orders(MODES_HZ, _BEYOND * MODES_HZ)
         stiffness = self.modal_mass_kg * np.square(self._angular_frequency(orders))
         near = float(np.sum(np.square(self._shapes(orders, point_m)) / stiffness))
-        mobility = 1 / (8 * np.sqrt(self.bending_stiffness_n_m * self.mass_per_area_kg_m2))
-        return near + float(mobility / (np.pi**2 * _BEYOND * MODES_HZ))
-
-    def receptance(
-        self, frequency_hz: ArrayLike, force_m: ArrayLike, answer_m: ArrayLike | None = None
-    ) -> NDArray[np.complex128]:
-        """Return the displacement per force [m/N] of the modes, phasors of exp(i w t).
-
-        The force acts at one point (2,) [m]; the displacement is that of another, by default the
-        same. The compliance of the modes above MODES_HZ is left out.
-        """
-        f = np.atleast_1d(np.asarray(frequency_hz, dtype=float))
-        weight = self.shapes(force_m)[0] * self.shapes(force_m if answer_m is None else answer_m)[0]
-        return np.concatenate([self.mode_receptance(part) @ weight for part in self._parts(f)])
+        return near + float(self.mobility_s_kg / (np.pi**2 * _BEYOND * MODES_HZ))
 
     def mode_receptance(self, frequency_hz: NDArray[Any], modes: slice = slice(None)) -> Complex:
         """Return the modal displacements [m] per modal force [N], (n, modes).
@@ -143,7 +127,7 @@ class RectangularPlate:
         Examples
         --------
         >>> from acoustics.rectangular_plate import RectangularPlate
-        >>> plate = RectangularPlate(78.5, 18.9e3, 1e-2, 0.4, 0.3)
+        >>> plate = RectangularPlate(78.5, 18.9e3, 1e-2, length_m=0.4, width_m=0.3)
         >>> pressure = plate.pressure_transfer([1000.0], [0.17, 0.11], (0.17, 0.11, 1.0))
         >>> round(1e3 * float(abs(pressure[0])), 1)  # mPa per N
         4.8
@@ -197,10 +181,8 @@ class RectangularPlate:
     def _shapes(self, orders: NDArray[np.int64], points_m: ArrayLike) -> Array:
         along, across = np.atleast_2d(np.asarray(points_m, dtype=float)).T[:, :, None]
         m, n = orders.T
-        waves = np.sin(np.pi * m * along / self.length_m) * np.sin(
-            np.pi * n * across / self.width_m
-        )
-        return np.asarray(waves)
+        sines = np.sin(np.pi * m * along / self.length_m), np.sin(np.pi * n * across / self.width_m)
+        return np.asarray(sines[0] * sines[1])
 
     def _orders(self, above_hz: float, to_hz: float) -> NDArray[np.int64]:
         """Return the orders of the modes above one frequency [Hz] up to another."""

@@ -85,14 +85,12 @@ def ball_power_per_force(frequency_hz: ArrayLike, ball: Ball, plane: bool = True
     ka = w * ball.radius_m / SOUND_M_S
     area = 4 / 3 * np.pi * ball.radius_m**2
     free = area * AIR_KG_M3 * SOUND_M_S / (ball.mass_kg * w) ** 2 * ka**4 / (4 + ka**4)
-    return np.asarray(free * _image_of_power(ka) if plane else free)
-
-
-def _image_of_power(ka: Array) -> Array:
-    """Return the power over a rigid plane over the free one: the mean of 6 cos^2 sin^2(ka cos)."""
+    if not plane:
+        return np.asarray(free)
     nodes, weights = _legendre(64)
     u = (nodes + 1) / 2
-    return np.asarray(np.square(u * np.sin(ka[..., None] * u)) @ weights * 3)
+    image = np.square(u * np.sin(ka[..., None] * u)) @ weights * 3  # mean of 6 cos^2 sin^2(ka cos)
+    return np.asarray(free * image)
 
 
 def band_power(

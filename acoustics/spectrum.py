@@ -9,9 +9,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from acoustics.arrays import Array, short_repr
+from acoustics.arrays import Array, positive, real_array, short_repr
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
 from acoustics.weighting import a_weighting_db
 
@@ -54,20 +54,17 @@ class Psd:
     enbw_hz: float
 
 
-def check_record(signal: Array) -> None:
-    """Refuse an array that is not a record (n,).
+def checked_record(record: ArrayLike, sample_rate_hz: float) -> Array:
+    """Return a record (n,) as an array of floats; refuse others, and rates that are not positive.
 
     Raises
     ------
     ValueError
-        If the array is empty, not one-dimensional, or holds a value that is not finite.
+        If the record is empty, not one-dimensional, or holds a value that is not finite, or if the
+        sample rate is not above 0.
     """
-    if np.ndim(signal) != 1 or len(signal) == 0:
-        raise ValueError(
-            f"a record is a series of at least one sample, got an array of shape {np.shape(signal)}"
-        )
-    if not np.all(np.isfinite(signal)):
-        raise ValueError("the record holds values that are not finite")
+    positive("sample_rate_hz", sample_rate_hz)
+    return real_array("record", record, 1)
 
 
 def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
@@ -91,7 +88,7 @@ def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     Raises
     ------
     ValueError
-        As `check_record`.
+        As `checked_record`.
 
     Examples
     --------
@@ -101,10 +98,10 @@ def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     >>> float(frequency[1]), round(float(mean_square[1]), 9), round(float(mean_square.sum()), 9)
     (1.0, 0.5, 0.5)
     """
-    lines = _lines(signal)
+    frequency_hz, lines = _lines(signal, sample_rate_hz)
     mean_square: Array = np.square(lines.real) + np.square(lines.imag)
-    mean_square[_paired(len(signal))] *= 2.0
-    return _frequencies(len(signal), sample_rate_hz), mean_square
+    mean_square[1 : (len(signal) + 1) // 2] *= 2.0
+    return frequency_hz, mean_square
 
 
 def welch(signal: Array, sample_rate_hz: float) -> Psd:
@@ -127,7 +124,7 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
     Raises
     ------
     ValueError
-        As `check_record`.
+        As `checked_record`.
 
     References
     ----------
@@ -146,25 +143,15 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
     """
     from scipy import signal as scipy_signal  # slow to import, and levels do without
 
-    check_record(signal)
-    segment = min(round(sample_rate_hz / _PSD_LINE_HZ), len(signal) // 4)
-    segment = min(max(segment, _LEAST_SEGMENT), len(signal))
+    record = checked_record(signal, sample_rate_hz)
+    segment = min(round(sample_rate_hz / _PSD_LINE_HZ), len(record) // 4)
+    segment = min(max(segment, _LEAST_SEGMENT), len(record))
     window = scipy_signal.get_window("hann", segment)
     frequency_hz, psd = scipy_signal.welch(
-        signal,
-        sample_rate_hz,
-        window=window,
-        noverlap=segment // 2,
-        detrend=False,
-        scaling="density",
+        record, sample_rate_hz, window, noverlap=segment // 2, detrend=False
     )
-    return Psd(
-        frequency_hz=frequency_hz,
-        psd=psd,
-        window="hann",
-        line_width_hz=sample_rate_hz / segment,
-        enbw_hz=equivalent_noise_bandwidth(window, sample_rate_hz),
-    )
+    bandwidth_hz = equivalent_noise_bandwidth(window, sample_rate_hz)
+    return Psd(frequency_hz, psd, "hann", sample_rate_hz / segment, bandwidth_hz)
 
 
 def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
@@ -208,18 +195,28 @@ def article_line_level_db(
     Raises
     ------
     ValueError
-        As `check_record`.
+        As `checked_record`.
 
     References
     ----------
     Lee, Kim & Kim, Inventions 2025, 10(1), 17, equations (10) and (11).
     """
-    amplitude_w = np.abs(_lines(power_w))
-    amplitude_w[_paired(len(power_w))] *= 2.0
-    frequency_hz = _frequencies(len(power_w), sample_rate_hz)[1:]
+    frequency_hz, lines = _lines(power_w, sample_rate_hz)
+    frequency_hz, amplitude_w = frequency_hz[1:], np.abs(lines[1:])
+    amplitude_w[: (len(power_w) - 1) // 2] *= 2.0  # all but Nyquist
     with np.errstate(divide="ignore"):
-        level_db = 10.0 * np.log10(intensity(amplitude_w[1:], distance_m, q) / I_REF_W_M2)
+        level_db = 10.0 * np.log10(intensity(amplitude_w, distance_m, q) / I_REF_W_M2)
     return frequency_hz, level_db + a_weighting_db(frequency_hz)
+
+
+def _lines(signal: Array, sample_rate_hz: float) -> tuple[Array, NDArray[np.complex128]]:
+    """Return frequencies [Hz] and complex lines divided by the length of the record.
+
+    All lines but 0 Hz and, of an even number of samples, Nyquist have a mirror image.
+    """
+    record = checked_record(signal, sample_rate_hz)
+    frequency_hz = np.fft.rfftfreq(len(record), 1.0 / sample_rate_hz)
+    return np.asarray(frequency_hz, dtype=np.float64), np.fft.rfft(record) / len(record)
 
 
 # ---- density against time
@@ -236,7 +233,7 @@ class Spectrogram:
     level_db : array (r, m), dB re (20 uPa)^2/Hz. NaN where the sound is silent or unknown.
     window : str. Name of the window.
     frame_s, hop_s : float, s. Length and distance of the frames.
-    line_width_hz, enbw_hz : float, Hz. Distance and equivalent noise bandwidth of the lines.
+    enbw_hz : float, Hz. Equivalent noise bandwidth of the lines, which are 1 / `frame_s` apart.
     """
 
     __repr__ = short_repr
@@ -247,7 +244,6 @@ class Spectrogram:
     window: str
     frame_s: float
     hop_s: float
-    line_width_hz: float
     enbw_hz: float
 
 
@@ -280,7 +276,7 @@ def spectrogram(
     Raises
     ------
     ValueError
-        As `check_record`.
+        As `checked_record`.
 
     Examples
     --------
@@ -293,22 +289,25 @@ def spectrogram(
     """
     from scipy.signal import ShortTimeFFT, get_window  # slow to import, and levels do without
 
-    check_record(pressure_pa)
-    n = len(pressure_pa)
+    record = checked_record(pressure_pa, sample_rate_hz)
+    n = len(record)
     frame = max(_LEAST_FRAME, round(min(_FRAME_S * sample_rate_hz, n / _FRAMES_IN_RECORD)))
     hop = max(1, frame // _HOPS_IN_FRAME, -(-n // _MOST_FRAMES))
     frame = max(frame, 2 * hop)
     frames = max(1, n // hop)
     first = (n - (frames - 1) * hop) // 2  # middle of the first frame
     before = -(-frame // hop) * hop  # silence of whole hops, more than half a frame
-    padded = np.pad(pressure_pa, (before - first, frame), mode="wrap" if closed else "constant")
+    padded = np.pad(record, (before - first, frame), mode="wrap" if closed else "constant")
 
     window = get_window("hann", frame)
     transform = ShortTimeFFT(
         window, hop, sample_rate_hz, fft_mode="onesided2X", scale_to="psd", phase_shift=None
     )
     density = transform.spectrogram(padded, p0=before // hop, p1=before // hop + frames)
-    rows = _share_of_lines(transform.f, sample_rate_hz / frame) @ density
+    low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
+    half = sample_rate_hz / frame / 2.0  # of a line's width
+    covered = np.minimum(high, transform.f + half) - np.maximum(low, transform.f - half)
+    rows = np.maximum(covered, 0.0) / (high - low) @ density
 
     sounding = rows > _ROUNDING * rows.max()
     sounding &= (ROW_EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0))[:, np.newaxis]
@@ -321,40 +320,5 @@ def spectrogram(
         window="hann",
         frame_s=frame / sample_rate_hz,
         hop_s=hop / sample_rate_hz,
-        line_width_hz=sample_rate_hz / frame,
         enbw_hz=equivalent_noise_bandwidth(window, sample_rate_hz),
     )
-
-
-def _share_of_lines(frequency_hz: Array, line_width_hz: float) -> Array:
-    """Return the share of each row's width that each line covers: (r, l).
-
-    The shares of a row add up to 1.
-    """
-    low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
-    from_line = np.maximum(low, frequency_hz - line_width_hz / 2.0)
-    to_line = np.minimum(high, frequency_hz + line_width_hz / 2.0)
-    share: Array = np.maximum(to_line - from_line, 0.0) / (high - low)
-    return share
-
-
-# ---- lines
-
-
-def _lines(signal: Array) -> NDArray[np.complex128]:
-    """Return the complex lines divided by the length of the record."""
-    check_record(signal)
-    return np.fft.rfft(signal) / len(signal)
-
-
-def _frequencies(n: int, sample_rate_hz: float) -> Array:
-    """Return the frequencies of the lines of n samples [Hz]."""
-    return np.asarray(np.fft.rfftfreq(n, 1.0 / sample_rate_hz), dtype=np.float64)
-
-
-def _paired(n: int) -> slice:
-    """Return the lines that have a mirror image at negative frequency.
-
-    They are all lines except 0 Hz and, for even n, Nyquist.
-    """
-    return slice(1, (n + 1) // 2)

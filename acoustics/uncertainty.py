@@ -9,6 +9,7 @@ square, 10/ln(10) u = 4.34 u dB; a value above 2 dB is too small.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,6 +58,16 @@ class LevelUncertainty:
     lz_peak_db: float | None
     third_octave_db: dict[str, float | None]
 
+    def mapped(self, change: Callable[[float], float | None]) -> LevelUncertainty:
+        """Return the uncertainties with a change to each that is known."""
+
+        def changed(values: dict[str, float | None]) -> dict[str, float | None]:
+            return {name: None if db is None else change(db) for name, db in values.items()}
+
+        whole = {**vars(self)}
+        bands = changed(whole.pop("third_octave_db"))
+        return LevelUncertainty(**changed(whole), third_octave_db=bands)
+
 
 def level_uncertainty(
     pressure_pa: Array,
@@ -95,7 +106,7 @@ def level_uncertainty(
     Raises
     ------
     ValueError
-        As `acoustics.spectrum.check_record`.
+        As `acoustics.spectrum.checked_record`.
 
     References
     ----------
@@ -121,7 +132,13 @@ def level_uncertainty(
     laeq_db = laf_max_db = las_max_db = None
     if levels.laeq_db is not None:
         a = z * 10.0 ** (a_weighting_db(frequency_hz) / 10.0)
-        laeq_db, laf_max_db, las_max_db = _a_weighted_db(a, z, exponent, duration_s)
+        weighted, own = _variance(a, z, exponent), _variance(a, z, 0.0)
+        laeq_db = _db(weighted)
+        # A reading is a part of the record: it varies with Z as the whole does, and on its own.
+        laf_max_db, las_max_db = (
+            _db(weighted + own * (duration_s / min(duration_s, 2.0 * time_constant_s) - 1.0))
+            for time_constant_s in (FAST_S, SLOW_S)
+        )
     share = third_octave_mean_square(frequency_hz, z) / z.sum()
     # The covariance of a band and the whole is the variance of the band times its share.
     bands = (1.0 - 2.0 * exponent * share) / (BANDWIDTH_HZ * duration_s) + exponent**2 * _variance(
@@ -138,19 +155,6 @@ def level_uncertainty(
             for (name, level), variance in zip(levels.third_octave_db.items(), bands, strict=True)
         },
     )
-
-
-def _a_weighted_db(
-    a: Array, z: Array, exponent: float, duration_s: float
-) -> tuple[float, float, float]:
-    """Return the uncertainties of LAeq, LAFmax and LASmax from A-weighted and plain lines [dB]."""
-    whole, own = _variance(a, z, exponent), _variance(a, z, 0.0)
-
-    def maximum_db(time_constant_s: float) -> float:
-        # A reading is a part of the record: it varies with Z as the whole does, and on its own.
-        return _db(whole + own * (duration_s / min(duration_s, 2.0 * time_constant_s) - 1.0))
-
-    return _db(whole), maximum_db(FAST_S), maximum_db(SLOW_S)
 
 
 def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
@@ -199,11 +203,7 @@ def widened(spreads: LevelUncertainty, laeq_db: float | None) -> LevelUncertaint
         return spreads
     factor = laeq_db / spreads.laeq_db
 
-    def wider(values: dict[str, float | None]) -> dict[str, float | None]:
-        return {name: value and factor * value for name, value in values.items()}
-
-    levels = {name: value for name, value in vars(spreads).items() if name != "third_octave_db"}
-    return LevelUncertainty(**wider(levels), third_octave_db=wider(spreads.third_octave_db))
+    return spreads.mapped(lambda db: factor * db)
 
 
 def _variance(part: Array, whole: Array, exponent: float) -> float:

@@ -15,10 +15,9 @@ import numpy as np
 import soundfile
 from numpy.typing import ArrayLike, NDArray
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, real_array
 from acoustics.level import a_weighted_rms
 from acoustics.radiation import P_REF_PA
-from acoustics.spectrum import check_record
 
 SAMPLE_RATE_HZ = 48000
 
@@ -70,12 +69,9 @@ def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "", loops: boo
     >>> samples.tolist(), rate, comment
     ([0.25, -0.5], 48000, '1.0 is 1 Pa')
     """
-    samples = np.asarray(pressure_pa, dtype=float)
-    _check(samples)
-    if np.max(np.abs(samples), initial=0.0) > np.finfo(np.float32).max:
-        raise ValueError(
-            f"the record reaches {np.max(np.abs(samples)):g} Pa, more than a 32-bit float holds"
-        )
+    samples = _samples(pressure_pa)
+    if (largest := float(np.max(np.abs(samples)))) > np.finfo(np.float32).max:
+        raise ValueError(f"the record reaches {largest:g} Pa, more than a 32-bit float holds")
     return _wav(samples, "FLOAT", comment, title, loops)
 
 
@@ -126,9 +122,8 @@ def listening(
     >>> len(wav.listening(tone, gain, f"gain {gain:g}", bits=16)) > 2 * len(tone)
     True
     """
-    _check(np.asarray(pressure_pa))
-    samples = gain * np.asarray(pressure_pa, dtype=float)
-    peak = float(np.max(np.abs(samples), initial=0.0))
+    samples = gain * _samples(pressure_pa)
+    peak = float(np.max(np.abs(samples)))
     if peak > 1.0:
         raise ValueError(
             f"a gain of {gain:g} per Pa drives the peak to {peak:.4g} of full scale; "
@@ -202,10 +197,9 @@ def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
         return file.read(dtype="float64"), file.samplerate, file.comment
 
 
-def _check(samples: Array) -> None:
-    """Refuse an array that is neither a record (n,) nor several of them (n, channels)."""
-    for channel in samples.T if samples.ndim == 2 else [samples]:
-        check_record(channel)
+def _samples(pressure: ArrayLike) -> Array:
+    """Return a record (n,) or several of them (n, channels) as floats; refuse other arrays."""
+    return real_array("record", pressure, 2 if np.ndim(pressure) == 2 else 1)
 
 
 def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: bool) -> bytes:
@@ -214,14 +208,8 @@ def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: b
         if length > _LONGEST_TEXT:
             raise ValueError(f"the {field} takes {length} bytes, at most {_LONGEST_TEXT} fit")
     memory = io.BytesIO()
-    with soundfile.SoundFile(
-        memory,
-        "w",
-        SAMPLE_RATE_HZ,
-        channels=1 if samples.ndim == 1 else samples.shape[1],
-        subtype=subtype,
-        format="WAV",
-    ) as file:
+    channels = 1 if samples.ndim == 1 else samples.shape[1]
+    with soundfile.SoundFile(memory, "w", SAMPLE_RATE_HZ, channels, subtype, format="WAV") as file:
         if comment:  # libsndfile refuses an empty title
             file.comment = comment
         if title:
@@ -240,12 +228,10 @@ def _with_loop(wav: bytes, samples: int) -> bytes:
     *New Multimedia Data Types and Data Techniques*, 1994: `smpl`, the sampler chunk. Numbers are
     little-endian and take 32 bits; the end of a loop is its last sample.
     """
-    manufacturer = product = fraction = smpte_format = smpte_offset = sampler_data = cue = 0
-    period_ns = round(1e9 / SAMPLE_RATE_HZ)
-    sampler = (manufacturer, product, period_ns, _MIDDLE_C, fraction, smpte_format, smpte_offset)
-    loop = (cue, _FORWARD, 0, samples - 1, fraction, _FOREVER)
-    numbers = (*sampler, 1, sampler_data, *loop)
-    content = struct.pack(f"<{len(numbers)}I", *numbers)
+    # Manufacturer, product, period, note, fraction, SMPTE format and offset, loops, sampler data.
+    sampler = 0, 0, round(1e9 / SAMPLE_RATE_HZ), _MIDDLE_C, 0, 0, 0, 1, 0
+    loop = 0, _FORWARD, 0, samples - 1, 0, _FOREVER  # cue, direction, first, last, fraction, times
+    content = struct.pack("<15I", *sampler, *loop)
     even = wav + bytes(len(wav) % 2)  # a chunk begins at an even place
     whole = even + b"smpl" + struct.pack("<I", len(content)) + content
     return whole[:4] + struct.pack("<I", len(whole) - 8) + whole[8:]

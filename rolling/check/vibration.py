@@ -163,10 +163,9 @@ def _bending(scene: Scene) -> list[Finding]:
     """Judge thickness, bending theory and distance of the listener of a plate that bends."""
     plate, distance = of_scene.plate(scene), scene.sound.distance_m
     assert plate is not None  # asked for by the caller
-    radius, thickness_mm = of_scene.hertz_radius(scene), 1e3 * plate.thickness_m
-    share, limit = radius / plate.thickness_m, of_scene.bending_limit_hz(plate)
-    radiator = plate.radiator()
-    near, air = FAR * radiator.nearest_m, radiator.lowest_hz
+    radius, thickness_mm = of_scene.hertz_radius(scene), 1e3 * of_scene.thickness_m(scene)
+    share, limit = 1e3 * radius / thickness_mm, of_scene.bending_limit_hz(scene)
+    near, air = FAR * plate.nearest_m, plate.lowest_hz
     warnings: dict[str, str] = {}
     if share > THICK:
         warnings["contact_thickness"] = (

@@ -58,20 +58,14 @@ class State(NamedTuple):
 
 
 @njit(cache=True)
-def place_in(position, table):
-    """Return the interval of the table that holds a position [m], and the share of it passed."""
+def law_at(position, table, law):
+    """Set `law` to approach at lift-off and slopes g at a position, by cubics of Hermite."""
     intervals = table.values.shape[0] - 1
     t = (position - table.start) / table.spacing
     if table.closed:
         t -= intervals * floor(t / intervals)
     i = min(max(int(t), 0), intervals - 1)
-    return i, t - i
-
-
-@njit(cache=True)
-def law_at(position, table, law):
-    """Set `law` to approach at lift-off and slopes g at a position, by cubics of Hermite."""
-    i, t = place_in(position, table)
+    t -= i
     h01 = t * t * (3.0 - 2.0 * t)
     h10 = t * (t - 1.0) * (t - 1.0) * table.spacing
     h11 = t * t * (t - 1.0) * table.spacing
@@ -86,18 +80,6 @@ def laws_at(position, table, laws):
     """Set the rows of `laws` to approach at lift-off and slopes g at positions."""
     for i in range(position.shape[0]):
         law_at(position[i], table, laws[i])
-
-
-@njit(cache=True)
-def law_change(position, table, change):
-    """Set `change` to the derivatives along the track of the numbers that `law_at` gives."""
-    i, t = place_in(position, table)
-    h01 = 6.0 * t * (1.0 - t) / table.spacing
-    h10 = (3.0 * t - 1.0) * (t - 1.0)
-    h11 = t * (3.0 * t - 2.0)
-    for j in range(change.shape[0]):
-        rise = table.values[i + 1, j] - table.values[i, j]
-        change[j] = h01 * rise + h10 * table.slopes[i, j] + h11 * table.slopes[i + 1, j]
 
 
 @njit(cache=True)
@@ -190,23 +172,15 @@ def stiffness_at(sigma, table, pieces):
 
 @njit(cache=True)
 def evaluate(position, approach, table, values):
-    """Set the columns of `values` to F [N], dF/dd [N/m], U [J] and dU/dx [N] at (x, d)."""
+    """Set the columns of `values` to F [N] and dF/dd [N/m] at (x, d)."""
     law = table.values[0].copy()
-    change = law.copy()
     pieces = np.empty((table.breaks.shape[0], 4))
-    moved = np.empty((table.breaks.shape[0], 4))
     for i in range(position.shape[0]):
         law_at(position[i], table, law)
         set_pieces(law, table, pieces)
-        law_change(position[i], table, change)
-        set_pieces(change, table, moved)
         sigma = root_of_force(approach[i], table, pieces)
         values[i, 0] = sigma**3
         values[i, 1] = stiffness_at(sigma, table, pieces)
-        values[i, 2] = energy_to(sigma, table, pieces)
-        # By parts: dU/dx = integral of F dg/dx over s, less F times da/dx at this force.
-        work, rise = between(0.0, sigma, table, moved)
-        values[i, 3] = work - values[i, 0] * (change[0] + rise)
 
 
 _ROUNDING = 4e-16  # of the approach; Newton's method ends at smaller steps

@@ -2,63 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from acoustics.arrays import Array
-from acoustics.radiation import ThinPlate
 from rolling.dynamics._mode_kernels import StepBodies
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.modes import Modes, step_bodies
-
-
-@dataclass(frozen=True)
-class BendingPlate:
-    """Infinite thin plate of uniform thickness.
-
-    >>> steel = BendingPlate(210e9, 0.3, 7850, 10e-3)
-    >>> f"{steel.mobility_s_kg:.3e} s/kg, {steel.critical_hz:.0f} Hz"
-    '1.017e-04 s/kg, 1198 Hz'
-    """
-
-    young_pa: float  # modulus E
-    poisson: float  # ratio nu
-    density_kg_m3: float  # rho_s
-    thickness_m: float  # h
-
-    @property
-    def bending_stiffness_n_m(self) -> float:
-        """Bending stiffness per width B = E h^3 / (12 (1 - nu^2)) [N m]."""
-        return self.young_pa * self.thickness_m**3 / (12 * (1 - self.poisson**2))
-
-    @property
-    def mass_per_area_kg_m2(self) -> float:
-        """Mass per area m'' = rho_s h [kg/m^2]."""
-        return self.density_kg_m3 * self.thickness_m
-
-    @property
-    def mobility_s_kg(self) -> float:
-        """Mobility at a point, Y = 1 / (8 sqrt(B m'')) [s/kg], real at all frequencies."""
-        return self.radiator().mobility_s_kg
-
-    @property
-    def critical_hz(self) -> float:
-        """Critical frequency [Hz], at which bending waves are as fast as sound in air."""
-        return self.radiator().critical_hz
-
-    def radiator(self, loss_factor: float = 0.0) -> ThinPlate:
-        """Return the plate as acoustics knows it, with the loss factor of its bending waves."""
-        return ThinPlate(self.mass_per_area_kg_m2, self.bending_stiffness_n_m, loss_factor)
-
-    def bending_wavelength_m(self, frequency_hz: float) -> float:
-        """Return the length of bending waves [m]; thin-plate theory needs six thicknesses."""
-        ratio = self.bending_stiffness_n_m / self.mass_per_area_kg_m2
-        return float(2 * np.pi * ratio**0.25 / np.sqrt(2 * np.pi * frequency_hz))
 
 
 def half_space_mobility(
@@ -104,25 +57,6 @@ def contact_stiffness(law: ForceLaw, load_n: float) -> float:
     """Return the contact stiffness [N/m] at a load: the inverse of the mean compliance."""
     x = np.asarray(law.position_m, dtype=float)
     return float(1 / np.mean(1 / law.stiffness(x, law.approach(x, load_n))))
-
-
-class Bodies(NamedTuple):
-    """Ball, plate and loss of the contact, which a motion needs beside the force law."""
-
-    mass_kg: float  # of the ball
-    mobility_s_kg: float  # of an infinite plate, or the mean of a plate with edges
-    modes: Modes | None = None  # of a plate with edges
-    contact_loss_factor: float = 0.0
-    path: Callable[[Array], Array] | None = None  # contact points (n, 2) [m] at times [s]
-
-    def chain(self, stiffness_n_m: float) -> Chain:
-        """Return the bodies in a row with a contact stiffness [N/m]."""
-        parts = stiffness_n_m, self.modes, self.contact_loss_factor
-        return Chain(self.mass_kg, self.mobility_s_kg, *parts)
-
-    def steps(self, step_s: float) -> StepBodies:
-        """Return the bodies as time steps [s] move them, in tune at no frequency."""
-        return step_bodies(self.mass_kg, self.mobility_s_kg, self.modes, step_s)
 
 
 @dataclass(frozen=True)
@@ -178,6 +112,11 @@ class Chain:
         """Decay time [s] with the mobility of the plate at the resonance, between its modes too."""
         own = float(self.mobilities([self.resonance_hz])["plate"].real[0])
         return replace(self, mobility_s_kg=own, modes=None).decay_s
+
+    @property
+    def point(self) -> Array:
+        """Contact point (1, 2) [m], the first of a path on a plate with edges."""
+        return np.zeros((1, 2)) if self.modes is None else self.modes.point
 
     def steps(self, step_s: float) -> StepBodies:
         """Return the bodies as time steps [s] move them, in tune at the resonance."""

@@ -12,7 +12,7 @@ import numpy as np
 from rolling.contact import closed_forms
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import LOWEST, ForceLaw
-from rolling.dynamics.motion import BodyMotion, Stepping
+from rolling.dynamics.motion import BodyMotion, longest_step_s
 from rolling.scene.scene import Scene
 
 IMPACT_STEPS = 40  # in the time of the first impact: force off by 0.3 %, restitution by 0.001
@@ -25,14 +25,9 @@ def height_m(scene: Scene) -> float:
     return 1e-3 * (scene.rolling.drop_mm or 0.0)
 
 
-def energy_j(scene: Scene) -> float:
-    """Return the energy [J] that the load gives the sphere until it hits the plate."""
-    return scene.load * height_m(scene)
-
-
 def speed_m_s(scene: Scene) -> float:
     """Return the speed [m/s] at which the sphere hits the plate."""
-    return math.sqrt(2 * energy_j(scene) / scene.mass)
+    return math.sqrt(2 * scene.load * height_m(scene) / scene.mass)
 
 
 def fall_s(scene: Scene) -> float:
@@ -48,7 +43,8 @@ def impact_s(scene: Scene) -> float:
 
 def largest_force_n(scene: Scene) -> float:
     """Return the largest force [N] of the first impact."""
-    return closed_forms.hertz_force(energy_j(scene), scene.radius, scene.contact_modulus)
+    energy = scene.load * height_m(scene)
+    return closed_forms.hertz_force(energy, scene.radius, scene.contact_modulus)
 
 
 def elastic_height_m(scene: Scene) -> float:
@@ -68,20 +64,19 @@ def loads(scene: Scene, sign: int) -> list[float]:
     return [scene.load * RATIO ** (sign * k) for k in range(1, count + 1)]
 
 
-def start(scene: Scene, law: ForceLaw, chain: Chain) -> tuple[float, float, float]:
-    """Return approach [m], velocity [m/s] and plate [m] of a sphere let go above its first place.
+def start(scene: Scene, law: ForceLaw, chain: Chain) -> tuple[float, float]:
+    """Return approach [m] and velocity [m/s] of a sphere let go above its first place.
 
     A motion is seen from an infinite plate that the load alone would sink, at a constant speed.
     """
     lift_off = float(law.approach(law.position_m[0], 0.0))
     sinking = chain.mobility_s_kg * scene.load if chain.modes is None else 0.0
-    return lift_off - height_m(scene), -sinking, 0.0
+    return lift_off - height_m(scene), -sinking
 
 
 def time_step_s(scene: Scene, law: ForceLaw, chain: Chain, speed: float) -> float:
     """Return the time step [s] for the first impact, the resonance and the track at a speed."""
-    resonance = 1 / (Stepping().per_period * chain.resonance_hz)
-    return min(impact_s(scene) / IMPACT_STEPS, resonance, law.spacing_m / speed, LONGEST_S)
+    return min(impact_s(scene) / IMPACT_STEPS, longest_step_s(law, chain, speed), LONGEST_S)
 
 
 def restitution(scene: Scene, motion: BodyMotion) -> float | None:

@@ -66,10 +66,8 @@ class ForceLaw:
             raise ValueError("the positions of a force law must ascend at equal distances")
         period = position.size * spacing
         if self.period_m is not None and abs(self.period_m - period) > EQUAL * spacing:
-            raise ValueError(
-                f"the period of a force law must be positions times spacing, {period:.9g} m,"
-                f" got {self.period_m:.9g}"
-            )
+            allowed = f"must be positions times spacing, {period:.9g} m, got {self.period_m:.9g}"
+            raise ValueError(f"the period of a force law {allowed}")
 
     @property
     def spacing_m(self) -> float:
@@ -97,14 +95,6 @@ class ForceLaw:
         """Return the contact stiffness dF/dd [N/m], zero where the surfaces are apart."""
         return self._evaluated(position_m, approach_m)[..., 1]
 
-    def energy(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
-        """Return the energy U [J], the integral of the force over the approach from lift-off."""
-        return self._evaluated(position_m, approach_m)[..., 2]
-
-    def energy_slope(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
-        """Return dU/dx [N], the change of the energy along the track at a fixed approach."""
-        return self._evaluated(position_m, approach_m)[..., 3]
-
     def approach(self, position_m: ArrayLike, load_n: float) -> Array:
         """Return the approach [m] under a constant load [N] >= 0 at positions [m]."""
         x = np.asarray(position_m, dtype=float)
@@ -120,13 +110,11 @@ class ForceLaw:
         return float(np.mean(low | (force > self.load_n[-1])))
 
     def _evaluated(self, position_m: ArrayLike, approach_m: ArrayLike) -> Array:
-        """Return force, stiffness, energy and its slope along the track as a last axis."""
-        x, d = np.broadcast_arrays(
-            np.asarray(position_m, dtype=float), np.asarray(approach_m, dtype=float)
-        )
-        values = np.empty((x.size, 4))
+        """Return force and stiffness as a last axis."""
+        x, d = np.broadcast_arrays(np.asarray(position_m, float), np.asarray(approach_m, float))
+        values = np.empty((x.size, 2))
         _motion_kernels.evaluate(x.ravel(), d.ravel(), self.table, values)
-        return values.reshape((*x.shape, 4))
+        return values.reshape((*x.shape, 2))
 
 
 def law_table(

@@ -14,10 +14,10 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.continued_rows import ContinuedRows
-from rolling.dynamics import _motion_kernels, drop, of_scene
+from rolling.dynamics import drop, of_scene
 from rolling.dynamics._motion_kernels import LawTable, State
 from rolling.dynamics.force_law import SOFTEST, ForceLaw, law_table, slope_weights
-from rolling.dynamics.motion import DECAYS, MODAL_HZ, Stepping, at_rest, on_level
+from rolling.dynamics.motion import DECAYS, advance, at_rest, longest_step_s, run_in
 from rolling.scene.scene import Scene
 
 STRETCH_STEPS = 2**17  # time steps at once: 5 MB
@@ -73,16 +73,13 @@ class LongMotion:
         self, scene: Scene, law: ForceLaw, seconds: float, rate_hz: int, seed: int
     ) -> None:
         self._scene, self._solved_law = scene, law
-        self._chain = of_scene.chain_over(scene, law)
-        fastest = scene.motion.fastest(seconds)
-        least = max(Stepping().per_period * self._chain.resonance_hz, fastest / law.spacing_m)
-        if self._chain.modes is not None:
-            least = max(least, MODAL_HZ)
+        self._chain, fastest = of_scene.chain_over(scene, law), scene.motion.fastest(seconds)
+        longest = longest_step_s(law, self._chain, fastest)
         if scene.rolling.drop_mm is not None:
-            least = max(least, 1 / drop.time_step_s(scene, law, self._chain, fastest))
-        self.steps_per_sample = math.ceil(least / rate_hz)
+            longest = drop.time_step_s(scene, law, self._chain, fastest)
+        self.steps_per_sample = math.ceil(1 / (longest * rate_hz))
         self.step = 1 / (rate_hz * self.steps_per_sample)
-        self._bodies = self._chain.steps(self.step)
+        self._bodies, self._path = self._chain.steps(self.step), of_scene.contact_path(scene)
         self._steps = round(seconds * rate_hz) * self.steps_per_sample
         self.law = LongLaw(law, scene.load, seed, turn_m(scene))
         self.taken, self.apart, self.impacts, self.outside = 0, 0, 0, 0.0
@@ -97,7 +94,9 @@ class LongMotion:
             places = np.asarray(self._scene.motion.distance(middles), dtype=float)
             places += self._solved_law.position_m[0]
             table = self.law.table(float(places[0]), float(places[-1]))
-            state, force = self._advanced(state, places, table, self._points(middles))
+            points, load = self._points(middles), self._scene.load
+            steps = advance(table, self._bodies, load, state, places, points)
+            state, force = steps.end, steps.record[:, 0]
             apart = force == 0
             self.impacts += int(np.sum(np.append(flew, apart[:-1]) & ~apart))
             self.taken, self.apart = self.taken + len(force), self.apart + int(apart.sum())
@@ -107,40 +106,20 @@ class LongMotion:
 
     def _start(self) -> State:
         """Return the state at the start: at rest in the air, or run in over a closed track."""
+        law, load, points = self._solved_law, self._scene.load, self._points(np.zeros(1))
         if self._scene.rolling.drop_mm is not None:
-            start = drop.start(self._scene, self._solved_law, self._chain)
-            points = self._points(np.zeros(1))
-            return at_rest(self._bodies, points, *start[:2], -self._scene.load)
-        law, motion = self._solved_law, self._scene.motion
-        speed, begin = float(motion.speed(0.0)), float(law.position_m[0])
-        steps = 0
-        if law.period_m is not None and speed > 0:
-            lasts = min(DECAYS * self._chain.decay_s, law.period_m / speed)
-            steps = math.ceil(lasts / self.step)
+            return at_rest(self._bodies, points, *drop.start(self._scene, law, self._chain), -load)
+        speed, begin = float(self._scene.motion.speed(0.0)), float(law.position_m[0])
+        if law.period_m is None or speed <= 0:
+            approach = float(law.approach(begin, load))
+            return at_rest(self._bodies, points, approach, 0.0, 0.0)
+        steps = math.ceil(min(DECAYS * self._chain.decay_s, law.period_m / speed) / self.step)
         before = self.step * (np.arange(steps, 0, -1) - 0.5)
-        places = np.asarray(begin - speed * before, dtype=float)
-        first = float(places[0]) if steps else begin
-        points = self._points(np.zeros(1))
-        approach = float(law.approach(first, self._scene.load))
-        state = at_rest(self._bodies, points, approach, 0.0, 0.0)
-        return on_level(self._advanced(state, places, law.table, points)[0]) if steps else state
+        return run_in(law, self._bodies, load, np.asarray(begin - speed * before), points)
 
     def _points(self, times: Array) -> Array:
         """Return the contact points (n, 2) [m] on a plate at times [s], or the only one."""
-        modes = self._chain.modes
-        if modes is None or len(self._scene.plate.contact_ends_mm) == 1:
-            return np.zeros((1, 2)) if modes is None else modes.point
-        return of_scene.contact_points(self._scene, times)
-
-    def _advanced(
-        self, state: State, places: Array, table: LawTable, points: Array
-    ) -> tuple[State, Array]:
-        """Advance ball and plate by a step to each place [m]; return state and forces [N]."""
-        record = np.empty((len(places), 4))
-        end, _ = _motion_kernels.advance(
-            state, self._scene.load, self._bodies, places, points, table, record
-        )
-        return State(*end), record[:, 0].copy()
+        return self._chain.point if self._path is None else self._path(times)
 
 
 def turn_m(scene: Scene) -> float | None:

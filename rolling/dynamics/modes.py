@@ -72,9 +72,8 @@ class Modes:
     def repeated(self, frequency_hz: Array, force_n: NDArray[np.complex128]) -> Array:
         """Return Q and P over g [N] at the time 0 under phasors of a force [N], (2, modes)."""
         result = np.zeros((2, len(self.weight)))
-        block = max(1, _BLOCK // len(self.weight))
-        for i in range(0, len(frequency_hz), block):
-            frequency, force = frequency_hz[i : i + block], force_n[i : i + block]
+        parts = self._blocks(frequency_hz), self._blocks(force_n)
+        for frequency, force in zip(*parts, strict=True):
             answers = self.answers(frequency)
             result[0] += (force @ answers).real
             result[1] += ((2j * np.pi * frequency * force) @ answers).real
@@ -82,10 +81,13 @@ class Modes:
 
     def _sum(self, frequency_hz: Array) -> NDArray[np.complex128]:
         """Sum the receptances of the modes, a block of frequencies at a time."""
-        compliance, flat = self.weight * np.square(self.reach), frequency_hz.ravel()
-        block = max(1, _BLOCK // len(compliance))
-        parts = [self.answers(flat[i : i + block]) @ compliance for i in range(0, flat.size, block)]
-        return np.concatenate(parts or [np.zeros(0, complex)]).reshape(frequency_hz.shape)
+        compliance = self.weight * np.square(self.reach)
+        return np.concatenate([self.answers(f) @ compliance for f in self._blocks(frequency_hz)])
+
+    def _blocks(self, lines: NDArray[Any]) -> list[NDArray[Any]]:
+        """Split values over frequency into blocks that bound the memory of all modes."""
+        block = max(1, _BLOCK // len(self.weight))
+        return np.split(lines, range(block, len(lines), block))
 
     @cached_property
     def _table(self) -> Any:

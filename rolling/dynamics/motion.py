@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
 from typing import NamedTuple
@@ -11,10 +12,11 @@ import numpy as np
 from acoustics.arrays import Array, short_repr
 from rolling.dynamics import _mode_kernels, _motion_kernels
 from rolling.dynamics._mode_kernels import StepBodies
-from rolling.dynamics._motion_kernels import State
-from rolling.dynamics.bodies import Bodies, Chain, contact_stiffness
+from rolling.dynamics._motion_kernels import LawTable, State
+from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 
+PER_PERIOD = 40
 DECAYS = 14  # a transient falls to 1e-6 in as many decay times
 FADE_DECAYS = 7  # and to 1e-3 in as many
 MOST_LAPS = 400  # laps of a run-in that does not settle, more of them if they are short:
@@ -22,8 +24,7 @@ MOST_STEPS = 2_000_000  # which 28 decay times of Q 5,600 take
 
 MODAL_HZ = 90e3  # minimum rate of the steps of a plate with edges, three in a period of its modes
 SEAM = 1e-3  # change of the force from lap to lap over its rms, with which a lap loops
-RunIn = tuple[int, bool]  # laps, settled
-NO_LAPS: RunIn = (0, False)
+Path = Callable[[Array], Array]  # contact points (n, 2) [m] at times [s]
 
 
 @dataclass(frozen=True)
@@ -33,15 +34,6 @@ class Travel:
     time_s: Array  # (m,) ascending from 0, at least two
     position_m: Array  # (m,) not descending
 
-    def __post_init__(self) -> None:
-        time, position = np.asarray(self.time_s), np.asarray(self.position_m)
-        if time.ndim != 1 or time.size < 2 or position.shape != time.shape:
-            raise ValueError("a travel needs as many positions as times, at least two")
-        if time[0] != 0 or np.any(np.diff(time) <= 0) or np.any(np.diff(position) < 0):
-            raise ValueError(
-                "a travel needs times that ascend from 0, and positions that do not descend"
-            )
-
     def at(self, time_s: Array) -> Array:
         """Return the positions [m] at times [s]."""
         from scipy.interpolate import PchipInterpolator  # slow to import, for motions only
@@ -49,20 +41,19 @@ class Travel:
         return np.asarray(PchipInterpolator(self.time_s, self.position_m)(time_s), dtype=float)
 
     @property
-    def speeds_m_s(self) -> Array:
-        """Mean speeds [m/s] between the times."""
-        return np.asarray(np.diff(self.position_m) / np.diff(self.time_s))
+    def fastest_m_s(self) -> float:
+        """Maximum of the mean speeds [m/s] between the times."""
+        return float(np.max(np.diff(self.position_m) / np.diff(self.time_s)))
 
 
 @dataclass(frozen=True)
 class Stepping:
     """Choices of the time steps and of the run-in."""
 
-    per_period: int = 40  # minimum number of steps in a period of the resonance
+    per_period: int = PER_PERIOD  # minimum number of steps in a period of the resonance
     time_step_s: float | None = None  # instead of the step from resonance and track
-    # Approach, velocity and displacement of the plate at the start, without a run-in; modes at rest
-    # under the force of the start, unless they are given. None: a run-in.
-    start: State | tuple[float, float, float] | None = None
+    # Approach and velocity at the start, without a run-in; modes rest under the force of the start.
+    start: tuple[float, float] | None = None
     settled: float = 1e-7  # change of the force in all laps to come, over the load, when settled
 
 
@@ -92,42 +83,48 @@ class BodyMotion:
         """Approach z - w [m]."""
         return self.displacement_m - self.plate_m
 
-    @property
-    def sample_rate_hz(self) -> float:
-        """Rate of the times [Hz]."""
-        return 1 / self.time_step_s
-
 
 def move(
     law: ForceLaw,
-    bodies: Bodies,
+    chain: Chain,
     load_n: float,
     speed: float | Travel,
     duration_s: float | None = None,
     stepping: Stepping | None = None,
+    path: Path | None = None,
 ) -> BodyMotion:
     """Move a ball at a speed [m/s] over a force law: M z.. = W - F(x, z - w), w. = Y (F - W).
 
-    The plate has modes instead of the mobility Y if the bodies have. The time step is the shorter
-    of a fraction of the resonance's period and the time from position to position. On a closed
-    track at constant speed the ball runs in until two laps agree, and a lap is a whole number of
-    time steps; modes start as the linear chain repeats them. At changing speed, and on a path, the
-    ball runs in at its first speed. On an open track it starts at rest in equilibrium. The default
-    duration is that of a lap, of the open track or of the travel.
+    The plate has modes instead of the mobility Y if the chain has. The time step is the shorter of
+    a fraction of the resonance's period and the time from position to position. On a closed track
+    at constant speed the ball runs in until two laps agree, and a lap is a whole number of time
+    steps; modes start as the linear chain repeats them. At changing speed, and on a path, the ball
+    runs in at its first speed. On an open track it starts at rest in equilibrium. The default
+    duration is that of a lap.
     """
     choices = stepping or Stepping()
-    if not bodies.mass_kg > 0 or not bodies.mobility_s_kg >= 0 or not load_n >= 0:
-        raise ValueError("a motion needs a positive mass, and no negative mobility or load")
-    run = _Run(law, bodies, load_n, speed, duration_s, choices)
+    run = _Run(law, chain, load_n, speed, duration_s, choices, path)
     if choices.start is not None:
-        return run.record(run.started(State(*choices.start)))
+        approach, velocity = choices.start
+        force = float(law.force(run.places(1)[0], approach)) - load_n
+        return run.record(at_rest(run.bodies, run.points(1), approach, velocity, force))
     if law.period_m is None:
         return run.record(run.equilibrium(), transient=FADE_DECAYS * run.decay_s)
     if isinstance(speed, Travel):
         return run.record(run.entered(speed))
-    if bodies.path is not None:
+    if path is not None:
         return run.record(run.entered(Travel(np.array([0.0, 1.0]), np.array([0.0, speed]))))
     return run.settled_record()
+
+
+def longest_step_s(
+    law: ForceLaw, chain: Chain, fastest_m_s: float, per_period: int = PER_PERIOD
+) -> float:
+    """Return the longest time step [s] that resolves resonance, track and modes at a speed."""
+    longest = 1 / (per_period * chain.resonance_hz)
+    if fastest_m_s > 0:
+        longest = min(longest, law.spacing_m / fastest_m_s)
+    return longest if chain.modes is None else min(longest, 1 / MODAL_HZ)
 
 
 class Steps(NamedTuple):
@@ -146,23 +143,22 @@ class Steps(NamedTuple):
 
 
 def advance(
-    law: ForceLaw,
+    table: LawTable,
     bodies: StepBodies,
     load_n: float,
     state: State,
     places_m: Array,
-    points_m: Array | None = None,
+    points_m: Array,
 ) -> Steps:
     """Advance a state by one step to each position, and return the record and the last state.
 
     `Chain.steps` gives the bodies for a time step. The next stretch goes on from the last state,
-    over the same or another force law. A plate with edges needs its contact points (n, 2) [m]: one
+    over the same or another force law. The contact points (n, 2) [m] of a plate with edges are one
     that is fixed, or one for each step.
     """
     record = np.empty((len(places_m), 4))
-    points = np.zeros((1, 2)) if points_m is None else points_m
     end, energies = _motion_kernels.advance(
-        state, load_n, bodies, places_m, points, law.table, record
+        state, load_n, bodies, places_m, points_m, table, record
     )
     return Steps(places_m, record, State(*end), energies)
 
@@ -186,58 +182,45 @@ def on_level(state: State) -> State:
     return state if state.modes.shape[1] else state._replace(plate=0.0)
 
 
+def run_in(
+    law: ForceLaw, bodies: StepBodies, load_n: float, places_m: Array, points_m: Array
+) -> State:
+    """Return the state after a way over places [m], from the equilibrium at the first."""
+    state = at_rest(bodies, points_m, float(law.approach(places_m[0], load_n)), 0.0, 0.0)
+    return on_level(advance(law.table, bodies, load_n, state, places_m, points_m).end)
+
+
 class _Run:
     """A motion with its time step, its positions and its run-in."""
 
     def __init__(
         self,
         law: ForceLaw,
-        bodies: Bodies,
+        chain: Chain,
         load: float,
         speed: float | Travel,
         duration: float | None,
         choices: Stepping,
+        path: Path | None,
     ) -> None:
-        self.law, self.load = law, load
-        self.speed, self.choices, self.path = speed, choices, bodies.path
+        self.law, self.chain, self.load = law, chain, load
+        self.speed, self.choices, self.path = speed, choices, path
         self.first = float(law.position_m[0])
-        fastest = float(np.max(speed.speeds_m_s)) if isinstance(speed, Travel) else speed
-        longest = choices.time_step_s
-        self.decay_s, self.slow_decay_s = np.inf, 0.0
-        self.chain: Chain | None = None
-        if load > 0:
-            self.chain = chain = bodies.chain(contact_stiffness(law, load))
-            self.decay_s = chain.decay_s
-            if bodies.modes is not None:
-                modes, resonance = bodies.modes, 2 * np.pi * chain.resonance_hz
-                self.decay_s = max(self.decay_s, modes.decay_s(resonance))
-                self.slow_decay_s = max(
-                    modes.decay_s(modes.lowest(bodies.mass_kg)), chain.own_decay_s
-                )
-            longest = longest or 1 / (choices.per_period * chain.resonance_hz)
-        if longest is None:
-            raise ValueError("a motion without a load needs a time step")
-        if choices.time_step_s is None and fastest > 0:
-            longest = min(longest, law.spacing_m / fastest)
-        if choices.time_step_s is None and bodies.modes is not None:
-            longest = min(longest, 1 / MODAL_HZ)
+        fastest = speed.fastest_m_s if isinstance(speed, Travel) else speed
+        self.decay_s, self.slow_decay_s = chain.decay_s, 0.0
+        if (modes := chain.modes) is not None:
+            self.decay_s = max(self.decay_s, modes.decay_s(2 * np.pi * chain.resonance_hz))
+            self.slow_decay_s = max(modes.decay_s(modes.lowest(chain.mass_kg)), chain.own_decay_s)
+        longest = choices.time_step_s or longest_step_s(law, chain, fastest, choices.per_period)
         self.lap_s = law.period_m / fastest if law.period_m and fastest > 0 else None
-        duration = duration or self._whole_duration()
+        if not (duration := duration or self.lap_s):
+            raise ValueError("a motion that is no lap at constant speed needs a duration")
         # A lap at constant speed is a whole number of steps, so that laps can be compared.
         period = self.lap_s if self.lap_s and not isinstance(speed, Travel) else duration
         self.lap_steps = ceil(period / longest * (1 - 1e-12))
         self.step = period / self.lap_steps
-        self.bodies = (self.chain or bodies).steps(self.step)
-        self.point = np.zeros((1, 2)) if bodies.modes is None else bodies.modes.point
+        self.bodies = chain.steps(self.step)
         self.steps = max(1, round(duration / self.step))
-
-    def _whole_duration(self) -> float:
-        """Return the duration [s] of a lap, of the open track or of the travel."""
-        if isinstance(self.speed, Travel):
-            return float(self.speed.time_s[-1])
-        if not self.speed > 0:
-            raise ValueError("a motion at rest needs a duration")
-        return self.lap_s or float(self.law.position_m[-1] - self.first) / self.speed
 
     def places(self, steps: int) -> Array:
         """Return the positions [m] at the middles of the steps from the start."""
@@ -246,42 +229,31 @@ class _Run:
             return self.speed.at(np.minimum(middle, self.speed.time_s[-1]))
         return np.asarray(self.first + self.speed * middle)
 
+    def advance(self, state: State, places: Array) -> Steps:
+        """Advance by a step to each of these positions at the first contact point."""
+        return advance(self.law.table, self.bodies, self.load, state, places, self.chain.point)
+
+    def equilibrium(self) -> State:
+        """Return the static equilibrium at the first position."""
+        approach = float(self.law.approach(self.places(1)[0], self.load))
+        return at_rest(self.bodies, self.chain.point, approach, 0.0, 0.0)
+
     def points(self, steps: int) -> Array:
         """Return the contact points [m] at the middles of the steps, or the only one."""
-        if self.path is None:
-            return self.point
-        return self.path(np.asarray((np.arange(steps) + 0.5) * self.step))
-
-    def advance(self, state: State, places: Array, points: Array | None = None) -> Steps:
-        """Advance by a step to each of these positions, and return the record."""
-        at = self.point if points is None else points
-        return advance(self.law, self.bodies, self.load, state, places, at)
-
-    def equilibrium(self, position: float | None = None) -> State:
-        """Return the static equilibrium at a position [m], by default the first."""
-        place = self.places(1)[0] if position is None else position
-        approach = float(self.law.approach(place, self.load))
-        return at_rest(self.bodies, self.point, approach, 0.0, 0.0)
-
-    def started(self, state: State) -> State:
-        """Return a given state; modes that it lacks are at rest under its force."""
-        approach, velocity, plate = (float(value) for value in state[:3])
-        if state.modes.shape[1] == len(self.bodies.reach):
-            return State(approach, velocity, plate, state.modes)
-        force = float(self.law.force(self.places(1)[0], approach)) - self.load
-        return at_rest(self.bodies, self.points(1), approach, velocity, force)
+        times = np.asarray((np.arange(steps) + 0.5) * self.step)
+        return self.chain.point if self.path is None else self.path(times)
 
     def steady(self) -> State:
         """Return the state at the start of a lap as the linear chain repeats it."""
         rest = self.equilibrium()
-        if self.chain is None or self.chain.modes is None or self.lap_s is None:
+        if self.chain.modes is None or self.lap_s is None:
             return rest
         approach = self.law.approach(self.law.position_m, self.load)
         lines = 2 / len(approach) * np.fft.rfft(approach)[1 : (len(approach) + 1) // 2]
         frequency = np.arange(1, len(lines) + 1) / self.lap_s
         heard = frequency < 0.5 / self.step
         frequency, force = frequency[heard], self.chain.force(frequency[heard], -lines[heard])
-        shape = at_rest(self.bodies, self.point, 0.0, 0.0, 1.0).modes[0]
+        shape = at_rest(self.bodies, self.chain.point, 0.0, 0.0, 1.0).modes[0]
         modes = shape * self.chain.modes.repeated(frequency, force)
         start = self.load + float(np.sum(force.real))
         velocity = np.sum((1j * force / (2 * np.pi * frequency * self.chain.mass_kg)).real)
@@ -290,14 +262,14 @@ class _Run:
 
     def entered(self, travel: Travel) -> State:
         """Return the state at the start of a travel after a run-in at its first speed."""
-        lap = float(self.law.period_m or 0.0)
         begin, after = travel.at(np.array([0.0, min(self.step, travel.time_s[-1])]))
         speed = (after - begin) / self.step
         if speed <= 0:
             return self.equilibrium()
-        steps = ceil(min(DECAYS * self.decay_s, lap / speed) / self.step)
+        lap_s = (self.law.period_m or 0.0) / speed
+        steps = ceil(min(DECAYS * self.decay_s, lap_s) / self.step)
         places = begin - speed * self.step * (np.arange(steps, 0, -1) - 0.5)
-        return on_level(self.advance(self.equilibrium(places[0]), places).end)
+        return run_in(self.law, self.bodies, self.load, places, self.chain.point)
 
     def settled_record(self) -> BodyMotion:
         """Run in lap by lap until the force repeats, and return the record that then follows."""
@@ -320,19 +292,22 @@ class _Run:
                 allowed = max(allowed, SEAM * float(np.std(lap.record[:, 0])))
             if not lap.record[:, 0].any():  # a flight longer than a lap repeats nothing
                 difference = np.inf
-        run_in = laps, difference <= allowed
-        if self.steps == self.lap_steps:
-            return self.motion(lap, run_in)
-        return self.record(on_level(before.end), run_in)
+        if self.steps != self.lap_steps:
+            return self.record(on_level(before.end), laps, difference <= allowed)
+        return self.motion(lap, laps, difference <= allowed)
 
-    def record(self, state: State, run_in: RunIn = NO_LAPS, transient: float = 0.0) -> BodyMotion:
-        """Return the motion of the record from a state."""
-        places = self.places(self.steps)
-        if self.law.period_m is None:
-            self._refuse_beyond(places)
-        return self.motion(self.advance(state, places, self.points(self.steps)), run_in, transient)
+    def record(
+        self, state: State, laps: int = 0, settled: bool = False, transient: float = 0.0
+    ) -> BodyMotion:
+        """Return the motion of the record from a state, after laps of a run-in."""
+        places, points = self.places(self.steps), self.points(self.steps)
+        end = float(self.law.position_m[-1] + 1e-6 * self.law.spacing_m)
+        if self.law.period_m is None and places.max() > end:
+            raise ValueError(f"the ball leaves the track, which ends at {end:.6g} m")
+        steps = advance(self.law.table, self.bodies, self.load, state, places, points)
+        return self.motion(steps, laps, settled, transient)
 
-    def motion(self, lap: Steps, run_in: RunIn, transient: float = 0.0) -> BodyMotion:
+    def motion(self, lap: Steps, laps: int, settled: bool, transient: float = 0.0) -> BodyMotion:
         """Return the motion of steps taken."""
         force, approach, velocity, plate = np.ascontiguousarray(lap.record.T)
         change, work, track, plate_loss, contact_loss, moved = lap.energies
@@ -350,16 +325,7 @@ class _Run:
             flight_share=float(np.mean(apart)),
             impacts=int(np.sum(apart[:-1] & ~apart[1:])),
             outside_share=self.law.outside(force),
-            laps=run_in[0],
-            settled=run_in[1],
+            laps=laps,
+            settled=settled,
             transient_s=transient,
         )
-
-    def _refuse_beyond(self, places: Array) -> None:
-        """Raise a ValueError where positions leave an open track."""
-        begin, end = self.first, float(self.law.position_m[-1])
-        excess = max(begin - float(places.min()), float(places.max()) - end)
-        if excess > 1e-6 * self.law.spacing_m:
-            raise ValueError(
-                f"the ball leaves the track from {begin:.6g} to {end:.6g} m by {excess:.3g} m"
-            )

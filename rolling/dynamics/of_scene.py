@@ -7,14 +7,14 @@ from functools import lru_cache, partial
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.radiation import Ball
+from acoustics.radiation import Ball, ThinPlate
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.contact import closed_forms
 from rolling.dynamics import bodies, drop
-from rolling.dynamics.bodies import BendingPlate, Bodies, Chain
+from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.modes import Modes, modes_of
-from rolling.dynamics.motion import BodyMotion, Stepping, Travel, move
+from rolling.dynamics.motion import BodyMotion, Path, Stepping, Travel, move
 from rolling.scene.scene import Scene
 
 LEAST_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
@@ -24,14 +24,18 @@ _STATIONS = 17  # points of a path over which the linear chain takes the mean
 _MOST_TIMES = 1_000_000  # maximum number of times that describe a changing speed
 
 
-def plate(scene: Scene) -> BendingPlate | None:
+def plate(scene: Scene) -> ThinPlate | None:
     """Return the plate that bends, or None for a half-space."""
-    p = scene.plate
-    if p.thickness_mm is None or p.density_kg_m3 is None:
+    p, thickness = scene.plate, thickness_m(scene)
+    if not thickness or p.density_kg_m3 is None:
         return None
-    return BendingPlate(
-        p.youngs_modulus_gpa * 1e9, p.poissons_ratio, p.density_kg_m3, p.thickness_mm * 1e-3
-    )
+    stiffness = p.youngs_modulus_gpa * 1e9 * thickness**3 / (12 * (1 - p.poissons_ratio**2))
+    return ThinPlate(p.density_kg_m3 * thickness, stiffness, p.loss_factor or 0.0)
+
+
+def thickness_m(scene: Scene) -> float:
+    """Return the thickness [m] of the plate, 0 for a half-space."""
+    return (scene.plate.thickness_mm or 0.0) * 1e-3
 
 
 def ball(scene: Scene) -> Ball:
@@ -42,32 +46,33 @@ def ball(scene: Scene) -> Ball:
 
 def rectangular_plate(scene: Scene) -> RectangularPlate | None:
     """Return the plate with edges, or None for a plate without edges."""
-    bending, edges, loss_factor = plate(scene), scene.plate.edges_mm, scene.plate.loss_factor
-    if bending is None or edges is None or loss_factor is None:
+    bending, edges = plate(scene), scene.plate.edges_mm
+    if bending is None or edges is None or scene.plate.loss_factor is None:
         return None
-    return RectangularPlate(
-        bending.mass_per_area_kg_m2,
-        bending.bending_stiffness_n_m,
-        loss_factor,
-        *(1e-3 * edge for edge in edges),
-    )
+    length, width = (1e-3 * edge for edge in edges)
+    return RectangularPlate(**vars(bending), length_m=length, width_m=width)
 
 
 def contact_points(scene: Scene, time_s: Array) -> Array:
-    """Return the contact points on a plate with edges at times [s], (n, 2) [m] from a corner."""
-    ends = 1e-3 * np.array(list(scene.plate.contact_ends_mm.values()))
-    if len(ends) == 1:
-        return np.tile(ends, (len(time_s), 1))
-    way = float(np.hypot(*(ends[1] - ends[0])))
+    """Return the moving contact points at times [s] on a plate with edges, (n, 2) [m]."""
+    begin, end = 1e-3 * np.array(list(scene.plate.contact_ends_mm.values()))
+    way = float(np.hypot(*(end - begin)))
     passed = np.asarray(scene.motion.distance(time_s)) % (2 * way)
     share = np.minimum(passed, 2 * way - passed) / way
-    return np.asarray(ends[0] + share[:, None] * (ends[1] - ends[0]))
+    return np.asarray(begin + share[:, None] * (end - begin))
 
 
-def bending_limit_hz(bending: BendingPlate) -> float:
+def contact_path(scene: Scene) -> Path | None:
+    """Return the function of time [s] that gives the contact points, None for a single point."""
+    return partial(contact_points, scene) if len(scene.plate.contact_ends_mm) > 1 else None
+
+
+def bending_limit_hz(scene: Scene) -> float:
     """Return the frequency [Hz] up to which bending waves are six thicknesses long or longer."""
+    bending = plate(scene)
+    assert bending is not None  # asked for plates that bend alone
     longest = bending.bending_wavelength_m(1.0)  # it falls with the root of the frequency
-    return (longest / (LEAST_THICKNESSES * bending.thickness_m)) ** 2
+    return (longest / (LEAST_THICKNESSES * thickness_m(scene))) ** 2
 
 
 def chain(scene: Scene, stiffness_n_m: float) -> Chain:
@@ -132,9 +137,4 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
     if scene.rolling.drop_mm is not None:
         step = time_step_s or drop.time_step_s(scene, law, linear, fastest)
         stepping = Stepping(time_step_s=step, start=drop.start(scene, law, linear))
-    path = None
-    if len(scene.plate.contact_ends_mm) > 1:
-        path = partial(contact_points, scene)
-    parts = linear.modes, linear.contact_loss_factor, path
-    moved = Bodies(linear.mass_kg, linear.mobility_s_kg, *parts)
-    return move(law, moved, scene.load, speed, duration, stepping)
+    return move(law, linear, scene.load, speed, duration, stepping, contact_path(scene))

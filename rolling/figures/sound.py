@@ -13,9 +13,9 @@ import pandas as pd
 from acoustics import plots
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, MID_HZ
-from acoustics.level import P_REF_PA
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, DENSE, Lines, envelope, unit_prefix
+from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import Spectrogram, line_spectrum, welch
 from acoustics.spectrum import spectrogram as spectrogram_of
 from acoustics.weighting import a_weighting_db

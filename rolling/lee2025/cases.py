@@ -12,8 +12,8 @@ import pandas as pd
 
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, MID_HZ
-from acoustics.level import I_REF_W_M2, P_REF_PA
 from acoustics.plot_style import NOTHING_DB, Lines
+from acoustics.radiation import I_REF_W_M2, P_REF_PA
 from acoustics.spectrum import article_line_level_db
 from acoustics.uncertainty import level_uncertainty
 from acoustics.weighting import a_weighting_db

@@ -17,7 +17,7 @@ from acoustics.arrays import Array
 from rolling.figures.vibration import hertz_radius
 from rolling.marches.observers import PressureMap
 from rolling.results.run_result import Run
-from rolling.scene.motion import Motion
+from rolling.scene.track import Motion
 
 COLOUR_MAP = "magma"  # a perceptually uniform map, black without pressure
 SHADES = 255  # shades of pressure; entry 0 of the palette means no pressure

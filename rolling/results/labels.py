@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from rolling.scene.scene import Scene
-from rolling.scene.section import Section
+from rolling.scene.sections import Section
 from rolling.scene.sweep import Value
 
 LONGEST = 72  # characters of a label: the width of a row in a legend

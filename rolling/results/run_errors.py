@@ -112,12 +112,8 @@ def run_errors(
         return RunErrors(None, reason)
     powers = error_stretches.stretch_powers(scene, result)
     own_factor = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
-    record = RecordLevels.of(
-        sound.levels.third_octave_db,
-        sound.levels.third_octave_a_db,
-        own_factor,
-        sound.duration * result.solved_steps / result.steps,
-    )
+    lap_s = sound.duration * result.solved_steps / result.steps
+    record = RecordLevels.of(sound.levels, own_factor, lap_s)
     tight, fine = (
         error_stretches.plastic_areas(scene, result, level) for level in ("tight", "fine")
     )

@@ -32,7 +32,7 @@ from rolling.results.run_errors import RunErrors, known, numbers
 from rolling.scene.scene import Scene
 from rolling.sound import vibration_estimate
 from rolling.sound.contact_sound import ContactSound
-from rolling.sound.vibration_sound import P_REF_W, Vibration, compact_source_db
+from rolling.sound.vibration_sound import P_REF_W, Vibration, by_band, compact_source_db
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 from rolling.terminal import program
@@ -266,8 +266,8 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         **_listeners(scene, vibration),
         "plate_power_level_db": _total(vibration.plate_power),
         "ball_power_level_db": _total(vibration.ball_power),
-        "plate_power_third_octave_db": vibration.power_levels(),
-        "ball_power_third_octave_db": vibration.ball_power_levels(),
+        "plate_power_third_octave_db": by_band(vibration.plate_power),
+        "ball_power_third_octave_db": by_band(vibration.ball_power),
         "loss_factor": scene.plate.loss_factor,
         "force_rms_n": vibration.rms_ratio * vibration.load,
         "force_rms_ratio": vibration.rms_ratio,
@@ -288,9 +288,10 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "resonance_q": known(chain.quality),
         "resonance_wavelength_m": scene.motion.fastest(scene.duration) / chain.resonance_hz,
         "critical_hz": plate and plate.critical_hz,
-        "bending_limit_hz": plate and of_scene.bending_limit_hz(plate),
+        "bending_limit_hz": plate and of_scene.bending_limit_hz(scene),
         "plate_deflection_m": float(np.ptp(motion.plate_m)),
-        "contact_radius_over_thickness": plate and of_scene.hertz_radius(scene) / plate.thickness_m,
+        "contact_radius_over_thickness": plate
+        and of_scene.hertz_radius(scene) / of_scene.thickness_m(scene),
         "force_outside_share": motion.outside_share,
         "comb_spread_db": vibration.spreads.get("comb"),
         "comb_mean_laeq_db": vibration.mean_laeq,

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 from acoustics.numbers import rounded
 from rolling.scene.balls import BallSurface
 from rolling.scene.messages import MATERIALS, fault, numbers, plain_number, shown
-from rolling.scene.section import Section
+from rolling.scene.sections import Section
 
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
 DENSITY = MATERIALS["density_kg_m3"]

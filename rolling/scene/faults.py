@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from acoustics.numbers import rounded
 from rolling.scene.laws import HeightLaw
 from rolling.scene.messages import Key, fault, plain_number
-from rolling.scene.section import Section
+from rolling.scene.sections import Section
 
 MOST_FAULTS = 10_000  # of a count
 # Maximum slope of a kind times its size over its depth.

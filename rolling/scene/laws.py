@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene.messages import fault, plain_number
-from rolling.scene.section import Section
+from rolling.scene.sections import Section
 
 AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
     "gaussian": (1.0, 2),

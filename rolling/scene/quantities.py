@@ -17,11 +17,17 @@ from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.faults import SurfaceFault, refuse_misplaced
 from rolling.scene.laws import HeightLaw
 from rolling.scene.messages import Key, SceneError, dotted, fault, shown
-from rolling.scene.motion import Motion
-from rolling.scene.section import Section
-from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
+from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Section, Sound
 from rolling.scene.surfaces import HeightFile, Surface
-from rolling.scene.track import Track, file_track, height_nodes, made_track, refuse_turn, rolled
+from rolling.scene.track import (
+    Motion,
+    Track,
+    file_track,
+    height_nodes,
+    made_track,
+    refuse_turn,
+    rolled,
+)
 
 STEEL_DENSITY = 7850.0  # [kg/m3]
 GRAVITY = 9.80665  # [m/s2]

@@ -16,9 +16,9 @@ from rolling.scene import quantities
 from rolling.scene.balls import refuse_ball
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.messages import fault, plain_number, shown
-from rolling.scene.motion import ROUNDING
 from rolling.scene.sections import WEIGHT, Dynamics, Numerics, Rolling, Sound, refuse_free_factors
 from rolling.scene.surfaces import HeightFile, MadeSurface
+from rolling.scene.track import ROUNDING
 
 EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
 MOST_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute

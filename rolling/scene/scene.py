@@ -25,8 +25,7 @@ from rolling.scene import messages, rules
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import Key, SceneError
 from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
-from rolling.scene.section import MAX_FAULTS, plain
-from rolling.scene.sections import Dynamics, Numerics, Rolling, Sound
+from rolling.scene.sections import MAX_FAULTS, Dynamics, Numerics, Rolling, Sound, plain
 
 
 class SweepRun(NamedTuple):

@@ -18,7 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from rolling.scene import messages
 from rolling.scene.messages import Key, dotted, fault, plain_number, shown
-from rolling.scene.section import MAX_FAULTS
+from rolling.scene.sections import MAX_FAULTS
 
 MAX_RUNS = 10_000  # maximum number of runs of a sweep
 LONGEST_LABEL = 100  # letters

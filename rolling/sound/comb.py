@@ -62,10 +62,8 @@ def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
     if middle / quality > BROAD * spacing:
         return None
     count = int(np.clip(16 * NEAR_SPEEDS * quality, _SPEEDS[0], most))
-    sums = []
-    for ratio in np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count):
-        _, squares, weights = powers(ratio)
-        sums.append(float(squares @ weights))
+    ratios = np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count)
+    sums = [float(squares @ weights) for _, squares, weights in map(powers, ratios)]
     mean = float(np.mean(sums))
     if not min(sums) > 0:  # no line is heard
         return None

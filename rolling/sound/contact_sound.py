@@ -15,8 +15,8 @@ from acoustics.arrays import Array, short_repr
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.laps import Lap, crossfaded_lap
 from acoustics.numbers import rounded
-from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
+from rolling.scene.track import Motion
 from rolling.sound.solver_error import resolved_fluctuation
 
 FADE_S = 0.01  # [s], at either end of an open record; at most a tenth of its duration
@@ -126,10 +126,8 @@ class ContactSound:
         whole = self.pressure[ends : len(self.pressure) - ends]
         value, spread = gaussianity.kurtosis(whole), gaussianity.kurtosis_uncertainty(whole)
         if not abs(value - 3.0) <= COVERAGE * spread:
-            return (
-                f"its record has a kurtosis of {rounded(value, 3)}, and noise of its length and"
-                f" spectrum 3 ± {rounded(COVERAGE * spread)}"
-            )
+            noise = f"noise of its length and spectrum 3 ± {rounded(COVERAGE * spread)}"
+            return f"its record has a kurtosis of {rounded(value, 3)}, and {noise}"
         return ""
 
     @property
@@ -147,9 +145,8 @@ class ContactSound:
     @property
     def power_rms(self) -> float:
         """Rms [W] over time of the release power of the steps about its mean, unfiltered."""
-        return float(
-            np.sqrt(np.average(np.square(self.power - self.mean_power), weights=self.step_duration))
-        )
+        square = np.square(self.power - self.mean_power)
+        return float(np.sqrt(np.average(square, weights=self.step_duration)))
 
 
 def middle_speeds(motion: Motion, steps: int, step: float) -> tuple[Array, Array]:
@@ -199,14 +196,17 @@ def contact_sound(
     else:
         fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
 
-    audible = resampling.band_limit(_intensity(scene, fluctuation), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ)
+    audible = resampling.band_limit(_intensity(scene, fluctuation), wav.SAMPLE_RATE_HZ)
     audible_rms = float(np.sqrt(np.mean(np.square(audible))) / _intensity(scene, np.ones(1))[0])
     resolved_rms = resolved_fluctuation(scene) * _white_rms(per_metre, step, speed, step_duration)
     if audible_rms <= resolved_rms:
         audible = np.zeros_like(audible)
     pressure, factor = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, looped)
-    lap = per_metre[:lap_steps]
+    lap, own_factor = per_metre[:lap_steps], scene.sound.gain_pa_per_w_m2 is None
+    spread = uncertainty.level_uncertainty(
+        pressure, wav.SAMPLE_RATE_HZ, levels, own_factor, laps=steps / len(lap)
+    )
     mean_intensity = float(_intensity(scene, np.array([mean_power]))[0])
     return ContactSound(
         pressure=pressure,
@@ -216,14 +216,8 @@ def contact_sound(
         duration=duration,
         highest=highest,
         levels=levels,
-        uncertainty=uncertainty.level_uncertainty(
-            pressure,
-            wav.SAMPLE_RATE_HZ,
-            levels,
-            scene.sound.gain_pa_per_w_m2 is None,
-            laps=steps / len(lap),
-        ),
-        steady_level=level.level_db(mean_intensity, level.I_REF_W_M2),
+        uncertainty=spread,
+        steady_level=level.level_db(mean_intensity, radiation.I_REF_W_M2),
         steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
         time=time,
         step_duration=step_duration,
@@ -265,9 +259,8 @@ def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int
 
     Its mean is subtracted if the record does not close.
     """
-    if not closed:
-        power = faded(power, duration)
-    return resampling.resample_closed(resampling.undo_step_mean(power), samples)
+    signal = power if closed else faded(power, duration)
+    return resampling.resample_closed(resampling.undo_step_mean(signal), samples)
 
 
 def _at_changing_speed(
@@ -282,9 +275,8 @@ def _at_changing_speed(
     fine_samples = samples * oversampling(motion, duration, step)
     fine = np.arange(fine_samples) * duration / fine_samples
     in_time = resampling.interpolate_closed(signal, np.asarray(motion.distance(fine)) / step)
-    in_time = resampling.fade(
-        in_time * np.asarray(motion.speed(fine)), fade_length(fine_samples, duration)
-    )
+    in_time = in_time * np.asarray(motion.speed(fine))
+    in_time = resampling.fade(in_time, fade_length(fine_samples, duration))
     return resampling.resample_closed(in_time, samples)
 
 

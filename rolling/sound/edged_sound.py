@@ -35,9 +35,9 @@ _PER_WIDTH, _GRID = 4, (2000, 40_000)  # frequencies of a power in the width of 
 
 
 def pressures(
-    scene: Scene, plate: RectangularPlate, force: Array, closed: bool, listeners: Sequence[Listener]
+    scene: Scene, plate: RectangularPlate, force: Array, closed: bool, listeners: int | None = None
 ) -> Array:
-    """Return the sound pressure [Pa] of a force [N] at listeners, (listeners, samples).
+    """Return the sound pressure [Pa] of a force [N] at first listeners, (listeners, samples).
 
     An open record begins in silence and ends with its duration: the ringing beyond is cut.
     """
@@ -48,20 +48,21 @@ def pressures(
         n = int(next_fast_len(2 * max(n, round(_LEAST_S * rate)), real=True))
         # Waves that fall with time by this rate do not wrap round; the record is raised again.
         growth = -math.log(WRAPPED) * rate / n
-    times = np.arange(len(force)) / rate
+    times, places = np.arange(len(force)) / rate, scene.listeners[:listeners]
     fallen = force * np.exp(-growth * times)
     frequency = np.asarray(np.fft.rfftfreq(n, 1 / rate) - 0.5j * growth / np.pi, dtype=complex)
     lines = np.arange(len(frequency))
     if closed:
         lines = lines[(frequency.real >= AUDIBLE_HZ[0]) & (frequency.real < AUDIBLE_HZ[1])]
-    spectra = _spectra(scene, plate, fallen, n, frequency, lines, listeners)
-    records = np.zeros((len(spectra), len(frequency)), dtype=complex)
-    records[:, lines] = spectra
+    records = np.zeros((len(places), len(frequency)), dtype=complex)
+    path = of_scene.contact_path(scene)
+    points = None if path is None else path(times)
+    records[:, lines] = _spectra(scene, plate, fallen, n, frequency[lines], lines, places, points)
     heard = np.fft.irfft(records, n, axis=1)[:, : len(force)] * np.exp(growth * times)
     if closed:
         return np.asarray(heard)
-    if _moves(scene):
-        heard += _fading(scene, plate, force, listeners)
+    if points is not None:
+        heard += _fading(scene, plate, force, places, points)
     ends = fade_length(len(force), len(force) / rate)
     return np.array(
         [resampling.band_limit(resampling.fade(record, ends), rate) for record in heard]
@@ -76,16 +77,18 @@ def _spectra(
     frequency: NDArray[Any],
     lines: NDArray[np.int64],
     listeners: Sequence[Listener],
+    points: Array | None,
 ) -> Complex:
-    """Return the spectra of the pressure [Pa] at listeners, (listeners, lines)."""
-    path, frequency = _path(scene), frequency[lines]
-    spectrum = np.fft.rfft(force, n)[lines]
-    if not _moves(scene):
-        transfers = [_at(scene, plate, frequency, k, path) for k in listeners]
-        return np.array([transfer * spectrum for transfer in transfers])
-    points = of_scene.contact_points(scene, np.arange(len(force)) / wav.SAMPLE_RATE_HZ)
-    total = np.array([_ball(scene, frequency, k, path) for k in listeners]) * spectrum
-    for modes in _parts(slice(0, _lasting(plate, force)), n):
+    """Return the spectra of the pressure [Pa] at listeners, (listeners, lines).
+
+    A moving contact is at `points` (samples, 2) [m].
+    """
+    path, spectrum = _path(scene), np.fft.rfft(force, n)[lines]
+    if points is None:
+        point = points_on_path(scene)[0]
+        return np.array([_at(scene, plate, frequency, k, point) for k in listeners]) * spectrum
+    total = np.array([_ball(scene, frequency, k) for k in listeners]) * spectrum
+    for modes in _parts(0, _lasting(plate, force), n):
         forces = np.fft.rfft(force[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
         for k, listener in enumerate(listeners):
             transfer = plate.mode_transfer(frequency, listener, path, modes)
@@ -101,17 +104,18 @@ def _lasting(plate: RectangularPlate, force: Array) -> int:
     return int(np.sum(decays < -math.log(WRAPPED)))
 
 
-def _parts(modes: slice, values: int) -> list[slice]:
+def _parts(first: int, last: int, values: int) -> list[slice]:
     """Split modes into parts that bound the memory of so many values for each mode."""
     count = max(1, _BLOCK // values)
-    return [
-        slice(first, min(first + count, modes.stop))
-        for first in range(modes.start, modes.stop, count)
-    ]
+    return [slice(k, min(k + count, last)) for k in range(first, last, count)]
 
 
 def _fading(
-    scene: Scene, plate: RectangularPlate, force: Array, listeners: Sequence[Listener]
+    scene: Scene,
+    plate: RectangularPlate,
+    force: Array,
+    listeners: Sequence[Listener],
+    points: Array,
 ) -> Array:
     """Return the pressure [Pa] at listeners of the modes that fade within a stretch of a record.
 
@@ -121,10 +125,10 @@ def _fading(
     hop, lead, first_mode = round(_STRETCH_S * rate), rate // 10, _lasting(plate, force)
     n, records = 2 * hop + lead, np.zeros((len(listeners), len(force) + 2 * (hop + lead)))
     if first_mode < modes:
-        stations, places = _stations(scene, plate, len(force))
+        stations, places = _stations(scene, points)
         frequency, path = np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=float), _path(scene)
         transfers = np.zeros((len(listeners), len(frequency), len(stations)), dtype=complex)
-        for part in _parts(slice(first_mode, modes), n):
+        for part in _parts(first_mode, modes, n):
             shapes = plate.shapes(stations, part).T
             for transfer, listener in zip(transfers, listeners, strict=True):
                 transfer += plate.mode_transfer(frequency, listener, path, part) @ shapes
@@ -140,14 +144,13 @@ def _fading(
     return records[:, lead : lead + len(force)]
 
 
-def _stations(scene: Scene, plate: RectangularPlate, samples: int) -> tuple[Array, Array]:
-    """Return stations on the path (k, 2) [m], and the place among them at each sample."""
-    begin, end = points_on_path(scene)[[0, -1]]
-    ratio = plate.bending_stiffness_n_m / plate.mass_per_area_kg_m2
-    wave = 2 * math.pi * ratio**0.25 / math.sqrt(2 * math.pi * AUDIBLE_HZ[1])
-    spaces = math.ceil(_PER_WAVE * math.dist(begin, end) / wave)
-    points = of_scene.contact_points(scene, np.arange(samples) / wav.SAMPLE_RATE_HZ)
-    places = spaces * np.linalg.norm(points - begin, axis=1) / math.dist(begin, end)
+def _stations(scene: Scene, points: Array) -> tuple[Array, Array]:
+    """Return stations on the path (k, 2) [m], and the place among them of contact points."""
+    (begin, end), bending = points_on_path(scene)[[0, -1]], of_scene.plate(scene)
+    assert bending is not None  # as there is a plate with edges
+    way = math.dist(begin, end)
+    spaces = math.ceil(_PER_WAVE * way / bending.bending_wavelength_m(AUDIBLE_HZ[1]))
+    places = spaces * np.linalg.norm(points - begin, axis=1) / way
     return begin + np.linspace(0, 1, spaces + 1)[:, None] * (end - begin), places
 
 
@@ -156,12 +159,9 @@ def square_transfer(scene: Scene, plate: RectangularPlate, frequency: Array) -> 
 
     It is the mean over the path of the contact.
     """
-    path, listener = _path(scene), scene.listeners[0]
-    squares = [
-        np.square(np.abs(_at(scene, plate, frequency, listener, path, point)))
-        for point in points_on_path(scene)
-    ]
-    return np.asarray(np.mean(squares, axis=0))
+    listener, points = scene.listeners[0], points_on_path(scene)
+    transfers = [_at(scene, plate, frequency, listener, point) for point in points]
+    return np.asarray(np.mean(np.square(np.abs(transfers)), axis=0))
 
 
 def power_per_force(scene: Scene, plate: RectangularPlate, frequency: Array) -> Array:
@@ -193,35 +193,25 @@ def points_on_path(scene: Scene) -> Array:
     return of_scene.points_between(tuple(scene.plate.contact_ends_mm.values()), _POINTS)
 
 
-def _moves(scene: Scene) -> bool:
-    """Tell whether the contact moves on the plate."""
-    return len(scene.plate.contact_ends_mm) > 1
-
-
 def _path(scene: Scene) -> float:
     """Return the distance [m] from the first contact point to the first listener."""
     return math.dist((*points_on_path(scene)[0], 0.0), scene.listeners[0])
 
 
 def _at(
-    scene: Scene,
-    plate: RectangularPlate,
-    frequency: NDArray[Any],
-    listener: Listener,
-    path: float,
-    point: Array | None = None,
+    scene: Scene, plate: RectangularPlate, frequency: NDArray[Any], listener: Listener, point: Array
 ) -> Complex:
     """Return the pressure of plate and sphere per force [Pa/N] from a contact point."""
-    point = points_on_path(scene)[0] if point is None else point
-    pressure = plate.pressure_transfer(frequency, point, listener, path)
-    return np.asarray(pressure + _ball(scene, frequency, listener, path))
+    pressure = plate.pressure_transfer(frequency, point, listener, _path(scene))
+    return np.asarray(pressure + _ball(scene, frequency, listener))
 
 
-def _ball(scene: Scene, frequency: NDArray[Any], listener: Listener, path: float) -> Complex:
+def _ball(scene: Scene, frequency: NDArray[Any], listener: Listener) -> Complex:
     """Return the pressure of the sphere per force [Pa/N] from the middle of its path."""
     if not scene.sound.ball or listener[2] < 0:
         return np.zeros(len(frequency), dtype=complex)
     ends = points_on_path(scene)[[0, -1]]
     distance = math.dist((*ends.mean(axis=0), 0.0), listener)
     pressure = axis_transfer(frequency, of_scene.ball(scene), distance, listener[2] / distance)
-    return np.asarray(pressure * np.exp(-2j * np.pi * frequency * (distance - path) / SOUND_M_S))
+    further = distance - _path(scene)
+    return np.asarray(pressure * np.exp(-2j * np.pi * frequency * further / SOUND_M_S))

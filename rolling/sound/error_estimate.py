@@ -18,6 +18,7 @@ from scipy.special import ndtri, stdtrit
 
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, BANDWIDTH_HZ, EDGES_HZ, NOMINAL_HZ, third_octave_mean_square
+from acoustics.level import SoundLevels
 
 # Limits of the order of convergence in an extrapolation, by trial on three scenes. Levels of whole
 # tracks fell at orders from 1.1 to 2.5 from 2 um over 1 um to 0.5 um, where the three grids of an
@@ -105,17 +106,11 @@ class RecordLevels:
     seconds: float = math.inf
 
     @classmethod
-    def of(
-        cls,
-        third_octave_db: dict[str, float | None],
-        third_octave_a_db: dict[str, float | None],
-        own_factor: bool,
-        seconds: float,
-    ) -> RecordLevels:
-        """Make the powers from the band levels of a record [dB]."""
+    def of(cls, levels: SoundLevels, own_factor: bool, seconds: float) -> RecordLevels:
+        """Make the powers from the band levels of a record."""
         z, a = (
-            np.array([np.nan if x is None else 10 ** (x / 10) for x in map(db.get, BAND_NAMES)])
-            for db in (third_octave_db, third_octave_a_db)
+            np.array([np.nan if x is None else 10 ** (x / 10) for x in db.values()])
+            for db in (levels.third_octave_db, levels.third_octave_a_db)
         )
         return cls(z, a, own_factor, seconds)
 

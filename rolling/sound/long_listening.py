@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from acoustics import level, radiation, resampling, wav
 from acoustics.arrays import Array, short_repr
-from acoustics.bands import AUDIBLE_HZ
 from acoustics.continued_rows import ContinuedRows
 from acoustics.gaussianity import kurtosis
 from rolling.dynamics.force_law import ForceLaw
@@ -73,18 +72,13 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     fade = contact_sound.faded_out if falls else contact_sound.faded
     fluctuation = fade(np.concatenate(samples), seconds)
     _, heard = vibration_sound.radiated(scene, fluctuation, rate, len(fluctuation), False, 2)
-    listening = _listening(scene, heard[0], seconds, law.spacing_m, motion.law.rows)
-    return replace(
-        listening,
-        right=heard[1] if len(heard) > 1 else None,
-        numbers=listening.numbers
-        | {
-            "impacts": motion.impacts,
-            "flight_share": motion.apart / motion.taken,
-            "force_outside_share": motion.outside / motion.taken,
-            "limited_share": motion.law.limited / max(motion.law.continued, 1),
-        },
-    )
+    numbers = _numbers(scene, heard[0], seconds, law.spacing_m, motion.law.rows) | {
+        "impacts": motion.impacts,
+        "flight_share": motion.apart / motion.taken,
+        "force_outside_share": motion.outside / motion.taken,
+        "limited_share": motion.law.limited / max(motion.law.continued, 1),
+    }
+    return Listening(heard[0], rate, numbers, heard[1] if len(heard) > 1 else None)
 
 
 def listen_to_release(
@@ -99,21 +93,18 @@ def listen_to_release(
     finer = int(np.clip(np.ceil(_FINER * rate * step / fastest), 1, 2 * _FINER))
     signal = release_energy / step
     signal = signal - signal.mean()
-    if closed:
-        signal = resampling.undo_step_mean(signal)
-    else:
-        signal = resampling.fade(signal, max(1, len(signal) // 100))
+    ends = max(1, len(signal) // 100)
+    signal = resampling.undo_step_mean(signal) if closed else resampling.fade(signal, ends)
     row = resampling.resample_closed(signal, finer * len(signal))[None]
     circumference, spacing = turn_m(scene), step / finer
     turn = None if circumference is None else round(circumference / spacing)
     rows = ContinuedRows(row, closed, seed, turn)
     fluctuation = _in_time(scene, rows, spacing, seconds)
-    intensity = radiation.intensity(
-        contact_sound.faded(fluctuation, seconds), scene.sound.distance_m, scene.sound.q
-    )
-    audible = resampling.band_limit(intensity, rate, *AUDIBLE_HZ)
+    faded = contact_sound.faded(fluctuation, seconds)
+    intensity = radiation.intensity(faded, scene.sound.distance_m, scene.sound.q)
+    audible = resampling.band_limit(intensity, rate)
     pressure, _ = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
-    return _listening(scene, pressure, seconds, step, rows, finer)
+    return Listening(pressure, rate, _numbers(scene, pressure, seconds, step, rows, finer))
 
 
 def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) -> Array:
@@ -135,32 +126,27 @@ def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) 
     return np.concatenate([*samples, decimator.end()])
 
 
-def _listening(
+def _numbers(
     scene: Scene, pressure: Array, seconds: float, step: float, rows: ContinuedRows, finer: int = 1
-) -> Listening:
-    """Return a record with its facts and levels; `rows` are `finer` to a step [m]."""
-    motion, rate = scene.motion, wav.SAMPLE_RATE_HZ
-    highest = motion.fastest(seconds) / (2 * step)
-    rolled, solved = float(motion.distance(seconds)), rows.solved / finer * step
+) -> dict[str, Any]:
+    """Return facts and levels of a record; `rows` are `finer` to a step [m]."""
+    motion, turn = scene.motion, turn_m(scene)
+    fastest, rolled = motion.fastest(seconds), float(motion.distance(seconds))
+    solved = rows.solved / finer * step
     solved_s = seconds if solved >= rolled else float(motion.time(solved))
-    turn = turn_m(scene)
-    return Listening(
-        pressure,
-        rate,
-        {
-            "seconds": seconds,
-            "laeq_db": level.laeq_db(pressure, rate),
-            "level_db": level.level_db(float(np.mean(np.square(pressure)))),
-            "solved_mm": 1e3 * min(solved, rolled),
-            "rolled_mm": 1e3 * rolled,
-            "solved_share": solved_s / seconds,
-            "kurtosis": kurtosis(pressure) if pressure.any() else None,
-            "stretches": rows.inserted,
-            "turn_mm": turn and 1e3 * turn,
-            "highest_frequency_hz": highest,
-            "lowest_frequency_hz": motion.fastest(seconds) / solved,
-        },
-    )
+    return {
+        "seconds": seconds,
+        "laeq_db": level.laeq_db(pressure, wav.SAMPLE_RATE_HZ),
+        "level_db": level.level_db(float(np.mean(np.square(pressure)))),
+        "solved_mm": 1e3 * min(solved, rolled),
+        "rolled_mm": 1e3 * rolled,
+        "solved_share": solved_s / seconds,
+        "kurtosis": kurtosis(pressure) if pressure.any() else None,
+        "stretches": rows.inserted,
+        "turn_mm": turn and 1e3 * turn,
+        "highest_frequency_hz": fastest / (2 * step),
+        "lowest_frequency_hz": fastest / solved,
+    }
 
 
 class Decimator:

@@ -46,9 +46,7 @@ def ground(scene: Scene) -> ThinPlate | HalfSpaceBody:
     """Return the plate that bends, or the half-space where the scene gives no thickness."""
     plate, bending = scene.plate, of_scene.plate(scene)
     if bending is not None:
-        return ThinPlate(
-            bending.mass_per_area_kg_m2, bending.bending_stiffness_n_m, plate.loss_factor or 0.0
-        )
+        return bending
     assert plate.density_kg_m3 is not None  # dynamics needs it
     # An incompressible half-space would carry compression at once, and radiate nothing.
     nu = min(plate.poissons_ratio, 0.499)

@@ -8,14 +8,14 @@ pressure at the first listener, and sound power stands beside them.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.arrays import Array, short_repr
-from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, third_octave_mean_square
+from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import RHO_C, pressure_on_axis
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
@@ -87,14 +87,6 @@ class Vibration:
         rms: Array = np.sqrt(third_octave_mean_square(frequency, square))
         return np.where(known_bands(self.highest), rms, np.nan)
 
-    def power_levels(self) -> dict[str, float | None]:
-        """Return the sound power levels of the plate by band [dB re 1 pW], None where unknown."""
-        return by_band(self.plate_power)
-
-    def ball_power_levels(self) -> dict[str, float | None]:
-        """Return the sound power levels of the sphere by band [dB re 1 pW]."""
-        return by_band(self.ball_power)
-
 
 def by_band(power: Array) -> dict[str, float | None]:
     """Return levels [dB re 1 pW] by nominal frequency, None for silence or an unknown power."""
@@ -134,7 +126,7 @@ def vibrate(
     }
     spreads = {name: db for name, db in parts.items() if db is not None}
     if once:  # and no sample of a noise
-        spread = _of_event(spread, 0.0 if spreads else None)
+        spread = spread.mapped(lambda _: 0.0 if spreads else None)
     plate_power, ball_power = powers(scene, force, highest)
     return Vibration(
         motion=motion,
@@ -159,18 +151,17 @@ def _radiated(
     scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion."""
-    duration = len(motion.force_n) * motion.time_step_s
-    samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
-    fluctuation = motion.force_n - scene.load
-    if scene.rolling.drop_mm is not None:
-        fluctuation = faded_out(motion.force_n, duration)  # it begins in silence
-    elif not closed:
-        fluctuation = faded(fluctuation, duration)
+    duration, falls = len(motion.force_n) * motion.time_step_s, scene.rolling.drop_mm is not None
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
-    smooth = scene.is_smooth and scene.rolling.drop_mm is None
-    if smooth or motion.flight_share == 1:
-        fluctuation = np.zeros_like(fluctuation)
-    return radiated(scene, fluctuation, motion.sample_rate_hz, samples, closed, listeners)
+    if (scene.is_smooth and not falls) or motion.flight_share == 1:
+        fluctuation = np.zeros_like(motion.force_n)
+    elif falls:
+        fluctuation = faded_out(motion.force_n, duration)  # it begins in silence
+    else:
+        fluctuation = motion.force_n - scene.load
+        fluctuation = fluctuation if closed else faded(fluctuation, duration)
+    samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
+    return radiated(scene, fluctuation, 1 / motion.time_step_s, samples, closed, listeners)
 
 
 def radiated(
@@ -182,13 +173,10 @@ def radiated(
     listeners: int | None = None,
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
-    force, plate = _heard(fluctuation, samples), of_scene.rectangular_plate(scene)
-    if plate is not None:
-        places = scene.listeners[:listeners]
-        return force, edged_sound.pressures(scene, plate, force, closed, places)
-    pressure = pressure_on_axis(
-        fluctuation, rate_hz, sources(scene), scene.sound.distance_m, closed=True
-    )
+    force = _heard(fluctuation, samples)
+    if (plate := of_scene.rectangular_plate(scene)) is not None:
+        return force, edged_sound.pressures(scene, plate, force, closed, listeners)
+    pressure = pressure_on_axis(fluctuation, rate_hz, sources(scene), scene.sound.distance_m)
     return force, _heard(pressure, samples)[None]
 
 
@@ -204,16 +192,6 @@ def _step_error(
     return UNKNOWN_DB if coarse is None else min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
-def _of_event(
-    spread: uncertainty.LevelUncertainty, least_db: float | None
-) -> uncertainty.LevelUncertainty:
-    """Return uncertainties [dB] without the length of the record, None without any other part."""
-    whole = asdict(spread)
-    bands = {name: db and least_db for name, db in whole.pop("third_octave_db").items()}
-    known = {name: db and least_db for name, db in whole.items()}
-    return uncertainty.LevelUncertainty(**known, third_octave_db=bands)
-
-
 def _joined(
     spread: uncertainty.LevelUncertainty, spreads: dict[str, float], chain: Chain
 ) -> uncertainty.LevelUncertainty:
@@ -223,18 +201,13 @@ def _joined(
     third octaves on a plate with modes.
     """
     other = math.hypot(*(db for name, db in spreads.items() if name != "record"))
+    wider = spread.mapped(lambda db: math.hypot(db, other))
+    if chain.modes is not None:
+        return wider
     widest = len(BAND_NAMES) - 1
     band = BAND_NAMES[min(int(np.searchsorted(EDGES_HZ[1:], chain.resonance_hz)), widest)]
-    whole = {
-        name: None if db is None else math.hypot(db, other)
-        for name, db in asdict(spread).items()
-        if name != "third_octave_db"
-    }
-    bands = dict(spread.third_octave_db)
-    for name in (band,) if chain.modes is None else BAND_NAMES:
-        if (own := bands[name]) is not None:
-            bands[name] = math.hypot(own, other)
-    return uncertainty.LevelUncertainty(**whole, third_octave_db=bands)
+    bands = spread.third_octave_db | {band: wider.third_octave_db[band]}
+    return replace(wider, third_octave_db=bands)
 
 
 def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
@@ -271,6 +244,4 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
 
 def _heard(signal: Array, samples: int) -> Array:
     """Return a closed record at the samples of the sound, within hearing."""
-    return resampling.band_limit(
-        resampling.resample_closed(signal, samples), wav.SAMPLE_RATE_HZ, *AUDIBLE_HZ
-    )
+    return resampling.band_limit(resampling.resample_closed(signal, samples), wav.SAMPLE_RATE_HZ)

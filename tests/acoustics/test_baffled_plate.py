@@ -17,9 +17,9 @@ CONTACT = 0.172, 0.111
 
 def steel(thickness_m: float, loss_factor: float = 0.01, scale: float = 1.0) -> RectangularPlate:
     stiffness = 210e9 * thickness_m**3 / 12 / (1 - 0.3**2)
-    return RectangularPlate(
-        7850 * thickness_m, stiffness, loss_factor, scale * EDGES[0], scale * EDGES[1]
-    )
+    length, width = scale * EDGES[0], scale * EDGES[1]
+    mass = 7850 * thickness_m
+    return RectangularPlate(mass, stiffness, loss_factor, length_m=length, width_m=width)
 
 
 @pytest.mark.law("Sound of a plate with edges: a mode's far field is Wallace's.")
@@ -90,8 +90,6 @@ def test_listeners_above_and_below_mirrored_and_reversed() -> None:
     turned = EDGES[0] - CONTACT[0], CONTACT[1]
     mirrored = plate.pressure_transfer(f, turned, (EDGES[0] - 0.25, 0.02, 0.7))
     assert np.allclose(above, mirrored, rtol=0, atol=1e-9 * np.abs(above).max())
-    there, back = (plate.receptance(f, *ends) for ends in ((CONTACT, turned), (turned, CONTACT)))
-    assert np.allclose(there, back, rtol=1e-12)  # reciprocity
 
 
 def test_the_power_of_a_mode_by_two_routes() -> None:
@@ -119,8 +117,9 @@ def test_power_in_is_power_radiated_and_lost(thickness: float, loss_factor: floa
     plate = steel(thickness, loss_factor)
     f = np.linspace(1000, 3000, 3000 if loss_factor > 1e-3 else 20_000)
     w = 2 * math.pi * f[:, None]
-    fed = np.sum(np.real(1j * w[:, 0] * plate.receptance(f, CONTACT)))
-    velocities = w * np.abs(plate.mode_receptance(f)) * plate.shapes(CONTACT)[0]
+    shapes, receptance = plate.shapes(CONTACT)[0], plate.mode_receptance(f)
+    fed = np.sum(np.real(1j * w[:, 0] * (receptance @ np.square(shapes))))
+    velocities = w * np.abs(receptance) * shapes
     rates = plate.loss_factor * plate.angular_frequency * plate.modal_mass_kg
     lost = np.sum(np.square(velocities) @ rates)
     radiated = 2 * np.sum(plate.power_per_force(f, CONTACT))

@@ -6,16 +6,8 @@ import numpy as np
 import pytest
 
 from acoustics.bands import BAND_NAMES
-from acoustics.level import (
-    I_REF_W_M2,
-    P_REF_PA,
-    RHO_C,
-    laeq_db,
-    level_db,
-    peak_pressure,
-    sound_levels,
-)
-from acoustics.radiation import intensity, sound_pressure
+from acoustics.level import laeq_db, level_db, peak_pressure, sound_levels
+from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
 from acoustics.resampling import band_limit, resample_closed, undo_step_mean
 from acoustics.weighting import a_weighting_db
 

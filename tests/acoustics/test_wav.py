@@ -10,7 +10,8 @@ import pytest
 import soundfile
 
 from acoustics import wav
-from acoustics.level import P_REF_PA, a_weighted_rms, laeq_db
+from acoustics.level import a_weighted_rms, laeq_db
+from acoustics.radiation import P_REF_PA
 
 NOISE = 0.05 * np.random.default_rng(1).standard_normal(24000)  # 68 dB
 

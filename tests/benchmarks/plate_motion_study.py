@@ -14,7 +14,7 @@ import numpy as np
 import rolling as rc
 from acoustics.arrays import Array
 from rolling.dynamics import of_scene
-from rolling.dynamics.bodies import Bodies, contact_stiffness
+from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion, Stepping, move
 from rolling.scene.scene import Scene
@@ -29,12 +29,11 @@ STEPS, REFERENCE = (28, 40, 80), 320  # in a period of the resonance
 HEARD_HZ = 20, 20e3
 
 
-def bodies(scene: Scene, law: ForceLaw, thickness_mm: float, loss_factor: float) -> Bodies:
+def bodies(scene: Scene, law: ForceLaw, thickness_mm: float, loss_factor: float) -> Chain:
     """Return ball and plate with edges."""
     plate = {"thickness_mm": thickness_mm, "loss_factor": loss_factor}
     plate |= {"length_mm": EDGES_MM[0], "width_mm": EDGES_MM[1]}
-    chain = of_scene.chain_over(scene.with_({f"plate.{k}": v for k, v in plate.items()}), law)
-    return Bodies(chain.mass_kg, chain.mobility_s_kg, chain.modes)
+    return of_scene.chain_over(scene.with_({f"plate.{k}": v for k, v in plate.items()}), law)
 
 
 def lines(motion: BodyMotion) -> tuple[Array, Array]:
@@ -65,7 +64,7 @@ def main() -> None:
         parts = bodies(scene, law, thickness, loss)
         frequency, force = lines(move(law, parts, load, speed))
         order = np.round(frequency * law.period_m / speed).astype(int)
-        chain = parts.chain(contact_stiffness(law, load)).force(frequency, roughness[order])
+        chain = parts.force(frequency, roughness[order])
         row = f"{thickness} mm, {speed} m/s, {loss}"
         print(f"| {row} | {1e3 * rms(force):.3g} mN | {1e3 * rms(chain):.3g} mN |", flush=True)
     print("\n| plate, speed, steps in a period | error | level | s per s |\n|---|---|---|---|")

@@ -24,8 +24,8 @@ from rolling.report.assumed import assumptions
 from rolling.report.page import css_text, gains, page, time_axis
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
-from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
+from rolling.scene.track import Motion
 
 TARGET = re.compile(r"<(?P<tag>[a-z]+)[^>]*?(?:src|href)=\"(?P<target>[^\"]*)\"", re.S)
 

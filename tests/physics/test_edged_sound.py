@@ -26,7 +26,7 @@ def heard(force: Array, closed: bool, *changes: str) -> Array:
     scene = loads(VIBRATING, (*EDGES, *changes))
     plate = of_scene.rectangular_plate(scene)
     assert plate is not None
-    return edged_sound.pressures(scene, plate, force, closed, scene.listeners)
+    return edged_sound.pressures(scene, plate, force, closed)
 
 
 def pulses(samples: int, *at_s: float) -> Array:

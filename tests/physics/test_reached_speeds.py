@@ -12,8 +12,8 @@ from scene_text import PLAIN
 
 from rolling.check import findings
 from rolling.scene.file import loads, read_scene
-from rolling.scene.motion import Motion
 from rolling.scene.scene import Scene
+from rolling.scene.track import Motion
 from rolling.sound.contact_sound import ContactSound, contact_sound, oversampling
 
 STEP = 2e-6

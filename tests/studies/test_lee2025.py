@@ -13,7 +13,7 @@ import pytest
 from hard_cases.dense import dense_contact
 
 from acoustics.bands import BAND_NAMES
-from acoustics.level import I_REF_W_M2
+from acoustics.radiation import I_REF_W_M2
 from rolling import cli
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march

@@ -23,6 +23,7 @@ from rolling.scene.scene import Scene
 __all__ = [
     "STEEL",
     "assert_solved",
+    "contact_energy",
     "gap_and_deflection",
     "hertz_law",
     "make_track",
@@ -33,6 +34,7 @@ __all__ = [
     "space_of",
     "sphere_mass",
     "step_energies",
+    "track_work",
 ]
 
 
@@ -84,3 +86,22 @@ def march_all(scene: Scene, film: bool = False) -> Result:
 def sphere_mass(radius_m: float, density_kg_m3: float) -> float:
     """Return the mass [kg] of a solid sphere, 4/3 pi R^3 rho."""
     return float(4 / 3 * np.pi * radius_m**3 * density_kg_m3)
+
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
+
+
+def contact_energy(law: ForceLaw, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
+    """Return the integral of the force of a law over the approach from lift-off [J]."""
+    t = (_NODES + 1) / 2  # F grows as the power 3/2 from lift-off, which t^2 makes smooth
+    lift_off = law.approach(position, 0.0)
+    reach = np.maximum(approach - lift_off, 0.0)
+    force = law.force(position[:, None], lift_off[:, None] + reach[:, None] * t**2)
+    return np.asarray(reach * (force @ (_WEIGHTS * t)))
+
+
+def track_work(law: ForceLaw, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
+    """Return the change of the contact energy along the track at fixed approaches [N]."""
+    h = 1e-3 * law.spacing_m
+    ahead, behind = (contact_energy(law, position + way, approach) for way in (h, -h))
+    return (ahead - behind) / (2 * h)
