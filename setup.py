@@ -56,7 +56,10 @@ if __name__ == "__main__":
         packages=[*find_packages(include=["rolling*", "acoustics*"]), SCENES],
         package_dir={SCENES: "scenarios"},
         package_data={
-            "rolling": ["py.typed"],
+            "rolling": ["py.typed", "*.pyi"],
+            "rolling.check": ["*.toml"],
+            "rolling.lee2025": ["*.toml"],
+            "rolling.terminal": ["*.toml"],
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
             SCENES: ["*.yaml", "scene.schema.json", "*/*/*.yaml"],

@@ -11,7 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from types import ModuleType
 
 from rolling import __version__, _own_acoustics
 from rolling.terminal import arguments, defaults, progress, streams
@@ -47,7 +47,7 @@ def _act(argv: Sequence[str] | None) -> int:
     if not words:
         parser.print_help()
         return OK
-    arguments.refuse_unknown_command(parser, words, [*_COMMANDS])
+    arguments.refuse_unknown_command(parser, words)
     given, unknown = parser.parse_known_args(words)
     if unknown:
         arguments.refuse_unknown_arguments(given.parser, unknown)
@@ -65,18 +65,24 @@ def _act(argv: Sequence[str] | None) -> int:
         _say(str(error))
         return FAILED
     except Exception as error:
-        if not _is_bad_input(error):
-            raise
+        code = _code_of(error)
         _say(str(error))
-        return BAD_INPUT
+        return code
 
 
-def _is_bad_input(error: Exception) -> bool:
-    """Return whether an error lies in the scene or the folder that a command was given."""
+def _code_of(error: Exception) -> int:
+    """Return the exit code of an error that a user can mend, or raise another error."""
+    from rolling.scene.library import LibraryError
     from rolling.scene.messages import SceneError
     from rolling.terminal.files import FolderError
 
-    return isinstance(error, SceneError | FolderError)
+    if isinstance(error, SceneError | FolderError | LibraryError):
+        return BAD_INPUT
+    from rolling.contact.solver import ContactError  # slow to import
+
+    if isinstance(error, ContactError):
+        return FAILED
+    raise error
 
 
 def _say(text: str) -> None:
@@ -87,13 +93,19 @@ def _say(text: str) -> None:
 # ---- commands
 
 
+def _commands() -> ModuleType:
+    """Import the commands on run folders, and the solver with them."""
+    with progress.step(LOADING):
+        from rolling import commands
+    return commands
+
+
 def _run(given: argparse.Namespace) -> int:
     """Run a scene, or a part of its sweep."""
     from rolling.scene import file
 
     scene = file.read_scene(given.scene, given.set)  # before the solver is loaded
-    with progress.step(LOADING):
-        from rolling import commands
+    commands = _commands()
     folder = given.out or commands.default_folder(scene)
     failures = commands.run_scene(
         scene,
@@ -129,13 +141,8 @@ def _code(failures: dict[str, str]) -> int:
 
 def _resound(given: argparse.Namespace) -> int:
     """Run the scene of a run folder with other values, with the marches stored there."""
-    with progress.step(LOADING):
-        from rolling import commands
-    return _code(
-        commands.resound(
-            given.folder, given.set, given.out, workers=given.workers, report=not given.no_report
-        )
-    )
+    settings = {"workers": given.workers, "report": not given.no_report}
+    return _code(_commands().resound(given.folder, given.set, given.out, **settings))
 
 
 def _status(given: argparse.Namespace) -> int:
@@ -155,35 +162,25 @@ def _status(given: argparse.Namespace) -> int:
 
 def _report(given: argparse.Namespace) -> int:
     """Write a page of run folders."""
-    with progress.step(LOADING):
-        from rolling import commands
-    print(commands.report(given.folders, given.out))
+    print(_commands().report(given.folders, given.out))
     return OK
 
 
 def _table(given: argparse.Namespace) -> int:
     """Write the tables and plots of a sweep."""
-    with progress.step(LOADING):
-        from rolling import commands
-    for path in commands.tabulate(given.folder, given.plot, given.against, given.over):
-        print(path)
+    print(*_commands().tabulate(given.folder, given.plot, given.against, given.over), sep="\n")
     return OK
 
 
 def _plot(given: argparse.Namespace) -> int:
     """Draw single figures of a run."""
-    with progress.step(LOADING):
-        from rolling import commands
-    for path in commands.plot(given.folder, given.figure, given.format, given.out):
-        print(path)
+    print(*_commands().plot(given.folder, given.figure, given.format, given.out), sep="\n")
     return OK
 
 
 def _listen(given: argparse.Namespace) -> int:
     """Write a long record of a run, which goes on beyond its solved track."""
-    with progress.step(LOADING):
-        from rolling import commands
-    print(commands.listen(given.folder, given.seconds, given.speed, given.seed))
+    print(_commands().listen(given.folder, given.seconds, given.speed, given.seed))
     return OK
 
 
@@ -212,12 +209,7 @@ def _accuracy(given: argparse.Namespace) -> int:
     scene = file.read_scene(given.scene, given.set)
     with progress.step(LOADING):
         from rolling.accuracy import study
-        from rolling.contact.solver import ContactError
-    try:
-        print(study.run_study(scene, given.out, given.workers, given.finest, given.duration))
-    except ContactError as error:
-        _say(str(error))
-        return FAILED
+    print(study.run_study(scene, given.out, given.workers, given.finest, given.duration))
     return OK
 
 
@@ -246,11 +238,7 @@ def _init(given: argparse.Namespace) -> int:
     """Copy a scene of the library."""
     from rolling.scene import library
 
-    try:
-        written = library.copy(given.name, Path())
-    except library.LibraryError as error:
-        _say(str(error))
-        return BAD_INPUT
+    written = library.copy(given.name, Path())
     print(f"{' and '.join(map(str, written))} written; run it: rolling run {written[0]}")
     return OK
 
@@ -265,81 +253,12 @@ def _schema(given: argparse.Namespace) -> int:
     return OK
 
 
-class _Command(NamedTuple):
-    """Command: its function, its text in `--help`, and the names of its arguments."""
-
-    act: Callable[[argparse.Namespace], int]
-    text: str
-    names: Sequence[str] = ()
-
-
-_COMMANDS = {
-    "run": _Command(
-        _run,
-        "run a scene: release, sound, levels and page; again: goes on, or adds runs of its sweep",
-        (
-            *("scene", "--set", "--out", "--part"),
-            *("--workers", "--cluster", "--no-report", "--open"),
-        ),
-    ),
-    "check": _Command(
-        _check,
-        "validate a scene, estimate its cost and name its doubtful numbers",
-        ("scene", "--set", "--fast"),
-    ),
-    "status": _Command(
-        _status,
-        "tell which runs of a folder are done, running, waiting or failed (why)",
-        ("folder", "--watch"),
-    ),
-    "table": _Command(
-        _table,
-        "gather all numbers of a sweep, their statistics over the seeds, and plots of them",
-        ("folder", "--plot", "--against", "--over"),
-    ),
-    "plot": _Command(
-        _plot,
-        "draw single figures of a run as PNG or SVG, or write their numbers as CSV",
-        ("folder", "--figure", "--format", "--out"),
-    ),
-    "resound": _Command(
-        _resound,
-        "run a stored scene with another sound, speed or body; stored marches are not solved again",
-        ("folder", "--set", "--out", "--workers", "--no-report"),
-    ),
-    "report": _Command(
-        _report,
-        "write one page to hear, see and read runs: a single HTML file that needs no network",
-        ("folders", "--out"),
-    ),
-    "listen": _Command(
-        _listen,
-        "write a long record of a run: the ball rolls on beyond the solved track, over a random"
-        " continuation of it, at any speed",
-        ("folder", "--seconds", "--speed", "--seed"),
-    ),
-    "accuracy": _Command(
-        _accuracy,
-        "speed against error: a scene on finer grids, with other edges, tolerances and steps",
-        ("scene", "--set", "--out", "--workers", "--finest", "--duration"),
-    ),
-    "reproduce": _Command(
-        _reproduce,
-        "run the study of an article in several readings and answer for its statements; again:"
-        " goes on where it stopped",
-        ("study", "--readings", "--quick", "--out", "--workers"),
-    ),
-    "scenes": _Command(_scenes, "list the scenes that come with the program", ("--all",)),
-    "init": _Command(
-        _init, "copy a scene that comes with the program into the current folder", ("name",)
-    ),
-    "schema": _Command(_schema, "print the JSON Schema of scene files, for editors"),
-}
-_OUT = {
-    "run": "run folder (default: outputs/NAME-DIGITS); again: goes on there",
-    "report": "page to write (default: RUN/report.html)",
-    "reproduce": "folder of the study (default: outputs/STUDY); again: goes on there",
-    "plot": "folder of the files (default: RUN/figures)",
+_ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
+    act.__name__.removeprefix("_"): act
+    for act in (
+        *(_run, _check, _status, _table, _plot, _resound, _report, _listen, _accuracy),
+        *(_reproduce, _scenes, _init, _schema),
+    )
 }
 
 
@@ -353,11 +272,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     arguments.add_volume(parser, False)
     parsers = parser.add_subparsers(required=True, metavar="COMMAND")
-    for name, command in _COMMANDS.items():
-        sub = parsers.add_parser(name, help=command.text, description=command.text)
-        sub.set_defaults(command=command.act, parser=sub)
+    for name, command in arguments.COMMANDS.items():
+        sub = parsers.add_parser(name, help=command["help"], description=command["help"])
+        sub.set_defaults(command=_ACTS[name], parser=sub)
         arguments.add_volume(sub, argparse.SUPPRESS)  # which keeps an option before the command
-        arguments.add(sub, command.names, **{"out": _OUT[name]} if name in _OUT else {})
+        arguments.add(sub, name)
     return parser
 
 

@@ -14,8 +14,7 @@ from rolling.results.long_listening import ListeningError, sentence
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.folder import Part, RunFolder, default_folder
-from rolling.run.solving import runs_of_part, solve_folder
-from rolling.run.stored import open_runs
+from rolling.run.solving import open_runs, runs_of_part, solve_folder
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, files, progress
@@ -223,14 +222,9 @@ def listen(
     FolderError : the folder is no run folder, holds several runs, its run is not done or has no
         long listening, or a number is not allowed. Nothing is written.
     """
-    runs = _done(folder)
-    if len(runs) > 1:
-        names = ", ".join(run.folder.name for run in runs[:3])
-        raise FolderError(
-            f"{folder}: holds {len(runs)} runs; listen to one of the folders in it ({names}, ...)"
-        )
+    stored = folders.done_run(folder, "listen to")
     with progress.step("reading the run, making its sound"):
-        (run,) = open_runs(runs)
+        (run,) = open_runs([stored])
     try:
         long = run.listen(seconds, speed, seed)
     except ListeningError as error:
@@ -240,15 +234,6 @@ def listen(
     for text in long.numbers["limits"]:
         progress.line(f"warning: {text}")
     return path
-
-
-def _done(folder: Path) -> list[RunFolder]:
-    """Return the runs of a folder; raise FolderError for an unsolved run."""
-    runs = folders.stored_runs(folder)
-    for run in runs:
-        if not run.is_done:
-            raise FolderError(f"{run.folder}: not done; the same `rolling run` goes on with it")
-    return runs
 
 
 def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None) -> list[Path]:
@@ -268,7 +253,7 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
     from rolling import figures
 
     with progress.step("reading the runs, making their sound"):
-        runs = open_runs(_done(folder))
+        runs = open_runs(folders.done_runs(folder))
     if out is None:
         out = folder / "figures"
         files.make_below(folder, out)

@@ -18,7 +18,7 @@ from rolling.run import folder as folders
 from rolling.run.executor import RunLoop
 from rolling.run.folder import RunFolder
 from rolling.run.pools import local_pool
-from rolling.run.stored import open_runs
+from rolling.run.solving import open_runs
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
@@ -139,18 +139,15 @@ def _simulated(
 
     scenes = [run.scene for run in runs]
     silence = terminal.begin(terminal.Level.QUIET) if shown is False else nullcontext()
-    with silence, terminal.bar(0.0, scene.name, shown) as bar:
+    with silence, terminal.Bar(0.0, scene.name, shown) as bar:
         loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)
         with local_pool(workers, scenes) as pool:
             loop.run(pool)
-    swept = {_key(run): heard[number] for number, run in enumerate(runs) if number in heard}
+    swept: dict[Values, Run] = {}
+    for number, run in sorted(heard.items()):
+        values = tuple(runs[number].values.values())
+        swept[values[0] if len(values) == 1 else values] = run
     return swept, {names[number]: reason for number, reason in loop.failures.items()}
-
-
-def _key(run: RunFolder) -> Values:
-    """Return the key of a run in a sweep: its swept value, or the tuple of its values."""
-    values = tuple(run.values.values())
-    return values[0] if len(values) == 1 else values
 
 
 def open_run(folder: Path | str) -> Run:
@@ -173,15 +170,8 @@ def open_run(folder: Path | str) -> Run:
     --------
     `open_run("outputs/mine").series["contact_area"]`
     """
-    runs = folders.stored_runs(Path(folder))
-    if len(runs) > 1:
-        names = ", ".join(run.folder.name for run in runs[:3])
-        raise FolderError(
-            f"{folder}: holds {len(runs)} runs; open one of the folders in it ({names}, ...)"
-        )
-    if not runs[0].is_done:
-        raise FolderError(f"{folder}: not done; the same `rolling run` goes on with it")
-    return replace(open_runs(runs)[0], writer=save_run)
+    (run,) = open_runs([folders.done_run(Path(folder), "open")])
+    return replace(run, writer=save_run)
 
 
 def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:

@@ -112,7 +112,7 @@ def _march_all(
     """
     marched, failures = dict[Variant, dict[str, Array]](), dict[Variant, str]()
     total = sum(variant.cost for variant in variants)
-    bar = progress.bar(total, f"{scene.name}: {len(variants)} variants")
+    bar = progress.Bar(total, f"{scene.name}: {len(variants)} variants")
     with bar, ended_by_signal(), pools.local_pool(workers, [scene]) as pool:
         futures: dict[Variant, Future[dict[str, Array]]] = {}
         for variant in sorted(variants, key=lambda variant: -variant.cost):

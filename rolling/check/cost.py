@@ -220,13 +220,9 @@ def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
 
 def disk(scenes: Sequence[Scene]) -> float:
     """Estimate the size [bytes] of the files of runs."""
-    return sum(
-        RUN_FILES
-        + STEP_FILE * scene.track.steps
-        + SAMPLE_FILE * _samples(scene)
-        + EVENT_FILE * _events(scene)
-        for scene in scenes
-    )
+    steps = STEP_FILE * sum(scene.track.steps for scene in scenes)
+    samples = SAMPLE_FILE * sum(map(_samples, scenes))
+    return RUN_FILES * len(scenes) + steps + samples + EVENT_FILE * sum(map(_events, scenes))
 
 
 def _record(scene: Scene) -> float:
@@ -240,12 +236,8 @@ def _record(scene: Scene) -> float:
         if scene.rolling.drop_mm is not None:
             rate = max(rate, drop.IMPACT_STEPS / drop.impact_s(scene))
         time_steps = duration * rate
-    return (
-        STEP * scene.track.steps
-        + SAMPLE * samples
-        + TIME_STEP * time_steps
-        + EVENT * _events(scene)
-    )
+    steps = STEP * scene.track.steps + TIME_STEP * time_steps
+    return steps + SAMPLE * samples + EVENT * _events(scene)
 
 
 def _samples(scene: Scene) -> float:

@@ -38,18 +38,12 @@ class Layout:
 
     steps : int. Number of steps of a stretch.
     firsts : tuple of int. First position of each stretch.
+    marches : list of (int, str). First position and level of each march.
     """
 
     steps: int
     firsts: tuple[int, ...]
-
-    def marches(self, detail: bool) -> list[tuple[int, str]]:
-        """Return first position and level of each march, with or without those of detail."""
-        detailed = self.firsts[:: max(1, len(self.firsts) // DETAILED)][:DETAILED] if detail else ()
-        return [
-            *((first, level) for first in self.firsts for level in LEVELS),
-            *((first, DETAIL) for first in detailed),
-        ]
+    marches: list[tuple[int, str]]
 
 
 def tight_tolerance(scene: Scene) -> float:
@@ -79,10 +73,12 @@ def marched_steps(scene: Scene) -> int:
 
 
 def layout(scene: Scene) -> Layout | None:
-    """Return the stretches of a scene, or None where its track is too short for them.
+    """Return the stretches that the estimate of a scene asks for, or None.
 
-    Longer tracks have longer stretches first, then more of them.
+    Longer tracks have longer stretches first, then more of them; some tracks are too short.
     """
+    if not scene.numerics.error_estimate or scene.is_smooth:
+        return None
     solved, per_step = scene.track.solved_steps, _step_cost(scene)
     paid = SHARE * marched_steps(scene) / per_step  # steps and cold starts of all stretches
     fewest, most = STRETCHES
@@ -91,12 +87,16 @@ def layout(scene: Scene) -> Layout | None:
         return None
     slots = solved // steps
     count = min(most, slots, int(paid / (steps + START_STEPS) + 1e-9))
-    return Layout(steps, tuple(k * slots // count * steps for k in range(count)))
+    firsts = tuple(k * slots // count * steps for k in range(count))
+    marches = [(first, level) for first in firsts for level in LEVELS]
+    if has_detail(scene):
+        marches += [(first, DETAIL) for first in firsts[:: max(1, count // DETAILED)][:DETAILED]]
+    return Layout(steps, firsts, marches)
 
 
 def too_short(scene: Scene) -> str | None:
     """Explain that a track is too short for an estimate, or return None."""
-    if layout(scene) is not None:
+    if scene.is_smooth or layout(scene) is not None:
         return None
     solved = scene.track.solved_steps
     least = STRETCHES[0] * (STRETCH_STEPS[0] + START_STEPS) * _step_cost(scene) / SHARE
@@ -112,12 +112,9 @@ def cost_share(scene: Scene, power: float = COST_POWER) -> float:
 
     The power of `cost.STEP_LAWS` makes it a share of time.
     """
-    if not scene.numerics.error_estimate or scene.is_smooth:
-        return 0.0
     if (stretches := layout(scene)) is None:
         return 0.0
-    marches = stretches.marches(has_detail(scene))
-    per_step = sum(level_cost(scene, level, power) for _, level in marches)
+    per_step = sum(level_cost(scene, level, power) for _, level in stretches.marches)
     return (stretches.steps + START_STEPS) * per_step / marched_steps(scene)
 
 

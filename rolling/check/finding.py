@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+import string
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
 
 from acoustics.numbers import rounded
 from rolling.check import cost
@@ -12,6 +16,10 @@ from rolling.scene.scene import Scene
 
 SURFACE = "surface_time"  # key of the finding whose time runs with the same surface share
 LEAST_SECONDS = 1.0  # shorter times for making a surface are not listed
+_UNITS = ("m", "s", "Hz", "Pa", "N")
+_FINDINGS: dict[str, dict[str, str]] = tomllib.loads(
+    files("rolling.check").joinpath("findings.toml").read_text(encoding="utf-8")
+)
 
 
 @dataclass(frozen=True)
@@ -35,6 +43,30 @@ class Finding:
     value: str
     warning: str | None = None
     seconds: float = 0.0
+
+
+class _Words(string.Formatter):
+    """Formatter of numbers with units and digits."""
+
+    def format_field(self, value: Any, spec: str) -> str:
+        """Write a number with a unit, with a number of digits, rounded up or down, or as usual."""
+        if spec in _UNITS:
+            return si(value, spec)
+        if spec in ("up", "down"):
+            return rounded_up(value) if spec == "up" else rounded_down(value)
+        return rounded(value, int(spec)) if spec.isdecimal() else format(value, spec)
+
+
+def sentence(key: str, variant: str, /, **numbers: object) -> str:
+    """Write a sentence of a finding in findings.toml with its numbers."""
+    return _Words().format(_FINDINGS[key][variant], **numbers)
+
+
+def judged(key: str, value: str, doubt: bool | str, /, **numbers: object) -> Finding:
+    """Return a finding of findings.toml, with its warning, or a variant of it, in case of doubt."""
+    variant = doubt if isinstance(doubt, str) else "warning"
+    warning = sentence(key, variant, **numbers) if doubt else None
+    return Finding(key, sentence(key, "name", **numbers), value, warning)
 
 
 def si(value: float, unit: str) -> str:

@@ -6,10 +6,12 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from typing import TYPE_CHECKING, NamedTuple, overload
+from itertools import chain
+from typing import TYPE_CHECKING, Any
 
 from acoustics.numbers import rounded
 from rolling.check import (
@@ -29,7 +31,7 @@ from rolling.check.finding import (
     byte_size,
     columns,
     computing,
-    rounded_down,
+    judged,
     si,
     surface_time,
 )
@@ -50,21 +52,14 @@ RUNS_ABREAST = 5  # columns of the table
 MIN_HERTZ_NODES = 10  # across the Hertz radius
 
 
-class RunFindings(NamedTuple):
-    """Findings of one run and its name: the swept values, or the name of the scene."""
-
-    name: str
-    findings: list[Finding]
-
-
 @dataclass(frozen=True, repr=False)
 class Findings(Sequence[Finding]):
     """Findings of all runs of a scene, one run after the other; printed, they are a table.
 
     Attributes
     ----------
-    runs : tuple of RunFindings
-        Findings by run.
+    runs : dict of str to list of Finding
+        Findings by run; its name is its swept values, or the name of the scene.
     of_all : tuple of (str, str)
         Time, memory and disk of all runs together; empty for a single run.
     excess : tuple of str
@@ -73,7 +68,7 @@ class Findings(Sequence[Finding]):
         Time of all runs on one core.
     """
 
-    runs: tuple[RunFindings, ...]
+    runs: dict[str, list[Finding]]
     of_all: tuple[tuple[str, str], ...] = ()
     excess: tuple[str, ...] = ()
     seconds: float = 0.0
@@ -81,11 +76,11 @@ class Findings(Sequence[Finding]):
     @property
     def warnings(self) -> list[str]:
         """Warnings in words, each once with the runs that it concerns unless it concerns all."""
-        names: dict[str, list[str]] = {}
-        for run in self.runs:
-            for finding in run.findings:
+        names = defaultdict[str, list[str]](list)
+        for name, of_run in self.runs.items():
+            for finding in of_run:
                 if finding.warning:
-                    names.setdefault(f"{finding.quantity}: {finding.warning}", []).append(run.name)
+                    names[f"{finding.quantity}: {finding.warning}"].append(name)
         lines = list(self.excess)
         for warning, runs in names.items():
             few = len(runs) <= RUNS_ABREAST
@@ -95,17 +90,13 @@ class Findings(Sequence[Finding]):
         return lines
 
     def __len__(self) -> int:
-        return sum(len(run.findings) for run in self.runs)
+        return sum(map(len, self.runs.values()))
 
     def __iter__(self) -> Iterator[Finding]:
-        return (finding for run in self.runs for finding in run.findings)
+        return chain.from_iterable(self.runs.values())
 
-    @overload
-    def __getitem__(self, index: int) -> Finding: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Finding]: ...
-    def __getitem__(self, index: int | slice) -> Finding | list[Finding]:
-        return list(self)[index]
+    def __getitem__(self, index: Any) -> Any:
+        return [*self][index]
 
     def __str__(self) -> str:
         shared, by_run = self._rows()
@@ -128,15 +119,13 @@ class Findings(Sequence[Finding]):
 
     def _rows(self) -> tuple[list[list[str]], list[list[str]]]:
         """Return the rows that all runs share, and the rows with a column per run and a header."""
-        names = dict.fromkeys(finding.quantity for finding in self)
-        cells: dict[str, list[str]] = {name: [""] * len(self.runs) for name in names}
-        for k, run in enumerate(self.runs):
-            for finding in run.findings:
+        cells = {finding.quantity: [""] * len(self.runs) for finding in self}
+        for k, of_run in enumerate(self.runs.values()):
+            for finding in of_run:
                 cells[finding.quantity][k] = finding.value + " !" * bool(finding.warning)
         shared = [[name, row[0]] for name, row in cells.items() if len({*row}) == 1]
         by_run = [[name, *row] for name, row in cells.items() if len({*row}) > 1]
-        header = ["", *(run.name for run in self.runs)]
-        return shared + [list(row) for row in self.of_all], [header, *by_run]
+        return shared + [list(row) for row in self.of_all], [["", *self.runs], *by_run]
 
 
 def check_scene(scene: Scene, solve: bool = True) -> Findings:
@@ -172,23 +161,23 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
         if run.height_paths and (faults := refusals.excess([run], 1, None)):
             section = next(iter(run.height_paths))
             raise SceneError([f"{section}.path: {fault}" for fault in faults.values()])
-    probes = _solved(scenes) if solve else [None] * len(runs)
+    probes: Sequence[Probe | None] = [None] * len(runs)
+    if solve:
+        with progress.step("loading the solver"):
+            from rolling.check import probe  # its compiled functions are slow to import
+        probes = probe.probes(scenes)
     with progress.step("judging the numbers of the scene"):
-        by_run = tuple(
-            RunFindings(run_name(run.values) or scene.name, findings(run.scene, probe))
+        by_run = {
+            run_name(run.values) or scene.name: findings(run.scene, probe)
             for run, probe in zip(runs, probes, strict=True)
-        )
-    done, seconds = set[object](), 0.0
-    for number, (run, of_run) in enumerate(zip(scenes, by_run, strict=True)):
+        }
+    times: dict[tuple[str, object], float] = {}  # by finding and surface, march or run
+    for number, (run, of_run) in enumerate(zip(scenes, by_run.values(), strict=True)):
         own = {vibration.OWN_MARCH: number, SURFACE: scene_surface.identity(run)}
         march = digest(contact_keys(run))
-        shared = {finding: own.get(finding.key, march) for finding in of_run.findings}
-        seconds += sum(
-            finding.seconds
-            for finding, owner in shared.items()
-            if (finding.key == SURFACE, owner) not in done
-        )
-        done |= {(finding.key == SURFACE, owner) for finding, owner in shared.items()}
+        for finding in of_run:
+            times.setdefault((finding.key, own.get(finding.key, march)), finding.seconds)
+    seconds = sum(times.values())
     if len(runs) == 1:
         return Findings(by_run, seconds=seconds)
     return Findings(
@@ -205,13 +194,6 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
 
 def _excess(scenes: Sequence[Scene]) -> dict[str, str]:
     return refusals.excess(scenes, cost.cores(), refusals.OUTPUTS)
-
-
-def _solved(scenes: Sequence[Scene]) -> Sequence[Probe]:
-    with progress.step("loading the solver"):
-        from rolling.check import probe  # its compiled functions are slow to import
-
-    return probe.probes(scenes)
 
 
 def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
@@ -246,9 +228,8 @@ def _track(scene: Scene) -> list[Finding]:
     track, duration = scene.track, scene.duration
     sides = f"{si(track.n_along * track.spacing, 'm')} x {si(track.n_across * track.spacing, 'm')}"
     closed = "" if track.closed else ", not closed"
-    turns = [_turns(scene)] if track.turn_nodes else []
     return [
-        *turns,
+        *([_turns(scene)] if track.turn_nodes else []),
         Finding("steps", "steps", f"{track.steps} of {si(track.step, 'm')}"),
         Finding("surface", "surface", f"{sides}, {track.n_along} x {track.n_across} nodes"),
         Finding("distance", "distance rolled", f"{si(track.distance, 'm')}{closed}"),
@@ -277,11 +258,11 @@ def _turns(scene: Scene) -> Finding:
 def _march(scene: Scene) -> list[Finding]:
     """State window, time, tolerance and the cost of the error estimate."""
     rq = cost.roughness(scene)[0]
-    nodes, step_ms = cost.window_nodes(scene, rq), cost.step_ms(scene)
+    step_ms = cost.step_ms(scene)
     seconds = scene.track.solved_steps * step_ms * 1e-3
     rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
     result = [
-        Finding("window", "window", f"about {nodes:.0f} x {nodes:.0f} nodes", _narrow(scene, rq)),
+        _window(scene, rq),
         Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core"),
         Finding("expected_time", "expected time", computing(seconds), None, seconds),
         Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}"),
@@ -296,21 +277,18 @@ def _march(scene: Scene) -> list[Finding]:
     return result
 
 
-def _narrow(scene: Scene, rq: float) -> str | None:
-    """Warn of a surface that is narrower than the contact."""
+def _window(scene: Scene, rq: float) -> Finding:
+    """Estimate the nodes of the window, and warn of a surface that is narrower than the contact."""
     track, across = scene.track, 2 * cost.overlap_radius(scene, rq)
-    period = min(track.n_along, track.n_across) * scene.spacing
-    if across <= period:
-        return None
+    nodes, period = cost.window_nodes(scene, rq), cost.shortest_period(scene)
     side = "width" if track.n_across <= track.n_along else "length"
     length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
     key = "surface.width_um" if side == "width" else f"rolling.{length}"
     if isinstance(scene.surface, HeightFile) and not (side == "width" and scene.surface.width_um):
         key = "height file"
-    return (
-        f"the contact is about {si(across, 'm')} across, the surface has a {side} of"
-        f" {si(period, 'm')}: choose a larger {key}, at least {across * 1e6:.0f} um of surface"
-    )
+    numbers = {"across": across, "side": side, "period": period, "key": key, "least": 1e6 * across}
+    value = f"about {nodes:.0f} x {nodes:.0f} nodes"
+    return judged("window", value, across > period, **numbers)
 
 
 def _memory(scene: Scene) -> list[Finding]:
@@ -329,17 +307,14 @@ def _smooth_contact(scene: Scene) -> list[Finding]:
     """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
     contact = scene.load, scene.radius, scene.contact_modulus
     radius, pressure = closed_forms.hertz_radius(*contact), closed_forms.hertz_pressure(*contact)
-    nodes, coarse = radius / scene.spacing, None
-    if nodes < MIN_HERTZ_NODES:
-        coarse = (
-            f"{rounded(nodes)} nodes across the Hertz radius, {MIN_HERTZ_NODES} are wanted: choose"
-            f" a surface.spacing_um of at most {rounded_down(radius / MIN_HERTZ_NODES * 1e6)}"
-        )
+    nodes, coarse = radius / scene.spacing, radius / MIN_HERTZ_NODES * 1e6
+    numbers = {"nodes": nodes, "least": MIN_HERTZ_NODES, "spacing_um": coarse}
+    doubt, count = nodes < MIN_HERTZ_NODES, rounded(nodes, 3)
     return [
         Finding("hertz_radius", "Hertz radius", si(radius, "m")),
         Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa")),
         *_hardness(scene, pressure),
-        Finding("hertz_nodes", "nodes per Hertz radius", rounded(nodes, 3), coarse),
+        judged("hertz_nodes", count, doubt, **numbers),
     ]
 
 
@@ -350,14 +325,9 @@ def _hardness(scene: Scene, pressure: float) -> list[Finding]:
     gentle = "above the Hertz pressure of a smooth sphere; asperities may yield"
     says = "yields" if pressure > scene.hardness else gentle
     capacity = scene.hardness * scene.track.n_along * scene.track.n_across * scene.track.spacing**2
-    warning = None
-    if scene.load >= capacity:
-        warning = (
-            f"the load is {rounded(scene.load, 6)} N, hardness times one period of the surface is"
-            f" {si(capacity, 'N')}: the run will be refused; lower rolling.load_n or enlarge the"
-            " surface"
-        )
+    numbers = {"load": scene.load, "capacity": capacity}
+    doubt = scene.load >= capacity
     return [
         Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
-        Finding("capacity", "capacity", si(capacity, "N"), warning),
+        judged("capacity", si(capacity, "N"), doubt, **numbers),
     ]

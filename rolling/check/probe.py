@@ -10,8 +10,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +24,7 @@ from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
-from rolling.contact.state import ContactState, RollingContact, Window
+from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
@@ -42,22 +41,24 @@ MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of a
 MAX_RUNS = 12
 
 
+# Quantities of a solved position in SI units, the nodes of its window, and the median time of the
+# warm steps that follow it.
+POSITION = [
+    *((name, "f8") for name in ("contact_area", "plastic_area", "max_pressure", "step_ms")),
+    *((name, "i8") for name in ("rows", "columns")),
+]
+
+
 @dataclass(frozen=True)
 class Probe:
-    """Solved positions of one run; arrays have an entry per solved position.
+    """Solved positions of one run.
 
     Attributes
     ----------
+    solved : (positions,) array of POSITION
+        Solved positions.
     tried : int
         Number of positions.
-    contact_area, plastic_area : (positions,) arrays, m2
-        Contact area and yielding area.
-    max_pressure : (positions,) array, Pa
-        Maximum pressure.
-    window : (positions, 2) array
-        Nodes of the window along and across.
-    step_ms : (positions,) array, ms
-        Median time of the warm steps that follow each position.
     failures : tuple of str
         Messages of the positions that failed.
     left_out : str
@@ -66,25 +67,15 @@ class Probe:
         Time in which the surface was made; hardly any where it was there already.
     """
 
-    tried: int
-    contact_area: Array
-    plastic_area: Array
-    max_pressure: Array
-    window: NDArray[np.int64]
-    step_ms: Array
+    solved: NDArray[np.void] = field(default_factory=lambda: np.empty(0, POSITION))
+    tried: int = 0
     failures: tuple[str, ...] = ()
     left_out: str = ""
     surface_s: float = 0.0
 
-    @classmethod
-    def without(cls, reason: str) -> Probe:
-        """Make a probe without positions, for a reason."""
-        none = np.empty(0)
-        return cls(0, none, none, none, np.empty((0, 2), np.int64), none, (), reason)
-
     def findings(self, scene: Scene) -> list[Finding]:
         """State the numbers of the solved positions, in place of closed forms and cost model."""
-        count, failed = len(self.contact_area), None
+        solved, count, failed = self.solved, len(self.solved), None
         if self.failures:
             failed = (
                 f"{len(self.failures)} of {self.tried} positions fail, and so will the run:"
@@ -94,10 +85,13 @@ class Probe:
         result = [Finding("positions", "positions solved", value, failed)]
         if not count:
             return result
-        seconds = scene.track.solved_steps * float(self.step_ms.mean()) * 1e-3
-        step = _ranged(self.step_ms, lambda ms: f"{rounded(ms)} ms")
-        nodes = np.rint(self.window.mean(axis=0)), self.window.min(axis=0), self.window.max(axis=0)
-        mean, least, most = (f"{along:.0f} x {across:.0f}" for along, across in nodes)
+        seconds = scene.track.solved_steps * float(solved["step_ms"].mean()) * 1e-3
+        step = _ranged(solved["step_ms"], lambda ms: f"{rounded(ms)} ms")
+        rows, columns = solved["rows"], solved["columns"]
+        mean, least, most = (
+            f"{statistic(rows):.0f} x {statistic(columns):.0f}"
+            for statistic in (np.mean, np.min, np.max)
+        )
         window = f"{mean} nodes" + (f" ({least} to {most})" if least != most else "")
         if making := cost.surface_seconds(scene)[0]:
             result += surface_time(scene, max(1.0, self.surface_s / making))
@@ -105,20 +99,21 @@ class Probe:
             Finding("window", "window", window),
             Finding("step_time", "time of a step", f"{step} on 1 core"),
             Finding("expected_time", "expected time", computing(seconds), None, seconds),
-            Finding("contact_area", "contact area", _ranged(self.contact_area, _area)),
+            Finding("contact_area", "contact area", _ranged(solved["contact_area"], _area)),
         ]
         if math.isfinite(scene.hardness):
-            share = 100 * self.plastic_area / self.contact_area
-            whole = 100 * self.plastic_area.sum() / self.contact_area.sum()
+            plastic_area, contact_area = solved["plastic_area"], solved["contact_area"]
+            share = 100 * plastic_area / contact_area
+            whole = 100 * plastic_area.sum() / contact_area.sum()
             says = "stays elastic where solved"
             if whole:
                 range_ = f"{rounded(share.min())} to {rounded(share.max())} %"
                 says = f"yields on {rounded(whole)} % of the contact ({range_})"
             result += [
                 Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
-                Finding("plastic_area", "plastic area", _ranged(self.plastic_area, _area)),
+                Finding("plastic_area", "plastic area", _ranged(plastic_area, _area)),
             ]
-        pressure = _ranged(self.max_pressure, lambda value: si(value, "Pa"))
+        pressure = _ranged(solved["max_pressure"], lambda value: si(value, "Pa"))
         return [*result, Finding("max_pressure", "maximum pressure", pressure)]
 
 
@@ -141,8 +136,8 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     reasons = _left_out(scenes)
     chosen = [k for k, reason in enumerate(reasons) if not reason]
     chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
-    result = [Probe.without(reason) for reason in reasons]
-    bar = progress.bar(POSITIONS * len(chosen), "solving positions")
+    result = [Probe(left_out=reason) for reason in reasons]
+    bar = progress.Bar(POSITIONS * len(chosen), "solving positions")
     with bar, compiling.told(progress.compiling):
         for k in chosen:
             began = time.perf_counter()
@@ -162,7 +157,7 @@ def probe(
     """
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     places = sorted({k * steps // POSITIONS for k in range(POSITIONS)})
-    solved: list[tuple[ContactState, Window, float]] = []
+    solved: list[tuple[float, ...]] = []
     failures: list[str] = []
     with suppress(ContactError):  # the same position fails again below
         _position(contact, 0, half_space)
@@ -173,25 +168,13 @@ def probe(
             failures.append(str(error))
         tell(1)
     tell(POSITIONS - len(places))  # a track may have fewer steps than positions
-    states = [state for state, _, _ in solved]
-    windows = [(window.rows, window.columns) for _, window, _ in solved]
-    return Probe(
-        len(places),
-        np.array([state.contact_area for state in states]),
-        np.array([state.plastic_area for state in states]),
-        np.array([state.max_pressure for state in states]),
-        np.array(windows, np.int64).reshape(-1, 2),
-        np.array([ms for _, _, ms in solved]),
-        tuple(failures),
-    )
+    return Probe(np.array(solved, POSITION), len(places), tuple(failures))
 
 
-def _position(
-    contact: RollingContact, k: int, half_space: HalfSpace
-) -> tuple[ContactState, Window, float]:
+def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[float, ...]:
     """Solve position k from a cold start, and time the warm steps after it with their release.
 
-    Return its state, the window of the last step in cells, and the median time of a step [ms].
+    Return the entries of POSITION; the window is that of the last step.
     """
     states: list[ContactState] = []
     times: list[float] = []
@@ -201,8 +184,10 @@ def _position(
             step_energy(states[-1], state, half_space)
         times.append(time.perf_counter() - began)
         states.append(state)
-    window = states[-1].window.cells(contact.subcells)
-    return states[0], window, 1e3 * float(np.median([b - a for a, b in pairwise(times)]))
+    window, first = states[-1].window.cells(contact.subcells), states[0]
+    step_ms = 1e3 * float(np.median(np.diff(times)))
+    areas = first.contact_area, first.plastic_area, first.max_pressure
+    return (*areas, step_ms, window.rows, window.columns)
 
 
 def _left_out(scenes: Sequence[Scene]) -> list[str]:

@@ -12,7 +12,7 @@ import math
 from acoustics import bands
 from acoustics.numbers import rounded
 from rolling.check import cost, long_steps
-from rolling.check.finding import Finding, rounded_down, rounded_up, si
+from rolling.check.finding import Finding, judged, sentence, si
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import MadeSurface
@@ -102,10 +102,14 @@ def too_coarse(scene: Scene, error: float, source: str) -> str | None:
     """
     if error <= WANTED_DB - MARGIN_DB:
         return None
-    return (
-        f"the grid leaves an error of the release of about {error:.0f} dB of its fluctuation (rms,"
-        f" {source}), {WANTED_DB:g} dB and a margin of {MARGIN_DB:g} dB are wanted:"
-        f" {advice(scene, error + MARGIN_DB)}"
+    return sentence(
+        KEY,
+        "warning",
+        error=error,
+        source=source,
+        wanted=WANTED_DB,
+        margin=MARGIN_DB,
+        advice=advice(scene, error + MARGIN_DB),
     )
 
 
@@ -118,12 +122,8 @@ def advice(scene: Scene, error: float) -> str:
     blended = ""
     if math.isfinite(scene.hardness) and scene.numerics.edges == "sharp":
         blended = "choose numerics.edges: blended, or "
-    if not isinstance(scene.surface, MadeSurface):
-        return f"{blended}a measurement with a spacing of at most {wanted:g} um is needed"
-    return (
-        f"{blended}choose a surface.spacing_um of at most {wanted:g}, or {bands:g} for third"
-        " octaves within 1 dB up to 16 kHz"
-    )
+    kind = "made" if isinstance(scene.surface, MadeSurface) else "measured"
+    return blended + sentence(KEY, kind, wanted=wanted, bands=bands)
 
 
 def spacing(scene: Scene, error: float, goal: float) -> float:
@@ -156,25 +156,18 @@ def _nyquist(scene: Scene) -> Finding:
     """
     motion, duration, step = scene.motion, scene.duration, scene.track.step
     slowest, fastest = motion.slowest(duration), motion.fastest(duration)
-    low, high = (si(speed / (2 * step), "Hz") for speed in (slowest, fastest))
-    wanted, end = 2 * HEARING[1] * step, si(HEARING[1], "Hz")
-    seconds = motion.time_below(wanted, duration)
-    step_um = rounded_down(_usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6)
-    advice = (
-        f"choose a step of at most {step_um} um or a speed of at least {rounded_up(wanted)} m/s"
-    )
+    low, high = slowest / (2 * step), fastest / (2 * step)
+    wanted = 2 * HEARING[1] * step
+    step_um = _usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6
+    numbers = {"hearing": HEARING[1], "step_um": step_um, "wanted": wanted}
     if motion.is_constant(duration):
-        short = f"the simulated band ends at {high} at {fastest:g} m/s, hearing at {end}: {advice}"
-        short_band = fastest < wanted
-        return Finding("nyquist", "simulated Nyquist", high, short if short_band else None)
-    short = (
-        f"for {rounded(100 * seconds / duration, 3)} % of the record ({si(seconds, 's')}) the"
-        f" simulated band ends below {end}, at {low} at the slowest: the bands above hold the sound"
-        f" of the faster stretches alone; {advice} for {100 - 100 * MIN_SHARE:g} % of the record"
-    )
-    short_band = seconds >= MIN_SHARE * duration
-    value = f"{low} to {high}"
-    return Finding("nyquist", "simulated Nyquist", value, short if short_band else None)
+        numbers |= {"end": high, "speed": fastest}
+        return judged("nyquist", si(high, "Hz"), fastest < wanted, **numbers)
+    seconds = motion.time_below(wanted, duration)
+    numbers |= {"percent": 100 * seconds / duration, "slow": seconds, "end": low}
+    doubt = "varying" if seconds >= MIN_SHARE * duration else ""
+    value, share = f"{si(low, 'Hz')} to {si(high, 'Hz')}", 100 - 100 * MIN_SHARE
+    return judged("nyquist", value, doubt, share=share, **numbers)
 
 
 def _usual_speed(scene: Scene, duration: float) -> float:
@@ -197,31 +190,26 @@ def _grid_tone(scene: Scene) -> Finding:
         speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration))
     )
     tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
-    audible = None
-    if motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration:
-        audible = (
-            f"steps below one node sound a tone of the grid at {tone}: choose numerics.step_nodes 1"
-            " or a surface.spacing_um of at most"
-            f" {rounded_down(_usual_speed(scene, duration) / HEARING[1] * 1e6)}"
-        )
-    return Finding("grid_tone", "tone of the grid", tone, audible)
+    audible = motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration
+    spacing_um = _usual_speed(scene, duration) / HEARING[1] * 1e6
+    return judged("grid_tone", tone, audible, tone=tone, spacing_um=spacing_um)
 
 
 def _step_length(scene: Scene) -> Finding:
     """Compare the step with the contact, and state the error of a long step."""
     radius = long_steps.contact_radius(scene)
     radii = scene.track.step / radius
-    warning = None
-    if radii > long_steps.DOUBTFUL_RADII:
-        lost = long_steps.lost_release(radii)
-        warning = (
-            f"a step is {rounded(radii)} contact radii of {si(radius, 'm')}, at most"
-            f" {long_steps.DOUBTFUL_RADII:g} are wanted: the mean release is up to about"
-            f" {rounded(100 * lost)} % low, levels are off by up to"
-            f" {rounded(long_steps.LEVEL_ERROR_DB * radii)} dB; choose a step of at most"
-            f" {rounded_down(long_steps.DOUBTFUL_RADII * radius * 1e6)} um"
-        )
-    return Finding("step_length", "step / contact radius", rounded(radii), warning)
+    return judged(
+        "step_length",
+        rounded(radii),
+        radii > long_steps.DOUBTFUL_RADII,
+        radii=radii,
+        radius=radius,
+        most=long_steps.DOUBTFUL_RADII,
+        percent=100 * long_steps.lost_release(radii),
+        level_db=long_steps.LEVEL_ERROR_DB * radii,
+        step_um=long_steps.DOUBTFUL_RADII * radius * 1e6,
+    )
 
 
 def record(scene: Scene) -> Finding:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from acoustics.numbers import rounded
 from rolling.check import cost, free_sphere, long_steps, vibration
-from rolling.check.finding import Finding, rounded_up, si
+from rolling.check.finding import Finding, judged, sentence, si
 from rolling.check.free_sphere import MAX_CONTACT
 from rolling.check.resolution import HEARING
 from rolling.dynamics import of_scene
@@ -35,44 +35,28 @@ def _near(scene: Scene) -> list[Finding]:
     distance = scene.sound.distance_m
     if distance >= NEAR * scene.radius:
         return []
-    warning = (
-        f"the listener is {rounded(distance, 3)} m away, within {NEAR:g} radii of the sphere, where"
-        " the levels of a small source do not hold: choose a sound.distance_m of at least"
-        f" {rounded_up(NEAR * scene.radius)}"
-    )
-    return [Finding("listener", "listener", si(distance, "m"), warning)]
+    numbers = {"distance": distance, "radii": NEAR, "least": NEAR * scene.radius}
+    return [judged("listener", si(distance, "m"), True, **numbers)]
 
 
 def _half_space(scene: Scene) -> list[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
     slope, share = cost.roughness(scene)[1], long_steps.contact_radius(scene) / scene.radius
-    steep = wide = sharp = None
-    if slope > MAX_SLOPE:
-        advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
-        if scene.sphere.surface is not None:
-            advice += ", of plate or sphere"
-        if isinstance(scene.surface, HeightFile):
-            advice = "filter the shortest wavelengths out of the heights"
-        steep = (
-            f"the rms slope is {rounded(slope)}, a half-space holds up to {MAX_SLOPE:g}: {advice}"
-        )
-    if share > MAX_CONTACT:
-        wide = (
-            f"the contact radius is {rounded(share)} of the sphere's, a half-space holds up to"
-            f" {MAX_CONTACT:g}: lower rolling.load_n or enlarge sphere.radius_mm"
-        )
+    advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
+    if scene.sphere.surface is not None:
+        advice += ", of plate or sphere"
+    if isinstance(scene.surface, HeightFile):
+        advice = "filter the shortest wavelengths out of the heights"
+    steep = {"slope": slope, "most": MAX_SLOPE, "advice": advice}
+    wide = {"share": share, "most": MAX_CONTACT}
     findings = [
-        Finding("slope", "rms slope", rounded(slope), steep),
-        Finding("contact_radius", "contact radius / radius", rounded(share), wide),
+        judged("slope", rounded(slope), slope > MAX_SLOPE, **steep),
+        judged("contact_radius", rounded(share), share > MAX_CONTACT, **wide),
     ]
     if scene.faults:
         slope = max(fault.steepest for fault in scene.faults)
-        if slope > MAX_SLOPE:
-            sharp = (
-                f"the steepest fault has a slope of {rounded(slope)}, a half-space holds up to"
-                f" {MAX_SLOPE:g}: lower its depth_um or enlarge its size_um"
-            )
-        findings.append(Finding("fault_slope", "steepest fault", rounded(slope), sharp))
+        sharp = {"slope": slope, "most": MAX_SLOPE}
+        findings.append(judged("fault_slope", rounded(slope), slope > MAX_SLOPE, **sharp))
     return findings
 
 
@@ -84,26 +68,15 @@ def _bouncing(scene: Scene) -> Finding:
     frequency, speed = cost.bounce_hz(scene), scene.motion.fastest(scene.duration)
     highest = min(HEARING[1], speed / (2 * scene.track.step))
     if not HEARING[0] < frequency < highest:
-        return Finding("resonance", "contact resonance", si(frequency, "Hz"))
+        return judged("resonance", si(frequency, "Hz"), False)
     density, correlation = scene.sphere.density_kg_m3, 0.0
     steel = f"as if of steel, {STEEL_DENSITY:g} kg/m3 (sphere.density_kg_m3)"
     ball = steel if density is None else f"of {density:g} kg/m3"
     if scene.laws:
         correlation = 1e-6 * min(law.lengths_um[0] for law in scene.laws)
     wave = speed / frequency / (of_scene.hertz_radius(scene) + correlation)
-    if wave < FELT:
-        part = "its part is some 30 dB or more below the release"
-    elif wave < DOMINANT:
-        part = "its part is heard: do not trust the bands about that frequency"
-    else:
-        part = (
-            "it is a large part of the sound or most of it: do not trust levels, nor bands from a"
-            " half of that frequency up, or choose a lower rolling.speed_m_s"
-        )
-    warning = (
-        f"a free ball {ball} would bounce on its contact at {si(frequency, 'Hz')}, inside hearing"
-        f" and the simulated band, and the load is held constant here: at"
-        f" {rounded(speed, 3)} m/s {part};"
-        " `dynamics: {}`, with both densities, lets the sphere bounce"
+    part = sentence(
+        "resonance", "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
     )
-    return Finding("resonance", "contact resonance", si(frequency, "Hz"), warning)
+    numbers = {"ball": ball, "frequency": frequency, "speed": speed, "part": part}
+    return judged("resonance", si(frequency, "Hz"), True, **numbers)

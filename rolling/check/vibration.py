@@ -10,15 +10,15 @@ estimate with runs.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from acoustics.radiation import SOUND_M_S
 from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost
-from rolling.check.finding import Finding, computing, rounded_down, rounded_up, si
+from rolling.check.finding import Finding, computing, judged, si
 from rolling.check.resolution import HEARING
 from rolling.dynamics import of_scene
 from rolling.scene.laws import HeightLaw
@@ -64,13 +64,6 @@ def _force(scene: Scene) -> Finding:
         return Finding("force_ratio", "contact force over load", f"not estimated {reason}")
     ratio = rms / scene.load
     low, high = 1 - PEAKS * ratio, 1 + PEAKS * ratio
-    warning = None
-    if low < 0:
-        warning = (
-            f"it fluctuates by about {rounded(ratio)} of the load, and the sphere loses contact:"
-            " impacts need a small step, and more loads are marched; choose a lower"
-            f" rolling.speed_m_s{' or a higher rolling.load_n' * (scene.rolling.load_n != WEIGHT)}"
-        )
     extremes = f"{rounded(max(low, 0), 3)} to {rounded(high, 3)}"
     value = f"about {extremes}, rms {rounded(ratio)} (from the statistics)"
     if scene.faults:
@@ -79,7 +72,8 @@ def _force(scene: Scene) -> Finding:
         scene
     ):
         value += "; short waves may multiply it"
-    return Finding("force_ratio", "contact force over load", value, warning)
+    or_load = " or a higher rolling.load_n" * (scene.rolling.load_n != WEIGHT)
+    return judged("force_ratio", value, low < 0, ratio=ratio, or_load=or_load)
 
 
 def force_rms(scene: Scene) -> float | None:
@@ -132,16 +126,10 @@ def _waves(scene: Scene) -> Finding:
     Shorter waves belong to the grid more than to the surface.
     """
     speed, frequency = scene.motion.fastest(scene.duration), cost.bounce_hz(scene)
-    wave, warning = speed / frequency, None
-    shortest = 1e-6 * min((law.lengths_um[0] for law in scene.laws), default=0.0)
-    if wave < shortest:
-        warning = (
-            f"at {rounded(speed, 3)} m/s they are shorter than the correlation length of"
-            f" {si(shortest, 'm')}, and the grid decides how much of them there is: compare a"
-            " smaller surface.spacing_um, or choose a rolling.speed_m_s of at least"
-            f" {rounded_up(shortest * frequency)}"
-        )
-    return Finding("resonance_wave", "waves that feed the resonance", si(wave, "m"), warning)
+    wave = speed / frequency
+    length = 1e-6 * min((law.lengths_um[0] for law in scene.laws), default=0.0)
+    numbers = {"speed": speed, "length": length, "least": length * frequency}
+    return judged("resonance_wave", si(wave, "m"), wave < length, **numbers)
 
 
 # ---- plate
@@ -149,52 +137,27 @@ def _waves(scene: Scene) -> Finding:
 
 def _half_space(scene: Scene) -> list[Finding]:
     """Judge the distance of the listener from a half-space."""
-    distance, warning = scene.sound.distance_m, None
-    lowest = HALF_SPACE_HZ_M / distance
-    if lowest > HEARING[0]:
-        warning = (
-            "below, the pressure is too high, by 14 dB at 100 Hz and 1 m: give plate.thickness_mm,"
-            " or a larger sound.distance_m"
-        )
-    return [Finding("half_space_sound", "sound of a half-space from", si(lowest, "Hz"), warning)]
+    lowest = HALF_SPACE_HZ_M / scene.sound.distance_m
+    return [judged("half_space_sound", si(lowest, "Hz"), lowest > HEARING[0])]
 
 
 def _bending(scene: Scene) -> list[Finding]:
     """Judge thickness, bending theory and distance of the listener of a plate that bends."""
     plate, distance = of_scene.plate(scene), scene.sound.distance_m
     assert plate is not None  # asked for by the caller
-    radius, thickness_mm = of_scene.hertz_radius(scene), 1e3 * of_scene.thickness_m(scene)
-    share, limit = 1e3 * radius / thickness_mm, of_scene.bending_limit_hz(scene)
+    radius, thickness = of_scene.hertz_radius(scene), of_scene.thickness_m(scene)
+    share, limit = radius / thickness, of_scene.bending_limit_hz(scene)
     near, air = FAR * plate.nearest_m, plate.lowest_hz
-    warnings: dict[str, str] = {}
-    if share > THICK:
-        warnings["contact_thickness"] = (
-            f"the contact is that of a half-space, which holds up to {THICK:g}: choose a"
-            f" plate.thickness_mm of at least {rounded_up(1e3 * radius / THICK)}"
-        )
-    if limit < HEARING[1]:
-        warnings["bending"] = (
-            f"bending waves above are shorter than {of_scene.LEAST_THICKNESSES:g} thicknesses: do"
-            " not trust the bands above, or choose a plate.thickness_mm of at most"
-            f" {rounded_down(thickness_mm * limit / HEARING[1])}"
-        )
-    if distance < near and scene.plate.edges_mm is None:
-        warnings["coincidence"] = (
-            f"the pressure on the axis holds from about {rounded(near)} m for this plate: choose a"
-            f" sound.distance_m of at least {rounded_up(near)}"
-        )
-    if air > LOADED_HZ:
-        warnings["air_load"] = (
-            "the load of the air is left out, and levels there are too high: choose a denser plate"
-            f" or a plate.thickness_mm of at least {rounded_up(thickness_mm * air / LOADED_HZ)}"
-        )
-    rows = [
-        ("air_load", "air loads the plate below", si(air, "Hz")),
-        ("contact_thickness", "contact radius / thickness", rounded(share)),
-        ("bending", "thin-plate theory up to", si(limit, "Hz")),
-        ("coincidence", "coincidence of the plate", si(plate.critical_hz, "Hz")),
+    too_close = distance < near and scene.plate.edges_mm is None
+    thin, thick = 1e3 * thickness * limit / HEARING[1], 1e3 * radius / THICK
+    least, thicknesses = 1e3 * thickness * air / LOADED_HZ, of_scene.LEAST_THICKNESSES
+    doubt, critical = limit < HEARING[1], si(plate.critical_hz, "Hz")
+    return [
+        judged("air_load", si(air, "Hz"), air > LOADED_HZ, least=least),
+        judged("contact_thickness", rounded(share), share > THICK, most=THICK, least=thick),
+        judged("bending", si(limit, "Hz"), doubt, thicknesses=thicknesses, most=thin),
+        judged("coincidence", critical, too_close, near=near),
     ]
-    return [Finding(key, name, value, warnings.get(key)) for key, name, value in rows]
 
 
 def _edges(scene: Scene) -> list[Finding]:
@@ -202,40 +165,27 @@ def _edges(scene: Scene) -> list[Finding]:
     plate = of_scene.rectangular_plate(scene)
     if plate is None:
         return []
-    modes, warning = "none up to 30 kHz", None
-    if len(plate.angular_frequency):
+    modes, count = "none up to 30 kHz", len(plate.angular_frequency)
+    if count:
         lowest = float(plate.angular_frequency[0]) / (2 * math.pi)
         overlap = MODES_HZ / (plate.loss_factor * scene.plate_modes)
         modes = f"{len(plate.orders)} up to 30 kHz from {si(lowest, 'Hz')}"
         if overlap < MODES_HZ:
             modes += f", separate below {si(overlap, 'Hz')}"
-    else:
-        warning = (
-            "bending waves in hearing are longer than the plate, which moves as a stiff block:"
-            " choose a larger plate.length_mm and plate.width_mm, or no plate.thickness_mm"
-        )
     modal = of_scene.smooth_chain(scene).modes
     assert modal is not None  # as there is a plate with edges
-    sag, bent = scene.load * modal.compliance_m_n, None
-    if sag > of_scene.BENT * 1e-3 * (scene.plate.thickness_mm or 0.0):
-        bent = (
-            f"thin-plate theory wants at most {of_scene.BENT:g} of the thickness: choose a lower"
-            " rolling.load_n, or a thicker or smaller plate"
-        )
+    sag, most = scene.load * modal.compliance_m_n, of_scene.BENT
+    bends = sag > most * 1e-3 * (scene.plate.thickness_mm or 0.0)
     ends = [
         f"[{rounded(x, 4)}, {rounded(y, 4)}] mm" for x, y in scene.plate.contact_ends_mm.values()
     ]
     contact = f"fixed at {ends[0]}: seen from the plate the sphere rolls on the spot"
     if len(ends) > 1:
         contact = f"to-and-fro from {ends[0]} to {ends[1]}; its record does not loop"
-    radius = math.sqrt(plate.length_m * plate.width_m / math.pi)
-    small = si(SOUND_M_S / (2 * math.pi * radius), "Hz")
-    edges = f"simply supported in a baffle, without which less is heard below {small}; no room"
     return [
-        Finding("plate_modes", "modes of the plate", modes, warning),
-        Finding("plate_sag", "plate sinks under the load by", si(sag, "m"), bent),
+        judged("plate_modes", modes, not count),
+        judged("plate_sag", si(sag, "m"), bends, most=most),
         Finding("plate_contact", "contact on the plate", contact),
-        Finding("plate_edges", "edges of the plate", edges),
     ]
 
 
@@ -253,15 +203,10 @@ def _marches(scene: Scene) -> list[Finding]:
     if not scene.moves_release:
         return result
     speed, frequency = scene.motion.slowest(scene.duration), cost.bounce_hz(scene)
-    steps, warning = speed / (frequency * scene.step), None
-    if steps < LEAST_STEPS:
-        warning = (
-            f"{rounded(steps)} steps in a period of the resonance, {LEAST_STEPS} are wanted: choose"
-            f" a smaller step or a rolling.speed_m_s of at least"
-            f" {rounded_up(LEAST_STEPS * frequency * scene.step)}"
-        )
+    steps, least = speed / (frequency * scene.step), LEAST_STEPS * frequency * scene.step
     value = f"one more march, {computing(seconds)}, {rounded(steps)} steps in a period"
     if scene.dynamics.release is None:
         value += "; dynamics.release: false leaves it out"
-    name = "release under the moving load"
-    return [*result, Finding(OWN_MARCH, name, value, warning, seconds)]
+    numbers = {"steps": steps, "least": LEAST_STEPS, "speed": least}
+    own = judged(OWN_MARCH, value, steps < LEAST_STEPS, **numbers)
+    return [*result, replace(own, seconds=seconds)]

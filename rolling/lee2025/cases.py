@@ -19,8 +19,7 @@ from acoustics.uncertainty import level_uncertainty
 from acoustics.weighting import a_weighting_db
 from rolling.results.run_result import Run
 from rolling.run.folder import stored_runs
-from rolling.run.solving import solve_folder
-from rolling.run.stored import open_runs
+from rolling.run.solving import open_runs, solve_folder
 from rolling.scene import file
 from rolling.scene.surfaces import Gaussian
 from rolling.surface import scene_surface

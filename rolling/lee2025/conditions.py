@@ -7,7 +7,7 @@ its standard error over the surfaces; with one surface any change counts.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -66,7 +66,7 @@ def label(column: str, value: float) -> str:
     return FORMS[column].format(value)
 
 
-def _pair(roughness: float, load: float) -> str:
+def _place(roughness: float, load: float) -> str:
     """Write a roughness and a load."""
     return f"{label(ROUGHNESS, roughness)}, {label(LOAD, load)}"
 
@@ -99,7 +99,7 @@ def _means(cases: pd.DataFrame, column: str, statistic: str = "mean") -> pd.Data
 
 def monotonic(
     cases: pd.DataFrame, column: str, along: str, across: str, sign: int = 1, by_step: bool = False
-) -> list[Comparison]:
+) -> Iterator[Comparison]:
     """Compare each step of `along` at each value of `across`; every step must rise (or fall).
 
     A place is a value of `across`, or with `by_step` a step. With a sign of -1 the steps must fall.
@@ -112,38 +112,33 @@ def monotonic(
             if step is not None:
                 name = f"{label(along, start)} to {end:g}" if by_step else label(across, held)
                 changes.setdefault(name, []).append(step)
-    return [
-        Comparison(
-            place,
-            all(sign * step.mean > step.margin for step in steps),
-            ", ".join(f"{step.mean:+.3g}" for step in steps),
-        )
-        for place, steps in changes.items()
-    ]
+    for place, steps in changes.items():
+        yield _steps(place, steps, sign)
 
 
-def lowest(cases: pd.DataFrame, column: str, roughness: float) -> list[Comparison]:
+def _steps(place: str, steps: Sequence[Change], sign: int) -> Comparison:
+    """Compare the steps at a place, which must all rise, or fall with a sign of -1."""
+    holds = all(sign * step.mean > step.margin for step in steps)
+    return Comparison(place, holds, ", ".join(f"{step.mean:+.3g}" for step in steps))
+
+
+def lowest(cases: pd.DataFrame, column: str, roughness: float) -> Iterator[Comparison]:
     """Compare one roughness with all others at each load; the column must be lowest there."""
-    comparisons = []
     for load, group in cases.groupby(LOAD):
         others = sorted(set(group[ROUGHNESS]) - {roughness})
         changes = [change(group, column, {ROUGHNESS: ra}, {ROUGHNESS: roughness}) for ra in others]
         steps = [step for step in changes if step is not None]
         if steps:
-            measured = ", ".join(f"{step.mean:+.3g}" for step in steps)
-            holds = all(step.mean < -step.margin for step in steps)
-            comparisons.append(Comparison(label(LOAD, load), holds, measured))
-    return comparisons
+            yield _steps(label(LOAD, load), steps, -1)
 
 
 def loudest(
     cases: pd.DataFrame, column: str, roughness: float, loads: Sequence[float]
-) -> list[Comparison]:
+) -> Iterator[Comparison]:
     """Compare the means of all roughnesses; one must be highest, or nearly so at some loads.
 
     It is nearly highest if the lead of the highest does not exceed its margin.
     """
-    comparisons = []
     means = _means(cases, column)
     for load in means.columns.intersection(list(loads)):
         known = means[load].dropna()
@@ -154,8 +149,7 @@ def loudest(
         lead = change(group, column, {ROUGHNESS: roughness}, {ROUGHNESS: first})
         near = lead is not None and lead.mean <= lead.margin
         measured = f"{label(ROUGHNESS, first)} leads by {known[first] - known[roughness]:.1f} dB"
-        comparisons.append(Comparison(label(LOAD, load), first == roughness, measured, near))
-    return comparisons
+        yield Comparison(label(LOAD, load), first == roughness, measured, near)
 
 
 # ---- bounds
@@ -167,7 +161,7 @@ def bounded(
     """Compare a statistic over the surfaces with bounds at each roughness and load."""
     values = _means(cases, column, statistic).stack()
     return [
-        Comparison(_pair(roughness, load), low < value < high, rounded(value, 3))
+        Comparison(_place(roughness, load), low < value < high, rounded(value, 3))
         for (roughness, load), value in values.items()
     ]
 
@@ -184,21 +178,19 @@ def ratio(
     ]
 
 
-def exceeds(cases: pd.DataFrame, column: str, level_db: float) -> list[Comparison]:
+def exceeds(cases: pd.DataFrame, column: str, level_db: float) -> Iterator[Comparison]:
     """Compare the highest level of each roughness with a bound, for any length of the record.
 
     It holds if a record ten times as long exceeds the bound, too, and nearly holds if one a tenth
     as long does.
     """
     duration = float(cases["duration_s"].max())
-    comparisons = []
     for roughness, highest in _means(cases, column).max(axis=1).dropna().items():
         beyond = highest - level_db
         turns = duration * 10 ** (beyond / LG_LENGTH_DB)
         measured = f"{highest:.1f} dB in {duration:g} s, at the bound in {rounded(turns)} s"
         holds, near = beyond > LG_LENGTH_DB, beyond > -LG_LENGTH_DB
-        comparisons.append(Comparison(label(ROUGHNESS, roughness), holds, measured, near))
-    return comparisons
+        yield Comparison(label(ROUGHNESS, roughness), holds, measured, near)
 
 
 def mean_change(
@@ -209,14 +201,13 @@ def mean_change(
     ends: Sequence[float],
     bounds: tuple[float, float],
     any_is_near: bool = False,
-) -> list[Comparison]:
+) -> Iterator[Comparison]:
     """Compare changes of a level along one axis, averaged over the other axis, with bounds.
 
     With `any_is_near`, a change within the bounds anywhere on the other axis nearly holds.
     """
     across = LOAD if along == ROUGHNESS else ROUGHNESS
     low, high = bounds
-    comparisons = []
     for end in ends:
         steps = [
             change(group, column, {along: start}, {along: end})
@@ -228,15 +219,13 @@ def mean_change(
             near = any_is_near and any(low <= step <= high for step in known)
             measured = f"{mean:+.1f} dB ({', '.join(f'{step:+.1f}' for step in known)})"
             place = f"{label(along, start)} to {end:g}"
-            comparisons.append(Comparison(place, low <= mean <= high, measured, near))
-    return comparisons
+            yield Comparison(place, low <= mean <= high, measured, near)
 
 
 def flattens(
     cases: pd.DataFrame, column: str, start: float, knee: float, end: float, share: float
-) -> list[Comparison]:
+) -> Iterator[Comparison]:
     """Compare the rise per doubling of the load beyond a knee with a share of the rise before."""
-    comparisons = []
     for roughness, group in cases.groupby(ROUGHNESS):
         before = change(group, column, {LOAD: start}, {LOAD: knee})
         beyond = change(group, column, {LOAD: knee}, {LOAD: end})
@@ -246,8 +235,7 @@ def flattens(
         flat = beyond.mean / math.log2(end / knee)
         measured = f"{flat:+.1f} dB per doubling after {slope:+.1f} dB"
         holds = slope > 0 and flat <= share * slope
-        comparisons.append(Comparison(label(ROUGHNESS, roughness), holds, measured))
-    return comparisons
+        yield Comparison(label(ROUGHNESS, roughness), holds, measured)
 
 
 def stands_apart(cases: pd.DataFrame, column: str, low: float, high: float) -> list[Comparison]:
@@ -278,27 +266,29 @@ def within(cases: pd.DataFrame, column: str, span_db: float) -> list[Comparison]
 # ---- twins without hardness
 
 
-def less_than_twin(cases: pd.DataFrame, column: str) -> list[Comparison]:
-    """Compare the column with its twin without hardness; it must be lower on every surface."""
+def _pairs(cases: pd.DataFrame, column: str) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yield the cases with a twin by roughness and load."""
     pairs = cases.dropna(subset=[column, f"{column}_elastic"])
-    comparisons = []
     for (roughness, load), group in pairs.groupby([ROUGHNESS, LOAD]):
+        yield _place(roughness, load), group
+
+
+def less_than_twin(cases: pd.DataFrame, column: str) -> Iterator[Comparison]:
+    """Compare the column with its twin without hardness; it must be lower on every surface."""
+    for place, group in _pairs(cases, column):
         ratios = group[column] / group[f"{column}_elastic"]
         measured = f"{ratios.mean():.3f} of the twin"
-        comparisons.append(Comparison(_pair(roughness, load), bool((ratios < 1).all()), measured))
-    return comparisons
+        yield Comparison(place, bool((ratios < 1).all()), measured)
 
 
-def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> list[Comparison]:
+def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> Iterator[Comparison]:
     """Compare level and third octaves with the twin without hardness.
 
     The level must rise by more than twice the uncertainty of the difference. Unless `louder`, it
     may fall as well, or a third of the resolved third octaves may differ in its place.
     """
-    pairs = cases.dropna(subset=[column, f"{column}_elastic"])
     error = column.replace("_db", "_uncertainty_db")
-    comparisons = []
-    for (roughness, load), group in pairs.groupby([ROUGHNESS, LOAD]):
+    for place, group in _pairs(cases, column):
         step = float((group[column] - group[f"{column}_elastic"]).mean())
         square = (group[[error, f"{error}_elastic"]] ** 2).to_numpy().sum()
         margin = 2 * math.sqrt(square) / len(group)
@@ -308,8 +298,7 @@ def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> list[Comparis
             beyond = _bands_beside_twin(group)
             holds = abs(step) > margin or (len(beyond) > 0 and beyond.mean() >= LEAST_SHARE)
             measured += f", {beyond.sum()} of {len(beyond)} third octaves"
-        comparisons.append(Comparison(_pair(roughness, load), bool(holds), measured))
-    return comparisons
+        yield Comparison(place, bool(holds), measured)
 
 
 def _bands_beside_twin(group: pd.DataFrame) -> np.ndarray:

@@ -10,7 +10,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from acoustics.arrays import Array
 from acoustics.plot_style import look_of
 from acoustics.plots import Lines, level_limits, spectrum
 from rolling.check.validity import MAX_SLOPE
@@ -103,26 +102,20 @@ def spectra(ax: Axes, cases: pd.DataFrame, by: str, limits_db: tuple[float, floa
     return ax
 
 
-def sheet(ax: Any, cell_um: float, values: Array, quantity: str, colours: str) -> Any:
-    """Draw a map of heights, pressure or deflection as a surface in three dimensions."""
-    grid = np.indices(values.shape) * cell_um
-    ax.plot_surface(*grid, values, rcount=CELLS, ccount=CELLS, cmap=colours)
-    ax.set_xlabel("along [µm]", fontsize="small")
-    ax.set_ylabel("across [µm]", fontsize="small")
-    ax.set_zlabel(quantity, fontsize="small")
-    return ax
-
-
 def _map_figure(reading: str, maps: dict[str, Maps], quantity: str, colours: str) -> Figure | None:
-    """Draw the maps of a quantity, on the vertical scale of all readings; None without any."""
+    """Draw the maps of a quantity in space, on the vertical scale of all readings; None without."""
     drawn = [sheets[key][1] for sheets in maps.values() for key in sheets if key[0] == quantity]
     shown = {key: values for key, values in sorted(maps[reading].items()) if key[0] == quantity}
     if not shown:
         return None
     limits = min(values.min() for values in drawn), max(values.max() for values in drawn)
     figure, axes = _blank(reading, len(shown), "3d")
-    for ax, ((_, roughness, load), values) in zip(axes, shown.items(), strict=True):
-        sheet(ax, *values, quantity, colours)
+    for ax, ((_, roughness, load), (cell_um, values)) in zip(axes, shown.items(), strict=True):
+        grid = np.indices(values.shape) * cell_um
+        ax.plot_surface(*grid, values, rcount=CELLS, ccount=CELLS, cmap=colours)
+        ax.set_xlabel("along [µm]", fontsize="small")
+        ax.set_ylabel("across [µm]", fontsize="small")
+        ax.set_zlabel(quantity, fontsize="small")
         ax.set_zlim(*(limits[::-1] if quantity.startswith("deflection") else limits))
         under = "" if quantity.startswith("height") else f", {label(LOAD, load)}"
         ax.set_title(f"{label(ROUGHNESS, roughness)}{under}", fontsize="small")

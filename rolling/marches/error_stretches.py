@@ -16,21 +16,13 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.check import error_cost
-from rolling.check.error_cost import DETAIL, LEVELS, Layout
+from rolling.check.error_cost import DETAIL, LEVELS
 from rolling.marches.piece import Piece
 from rolling.marches.result import ErrorStretches, Result
 from rolling.scene.scene import Scene
 from rolling.sound import error_estimate
 from rolling.sound.error_estimate import BandPowers, StretchSignals
 from rolling.sound.radiators import roughness_gain
-from rolling.surface.scene_surface import has_detail
-
-
-def stretch_layout(scene: Scene) -> Layout | None:
-    """Return the stretches that the estimate of a scene asks for, or None."""
-    if not scene.numerics.error_estimate or scene.is_smooth:
-        return None
-    return error_cost.layout(scene)
 
 
 def stretch_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> list[Piece]:
@@ -39,14 +31,14 @@ def stretch_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) ->
     `piece` makes a piece from its kind, first and last position, cost of a step in steps of the
     run, and level.
     """
-    layout = stretch_layout(scene)
+    layout = error_cost.layout(scene)
     if layout is None or not result.complete:
         return []
     stretches = result.stretches
     known = stretches.marches if stretches and stretches.steps == layout.steps else {}
     return [
         piece("error", first, first + layout.steps, scale, level=level)
-        for first, level in layout.marches(has_detail(scene))
+        for first, level in layout.marches
         if (first, level) not in known
         for scale in [error_cost.level_cost(scene, level)]
     ]
@@ -54,20 +46,20 @@ def stretch_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) ->
 
 def own_stretches(scene: Scene, result: Result) -> ErrorStretches | None:
     """Return the marches of stretches that a run needs, without those of another run."""
-    layout, stretches = stretch_layout(scene), result.stretches
+    layout, stretches = error_cost.layout(scene), result.stretches
     if layout is None or stretches is None or stretches.steps != layout.steps:
         return None
     known = stretches.marches
-    wanted = [key for key in layout.marches(has_detail(scene)) if key in known]
+    wanted = [key for key in layout.marches if key in known]
     return replace(stretches, marches={key: known[key] for key in wanted})
 
 
 def stretch_firsts(scene: Scene, result: Result) -> tuple[int, ...]:
     """Return the first positions of a run's stretches; none where they are missing or failed."""
-    layout, stretches = stretch_layout(scene), result.stretches
+    layout, stretches = error_cost.layout(scene), result.stretches
     if layout is None or stretches is None or stretches.fault or stretches.steps != layout.steps:
         return ()
-    complete = set(layout.marches(has_detail(scene))) <= set(stretches.marches)
+    complete = set(layout.marches) <= set(stretches.marches)
     return layout.firsts if complete else ()
 
 

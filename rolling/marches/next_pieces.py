@@ -45,11 +45,12 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
         moving = result.moving
         pieces += [piece("moving", *ends, forces=moving.force) for ends in moving.missing()]
     if film and not pieces:
-        stretch = film_stretch(scene, result)
-        if stretch is None:
+        positions, film_so_far = film_stretch(scene, result), result.slow_motion
+        if positions is None:
             result.slow_motion = None
-        elif not stretch.is_shown(result.slow_motion):
-            pieces = [piece("film", stretch.first, stretch.last, stride=stretch.stride)]
+        # A film without a map is of a stretch that could not be solved again.
+        elif film_so_far is None or [*film_so_far.positions] not in ([], [*positions]):
+            pieces = [piece("film", positions[0], positions[-1], stride=positions.step)]
     return pieces
 
 

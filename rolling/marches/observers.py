@@ -91,11 +91,10 @@ class SlowMotion:
     first, stride : int. Position of the first map, and positions from one map to the next.
     along, across : float, m. Plate coordinates of the corner of the first cell.
     cell : float, m. Side of a square cell.
-    pressure : (maps, along, across) array of bytes. Mean pressure of cells over `pressure_unit`.
-    pressure_unit : float, Pa.
+    pressure_unit, release_unit : float, Pa and J. Units of the maps.
+    pressure : (maps, along, across) array of bytes. Mean pressure of cells.
     release : (maps, along, across) array of 16-bit integers. Energy that each cell has released
-        since the map before, over `release_unit`.
-    release_unit : float, J.
+        since the map before.
     """
 
     __repr__ = short_repr
@@ -105,10 +104,10 @@ class SlowMotion:
     along: float
     across: float
     cell: float
-    pressure: NDArray[np.uint8]
     pressure_unit: float
-    release: NDArray[np.uint16]
     release_unit: float
+    pressure: NDArray[np.uint8]
+    release: NDArray[np.uint16]
 
     @property
     def positions(self) -> NDArray[np.int64]:
@@ -120,7 +119,8 @@ class SlowMotion:
     def none(cls) -> SlowMotion:
         """Return a slow motion without a map, of a stretch that could not be solved again."""
         empty = np.zeros((0, 0, 0))
-        return cls(0, 1, 0.0, 0.0, 1.0, empty.astype(np.uint8), 1.0, empty.astype(np.uint16), 1.0)
+        maps = empty.astype(np.uint8), empty.astype(np.uint16)
+        return cls(0, 1, 0.0, 0.0, 1.0, 1.0, 1.0, *maps)
 
 
 # ---- series and events
@@ -154,7 +154,7 @@ class Series:
 def _columns(names: tuple[str, ...], rows: list[tuple[float, ...]]) -> dict[str, Array]:
     """Return the columns of a table of rows by name."""
     table = np.array(rows, dtype=np.float64).reshape(len(rows), len(names))
-    return {name: table[:, k].copy() for k, name in enumerate(names)}
+    return dict(zip(names, table.T.copy(), strict=True))
 
 
 class Events:
@@ -207,17 +207,10 @@ class Maps:
             self._snapshot = _snapshot(state, self._contact)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return places and flat pressures of the maps, and the snapshot."""
-        maps = self._maps
-        places = [(m.distance, m.along, m.across, m.cell) for m in maps]
-        shapes = [m.pressure.shape for m in maps]
-        flat = [m.pressure.ravel() for m in maps]
-        return self._snapshot | {
-            "map_position": np.array([m.position for m in maps], dtype=np.int64),
-            "map_place": np.array(places, dtype=np.float64).reshape(-1, 4),
-            "map_shape": np.array(shapes, dtype=np.int64).reshape(-1, 2),
-            "map_pressure": np.concatenate([np.empty(0, np.float32), *flat]),
-        }
+        """Return places and pressures of the maps, and the snapshot."""
+        places = [(m.position, m.distance, m.along, m.across, m.cell) for m in self._maps]
+        pressures = {f"map_{m.position}": m.pressure for m in self._maps}
+        return self._snapshot | {"map_places": np.array(places).reshape(-1, 5)} | pressures
 
 
 def _pressure_map(state: ContactState, contact: RollingContact) -> PressureMap:
@@ -258,13 +251,10 @@ def snapshot_of(arrays: dict[str, NDArray[Any]]) -> Snapshot | None:
 
 def maps_of(arrays: dict[str, NDArray[Any]]) -> dict[int, PressureMap]:
     """Return the pressure maps in the arrays of a piece by position."""
-    positions, places, shapes = (arrays[f"map_{name}"] for name in ("position", "place", "shape"))
-    flat = np.split(arrays["map_pressure"], np.cumsum(shapes.prod(axis=1)))
     maps = {}
-    for k, position in enumerate(positions.tolist()):
-        distance, along, across, cell = places[k].tolist()
-        pressure = flat[k].reshape(shapes[k])
-        maps[position] = PressureMap(position, distance, along, across, cell, pressure)
+    for position, distance, along, across, cell in arrays["map_places"].tolist():
+        number, pressure = int(position), arrays[f"map_{position:.0f}"]
+        maps[number] = PressureMap(number, distance, along, across, cell, pressure)
     return maps
 
 
@@ -320,18 +310,11 @@ class Film:
         small, pressure_unit = _packed(pressure, np.uint8)
         lit, release_unit = _packed(release, np.uint16)
         spacing = self._contact.cell_spacing
+        place = (whole.row - 0.5) * spacing, (whole.column - 0.5) * spacing, nodes * spacing
         return {
             "film_pressure": small,
             "film_release": lit,
-            "film_place": np.array(
-                [
-                    (whole.row - 0.5) * spacing,
-                    (whole.column - 0.5) * spacing,
-                    nodes * spacing,
-                    pressure_unit,
-                    release_unit,
-                ]
-            ),
+            "film_place": np.array([*place, pressure_unit, release_unit]),
         }
 
 
@@ -345,7 +328,5 @@ def _packed(values: Array, kind: type[np.unsignedinteger]) -> tuple[NDArray[Any]
 def slow_motion_of(first: int, stride: int, arrays: dict[str, NDArray[Any]]) -> SlowMotion:
     """Return the slow motion in the arrays of a film from a position on."""
     along, across, cell, pressure_unit, release_unit = arrays["film_place"].tolist()
-    pressure, release = arrays["film_pressure"], arrays["film_release"]
-    return SlowMotion(
-        first, stride, along, across, cell, pressure, pressure_unit, release, release_unit
-    )
+    units, maps = (pressure_unit, release_unit), (arrays["film_pressure"], arrays["film_release"])
+    return SlowMotion(first, stride, along, across, cell, *units, *maps)

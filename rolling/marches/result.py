@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Container
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -61,7 +63,9 @@ class LoadMarches:
     judging: dict[float, Array] = field(default_factory=dict)
     faults: dict[float, str] = field(default_factory=dict)
     seconds: float = 0.0
-    _failures: dict[float, dict[int, str]] = field(default_factory=dict, repr=False)
+    _failures: dict[float, dict[int, str]] = field(
+        default_factory=lambda: defaultdict(dict), repr=False
+    )
 
     @property
     def fault(self) -> str:
@@ -75,13 +79,8 @@ class LoadMarches:
         """Return first and last position of the pieces that a load [N] lacks."""
         if load in self.faults:
             return []
-        failures, approach = self._failures.get(load, {}), self.approach.get(load)
-        return [
-            (first, last)
-            for first, last in track_pieces(self.steps)
-            if first not in failures
-            and (approach is None or np.isnan(approach[first + 1 : last + 1]).any())
-        ]
+        approach = self.approach.get(load, np.full(self.steps + 1, np.nan))
+        return _lacking(approach[1:], self._failures[load])
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add a piece; a load with a failed piece is dropped when its other pieces are there.
@@ -101,9 +100,8 @@ class LoadMarches:
             whole = self.approach.setdefault(load, np.full(self.steps + 1, np.nan))
             _fill_states(whole, piece, arrays["approach"])
         else:
-            self._failures.setdefault(load, {})[piece.first] = str(fault)
-        failures = self._failures.get(load)
-        if failures and not self.missing(load):
+            self._failures[load][piece.first] = str(fault)
+        if (failures := self._failures[load]) and not self.missing(load):
             self.faults[load] = failures[min(failures)]
             self.approach.pop(load, None)
 
@@ -153,11 +151,7 @@ class MovingRelease:
 
     def missing(self) -> list[tuple[int, int]]:
         """Return first and last position of the pieces that the march lacks."""
-        if self.fault:
-            return []
-        unknown = np.isnan(self.steps["release_energy"])
-        pieces = track_pieces(len(unknown))
-        return [(a, b) for a, b in pieces if a not in self._failures and unknown[a:b].any()]
+        return [] if self.fault else _lacking(self.steps["release_energy"], self._failures)
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add a piece; the first piece that failed is the fault of the march when all are there."""
@@ -325,13 +319,12 @@ class Result:
 
     def missing(self) -> list[tuple[int, int]]:
         """Return first and last position of the pieces of the track that are not solved yet."""
-        unknown = np.isnan(self.series["release_energy"])
-        return [(a, b) for a, b in track_pieces(self.solved_steps) if unknown[a:b].any()]
+        return _lacking(self.series["release_energy"], ())
 
     @property
     def complete(self) -> bool:
         """Whether all steps of the track are solved."""
-        return not np.isnan(self.series["release_energy"]).any()
+        return not self.missing()
 
     def whole(self, name: str) -> Array:
         """Return a series of the whole run with repeated laps."""
@@ -349,6 +342,13 @@ class Result:
         if self.complete:  # it is joined only once
             self.event_pieces = {0: table}
         return table
+
+
+def _lacking(values: Array, failed: Container[int]) -> list[tuple[int, int]]:
+    """Return first and last position of the pieces of unknown steps, but for those that failed."""
+    unknown = np.isnan(values)
+    pieces = track_pieces(len(values))
+    return [(a, b) for a, b in pieces if a not in failed and unknown[a:b].any()]
 
 
 def _fill_states(whole: Array, piece: Piece, values: Array) -> None:

@@ -8,14 +8,12 @@ load. It is marched under the load of the scene, at a few percent of the run's c
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from acoustics.arrays import Array
 from rolling.contact.solver import ContactError
 from rolling.marches.force_law import law_motion
-from rolling.marches.observers import SlowMotion
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 
@@ -27,28 +25,8 @@ FROM, TO = 2e-6, 4e-6  # [m] from one map to the next, unless a step is longer
 FEWEST, MOST = 30, 150  # maps
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """Positions that are marched again.
-
-    first, last : int. First and last position.
-    stride : int. Positions from one map to the next.
-    """
-
-    first: int
-    last: int
-    stride: int
-
-    def is_shown(self, film: SlowMotion | None) -> bool:
-        """Return whether a slow motion shows the stretch, or has no map because it failed."""
-        positions = range(self.first, self.last + 1, self.stride)
-        return film is not None and (
-            not len(film.positions) or film.positions.tolist() == [*positions]
-        )
-
-
-def film_stretch(scene: Scene, result: Result) -> Stretch | None:
-    """Choose the stretch around the loudest event of a complete result.
+def film_stretch(scene: Scene, result: Result) -> range | None:
+    """Choose the positions of the maps around the loudest event of a complete result.
 
     Return None for a smooth surface, which has no events, and for a run that is too short.
     """
@@ -69,7 +47,7 @@ def film_stretch(scene: Scene, result: Result) -> Stretch | None:
         return None
     length = (maps - 1) * stride
     first = min(max(0, position - length // 2), result.solved_steps - length)
-    return Stretch(first, first + length, stride)
+    return range(first, first + length + 1, stride)
 
 
 def _largest_departure(scene: Scene, result: Result) -> tuple[int, float]:

@@ -92,8 +92,8 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     scenes = (run.scene for run in scene.runs())
     if all(part.is_smooth and part.rolling.drop_mm is None for part in scenes):
         return f"It runs, in {computing(findings.seconds)}; a smooth surface is silent."
-    runs = zip(scene.runs(), findings.runs, strict=True)
-    words = [expected(run.scene, checked.findings) for run, checked in runs]
+    runs = zip(scene.runs(), findings.runs.values(), strict=True)
+    words = [expected(run.scene, of_run) for run, of_run in runs]
     word, reason = max(words, key=lambda pair: WORDS.index(pair[0]))
     best = "" if word == DO_NOT_QUOTE else "at best "
     place = "" if len(words) == 1 else " of the worst run"

@@ -104,6 +104,26 @@ def stored_runs(folder: Path) -> list[RunFolder]:
     return runs_in(folder, stored_scene(folder))
 
 
+def done_runs(folder: Path) -> list[RunFolder]:
+    """Return the runs of a run folder; raise FolderError for a run that is not done."""
+    runs = stored_runs(folder)
+    for run in runs:
+        if not run.is_done:
+            raise FolderError(f"{run.folder}: not done; the same `rolling run` goes on with it")
+    return runs
+
+
+def done_run(folder: Path, act: str) -> RunFolder:
+    """Return the only run of a run folder; raise FolderError where it is not done, or not alone."""
+    runs = stored_runs(folder)
+    if len(runs) > 1:
+        names = ", ".join(run.folder.name for run in runs[:3])
+        raise FolderError(
+            f"{folder}: holds {len(runs)} runs; {act} one of the folders in it ({names}, ...)"
+        )
+    return done_runs(folder)[0]
+
+
 def stored_scene(folder: Path) -> Scene:
     """Read the scene of a run folder.
 

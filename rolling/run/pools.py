@@ -1,6 +1,6 @@
 """Places where tasks are done: this process, processes of this machine, workers of a cluster.
 
-Each pool is a context with `slots`, the number of tasks that it takes at a time, and `submit`.
+Each pool is a context, to which `submit` hands tasks.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, Self, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 from urllib.parse import urlsplit
 
 from rolling.check import cost
@@ -56,15 +56,17 @@ class Task:
         return 0.0 if self.piece is None else self.piece.cost
 
 
-class Pool(Protocol):
-    """Place where tasks are done, used as a context."""
+class Pool(ExitStack):
+    """Place where tasks are done, used as a context.
 
-    @property
-    def slots(self) -> int:
-        """The number of tasks that may be in hand at the same time."""
+    slots : int. Number of tasks that may be in hand at the same time.
+    """
+
+    slots = 1
 
     def submit(self, task: Task) -> Future[Any]:
         """Hand out a task."""
+        raise NotImplementedError
 
     def rebuild(self) -> None:
         """Replace processes that broke."""
@@ -73,29 +75,18 @@ class Pool(Protocol):
         """Pass on messages of the workers."""
 
     def reason(self, error: Exception) -> str:
-        """Return the reason why a task failed, or raise its error."""
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(self, *error: object) -> None: ...
+        """Return the reason why a task failed, or raise its error, which is none of the physics."""
+        raise error
 
 
-class ThisProcess:
+class ThisProcess(Pool):
     """Pool that does each task at once in this process."""
-
-    slots = 1
-
-    def __init__(self) -> None:
-        self._stack = ExitStack()
 
     def __enter__(self) -> Self:
         from rolling.contact import compiling
 
-        self._stack.enter_context(compiling.told(progress.compiling))
+        self.enter_context(compiling.told(progress.compiling))
         return self
-
-    def __exit__(self, *error: object) -> None:
-        self._stack.close()
 
     def submit(self, task: Task) -> Future[Any]:
         """Do a task and return its completed future."""
@@ -105,16 +96,6 @@ class ThisProcess:
         except Exception as error:
             future.set_exception(error)
         return future
-
-    def rebuild(self) -> None:
-        """Do nothing: this process is whole."""
-
-    def look(self) -> None:
-        """Do nothing: this process speaks itself."""
-
-    def reason(self, error: Exception) -> str:
-        """Raise the error, which is none of the physics."""
-        raise error
 
 
 @contextmanager
@@ -132,19 +113,20 @@ def _worker_environment() -> Iterator[None]:
                 os.environ[name] = value
 
 
-class LocalPool:
+class LocalPool(Pool):
     """Pool of processes of this machine that end with this process.
 
     The processes do not import the main module, so scripts need no `__main__` guard.
     """
 
     def __init__(self, workers: int) -> None:
+        super().__init__()
         self._workers, self.slots = workers, 2 * workers
-        self._stack = ExitStack()
 
     def __enter__(self) -> Self:
-        self._stack.enter_context(_worker_environment())
+        self.enter_context(_worker_environment())
         self._start()
+        self.callback(self._stop)
         return self
 
     def _start(self) -> None:
@@ -160,9 +142,8 @@ class LocalPool:
             initargs=(os.getpid(), self._compiles),
         )
 
-    def __exit__(self, *error: object) -> None:
+    def _stop(self) -> None:
         self._pool.shutdown(wait=True, kill_workers=True)
-        self._stack.close()
 
     def submit(self, task: Task) -> Future[Any]:
         """Hand a task to a process."""
@@ -171,17 +152,13 @@ class LocalPool:
 
     def rebuild(self) -> None:
         """Start new processes in place of a pool that broke."""
-        self._pool.shutdown(wait=True, kill_workers=True)
+        self._stop()
         self._start()
 
     def look(self) -> None:
         """Say once that a process compiles."""
         if self._compiles.is_set():
             progress.compiling()
-
-    def reason(self, error: Exception) -> str:
-        """Raise the error, which is none of the physics."""
-        raise error
 
 
 def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
@@ -208,15 +185,15 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
     return LocalPool(workers)
 
 
-class Cluster:
+class Cluster(Pool):
     """Pool of the workers of a Dask scheduler, which share the run folder with this process.
 
     address : str. Address of the scheduler, or the name of its scheduler file.
     """
 
     def __init__(self, address: str) -> None:
+        super().__init__()
         self.address = address
-        self._counted, self._workers = 0.0, 1
 
     def __enter__(self) -> Self:
         """Connect to the scheduler.
@@ -236,19 +213,19 @@ class Cluster:
         dask: Any = distributed
         self._client = dask.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
         self._executor = self._client.get_executor(pure=False)
+        self.callback(self._leave)
         try:
             self._refuse_other_programs()
         except BaseException:
-            self._client.close(timeout=2)
+            self.close()
             raise
+        self._count()
         return self
 
-    def __exit__(self, *error: object) -> None:
-        try:
+    def _leave(self) -> None:
+        with suppress(Exception):  # a scheduler that is gone cannot be told
             self._executor.shutdown(wait=False, cancel_futures=True)
             self._client.close(timeout=2)
-        except Exception:  # a scheduler that is gone cannot be told
-            return
 
     def _refuse_other_programs(self) -> None:
         own = program.identity()
@@ -258,13 +235,10 @@ class Cluster:
             lines = "\n".join(others) or "  it has no worker"
             raise SceneError([f"--cluster: {self.address}: all workers must run {own}\n{lines}"])
 
-    @property
-    def slots(self) -> int:
-        """Twice the number of workers."""
-        if time.monotonic() - self._counted > COUNT_SECONDS and self._client.status == "running":
-            self._workers = len(self._client.scheduler_info(n_workers=-1)["workers"])
-            self._counted = time.monotonic()
-        return 2 * max(1, self._workers)
+    def _count(self) -> None:
+        """Count the workers, of which each has two slots."""
+        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        self.slots, self._counted = 2 * max(1, len(workers)), time.monotonic()
 
     def submit(self, task: Task) -> Future[Any]:
         """Hand a task to the scheduler, which gives it to another worker if one is killed."""
@@ -274,16 +248,14 @@ class Cluster:
 
     def rebuild(self) -> None:
         """Raise ConnectionError: a scheduler cannot be replaced from here."""
-        raise self.gone()
+        raise ConnectionError(f"the scheduler at {self.address} is gone")
 
     def look(self) -> None:
-        """Raise ConnectionError when the scheduler is gone."""
+        """Count the workers now and then; raise ConnectionError when the scheduler is gone."""
         if self._client.status == "closed":
-            raise self.gone()
-
-    def gone(self) -> ConnectionError:
-        """Return the error of a lost scheduler."""
-        return ConnectionError(f"the scheduler at {self.address} is gone")
+            self.rebuild()
+        if self._client.status == "running" and time.monotonic() - self._counted > COUNT_SECONDS:
+            self._count()
 
     def reason(self, error: Exception) -> str:
         """Return the reason why a task failed on its workers, or raise its error."""

@@ -1,4 +1,4 @@
-"""Solve the runs that a folder lacks, and write the files of each run."""
+"""Solve the runs that a folder lacks, write the files of each run, and read them again."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from rolling.check import refusals
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import labels, result_file
+from rolling.results.run_files import read_run
+from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.run.executor import RunLoop
@@ -25,14 +27,10 @@ from rolling.terminal.files import FolderError
 Derive = Callable[[Path, Sequence[RunFolder]], object]
 
 
-def derive_nothing(folder: Path, runs: Sequence[RunFolder]) -> None:
-    """Write no files beside those of the runs."""
-
-
 def solve_folder(
     scene: Scene,
     folder: Path,
-    derive: Derive = derive_nothing,
+    derive: Derive | None = None,
     *,
     sources: Sequence[RunFolder] = (),
     part: Part | None = None,
@@ -46,6 +44,7 @@ def solve_folder(
     scene : Scene. A scene with or without a sweep.
     folder : Path. Its run folder, which may exist.
     derive : callable. It receives folder and runs at the end, to write tables, figures and page.
+        Default: none.
     sources : sequence of RunFolder. Runs elsewhere that are done, whose marches are taken.
     part, workers, cluster : as in `rolling.commands.run_scene`.
 
@@ -75,9 +74,9 @@ def solve_folder(
             runs = folders.runs_in(folder, scene)
             own = runs_of_part(runs, part)
             failures = _solve(folder, runs, own, sources, workers, pool)
-            if part is None:
+            if derive and part is None:
                 derive(folder, runs)
-    if part is not None:
+    if derive and part is not None:
         _derive_after_parts(folder, runs, derive)
     return failures
 
@@ -154,7 +153,7 @@ def _solve(
     way_on = f"finished pieces are kept in {folder}; the same command goes on"
     pieces = folder / folders.PIECES
     film = len(runs) <= defaults.MOST_RUNS_ON_PAGE
-    with progress.bar(0.0, scenes[0].name) as bar:
+    with progress.Bar(0.0, scenes[0].name) as bar:
         loop = RunLoop(scenes, start, finish, finished, pieces, film, bar)
         try:
             with nullcontext(pool) if pool else local_pool(workers, scenes) as pool:
@@ -165,12 +164,20 @@ def _solve(
             progress.line(way_on)
             raise
     for number, reason in loop.failures.items():
-        _note_failure(lacking[number], reason)
+        run = lacking[number]
+        with suppress(OSError, FolderError):  # of a folder that cannot be written
+            files.make_below(run.home, run.folder)
+            files.write_json(run.folder / folders.FAILED, {"reason": reason})
     return {names[lacking[number].folder]: text for number, text in loop.failures.items()}
 
 
-def _note_failure(run: RunFolder, reason: str) -> None:
-    """Write why a run failed into its folder, if that can be written."""
-    with suppress(OSError, FolderError):
-        files.make_below(run.home, run.folder)
-        files.write_json(run.folder / folders.FAILED, {"reason": reason})
+def open_runs(runs: Sequence[RunFolder]) -> list[Run]:
+    """Read runs that are done, with labels that tell them apart; a single run keeps its own."""
+    opened = [
+        read_run(run.folder, run.scene, run.values, label)
+        for label, run in zip(labels.labels(runs), runs, strict=True)
+    ]
+    if len(opened) == 1:  # perhaps of a sweep, and saved alone
+        label = opened[0].summary.get("provenance", {}).get("label") or opened[0].label
+        opened[0] = replace(opened[0], label=labels.printable(label))
+    return opened

@@ -64,7 +64,7 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     motion = LongMotion(scene, law, seconds, rate, seed)
     decimator, samples = Decimator(motion.steps_per_sample), []
     falls = scene.rolling.drop_mm is not None  # its record begins in silence
-    with progress.bar(seconds, "listening") as bar:
+    with progress.Bar(seconds, "listening") as bar:
         for force in motion.forces():
             samples.append(decimator.add(force if falls else force - scene.load))
             bar.update(len(force) * motion.step)
@@ -115,7 +115,7 @@ def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) 
     factor = contact_sound.oversampling(motion, seconds, spacing)
     decimator, samples = Decimator(factor), []
     count, total = _MOST_POINTS // factor * factor, round(seconds * rate) * factor
-    with progress.bar(seconds, "listening") as bar:
+    with progress.Bar(seconds, "listening") as bar:
         for begin in range(0, total, count):
             times = np.arange(begin, min(begin + count, total)) / (rate * factor)
             places = np.asarray(motion.distance(times)) / spacing

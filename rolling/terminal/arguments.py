@@ -1,16 +1,24 @@
-"""Arguments of the command line by name, and usage errors that name the nearest word."""
+"""Commands and their arguments by name, and usage errors that name the nearest word.
+
+commands.toml lists commands and arguments, with their texts.
+"""
 
 from __future__ import annotations
 
 import argparse
 import difflib
 import re
+import tomllib
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
 from rolling.terminal import defaults
 
+_TABLE = tomllib.loads(Path(__file__).with_name("commands.toml").read_text(encoding="utf-8"))
+COMMANDS: dict[str, dict[str, Any]] = _TABLE["commands"]
+_ARGUMENTS: dict[str, dict[str, Any]] = _TABLE["arguments"]
 _LIKENESS = 0.5  # least likeness of a nearest name, between 0 and 1
 
 
@@ -20,10 +28,17 @@ def _path(text: str) -> Path:
     return Path(text)
 
 
-def _count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= len(text.lstrip("0")) <= 20:
-        raise argparse.ArgumentTypeError(f"got {text!r}, allowed: a whole number, at least 1")
+def _whole(text: str, least: int = 0) -> int:
+    if not (text.isdecimal() and len(text) <= 20 and int(text) >= least):
+        raise argparse.ArgumentTypeError(f"got {text!r}, allowed: a whole number, at least {least}")
     return int(text)
+
+
+def _power_of_two(text: str) -> int:
+    value = _whole(text, 1)
+    if value < 2 or value & (value - 1):
+        raise argparse.ArgumentTypeError("2, 4, 8, ...")
+    return value
 
 
 def _part(text: str) -> tuple[int, int]:
@@ -34,13 +49,6 @@ def _part(text: str) -> tuple[int, int]:
             f"got {text!r}, allowed: K/N, such as 3/40, with K from 1 to N"
         )
     return number, count
-
-
-def _power_of_two(text: str) -> int:
-    value = _count(text)
-    if value < 2 or value & (value - 1):
-        raise argparse.ArgumentTypeError("2, 4, 8, ...")
-    return value
 
 
 def _seconds(text: str) -> float:
@@ -61,134 +69,27 @@ def _speed(text: str) -> float | tuple[float, float]:
         raise argparse.ArgumentTypeError(f"got {text!r}, allowed: V or START:END in m/s") from error
 
 
-def _whole(text: str) -> int:
-    if not (text.isdecimal() and len(text) <= 20):
-        raise argparse.ArgumentTypeError(f"got {text!r}, allowed: a whole number, at least 0")
-    return int(text)
-
-
-_FLAG: dict[str, Any] = {"action": "store_true"}
-_LIST: dict[str, Any] = {"nargs": "+", "default": []}
-
-ARGUMENTS: dict[str, dict[str, Any]] = {
-    "scene": {
-        "type": _path,
-        "metavar": "SCENE",
-        "help": "scene file (YAML), or a name of `rolling scenes`",
-    },
-    "folder": {"type": _path, "metavar": "RUN", "help": "run folder"},
-    "folders": {"type": _path, "metavar": "RUN", "nargs": "+", "help": "run folders"},
-    "--set": {
-        "action": "append",
-        "default": [],
-        "metavar": "KEY=VALUE",
-        "help": "override, such as rolling.load_n=50",
-    },
-    "--out": {"type": _path, "metavar": "FOLDER", "help": "run folder; again: goes on there"},
-    "--part": {
-        "type": _part,
-        "metavar": "K/N",
-        "help": "do every N-th march of a sweep from march K on, in a folder that the commands of"
-        " all parts share: for array jobs",
-    },
-    "--workers": {
-        "type": _count,
-        "default": 0,
-        "metavar": "N",
-        "help": "processes (default: one per core)",
-    },
-    "--cluster": {
-        "metavar": "ADDRESS",
-        "help": "solve on the workers of a Dask scheduler: its address, or its scheduler file"
-        " (.json)",
-    },
-    "--no-report": {**_FLAG, "help": "write no report page and no figures"},
-    "--open": {**_FLAG, "help": "open the report page in a browser"},
-    "--fast": {**_FLAG, "help": "solve no positions; use closed forms and estimates only"},
-    "--watch": {
-        **_FLAG,
-        "help": "print the status again when it changes, until no run is waiting or running",
-    },
-    "--plot": {
-        **_LIST,
-        "metavar": "NUMBER",
-        "help": "columns of runs.csv to plot (default: laeq_db)",
-    },
-    "--against": {
-        **_LIST,
-        "metavar": "KEY",
-        "help": "a swept key for lines, or two for a map (default: the first swept key)",
-    },
-    "--over": {
-        "metavar": "KEY",
-        "default": "surface.seed",
-        "help": "the swept key over which statistics are made (default: surface.seed)",
-    },
-    "--figure": {**_LIST, "metavar": "NAME", "help": "figures to draw (default: all)"},
-    "--format": {
-        "choices": ("png", "svg", "csv"),
-        "default": "png",
-        "help": "picture, or its numbers (default: png)",
-    },
-    "--seconds": {
-        "type": _seconds,
-        "default": defaults.LISTENED_SECONDS,
-        "metavar": "S",
-        "help": f"length of the record to make (default {defaults.LISTENED_SECONDS:g}), up to"
-        f" {defaults.MOST_LISTENED_SECONDS:g}",
-    },
-    "--speed": {
-        "type": _speed,
-        "metavar": "V",
-        "help": "speed in m/s, or start:end for an even change (default: the scene's, which goes on"
-        " at its last speed)",
-    },
-    "--seed": {
-        "type": _whole,
-        "default": 0,
-        "metavar": "N",
-        "help": "number of the random continuation (default 0)",
-    },
-    "--finest": {
-        "type": _power_of_two,
-        "default": defaults.FINEST,
-        "metavar": "N",
-        "help": f"divide the spacing by 2, 4, ... up to N (default {defaults.FINEST})",
-    },
-    "--duration": {
-        "type": _seconds,
-        "default": defaults.ACCURACY_SECONDS,
-        "metavar": "S",
-        "help": f"seconds of rolling at most (default {defaults.ACCURACY_SECONDS:g}:"
-        " no third octave from 100 Hz is empty)",
-    },
-    "study": {
-        "choices": ("lee2025",),
-        "metavar": "STUDY",
-        "help": "lee2025: Lee, Kim & Kim, Inventions 10(1), 17",
-    },
-    "--readings": {**_LIST, "metavar": "NAME", "help": "readings to run (default: all)"},
-    "--quick": {
-        **_FLAG,
-        "help": f"{defaults.QUICK_SEEDS} surface, loads of"
-        f" {', '.join(map(str, defaults.QUICK_LOADS_N))} N, {defaults.QUICK_SECONDS:g} s in steps"
-        f" {defaults.QUICK_STRIDES} times as long",
-    },
-    "--all": {**_FLAG, "help": "list the scenes of studies as well"},
-    "name": {
-        "nargs": "?",
-        "default": "quickstart",
-        "metavar": "NAME",
-        "help": "name of the scene (default: quickstart)",
-    },
+_TYPES = {
+    "path": _path,
+    "whole": _whole,
+    "count": partial(_whole, least=1),
+    "power of two": _power_of_two,
+    "part": _part,
+    "seconds": _seconds,
+    "speed": _speed,
 }
 
 
-def add(parser: argparse.ArgumentParser, names: Sequence[str], **changes: str) -> None:
-    """Add arguments to the parser of a command; `changes` are help texts by destination."""
-    for name in names:
-        settings = dict(ARGUMENTS[name])
-        settings["help"] = changes.get(name.lstrip("-"), settings["help"])
+def add(parser: argparse.ArgumentParser, command: str) -> None:
+    """Add the arguments of a command to its parser."""
+    texts = COMMANDS[command].get("texts", {})
+    for name in COMMANDS[command]["arguments"]:
+        settings = _ARGUMENTS[name] | ({"help": texts[name]} if name in texts else {})
+        for key, value in settings.items():
+            if isinstance(value, str):
+                settings[key] = value.format_map(vars(defaults))
+        if "type" in settings:
+            settings["type"] = _TYPES[settings["type"]]
         parser.add_argument(name, **settings)
 
 
@@ -202,14 +103,13 @@ def add_volume(parser: argparse.ArgumentParser, default: Any) -> None:
         either.add_argument(short, name, action="store_true", default=default, help=text)
 
 
-def refuse_unknown_command(
-    parser: argparse.ArgumentParser, words: Sequence[str], commands: Sequence[str]
-) -> None:
+def refuse_unknown_command(parser: argparse.ArgumentParser, words: Sequence[str]) -> None:
     """Exit with a usage error if the first word that is no option is no command."""
     name = next((word for word in words if not word.startswith("-")), None)
-    if name is not None and name not in commands:
-        near = _nearest(name, commands)
-        parser.error(f"COMMAND: got {name}{near}, allowed: {', '.join(commands)}")
+    if name is not None and name not in COMMANDS:
+        parser.error(
+            f"COMMAND: got {name}{_nearest(name, [*COMMANDS])}, allowed: {', '.join(COMMANDS)}"
+        )
 
 
 def refuse_unknown_arguments(parser: argparse.ArgumentParser, unknown: Sequence[str]) -> NoReturn:

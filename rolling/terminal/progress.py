@@ -61,11 +61,6 @@ def is_quiet() -> bool:
     return _voice.level == Level.QUIET
 
 
-def is_verbose() -> bool:
-    """Return whether the command prints more than usual."""
-    return _voice.level == Level.VERBOSE
-
-
 def line(text: str) -> None:
     """Print a line unless the command is quiet, above a bar if there is one."""
     if _voice.level is None or is_quiet():
@@ -79,7 +74,7 @@ def line(text: str) -> None:
 
 def detail(text: str) -> None:
     """Print a line if the command is verbose."""
-    if is_verbose():
+    if _voice.level == Level.VERBOSE:
         line(text)
 
 
@@ -147,11 +142,6 @@ class Bar:
             self._line = time.monotonic()
             passed = round(self._line - self._began)
             line(f"{self._name}: {100 * self._done / self._total:.0f} %, {passed} s passed")
-
-
-def bar(total: float, name: str, shown: bool | None = None) -> Bar:
-    """Return a bar for a sum of progress."""
-    return Bar(total, name, shown)
 
 
 def in_notebook() -> bool:

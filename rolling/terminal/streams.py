@@ -110,15 +110,9 @@ def _open_closed() -> None:
             null = _null()  # the lowest free number, which is this one
             os.set_inheritable(null, True)
     # Python has None in the place of a stream that was closed when it started.
-    if sys.stdout is None:
-        sys.stdout = _nowhere()
-    if sys.stderr is None:
-        sys.stderr = _nowhere()
-
-
-def _nowhere() -> TextIO:
-    """Return a stream that drops all text."""
-    return Path(os.devnull).open("w", encoding="utf-8")
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
 
 
 def _null() -> int:

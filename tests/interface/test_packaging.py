@@ -175,8 +175,12 @@ def test_the_wheel_has_the_packages_and_the_scenes_and_nothing_else(
         for name in _files(source)
         if re.match(r"scenarios/.*\.(yaml|json)$", name)
     }
-    assets = {name for name in _files(source) if name.startswith("rolling/report/assets/")}
-    typed = {"rolling/py.typed", "acoustics/py.typed"}
+    assets = {
+        name
+        for name in _files(source)
+        if name.startswith("rolling/report/assets/") or re.match(r"rolling/.*\.toml$", name)
+    }
+    typed = {"rolling/py.typed", "rolling/__init__.pyi", "acoustics/py.typed"}
     assert names == modules | scenes | assets | typed and len(scenes) > 30
     (info,) = site.glob("*.dist-info")
     text = (info / "METADATA").read_text(encoding="utf-8")

@@ -184,7 +184,7 @@ def test_check_is_a_sequence_and_a_table() -> None:
 
 def test_check_of_a_sweep_has_a_column_per_run() -> None:
     checked = built().with_(sweep={"rolling.load_n": [5, 20]}).check(solve=False)
-    assert [run.name for run in checked.runs] == ["load_n=5", "load_n=20"]
+    assert [*checked.runs] == ["load_n=5", "load_n=20"]
     assert [name for name, _ in checked.of_all] == [
         "expected time of all",
         "memory of all",

@@ -299,7 +299,7 @@ def test_rounded_shares_do_not_exceed_their_sum() -> None:
     """The sum of n shares of 1/n exceeds 1 for some n, at which tqdm warns."""
     assert max(sum([1 / n] * n) for n in range(2, 40)) > 1
     for n in range(2, 40):
-        with progress.bar(1.0, "solving", True) as bar:
+        with progress.Bar(1.0, "solving", True) as bar:
             for _ in range(n + 1):
                 bar.update(1 / n)
 
@@ -311,7 +311,7 @@ def test_a_silent_process_shows_no_bar(
     monkeypatch.setattr(progress, "_voice", progress._Voice())
     progress.silence()
     monkeypatch.setitem(sys.modules, "tqdm", None)  # an import of it fails
-    with progress.bar(1, "listening", True) as bar:
+    with progress.Bar(1, "listening", True) as bar:
         bar.update(1)
     assert capsys.readouterr() == ("", "")
 
@@ -322,7 +322,7 @@ def test_a_bar_that_nobody_watches_is_a_line_now_and_then(
     clock = {"now": 7.0}
     monkeypatch.setattr("time.monotonic", lambda: clock["now"])
     monkeypatch.setattr(progress, "LINE_SECONDS", 30.0)
-    with progress.begin(Level.NORMAL), progress.bar(4, "solving") as bar:
+    with progress.begin(Level.NORMAL), progress.Bar(4, "solving") as bar:
         for _ in range(4):
             clock["now"] += 16.0
             bar.update(1)
@@ -330,7 +330,7 @@ def test_a_bar_that_nobody_watches_is_a_line_now_and_then(
         "solving: 50 %, 32 s passed",
         "solving: 100 %, 64 s passed",
     ]
-    with progress.begin(Level.QUIET), progress.bar(4, "solving") as bar:
+    with progress.begin(Level.QUIET), progress.Bar(4, "solving") as bar:
         clock["now"] += 60.0
         bar.update(4)
     assert not capsys.readouterr().err

@@ -47,10 +47,10 @@ def test_the_stretch_lies_around_the_loudest_event_and_costs_little(
     scene: Scene, solved: Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stretch = film_stretch(scene, solved)
-    assert stretch is not None and stretch.stride == 1
-    assert stretch.last - stretch.first + COLD_STEPS <= 0.3 * solved.solved_steps
+    assert stretch is not None and stretch.step == 1
+    assert stretch[-1] - stretch[0] + COLD_STEPS <= 0.3 * solved.solved_steps
     event = np.convolve(solved.series["release_energy"], np.ones(10), "valid").argmax() + 5
-    assert stretch.first <= event <= stretch.last
+    assert event in stretch
     assert film_stretch(scene, Result.empty(scene)) is None
     monkeypatch.setattr(slow_motion, "SHARE", 0.05)  # too few of 400 steps
     assert film_stretch(scene, solved) is None

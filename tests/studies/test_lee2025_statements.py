@@ -12,12 +12,13 @@ import pytest
 from acoustics.bands import BAND_NAMES, MID_HZ
 from rolling.lee2025.cases import TWIN_KEYS, band_columns, by_reading, frame
 from rolling.lee2025.conditions import FAILS, HOLDS, IN_PART, NOT_RUN, change
-from rolling.lee2025.statements import ROUGHNESSES, STATEMENTS, Statement, judge, verdicts
+from rolling.lee2025.statements import STATEMENTS, Statement, concerns_lengths, judge, verdicts
 
 Row = dict[str, Any]
 Edit = Callable[[Row], Row]
 Value = float | Callable[[Row], float]
 
+ROUGHNESSES = (0.01, 0.1, 1.0, 5.0)
 LOADS = (5.0, 10.0, 20.0, 50.0, 100.0)
 SCENE = ("gaussian", 512.0, 2.0, 2.0, 0.05, 5.0, 230.8)  # the other settings in TWIN_KEYS
 # The maximum line at Ra 0.01 um and 5 N in 0.05 s: records of half a second still pass 70 dB.
@@ -26,8 +27,8 @@ ABOVE_SMOOTH = {0.01: 0.0, 0.1: 11.0, 1.0: 12.0, 5.0: 12.5}  # dB at all loads
 OVER_5_N = {5.0: 0.0, 10.0: 2.0, 20.0: 4.0, 50.0: 13.0, 100.0: 14.0}
 PLASTIC = {0.01: 0.0, 0.1: 0.2, 1.0: 0.3, 5.0: 0.31}
 BANDS = band_columns(BAND_NAMES)
-BY_KEY = {statement.key: statement for statement in STATEMENTS}
-OF_LENGTHS = {statement.key for statement in STATEMENTS if statement.of_lengths}
+BY_KEY = {statement["key"]: statement for statement in STATEMENTS}
+OF_LENGTHS = {key for key, statement in BY_KEY.items() if concerns_lengths(statement)}
 
 
 def row_of(roughness: float, load: float, seed: int = 1, reading: str = "article") -> Row:
@@ -200,16 +201,17 @@ EDITS: dict[str, tuple[Edit, Edit]] = {
 }
 
 
-@pytest.mark.parametrize("statement", STATEMENTS, ids=lambda statement: statement.key)
+@pytest.mark.parametrize("statement", STATEMENTS, ids=lambda statement: statement["key"])
 def test_each_verdict_on_a_made_study(statement: Statement) -> None:
     """A study as the article says holds, with one surface and with three; edited studies fail."""
-    if statement.of_lengths:
-        assert word(statement.key, study()) == NOT_RUN
+    key = statement["key"]
+    if concerns_lengths(statement):
+        assert word(key, study()) == NOT_RUN
         return
-    assert word(statement.key, study(1)) == word(statement.key, study(3)) == HOLDS
-    partly, failing = EDITS[statement.key]
-    assert word(statement.key, study(3, partly)) == IN_PART
-    assert word(statement.key, study(3, failing)) == FAILS
+    assert word(key, study(1)) == word(key, study(3)) == HOLDS
+    partly, failing = EDITS[key]
+    assert word(key, study(3, partly)) == IN_PART
+    assert word(key, study(3, failing)) == FAILS
 
 
 @pytest.mark.parametrize(
