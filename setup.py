@@ -43,6 +43,9 @@ def index_page(readme: str, repository: str | None, revision: str) -> str:
     return page
 
 
+TABLES = "check", "lee2025", "results", "terminal"  # rooms with tables beside their code
+
+
 def project_page() -> str:
     """Return the text of the index page of this version."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -57,9 +60,10 @@ if __name__ == "__main__":
         package_dir={SCENES: "scenarios"},
         package_data={
             "rolling": ["py.typed", "*.pyi"],
-            "rolling.check": ["*.toml"],
-            "rolling.lee2025": ["*.toml"],
-            "rolling.terminal": ["*.toml"],
+            **{
+                f"rolling.{room}": ["*.toml"]
+                for room in ("check", "lee2025", "results", "terminal")
+            },
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
             SCENES: ["*.yaml", "scene.schema.json", "*/*/*.yaml"],

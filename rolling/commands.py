@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rolling.results import labels, listening, runs_table
-from rolling.results.long_listening import ListeningError, sentence
+from rolling.results.listening import ListeningError
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.folder import Part, RunFolder, default_folder
@@ -230,7 +230,7 @@ def listen(
     except ListeningError as error:
         raise FolderError(f"{folder}: {error}") from error
     path = listening.write_long(run, long)
-    progress.line(sentence(long.numbers, run.sound.levels.laeq_db))
+    progress.line(listening.sentence(run, long))
     for text in long.numbers["limits"]:
         progress.line(f"warning: {text}")
     return path

@@ -1,6 +1,6 @@
 """Figures of runs: one function per figure on axes, and the files of figures."""
 
 from rolling.figures.catalogue import plot_run, write_figures
-from rolling.figures.table_figures import write_number_figures
+from rolling.figures.sweep import write_number_figures
 
 __all__ = ["plot_run", "write_figures", "write_number_figures"]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.axes import Axes
 
@@ -31,32 +31,18 @@ class FigureKind:
     ----------
     draw : callable of (runs, ax), or of (run, ax) for a figure of one run.
     table : callable of the same runs or run. None for a map.
-    holds : callable of runs. Whether there is such a figure of them.
+    holds : callable of runs. True, or anything but nothing, if there is such a figure of them.
     among : bool. Whether `draw` takes the runs `among` which a run is compared.
     """
 
     draw: Callable[..., Axes]
     table: Callable[..., DataFrame] | None
-    holds: Callable[[Sequence[Run]], bool] = lambda runs: True
+    holds: Callable[[Sequence[Run]], Any] = lambda runs: True
     among: bool = False
-
-
-def _is_swept(runs: Sequence[Run]) -> bool:
-    return sweep.swept_key(runs) is not None
 
 
 def _vibrates(runs: Sequence[Run]) -> bool:
     return runs[0].vibration is not None
-
-
-def _filters(runs: Sequence[Run]) -> bool:
-    """Tell whether a vibrating ball rolls over heights that its contact can filter."""
-    return _vibrates(runs) and scene_surface(runs[0].scene).statistics.rq > 0
-
-
-def _turns(runs: Sequence[Run]) -> bool:
-    """Tell whether a record has turns of a sphere with a surface that can be told apart."""
-    return bool(runs[0].summary.get("turn_band_hz"))
 
 
 COMPARING = {
@@ -66,27 +52,35 @@ COMPARING = {
         partial(sound.third_octave_table, a_weighted=True),
     ),
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
-    "levels": FigureKind(sweep.levels, sweep.level_table, _is_swept),
-    "contact_areas": FigureKind(sweep.contact_areas, sweep.area_table, _is_swept),
+    "levels": FigureKind(
+        sweep.levels, partial(sweep.swept_table, names=sweep.LEVELS), sweep.swept_key
+    ),
+    "contact_areas": FigureKind(
+        sweep.contact_areas, partial(sweep.swept_table, names=sweep.AREAS), sweep.swept_key
+    ),
     "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
 }
 SINGLE = {
     "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
     "spectrogram": FigureKind(sound.spectrogram, None, among=True),
-    "modulation": FigureKind(modulation.modulation, modulation.modulation_table, _turns),
+    "modulation": FigureKind(
+        modulation.modulation,
+        modulation.modulation_table,
+        lambda runs: runs[0].summary.get("turn_band_hz"),
+    ),
     "surface": FigureKind(contact.surface, None),
     "contact_pressure": FigureKind(
-        contact.contact_pressure, None, lambda runs: runs[0].result.snapshot is not None, among=True
+        contact.contact_pressure, None, lambda runs: runs[0].result.snapshot, among=True
     ),
     "recovery_events": FigureKind(
-        contact.recovery_events,
-        contact.recovery_event_table,
-        lambda runs: runs[0].event_statistics is not None,
+        contact.recovery_events, contact.recovery_event_table, lambda runs: runs[0].event_statistics
     ),
     "sources": FigureKind(vibration.sources, vibration.source_table, _vibrates),
     "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _vibrates),
     "contact_filter": FigureKind(
-        vibration.contact_filter, vibration.contact_filter_table, _filters
+        vibration.contact_filter,
+        vibration.contact_filter_table,
+        lambda runs: _vibrates(runs) and scene_surface(runs[0].scene).statistics.rq > 0,
     ),
     "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _vibrates),
 }
@@ -99,8 +93,7 @@ def comparing_pictures(runs: Sequence[Run], names: Iterable[str] = ()) -> Iterat
     for name in names or COMPARING:
         kind = FIGURES[name]
         if kind.holds(runs):
-            table = kind.table(runs) if kind.table else None
-            yield picture(name, partial(kind.draw, runs), table)
+            yield picture(name, partial(kind.draw, runs), kind.table and kind.table(runs))
 
 
 def single_picture(name: str, run: Run, among: Sequence[Run] = ()) -> Picture | None:
@@ -108,19 +101,15 @@ def single_picture(name: str, run: Run, among: Sequence[Run] = ()) -> Picture | 
     kind = SINGLE[name]
     if not kind.holds([run]):
         return None
-    draw = partial(kind.draw, run, among=among) if kind.among else partial(kind.draw, run)
-    return picture(name, draw, kind.table(run) if kind.table else None)
+    shared = {"among": among} if kind.among else {}
+    return picture(name, partial(kind.draw, run, **shared), kind.table and kind.table(run))
 
 
 def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
     """Write the figures that compare runs into `folder/figures` as PNG, and return their paths."""
-    target = folder / "figures"
-    make_below(folder, target)
-    paths = []
-    for drawn in comparing_pictures(runs):
-        paths.append(target / f"{drawn.name}.png")
-        write_bytes(paths[-1], drawn.file("png") or b"")
-    return paths
+    make_below(folder, folder / "figures")
+    names = [name for name, kind in COMPARING.items() if kind.holds(runs)]
+    return plot_run(runs, names, out=folder / "figures")
 
 
 def plot_run(
@@ -151,7 +140,7 @@ def plot_run(
     OSError
         A file cannot be written.
     """
-    shown, paths = listed(runs), []
+    shown, paths = listed(runs), list[Path]()
     if form not in FORMATS:
         raise ValueError(f"{form}: no format of figures, allowed: {', '.join(FORMATS)}")
     for name in names:
@@ -161,17 +150,17 @@ def plot_run(
             raise ValueError(f"{name}: no figure{hint}, allowed: {', '.join(FIGURES)}")
     folder = Path(out)
     for name in names or FIGURES:
-        written = [
-            (stem, content)
+        contents = {
+            folder / f"{stem}.{form}": content
             for stem, drawn in _pictures(name, shown)
             if (content := drawn.file(form)) is not None
-        ]
-        if names and not written:
+        }
+        if names and not contents:
             raise ValueError(f"{name}: the runs have no such figure in {form}")
         folder.mkdir(parents=True, exist_ok=True)
-        for stem, content in written:
-            paths.append(folder / f"{stem}.{form}")
-            write_bytes(paths[-1], content)
+        for path, content in contents.items():
+            write_bytes(path, content)
+        paths += contents
     return paths
 
 

@@ -108,8 +108,7 @@ def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()
         axes_of(ax), snapshot.pressure * 1e-9, corner, spacing, (0.0, maximum), "pressure [GPa]"
     )
     along, across = (1e6 * place for place in _sphere_position(run, snapshot))
-    ax.set_xlim(along - reach, along + reach)
-    ax.set_ylim(across - reach, across + reach)
+    ax.set(xlim=(along - reach, along + reach), ylim=(across - reach, across + reach))
     ax.set_facecolor("black")
     facts = [f"load {rounded(run.scene.load, 6)} N", f"sphere at {rounded(along, 4)} µm"]
     if np.isfinite(run.scene.hardness):
@@ -144,18 +143,10 @@ def _map(
     low = np.array(corner) - spacing / 2
     high = low + np.array(values.shape) * spacing
     extent = (low[0] * 1e6, high[0] * 1e6, low[1] * 1e6, high[1] * 1e6)
-    image = ax.imshow(
-        values.T,
-        origin="lower",
-        extent=extent,
-        cmap=colours,
-        vmin=limits[0],
-        vmax=limits[1],
-        interpolation="none",
-    )
+    image = ax.imshow(values.T, colours, origin="lower", extent=extent, interpolation="none")
+    image.set_clim(*limits)
     ax.figure.colorbar(image, cax=ax.inset_axes((1.03, 0.0, 0.04, 1.0)), label=label)  # as high
-    ax.set_xlabel("along the track [µm]")
-    ax.set_ylabel("across [µm]")
+    ax.set(xlabel="along the track [µm]", ylabel="across [µm]")
     return ax
 
 
@@ -190,12 +181,8 @@ def recovery_events(run: Run, ax: Axes | None = None) -> Axes:
     for name, colour, style in (("events", COLOURS[0], "-"), ("release", COLOURS[1], "--")):
         share = 100 * table[f"share_of_{name}"]
         ax.stairs(share, edges, color=colour, linestyle=style, label=f"share of the {name}")
-    ax.set_xscale("log")
-    ax.set_xlim(left=max(edges[0], _SMALLEST_SHARE * edges[-1]))
-    ax.set_ylim(bottom=0.0)
-    ax.set_xlabel("energy of an event [J]")
-    ax.set_ylabel("share [%]")
-    finish_grid(ax)
+    ax.set(xscale="log", xlabel="energy of an event [J]", ylabel="share [%]")
+    ax.set(xlim=(max(edges[0], _SMALLEST_SHARE * edges[-1]), None), ylim=(0.0, None))
     assert statistics is not None
     facts = [
         f"{statistics.count:,} events, {number(statistics.per_metre * 1e-3)} per mm",
@@ -203,7 +190,7 @@ def recovery_events(run: Run, ax: Axes | None = None) -> Axes:
         f"mean duration {rounded(statistics.duration_mean, 3)} steps of"
         f" {rounded(run.result.step * 1e6, 3)} µm",
     ]
-    return finish(ax, f"Recovery events: {run.title}", facts)
+    return finish(finish_grid(ax), f"Recovery events: {run.title}", facts)
 
 
 def recovery_event_table(run: Run) -> pd.DataFrame:

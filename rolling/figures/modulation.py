@@ -49,10 +49,8 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
         name = "multiples of v/(2πR)" if multiple == 1 else None
         ax.axvline(multiple * turn_hz, color=COLOURS[1], linestyle=":", linewidth=1, label=name)
     ax.plot(table["frequency_hz"], table["modulation"], color=COLOURS[0], linewidth=1)
-    ax.set_xlim(0.0, (MULTIPLES + 0.5) * turn_hz)
-    ax.set_ylim(bottom=0.0)
-    ax.set_xlabel("frequency of the modulation [Hz]")
-    ax.set_ylabel("modulation [-]")
+    ax.set(xlim=(0.0, (MULTIPLES + 0.5) * turn_hz), ylim=(0.0, None))
+    ax.set(xlabel="frequency of the modulation [Hz]", ylabel="modulation [-]")
     facts = [
         *distance_and_duration([run]),
         f"Hilbert envelope of {low:.0f} to {high:.0f} Hz, the octave where turns stand out most",
@@ -68,6 +66,5 @@ def modulation_table(run: Run) -> pd.DataFrame:
         raise ValueError(f"{run.title}: has less than two turns of a sphere with a surface")
     (low, high), sound = run.summary["turn_band_hz"], run.sound
     spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, (low, high), sound.closed)
-    shown = spectrum.frequency_hz <= (MULTIPLES + 0.5) * run.summary["turn_hz"]
-    columns = {"frequency_hz": spectrum.frequency_hz, "modulation": spectrum.modulation}
-    return pd.DataFrame({name: values[shown] for name, values in columns.items()})
+    table = pd.DataFrame({"frequency_hz": spectrum.frequency_hz, "modulation": spectrum.modulation})
+    return table[table["frequency_hz"] <= (MULTIPLES + 0.5) * run.summary["turn_hz"]]

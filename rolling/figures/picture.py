@@ -7,7 +7,6 @@ import re
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
@@ -166,17 +165,9 @@ class Picture:
         """Return the picture as the bytes of a png, svg or csv file; a map has no csv."""
         if form == "csv":
             return None if self.table is None else csv_bytes(self.table)
-        return self.svg if form == "svg" else self._saved("png", {})
-
-    @cached_property
-    def svg(self) -> bytes:
-        """The figure as an SVG file."""
-        return self._saved("svg", {"Date": None})
-
-    def _saved(self, form: str, metadata: dict[str, None]) -> bytes:
-        """Save the figure; ids derive from the name, so the same figure gives the same file."""
         content = io.BytesIO()
-        with matplotlib.rc_context({"svg.hashsalt": self.name}):
+        metadata = {"Date": None} if form == "svg" else {}
+        with matplotlib.rc_context({"svg.hashsalt": self.name}):  # equal figures have equal ids
             self.figure.savefig(content, format=form, dpi=DPI, metadata=metadata)
         return content.getvalue()
 

@@ -19,17 +19,10 @@ from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import Spectrogram, line_spectrum, welch
 from acoustics.spectrum import spectrogram as spectrogram_of
 from acoustics.weighting import a_weighting_db
-from rolling.figures.picture import (
-    axes_of,
-    common,
-    distance_and_duration,
-    finish,
-    finish_grid,
-    listed,
-    number,
-    subject,
-)
+from rolling.figures import picture
+from rolling.figures.picture import axes_of, finish, finish_grid, listed, subject
 from rolling.results import labels
+from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED
 
@@ -77,13 +70,18 @@ def third_octaves(
         (label, _bands(run, a_weighted), run.sound.uncertainty.third_octave_db)
         for label, run in zip(labels.labels(shown), shown, strict=True)
     ]
-    errors = [run.errors.for_plots if run.errors else None for run in shown]
+    errors = [
+        (total, run.summary["grid_error_uncertainty_db"])
+        if (total := total_errors_db(run.summary))
+        else None
+        for run in shown
+    ]
     # A band that is too uncertain in any run is grey in all of them.
-    shortest = min(_unrepeated_seconds(run) for run in shown)
+    shortest = min(run.sound.duration / run.laps for run in shown)
     ax = plots.third_octaves(
         axes_of(ax), curves, shortest, errors=errors, ordered=_is_ordered(shown)
     )
-    facts = distance_and_duration(shown)
+    facts = picture.distance_and_duration(shown)
     if len(shown) <= plots.FEW and any(run.sound.levels.level_db is not None for run in shown):
         facts.append("bars: standard uncertainty of Gaussian noise of that duration")
     weighting = "A" if a_weighted else "Z"
@@ -96,20 +94,20 @@ def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.Data
     """Tabulate third octaves of runs with their uncertainties and errors [dB]."""
     frames = []
     for run in runs:
-        columns: dict[str, _Levels] = {
+        columns = {
             "level_db": _bands(run, a_weighted),
             "standard_uncertainty_db": run.sound.uncertainty.third_octave_db,
         }
-        if run.errors is not None and run.errors.levels is not None:
-            columns |= {
-                "grid_error_db": run.errors.grid_db,
-                "grid_error_standard_uncertainty_db": run.errors.grid_uncertainty_db,
-                "solver_error_db": run.errors.solver_db,
-                "subgrid_error_db": run.errors.subgrid_db,
-                "corrected_level_db": run.errors.corrected_db(_bands(run, a_weighted)),
-            }
-        numbers = {name: column(levels) for name, levels in columns.items()}
-        frames.append(pd.DataFrame({"run": run.label, "mid_frequency_hz": MID_HZ, **numbers}))
+        if total := total_errors_db(run.summary):
+            for kind in ("grid_error", "grid_error_uncertainty", "solver_error", "subgrid_error"):
+                name = kind.replace("uncertainty", "standard_uncertainty")
+                columns[f"{name}_db"] = run.summary[f"{kind}_db"]
+            columns["corrected_level_db"] = total
+        frame = band_table(columns)
+        if total:
+            frame["corrected_level_db"] = frame["level_db"] - frame["corrected_level_db"]
+        frame.insert(0, "run", run.label)
+        frames.append(frame)
     return pd.concat(frames, ignore_index=True)
 
 
@@ -134,8 +132,8 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> rolling.plot.spectrum([run])  # doctest: +SKIP
     """
     shown = listed(runs)
-    lines = common("lines of", [1 / run.sound.duration for run in shown], "Hz")
-    facts = [*distance_and_duration(shown), lines]
+    lines = picture.common("lines of", [1 / run.sound.duration for run in shown], "Hz")
+    facts = [*picture.distance_and_duration(shown), lines]
     spectra = [_a_weighted_lines(run) for run in shown]
     level = "A-weighted line level [dB re 20 µPa]"
     return _spectrum(shown, spectra, ax, ("A-weighted spectrum", level), facts)
@@ -168,9 +166,9 @@ def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     shown = listed(runs)
     densities = [welch(run.sound.pressure, run.sound.sample_rate) for run in shown]
     facts = [
-        *distance_and_duration(shown),
+        *picture.distance_and_duration(shown),
         f"Welch, {densities[0].window.capitalize()}",
-        common("ENBW", [density.enbw_hz for density in densities], "Hz"),
+        picture.common("ENBW", [density.enbw_hz for density in densities], "Hz"),
     ]
     lines = [Lines.audible(density.frequency_hz, _level(density.psd)) for density in densities]
     words = "Power spectral density", "density level [dB re (20 µPa)²/Hz]"
@@ -242,12 +240,10 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     ax.plot(time / second, power / watt, color=COLOURS[0], linewidth=width, label="release power")
     ax.axhline(mean, color=COLOURS[1], linestyle="--", label=f"mean {rounded(mean, 4)} {unit}W")
     room = 0.05 * (high - low) * mean or 1.0
-    ax.set_ylim(low * mean - room, high * mean + room)
-    ax.set_xlim(0.0, sound.duration / second)
+    ax.set(xlim=(0.0, sound.duration / second), ylim=(low * mean - room, high * mean + room))
+    ax.set(xlabel=f"time [{time_unit}s]", ylabel=f"release power [{unit}W]")
     ax.ticklabel_format(useOffset=False)
-    ax.set_xlabel(f"time [{time_unit}s]")
-    ax.set_ylabel(f"release power [{unit}W]")
-    facts = [*distance_and_duration([run])[1:], "q and distance are not in it"]
+    facts = [*picture.distance_and_duration([run])[1:], "q and distance are not in it"]
     if run.scene.dynamics is not None:
         moved = any(caveat["key"] == "moving_load_release" for caveat in run.summary["caveats"])
         facts.append(f"under the {'moving' if moved else 'constant'} load")
@@ -291,10 +287,10 @@ def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> 
     )
     ax = plots.spectrogram(axes_of(ax), shown, run.sound.duration, limits)
     facts = [
-        *distance_and_duration([run]),
+        *picture.distance_and_duration([run]),
         f"{shown.window.capitalize()} frames of {rounded(shown.frame_s * 1e3, 3)} ms"
         f" every {rounded(shown.hop_s * 1e3, 3)} ms",
-        f"ENBW {number(shown.enbw_hz)} Hz",
+        f"ENBW {picture.number(shown.enbw_hz)} Hz",
         "rows of 1/12 octave",
     ]
     return finish(ax, f"Spectrogram: {run.title}", facts)
@@ -323,9 +319,11 @@ def _extremes(shown: Spectrogram) -> list[float]:
 # ---- numbers of runs
 
 
-def column(levels: _Levels) -> Array:
-    """Return levels by band [dB] as an array (31,), with NaN in place of None."""
-    return np.array([levels[band] for band in BAND_NAMES], dtype=float)
+def band_table(columns: Mapping[str, _Levels]) -> pd.DataFrame:
+    """Tabulate levels by band [dB] over nominal mid frequency [Hz]."""
+    table = pd.DataFrame(columns, [*BAND_NAMES], dtype=float)
+    table.insert(0, "mid_frequency_hz", MID_HZ)
+    return table
 
 
 def _bands(run: Run, a_weighted: bool) -> _Levels:
@@ -344,11 +342,6 @@ def _level(mean_square: Array) -> Array:
     """Return levels of mean squares [Pa²] in dB re 20 µPa, -inf for silence."""
     with np.errstate(divide="ignore"):
         return np.asarray(10 * np.log10(mean_square / P_REF_PA**2))
-
-
-def _unrepeated_seconds(run: Run) -> float:
-    """Return the duration of the part of a record that does not repeat itself [s]."""
-    return run.sound.duration / run.laps
 
 
 def _is_ordered(runs: Sequence[Run]) -> bool:

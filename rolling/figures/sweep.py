@@ -1,48 +1,46 @@
-"""Figures of sweeps: levels and areas of runs against a swept key, and means over seeds."""
+"""Figures of sweeps and of tables of runs: numbers against swept keys, and means over seeds."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
+from matplotlib.ticker import NullLocator
 
-from acoustics.plots import LINE_STYLES, bars, look_of
-from rolling.figures.picture import (
-    axes_of,
-    distance_and_duration,
-    finish,
-    finish_grid,
-    listed,
-    subject,
-)
-from rolling.figures.table_figures import (
-    SCENE,
-    groups_of,
-    mean_band_table,
-    mean_bands,
-    name_axis,
-    x_words,
-)
-from rolling.results.labels import value_at
+from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
+from acoustics.numbers import rounded
+from acoustics.plot_style import LINE_STYLES, band_ticks, bars, look_of
+from rolling.figures import picture
+from rolling.figures.picture import MOST_NAMED, axes_of, finish, finish_grid, listed, subject
+from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED, runs_table
 from rolling.scene.scene import Scene
+from rolling.terminal.files import write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+Numbers = Mapping[str, tuple[str, str]]  # columns of runs.csv with label and uncertainty
+SCENE = "scene"  # column of the scene's name beside the swept keys
 FEWEST_SEEDS = 3  # that have a spread worth drawing
-_LEVELS = {  # columns of runs.csv with label and column of the standard uncertainty
+LEVELS: Numbers = {
     "laeq_db": ("LAeq", "laeq_uncertainty_db"),
     "level_db": ("LZeq", "level_uncertainty_db"),
     "vibration_laeq_db": ("LAeq of the vibration", ""),
     "release_laeq_db": ("level of the release, A", ""),
 }
-_AREAS = {
+AREAS: Numbers = {
     "contact_area_mean_m2": ("contact area", ""),
     "plastic_area_mean_m2": ("plastic area", ""),
 }
+_MOST_CURVES = 100  # more would hide one another
+_MOST_CELLS = 100  # of a map whose numbers are written in it
+_BANDS = [f"third_octave_a_db_{name}" for name in BAND_NAMES]
 
 
 # ---- figures of runs
@@ -78,13 +76,13 @@ def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) 
     >>> rolling.plot.levels(runs, "rolling.load_n")  # doctest: +SKIP
     """
     shown = listed(runs)
-    names = dict(_LEVELS)
+    names = dict(LEVELS)
     if {run.sound.source for run in shown} == {"release"}:
-        for name, weighting in (("laeq_db", "A"), ("level_db", "Z")):
-            names[name] = f"released power, {weighting}", _LEVELS[name][1]
+        names["laeq_db"] = "released power, A", "laeq_uncertainty_db"
+        names["level_db"] = "released power, Z", "level_uncertainty_db"
     ax = _against_key(shown, key, names, ax)
     ax.set_ylabel("level [dB re 20 µPa]")
-    facts = [*distance_and_duration(shown), "bars: standard uncertainty of that duration"]
+    facts = [*picture.distance_and_duration(shown), "bars: standard uncertainty of that duration"]
     return finish(ax, f"Levels against {x_words(ax)}: {subject(shown)}", facts)
 
 
@@ -116,9 +114,8 @@ def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None =
     >>> rolling.plot.contact_areas(runs, "rolling.load_n")  # doctest: +SKIP
     """
     shown = listed(runs)
-    ax = _against_key(shown, key, _AREAS, ax, 1e12)
-    ax.set_ylabel("mean area [µm²]")
-    ax.set_ylim(bottom=0.0)
+    ax = _against_key(shown, key, AREAS, ax, 1e12)
+    ax.set(ylabel="mean area [µm²]", ylim=(0.0, None))
     facts = ["mean over the track", "dashed: plastic area"]
     return finish(ax, f"Contact areas against {x_words(ax)}: {subject(shown)}", facts)
 
@@ -171,20 +168,11 @@ def seed_table(runs: Sequence[Run]) -> pd.DataFrame:
     return mean_band_table(sweep_table(runs), _others(runs, SEED))
 
 
-def level_table(runs: Sequence[Run]) -> pd.DataFrame:
-    """Tabulate swept values and levels of runs with their standard uncertainty [dB]."""
-    return _columns(runs, [name for pair in _LEVELS.items() for name in (pair[0], pair[1][1])])
-
-
-def area_table(runs: Sequence[Run]) -> pd.DataFrame:
-    """Tabulate swept values and mean areas of runs [m²]."""
-    return _columns(runs, [*_AREAS])
-
-
-def _columns(runs: Sequence[Run], names: Sequence[str]) -> pd.DataFrame:
-    """Return columns of the table of runs, with the runs, their scenes and their swept values."""
+def swept_table(runs: Sequence[Run], names: Numbers) -> pd.DataFrame:
+    """Tabulate swept values and numbers of runs with their standard uncertainty."""
     frame, keys = sweep_table(runs), dict.fromkeys(key for run in runs for key in run.values)
-    return frame[[name for name in ("run", SCENE, *keys, *names) if name in frame]]
+    columns = [column for name, (_, spread) in names.items() for column in (name, spread)]
+    return frame[[name for name in ("run", SCENE, *keys, *columns) if name in frame]]
 
 
 def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
@@ -196,7 +184,7 @@ def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
 def _against_key(
     runs: Sequence[Run],
     key: str | None,
-    names: dict[str, tuple[str, str]],
+    names: Numbers,
     ax: Axes | None,
     factor: float = 1.0,
 ) -> Axes:
@@ -220,7 +208,7 @@ def _against_key(
             ax.plot(group[key], values, markersize=5, label=text, **look)
             if spread in frame:
                 bars(ax, group[key], values, group[spread].astype(float), look["color"])
-    name_axis(ax, "x", key, sorted(set(frame[key])))
+    _name_axis(ax, "x", key, _ticks(frame[key]))
     return finish_grid(ax)
 
 
@@ -234,7 +222,180 @@ def _others(runs: Sequence[Run], key: str) -> list[str]:
 def _number(scene: Scene, key: str) -> float:
     """Read the number at a dotted key of a scene."""
     # The weight is a number, too.
-    value = scene.load if key == "rolling.load_n" else value_at(scene, key)
+    value = scene.load if key == "rolling.load_n" else labels.value_at(scene, key)
     if not isinstance(value, int | float) or isinstance(value, bool):
         raise ValueError(f"{key}: the scene {scene.name} has no number there")
     return float(value)
+
+
+# ---- figures of tables of runs
+
+
+def write_number_figures(
+    frame: pd.DataFrame,
+    numbers: Sequence[str],
+    against: Sequence[str],
+    folder: Path,
+    title: str = "",
+) -> list[Path]:
+    """Write figures of columns of runs.csv against one or over two swept keys, and of mean bands.
+
+    `frame` holds the columns of runs.csv, and the paths of the PNG files are returned.
+    """
+    keys = [key for key in frame if key.partition(".")[0] in Scene.model_fields]
+    others = [key for key in keys if key != SEED]
+    pictures = [
+        picture.picture("mean_third_octaves", lambda ax: mean_bands(frame, others, ax, title))
+    ]
+    for number in numbers:
+        name = f"{number}_against_{'_'.join(against)}"
+        if len(against) == 2:
+            draw = partial(number_map, frame, number, (against[0], against[1]), title=title)
+        else:
+            curves = [key for key in others if key != against[0]]
+            draw = partial(number_against, frame, number, against[0], curves, title=title)
+        pictures.append(picture.picture(name, draw))
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = [folder / f"{drawn.name}.png" for drawn in pictures]
+    for path, drawn in zip(paths, pictures, strict=True):
+        write_bytes(path, drawn.file("png") or b"")
+    return paths
+
+
+def number_against(
+    frame: pd.DataFrame,
+    number: str,
+    key: str,
+    curves: Sequence[str],
+    ax: Axes | None = None,
+    title: str = "",
+) -> Axes:
+    """Plot the mean of a column of runs.csv against a swept key, a line per value of `curves`."""
+    ax, groups, ticks = axes_of(ax), [*groups_of(frame, curves)], _ticks(frame[key])
+    x = np.array([*ticks.values()])
+    for k, (label, group) in enumerate(groups[:_MOST_CURVES]):
+        look = look_of(k, len(groups))
+        values = group[number].astype(float).groupby(group[key])
+        mean, spread = (table.reindex([*ticks]) for table in (values.mean(), values.std()))
+        ax.plot(x, mean, markersize=5, label=label or None, **look)
+        bars(ax, x, mean, spread, look["color"])
+    _name_axis(ax, "x", key, ticks)
+    ax.set_ylabel(number)
+    facts = _facts(frame, [key, *curves], "bars", len(groups))
+    return finish(finish_grid(ax), f"{number} against {x_words(ax)}: {title}", facts)
+
+
+def number_map(
+    frame: pd.DataFrame, number: str, keys: tuple[str, str], ax: Axes | None = None, title: str = ""
+) -> Axes:
+    """Plot the mean of a column of runs.csv over two swept keys, along x and y, as a map."""
+    ax, ticks = axes_of(ax), [_ticks(frame[key]) for key in keys]
+    values = frame.astype({number: float})
+    table = values.pivot_table(number, keys[1], keys[0], "mean", observed=True)
+    means = table.reindex([*ticks[1]], columns=[*ticks[0]]).to_numpy(dtype=float)
+    drawn = ax.imshow(means, origin="lower", aspect="auto", cmap="viridis")
+    ax.figure.colorbar(drawn, ax=ax, label=number)
+    for axis, key, places in zip(("x", "y"), keys, ticks, strict=True):
+        _name_axis(ax, axis, key, {value: place for place, value in enumerate(places)}, True)
+    if means.size <= _MOST_CELLS:
+        middle = np.nanmean(means)
+        for (row, place), value in np.ndenumerate(means):
+            colour = "black" if value > middle else "white"
+            text = rounded(value, 3) if np.isfinite(value) else ""
+            ax.text(place, row, text, ha="center", va="center", color=colour)
+    words = " and ".join(labels.named(key)[0] for key in keys)
+    facts = [f"{len(frame)} runs", "mean over all other keys"]
+    return finish(ax, f"{number} against {words}: {title}", facts)
+
+
+def mean_bands(
+    frame: pd.DataFrame, curves: Sequence[str], ax: Axes | None = None, title: str = ""
+) -> Axes:
+    """Plot the mean A-weighted third octaves of a table, a line per value of `curves`."""
+    ax, table = axes_of(ax), mean_band_table(frame, curves)
+    # Values that are equal in print have curves of one name.
+    groups = [rows for _, rows in table.groupby(np.arange(len(table)) // len(MID_HZ))]
+    for k, rows in enumerate(groups[:_MOST_CURVES]):
+        look, mean = look_of(k, len(groups)), rows["mean_a_weighted_level_db"]
+        label = rows["curve"].iloc[0]
+        spread = rows["standard_deviation_db"]
+        ax.plot(MID_HZ, mean, markersize=4, label=label or None, **look)
+        if len(groups) <= MOST_NAMED:
+            low, high = mean - spread, mean + spread
+            ax.fill_between(MID_HZ, low, high, color=look["color"], alpha=0.18, lw=0)
+    ax.set(xscale="log", xlim=AUDIBLE_HZ, ylabel="A-weighted level [dB re 20 µPa]")
+    ax.set_xlabel("third octave, nominal mid frequency [Hz]")
+    ax.minorticks_off()
+    band_ticks(ax)
+    facts = _facts(frame, curves, "shaded", len(groups))
+    return finish(finish_grid(ax), f"Mean third octaves: {title}", facts)
+
+
+def mean_band_table(frame: pd.DataFrame, curves: Sequence[str]) -> pd.DataFrame:
+    """Tabulate mean and standard deviation of A-weighted third octaves by curve [dB]."""
+    tables = []
+    for label, group in groups_of(frame, curves):
+        levels_db = group.reindex(columns=_BANDS).astype(float)
+        columns = {
+            "mean_a_weighted_level_db": levels_db.mean().to_numpy(),
+            "standard_deviation_db": levels_db.std().to_numpy(),
+        }
+        tables.append(pd.DataFrame({"curve": label, "mid_frequency_hz": MID_HZ, **columns}))
+    return pd.concat(tables, ignore_index=True)
+
+
+# ---- parts of figures
+
+
+def groups_of(frame: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yield the rows of equal values of keys, in the order of the table, with their label."""
+    if not keys:
+        yield "", frame
+        return
+    for values, group in frame.groupby([*keys], sort=False, dropna=False):
+        words = [
+            str(value) if key == SCENE else labels.worded(key, value)
+            for key, value in zip(keys, values, strict=True)
+            if pd.notna(value)
+        ]
+        yield ", ".join(words), group
+
+
+def _facts(frame: pd.DataFrame, keys: Sequence[str], spread: str, curves: int) -> list[str]:
+    """Write how many runs a figure of means has, and the meaning of bars or bands."""
+    facts = [f"{len(frame)} runs"]
+    sizes = frame.groupby([*keys]).size() if keys else pd.Series([len(frame)])
+    if sizes.max() > 1:
+        ends = " to ".join(str(count) for count in dict.fromkeys((sizes.min(), sizes.max())))
+        facts += [f"mean of {ends} runs", f"{spread}: their standard deviation"]
+    if curves > _MOST_CURVES:
+        facts.append(f"first {_MOST_CURVES} of {curves} curves")
+    return facts
+
+
+def _ticks(values: pd.Series) -> dict[Any, float]:
+    """Return the values of a swept key with their places along an axis; names stand evenly."""
+    ticks = [*dict.fromkeys(values)]
+    if all(isinstance(value, int | float | np.number) for value in ticks):
+        return {value: float(value) for value in sorted(ticks)}
+    return {name: float(place) for place, name in enumerate(ticks)}
+
+
+def _name_axis(
+    ax: Axes, axis: str, key: str, ticks: Mapping[Any, float], named: bool = False
+) -> None:
+    """Name an axis by its key, and its ticks where they are names, few, or all to be named."""
+    word, unit = labels.named(key)
+    names = [labels.printable(v) if isinstance(v, str) else f"{v:g}" for v in ticks]
+    places = [*ticks.values()]
+    getattr(ax, f"set_{axis}label")(f"{word} [{unit}]" if unit else word)
+    if places[0] > 0.0 and places[-1] > 10.0 * places[0]:
+        getattr(ax, f"set_{axis}scale")("log")
+    if named or len(ticks) <= 8 or any(isinstance(value, str) for value in ticks):
+        getattr(ax, f"set_{axis}ticks")(places, names)
+        getattr(ax, f"{axis}axis").set_minor_locator(NullLocator())
+
+
+def x_words(ax: Axes) -> str:
+    """Return the quantity along x without its unit."""
+    return ax.get_xlabel().partition(" [")[0]

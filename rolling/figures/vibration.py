@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 
 from acoustics import plots
-from acoustics.bands import BAND_NAMES, MID_HZ
+from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
 from acoustics.plots import COLOURS
 from rolling.dynamics import of_scene
 from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
-from rolling.figures.sound import column
+from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
 from rolling.sound.effective_roughness import wavelength_bands
 from rolling.sound.vibration_sound import Vibration
@@ -39,9 +39,7 @@ def _curves(ax: Axes, table: pd.DataFrame, names: dict[str, str], xlabel: str, y
     for k, (name, label) in enumerate(names.items()):
         style, colour = _STYLES[k], COLOURS[k]
         ax.plot(table.iloc[:, 0], table[name], style, color=colour, linewidth=1.5, label=label)
-    ax.set_xscale("log")
-    ax.set_xlabel(xlabel)
-    ax.set_ylabel(ylabel)
+    ax.set(xscale="log", xlabel=xlabel, ylabel=ylabel)
     finish_grid(ax)
 
 
@@ -97,8 +95,7 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
 def source_table(run: Run) -> pd.DataFrame:
     """Tabulate the third octaves of the sources of a run [dB]."""
     names = ("vibration", "release", "plate_power", "ball_power")
-    levels = {f"{name}_level_db": column(run.summary[f"{name}_third_octave_db"]) for name in names}
-    return pd.DataFrame({"mid_frequency_hz": MID_HZ, **levels})
+    return band_table({f"{x}_level_db": run.summary[f"{x}_third_octave_db"] for x in names})
 
 
 # ---- contact force
@@ -131,14 +128,11 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     """
     vibration, table, ax = _vibration(run), contact_force_table(run), axes_of(ax)
     motion, ratio = vibration.motion, vibration.force_ratio
-    time_ms = 1e3 * table["time_s"]
-    low, high = table["minimum_ratio"], table["maximum_ratio"]
-    ax.fill_between(time_ms, low, high, step="post", color=COLOURS[0], linewidth=0.6)
+    curves = 1e3 * table["time_s"], table["minimum_ratio"], table["maximum_ratio"]
+    ax.fill_between(*curves, step="post", color=COLOURS[0], linewidth=0.6)
     ax.axhline(1.0, color="0.4", linewidth=0.6)
+    ax.set(xlabel="time [ms]", ylabel="contact force over load [-]")
     ax.set_xlim(0.0, 1e3 * motion.time_step_s * len(ratio))
-    ax.set_xlabel("time [ms]")
-    ax.set_ylabel("contact force over load [-]")
-    finish_grid(ax)
     facts = [
         f"load {vibration.load:g} N",
         f"rms {rounded(vibration.rms_ratio, 3)},"
@@ -146,7 +140,7 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
         f"in flight {rounded(100 * motion.flight_share)} % of the time",
         f"{motion.impacts} impacts",
     ]
-    return finish(ax, f"Contact force: {run.title}", facts)
+    return finish(finish_grid(ax), f"Contact force: {run.title}", facts)
 
 
 def contact_force_table(run: Run) -> pd.DataFrame:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from acoustics.arrays import Array
 from rolling.figures.vibration import hertz_radius
@@ -96,12 +97,9 @@ def _sheet(shown: Pixels, colours: Pixels, opacity: bytes) -> dict[str, Any]:
     parts, places = [], []
     for layer in shown:
         turned = layer.T[::-1]  # rows of a picture go down, the plate's second axis goes up
-        rows, columns = (np.flatnonzero(turned.any(axis=axis)) for axis in (1, 0))
-        if not rows.size:
-            rows, columns = np.zeros(1, int), np.zeros(1, int)
-        top, left = int(rows[0]), int(columns[0])
-        parts.append(turned[top : int(rows[-1]) + 1, left : int(columns[-1]) + 1])
-        places.append((left, top))
+        box = Image.fromarray(turned).getbbox() or (0, 0, 1, 1)  # left, top, right, bottom
+        parts.append(turned[box[1] : box[3], box[0] : box[2]])
+        places.append(box[:2])
     pixels, tiles = maps.packed(parts)
     return {"png": maps.png(pixels, colours, opacity), "tiles": tiles, "places": places}
 

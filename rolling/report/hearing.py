@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+import tomllib
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
 from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
+from rolling.report.text import asset
 from rolling.results.run_result import Run
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it
@@ -22,27 +23,6 @@ ALIKE = 0.05  # relative difference of pitch that is not named
 MOST_KINDS = 3  # of a part of the situation that are all named
 MAINLY = 0.5  # share of the sound that is called most
 DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
-WORDS = {  # explained where a run has the number
-    "steady_level_db": (
-        "steady level",
-        "the level of the mean released power. A constant power makes no sound: it is the energy"
-        " that is there, not the part that is heard.",
-    ),
-    "equivalent_q": (
-        "q that equals them",
-        "the share of the released power that would have to become sound for the release to be as"
-        " loud as the vibration in LAeq. The two are not added: above 1 no share would do.",
-    ),
-    "force_max_ratio": (
-        "F/W",
-        "the force between sphere and plate over the load. It fluctuates about 1; at 0 the sphere"
-        " flies.",
-    ),
-    "plastic_ratio": (
-        "plastic ratio",
-        "the area that yields at the hardness over the area of Hertz's smooth elastic contact.",
-    ),
-}
 
 
 def colour(run: Run) -> tuple[float, float, float] | None:
@@ -155,42 +135,29 @@ def _reason(run: Run) -> str:
     frequency, power = _weighted(run)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())
-    text = f"{text}, and over a correlation length of the surface, {_rate(length, speed)}."
-    if share < MAINLY:
-        return (
-            f"{text} Only {percent(share)} of the A-weighted power lies between the two rates,"
-            " where waves of the surface fit into the contact."
-        )
-    return (
-        f"{text} Waves of the surface between these two lengths fit into the contact:"
-        f" {percent(share)} of the A-weighted power lies between the two rates."
-    )
+    lies = f"{percent(share)} of the A-weighted power lies between the two rates"
+    reason = f"Only {lies}, where waves of the surface fit into the contact."
+    if share >= MAINLY:
+        reason = f"Waves of the surface between these two lengths fit into the contact: {lies}."
+    return f"{text}, and over a correlation length of the surface, {_rate(length, speed)}. {reason}"
 
 
 def _shaken(run: Run) -> str:
-    """State the frequency at which the ball rings on its contact, and how long it flies."""
+    """State the frequency at which the ball rings on its contact, its fall, and its flights."""
     summary = run.summary
-    flies = _fallen(summary)
-    if summary["flight_share"] > 0:
-        times = "time" if summary["impacts"] == 1 else "times"
-        flies += (
-            f" It flies for {percent(summary['flight_share'])} of the time, and hits the plate"
-            f" {summary['impacts']} {times}."
-        )
-    return (
+    text = (
         f"The ball rings on its contact at {kilohertz(summary['resonance_hz'])}, where waves of the"
-        f" surface of {rounded(summary['resonance_wavelength_m'] * 1e6)} µm shake it.{flies}"
+        f" surface of {rounded(summary['resonance_wavelength_m'] * 1e6)} µm shake it."
     )
-
-
-def _fallen(summary: Mapping[str, Any]) -> str:
-    """State the height of a fall, and the speed that the first impact leaves."""
-    if "drop_mm" not in summary:
-        return ""
-    fall = f" It falls from {rounded(summary['drop_mm'])} mm above the surface"
-    if summary["restitution"] is None:
-        return f"{fall}."
-    return f"{fall}, and its first impact leaves {percent(summary['restitution'])} of its speed."
+    if "drop_mm" in summary:
+        text += f" It falls from {rounded(summary['drop_mm'])} mm above the surface"
+        if (left := summary["restitution"]) is not None:
+            text += f", and its first impact leaves {percent(left)} of its speed"
+        text += "."
+    if summary["flight_share"] > 0:
+        text += f" It flies for {percent(summary['flight_share'])} of the time, and hits the plate"
+        text += f" {summary['impacts']} time{'' if summary['impacts'] == 1 else 's'}."
+    return text
 
 
 def _rate(length: float, speed: float) -> str:
@@ -213,18 +180,10 @@ def percent(share: float) -> str:
 
 def explanations(runs: Sequence[Run]) -> list[tuple[str, str]]:
     """Explain the words of the table of levels at which a stranger stumbles."""
-    texts = [
-        words
-        for key, words in WORDS.items()
-        if any(run.summary.get(key) is not None for run in runs)
-    ]
     levels = [(run.summary["laeq_db"], run.summary["level_db"]) for run in runs]
-    if any(a is not None and z is not None and a > z for a, z in levels):
-        texts.append(
-            (
-                "LAeq above LZeq",
-                "the A-weighting follows the ear, which is most sensitive between 1 and 6 kHz, and"
-                " raises sound there by up to 1.3 dB.",
-            )
-        )
-    return texts
+    raised = any(a is not None and z is not None and a > z for a, z in levels)
+    return [
+        (words["word"], words["meaning"])
+        for key, words in tomllib.loads(asset("words.toml")).items()
+        if (raised and key == "a_above_z") or any(run.summary.get(key) is not None for run in runs)
+    ]

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from importlib.resources import files
 from typing import Any
 
 import jinja2
@@ -17,7 +16,7 @@ import numpy as np
 from markupsafe import Markup
 
 from acoustics import wav
-from acoustics.bands import BAND_NAMES
+from acoustics.bands import BAND_NAMES, LEAST_BT
 from acoustics.numbers import rounded
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
@@ -26,13 +25,12 @@ from rolling.figures.picture import Picture, slug
 from rolling.report import assumed, film, hearing, maps, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
-from rolling.results.long_listening import sentence
+from rolling.results.listening import heard
 from rolling.results.run_result import Run
 from rolling.sound.contact_sound import ContactSound
 from rolling.terminal import defaults
 
 LARGEST_CSV = 200_000  # bytes on the page; `rolling plot` writes longer tables
-PROGRAM = "rolling-contact-noise"
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
 SCRIPTS = (  # the parts of the page's script, in their order
     *("core", "player", "choices", "motion", "contact", "film", "film_motion"),
@@ -57,36 +55,36 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     bytes
         The HTML file.
     """
-    heard = runs if len(runs) <= MOST_RUNS else []
-    scale = maps.map_scale(heard)
-    views = _views(heard)
+    shown = runs if len(runs) <= MOST_RUNS else []
+    scale = maps.map_scale(shown)
+    views = _views(shown)
     players = [_player(view, scale) for view in views]
-    html = (
-        _environment()
-        .get_template("report.html")
-        .render(
-            generator=f"{PROGRAM} {__version__}",
-            title=text.titles(runs),
-            descriptions=_descriptions(heard),
-            text=text,
-            hearing=hearing,
-            assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
-            runs=runs,
-            views=views,
-            unsolved=list(unsolved),
-            lengths={round(run.sound.duration, 4) for run in runs},
-            short=any(player["buzzes"] for player in players),
-            SHORT_S=caveats.SHORT_S,
-            map_scale=scale,
-            filmed=any(player["film"] for player in players),
-            moved=any(player["film"] and player["film"]["motion"] for player in players),
-            curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
-            surfaces=_surfaces(heard),
-            vibrations=_vibrations(views),
-            css=_asset("report.css"),
-            js=Markup("\n").join(_asset(f"{name}.js") for name in SCRIPTS),
-            data={"runs": players, "view": scale, "bands": BAND_NAMES},
-        )
+    template = _environment().get_template("report.html")
+    html = template.render(
+        version=__version__,
+        title=text.titles(runs),
+        descriptions=_descriptions(shown),
+        text=text,
+        hearing=hearing,
+        caveats=caveats,
+        runs_table=runs_table,
+        summaries=[(run.label, run.summary) for run in runs],
+        LEAST_BT=LEAST_BT,
+        assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
+        runs=runs,
+        views=views,
+        unsolved=list(unsolved),
+        lengths={round(run.sound.duration, 4) for run in runs},
+        short=any(player["buzzes"] for player in players),
+        map_scale=scale,
+        filmed=any(player["film"] for player in players),
+        moved=any(player["film"] and player["film"]["motion"] for player in players),
+        curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
+        surfaces=_surfaces(shown),
+        vibrations=_vibrations(views),
+        css=Markup(text.asset("report.css")),
+        js=Markup("\n".join(text.asset(f"{name}.js") for name in SCRIPTS)),
+        data={"runs": players, "view": scale, "bands": BAND_NAMES},
     )
     return html.encode()
 
@@ -113,11 +111,6 @@ def css_text(title: str) -> Markup:
     """Write any text as the inside of a string of CSS, all but letters and digits as numbers."""
     letters = (x if x.isascii() and x.isalnum() else f"\\{ord(x):06x}" for x in title)
     return Markup("".join(letters))
-
-
-def _asset(name: str) -> Markup:
-    """Read a file of the page, which is the program's own text and needs no escaping."""
-    return Markup(files("rolling.report").joinpath("assets", name).read_text(encoding="utf-8"))
 
 
 def _descriptions(runs: Sequence[Run]) -> list[str]:
@@ -164,10 +157,8 @@ def long_record(run: Run) -> dict[str, str] | None:
     """Return the long record of a run and its facts; None where there is none."""
     if run.long is None:
         return None
-    pressure = run.long.channels
-    gain = wav.listening_gain(pressure)
-    content = sentence(run.long.numbers, run.sound.levels.laeq_db)
-    record = wav.listening(pressure, gain, content, run.label, 16)
+    pressure, content = heard(run)
+    record = wav.listening(pressure, wav.listening_gain(pressure), content, run.label, 16)
     return {"wav": maps.uri("audio/wav", record), "text": content}
 
 
@@ -222,8 +213,10 @@ def gains(
         scale and for a common LAeq, `calibrated_pa` and `equal_pa` [Pa] the full scales that they
         lead to, and `equal_db` [dB] their ratio. A silent record has factors of 0 and no scales.
     """
-    scales = [peak / wav.PEAK if peak > 0 else 1.0 for peak in peaks_pa]
-    records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
+    records = [
+        (peak / wav.PEAK if peak > 0 else 1.0, peak, level)
+        for peak, level in zip(peaks_pa, laeq_db, strict=True)
+    ]
     common = max((scale for scale, peak, _ in records if peak > 0), default=1.0)
     # Each record is loudest with its peak at the limit. All records can reach the minimum of these
     # levels.
@@ -250,7 +243,7 @@ def _db(ratio: float) -> float:
 
 def _exhibit(picture: Picture) -> dict[str, Any]:
     """Embed a picture with its table, its size [CSS pixels] and, over time, its time axis."""
-    svg, table = picture.svg, picture.file("csv")
+    svg, table = picture.file("svg") or b"", picture.file("csv")
     short = table is not None and len(table) <= LARGEST_CSV
     width, height = picture.figure.get_size_inches()
     return {
@@ -282,33 +275,26 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
         places = (scene.height_path, track.n_along, track.n_across)
         ball = scene.sphere.surface and (scene.sphere.surface, track.turn_nodes)
         sharing.setdefault(f"{scene.surface.model_dump_json()} {ball} {places}", []).append(run)
-    surfaces = []
-    for members in sharing.values():
-        picture = single_picture("surface", members[0])
-        assert picture is not None
-        surfaces.append(
-            {
-                "labels": [run.label for run in members],
-                "words": assumed.surface_words(members[0].scene),
-                "statistics": members[0].summary["surface"],
-                "parts": runs_table.surface_parts(members[0].summary),
-                "picture": _exhibit(picture),
-            }
-        )
-    return surfaces
+    return [
+        {
+            "labels": [run.label for run in members],
+            "words": assumed.surface_words(members[0].scene),
+            "statistics": members[0].summary["surface"],
+            "parts": runs_table.surface_parts(members[0].summary),
+            "picture": _exhibit(picture),
+        }
+        for members in sharing.values()
+        if (picture := single_picture("surface", members[0]))
+    ]
 
 
 def _vibrations(views: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:
     """Return label and pictures of the runs that vibrate; equal pictures are shown once."""
-    shown, seen = [], set[bytes]()
+    seen: dict[str, tuple[str, dict[str, Any]]] = {}
     for view in views:
-        pictures = []
-        for name in VIBRATION:
-            picture = view["pictures"].get(name)
-            drawn = picture and (picture["csv"] or picture["src"])
-            if drawn and drawn not in seen:
-                pictures.append(picture)
-                seen.add(drawn)
-        if pictures:
-            shown.append((view["label"], pictures))
-    return shown
+        for picture in (view["pictures"][x] for x in VIBRATION if x in view["pictures"]):
+            seen.setdefault(picture["csv"] or picture["src"], (view["label"], picture))
+    shown: dict[str, list[dict[str, Any]]] = {}
+    for label, picture in seen.values():
+        shown.setdefault(label, []).append(picture)
+    return [*shown.items()]

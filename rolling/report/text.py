@@ -2,94 +2,43 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from matplotlib.ticker import EngFormatter
 
-from acoustics.bands import BAND_NAMES, LEAST_BT, reliable
+from acoustics.bands import BAND_NAMES, reliable
 from acoustics.numbers import bracketed, rounded
-from rolling import __version__
-from rolling.results import caveats
-from rolling.results.caveats import Caveat
 from rolling.results.labels import printable
+from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
-from rolling.results.runs_table import beside_text, level_name, uncertain, verdicts
+from rolling.results.runs_table import level_name, uncertain
 from rolling.scene import file
 
 NOTHING = "-"  # for a number that does not exist
 Fact = tuple[str, list[tuple[str, str]]]  # quantity; labels of runs (empty: all runs) and value
 
 
+def asset(name: str) -> str:
+    """Read a file of the page, which is the program's own text."""
+    return files("rolling.report").joinpath("assets", name).read_text(encoding="utf-8")
+
+
 class Column(NamedTuple):
-    """A number of summary.json as a column of the table of levels.
+    """A column of the table of levels, which levels.toml explains."""
 
-    The fields are its key and the key of its uncertainty, head, unit, factor to that unit, and
-    format (empty: four digits). A column on request is shown only if a run has its number.
-    """
-
-    key: str
-    uncertainty: str
     head: str
-    unit: str
+    unit: str = ""
+    uncertainty: str = ""
     factor: float = 1.0
     form: str = ".1f"
-    on_request: bool = False
+    always: bool = False
 
 
-COLUMNS = (
-    Column("level_db", "level", "LZeq", "dB"),
-    Column("laeq_db", "laeq", "LAeq", "dB(A)"),
-    Column(
-        "compact_source_level_db", "", "compact source of the same power", "dB(A)", 1.0, ".1f", True
-    ),
-    Column("hemisphere_mean_level_db", "", "mean over the half sphere", "dB(A)", 1, ".1f", True),
-    Column("vibration_estimate_laeq_db", "", "vibration, estimated", "dB(A)", 1.0, ".1f", True),
-    Column("laeq_grid_error_db", "", "grid error of LAeq", "dB", 1.0, "+.2f", True),
-    Column("laeq_subgrid_error_db", "", "error of LAeq from missing detail", "dB", 1, "+.2f", True),
-    Column("laeq_solver_error_db", "", "solver error of LAeq", "dB", 1.0, "+.2f", True),
-    Column("laeq_uncertainty_db", "", "u(LAeq) with grid and solver", "dB", 1.0, ".2f", True),
-    Column("laf_max_db", "laf_max", "LAFmax", "dB"),
-    Column("las_max_db", "las_max", "LASmax", "dB"),
-    Column("lz_peak_db", "lz_peak", "LZpeak", "dB"),
-    Column("steady_level_db", "steady", "steady level", "dB re 1 pW/m²"),
-    Column("vibration_laeq_db", "", "LAeq of the vibration", "dB(A)", on_request=True),
-    Column("release_laeq_db", "", "level of the release", "dB(A)", on_request=True),
-    Column("release_over_vibration_db", "", "release over vibration", "dB", on_request=True),
-    Column("equivalent_q", "", "q that equals them", "", 1.0, ".2g", True),
-    Column("plate_power_level_db", "", "sound power of the plate", "dB re 1 pW", on_request=True),
-    Column("ball_power_level_db", "", "sound power of the sphere", "dB re 1 pW", on_request=True),
-    Column("force_rms_n", "", "force, rms", "N", 1.0, ".3g", True),
-    Column("force_max_ratio", "", "maximum of F/W", "", 1.0, ".3f", True),
-    Column("force_min_ratio", "", "minimum of F/W", "", 1.0, ".3f", True),
-    Column("restitution", "", "restitution of the first impact", "", 1.0, ".3f", True),
-    Column("loudness_sone", "", "loudness", "sone", 1.0, ".3g", True),
-    Column("sharpness_acum", "", "sharpness", "acum", 1.0, ".3g", True),
-    Column("plastic_ratio", "", "plastic ratio", "", 1.0, ".3f"),
-    Column("max_pressure_pa", "", "maximum pressure", "GPa", 1e-9, ".3g"),
-    Column("contact_area_mean_m2", "", "contact area", "µm²", 1e12, ""),
-    Column("release_power_mean_w", "", "release, mean", "µW", 1e6, ""),
-    Column("release_power_rms_w", "", "release, rms", "µW", 1e6, ""),
-)
-BANDS_NOTE = (
-    f"dB re 20 µPa, Z. Grey: bandwidth times duration below {LEAST_BT:g}, uncertain by 2 dB or"
-    " more. -: no sound, or a band that the steps do not resolve."
-)
-LEVELS_NOTE = (
-    "Levels are re 20 µPa and belong to the fluctuation, the audible part, over the whole record,"
-    " with their standard uncertainty; the steady level belongs to the mean intensity, which is"
-    " silent."
-)
-
-CITED_PROGRAM = (
-    f"The rolling-contact-noise authors: rolling-contact-noise (version {__version__}), 2026."
-)
-CITED_ARTICLE = (
-    "Lee, B.; Kim, K.; Kim, T.: Analysis of Contact Noise Due to Elastic Recovery of Surface "
-    "Asperities for Spherical "
-    "Contact. Inventions 2025, 10(1), 17. doi:10.3390/inventions10010017"
-)
+COLUMNS = {key: Column(**column) for key, column in tomllib.loads(asset("levels.toml")).items()}
 
 
 # ---- levels
@@ -125,21 +74,10 @@ def sentence(runs: Sequence[Run]) -> str:
     )
 
 
-def beside(runs: Sequence[Run]) -> str:
-    """State the levels beside those of runs in a sentence; empty where there are none."""
-    words = beside_text([run.summary for run in runs])
-    return f"{words[0].upper()}{words[1:]}." if words else ""
-
-
 def level_head(runs: Sequence[Run]) -> str:
     """Name the level of runs: of the vibration, of the released power, or of both."""
     names = dict.fromkeys(level_name(run.summary) for run in runs)
     return " or ".join(names)
-
-
-def judged(runs: Sequence[Run]) -> list[tuple[str, str]]:
-    """Return words and reasons of the verdicts on the levels, each once with its runs."""
-    return verdicts([(run.label, run.summary) for run in runs])
 
 
 def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]:
@@ -147,39 +85,39 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
 
     A level without sound is `silent`, and one that was not computed `-`.
     """
-    columns = [
-        column
-        for column in COLUMNS
-        if not column.on_request or any(run.summary.get(column.key) is not None for run in runs)
+    columns = {
+        key: column
+        for key, column in COLUMNS.items()
+        if column.always or any(run.summary.get(key) is not None for run in runs)
+    }
+    heads = [
+        (level_head(runs) if key == "laeq_db" else column.head)
+        + (f" [{column.unit}]" if column.unit else "")
+        for key, column in columns.items()
     ]
-    named = {"laeq_db": level_head(runs)}
-    heads = [named.get(column.key, column.head) for column in columns]
-    units = [f" [{column.unit}]" if column.unit else "" for column in columns]
-    heads = [head + unit for head, unit in zip(heads, units, strict=True)]
-    return heads, [(run.label, [_cell(run, column) for column in columns]) for run in runs]
+    return heads, [(run.label, [_cell(run, *item) for item in columns.items()]) for run in runs]
 
 
 def listeners(runs: Sequence[Run]) -> list[tuple[str, str, str, str]]:
     """Return run, place, LAeq and LZeq of each listener of the runs with more than one."""
-    rows = []
-    for run in runs:
-        places = run.summary.get("listeners") or []
-        for listener in places if len(places) > 1 else []:
-            at = f"{bracketed(listener['at_mm'])} mm"
-            laeq, level = (
-                "silent" if listener[key] is None else f"{listener[key]:.1f}"
-                for key in ("laeq_db", "level_db")
-            )
-            rows.append((run.label, at, laeq, level))
-    return rows
+
+    def decibels(level: float | None) -> str:
+        return "silent" if level is None else f"{level:.1f}"
+
+    return [
+        (run.label, f"{bracketed(x['at_mm'])} mm", decibels(x["laeq_db"]), decibels(x["level_db"]))
+        for run in runs
+        if len(listeners := run.summary.get("listeners") or []) > 1
+        for x in listeners
+    ]
 
 
-def _cell(run: Run, column: Column) -> str:
+def _cell(run: Run, key: str, column: Column) -> str:
     """Write a number of a run for a table."""
-    value = run.summary.get(column.key)
+    value = run.summary.get(key)
     if value is None:
-        level = column.uncertainty and column.key in run.summary
-        steady = column.key == "steady_level_db" and run.vibration is not None
+        level = column.uncertainty and key in run.summary
+        steady = key == "steady_level_db" and run.vibration is not None
         return "silent" if level and not steady else NOTHING
     if column.uncertainty:
         return uncertain(value, run.summary["uncertainty_db"].get(column.uncertainty))
@@ -196,37 +134,13 @@ def bands(runs: Sequence[Run]) -> list[tuple[str, bool, list[str]]]:
         if level is None:
             return NOTHING
         text = uncertain(level, run.summary["third_octave_uncertainty_db"][band])
-        error = run.errors.total_db[band] if run.errors else None
+        error = total_errors_db(run.summary).get(band)
         return text if error is None else f"{text} (error {error:+.1f})"
 
     return [
         (band, bool(sure), [cell(run, band) for run in runs])
         for band, sure in zip(BAND_NAMES, certain, strict=True)
     ]
-
-
-# ---- caveats
-
-
-def remarks(runs: Sequence[Run]) -> list[Caveat]:
-    """List all caveats of runs, each caveat once."""
-    return caveats.gathered([(run.label, run.summary) for run in runs])
-
-
-def headline(runs: Sequence[Run]) -> str:
-    """Join the caveats that stand beside every level."""
-    return " ".join(caveat.line for caveat in remarks(runs) if caveat.key in caveats.HEADLINE)
-
-
-def standing(runs: Sequence[Run]) -> list[Caveat]:
-    """List the general caveats, which do not stand at the top."""
-    kept = set(caveats.STANDING) - set(caveats.HEADLINE)
-    return [caveat for caveat in remarks(runs) if caveat.key in kept]
-
-
-def warnings(runs: Sequence[Run]) -> list[Caveat]:
-    """List the warnings, the largest contribution to a level first, each kind once."""
-    return caveats.warnings([(run.label, run.summary) for run in runs])
 
 
 # ---- facts
@@ -239,10 +153,8 @@ def facts(runs: Sequence[Run], records: Sequence[Mapping[str, str]]) -> list[Fac
         labels_by_value: dict[str, list[str]] = {}
         for run, record in zip(runs, records, strict=True):
             labels_by_value.setdefault(record.get(name, NOTHING), []).append(run.label)
-        alone = len(labels_by_value) == 1
-        values = [
-            ("" if alone else "; ".join(names), value) for value, names in labels_by_value.items()
-        ]
+        several = len(labels_by_value) > 1
+        values = [("; ".join(names * several), x) for x, names in labels_by_value.items()]
         merged.append((name, values))
     return merged
 
@@ -273,35 +185,28 @@ def recipes(runs: Sequence[Run]) -> list[dict[str, str]]:
     for run in runs:
         members.setdefault(run.home, []).append(run)
     written = []
-    for home, sweep in members.items():
-        name, path = f"{sweep[0].scene.name}.yaml", home / "scene.yaml"
+    for home, (first, *others) in members.items():
+        name, path = f"{first.scene.name}.yaml", home / "scene.yaml"
         # The folder of a run in memory is the working directory, whose scene.yaml is a stranger's.
-        is_stored = "provenance" in sweep[0].summary and path.is_file()
-        written.append(
-            {
-                "labels": "; ".join(run.label for run in sweep),
-                "file": name,
-                "scene": path.read_text("utf-8") if is_stored else file.dump(sweep[0].scene),
-                "command": f"rolling run {name}",
-            }
-        )
+        is_stored = "provenance" in first.summary and path.is_file()
+        scene = path.read_text("utf-8") if is_stored else file.dump(first.scene)
+        names = "; ".join(run.label for run in (first, *others))
+        command = f"rolling run {name}"
+        written.append({"labels": names, "file": name, "scene": scene, "command": command})
     return written
 
 
 def provenance(runs: Sequence[Run]) -> list[Fact]:
-    """List program, packages and machine that made the numbers, from the summaries of runs."""
-    return facts(runs, [_provenance(run) for run in runs])
-
-
-def _provenance(run: Run) -> dict[str, str]:
-    """Return the provenance of a run; the result is empty for a run in memory."""
-    record: Mapping[str, Any] = run.summary.get("provenance", {})
-    facts_by_name = {
-        name: NOTHING if value is None else str(value)
-        for name, value in record.items()
-        if name not in ("packages", "label")
-    }
-    packages = record.get("packages", {})
-    if packages:
-        facts_by_name["packages"] = ", ".join(f"{name} {v}" for name, v in packages.items())
-    return facts_by_name
+    """List program, packages and machine that made the numbers; empty for runs in memory."""
+    records = []
+    for run in runs:
+        stored = run.summary.get("provenance", {})
+        record = {
+            name: NOTHING if value is None else str(value)
+            for name, value in stored.items()
+            if name not in ("packages", "label")
+        }
+        if packages := stored.get("packages"):
+            record["packages"] = ", ".join(f"{name} {v}" for name, v in packages.items())
+        records.append(record)
+    return facts(runs, records)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -14,13 +16,16 @@ from acoustics.numbers import rounded
 from rolling.check import findings, resolution
 from rolling.dynamics.of_scene import BENT
 from rolling.marches.result import MovingRelease
-from rolling.results.run_errors import RunErrors
+from rolling.results.run_errors import total_errors_db
 from rolling.results.verdict import ranks
 from rolling.scene.scene import Scene
 from rolling.sound import solver_error
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
 
+SENTENCES: dict[str, str] = tomllib.loads(
+    files("rolling.results").joinpath("caveats.toml").read_text(encoding="utf-8")
+)
 MEASURED_DB = 26, 70  # release with q = 1 over the vibration, on 71 runs of docs/dynamics.md
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 # Caveats that stand beside every level, beside every player, and elsewhere; others are warnings.
@@ -54,7 +59,7 @@ class Caveat:
 def caveats(
     scene: Scene,
     sound: ContactSound,
-    errors: RunErrors | None = None,
+    errors: Mapping[str, Any],
     vibration: Vibration | None = None,
     moving: MovingRelease | None = None,
 ) -> list[dict[str, str]]:
@@ -62,11 +67,12 @@ def caveats(
 
     scene : Scene. A scene without a sweep.
     sound : ContactSound. The sound of the run.
-    errors : RunErrors. Errors from grid and solver. Default: the scene does not ask for them.
+    errors : mapping. Errors from grid and solver, as summary.json has them; may be empty.
     vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
     moving : MovingRelease. The release under the moving load, or its fault. Default: none.
     """
-    knows_grid = _knows_grid(scene, errors)
+    # The error of the grid in the release was measured.
+    knows_grid = sound.source == "release" and errors.get("grid_signal_db") is not None
     texts = (
         _of_levels(scene, sound, errors, vibration)
         | _of_record(scene, sound)
@@ -79,7 +85,7 @@ def caveats(
             and not (knows_grid and finding.key == resolution.KEY)
             and not (vibration and finding.key in ("force_ratio", "impacts_yield"))
         }
-        | _of_errors(scene, errors)
+        | _of_errors(scene, errors, knows_grid)
         | _of_vibration(scene, vibration)
     )
     if sound.source == "release":
@@ -121,79 +127,57 @@ def warnings(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[Caveat]:
     return sorted(merged, key=lambda caveat: largest.get(caveat.key, (-1, 0.0)), reverse=True)
 
 
+def _say(key: str, **numbers: Any) -> str:
+    """Return the sentence of a caveat with its numbers."""
+    return SENTENCES[key].format(**numbers)
+
+
 def _of_levels(
-    scene: Scene, sound: ContactSound, errors: RunErrors | None, vibration: Vibration | None
+    scene: Scene, sound: ContactSound, errors: Mapping[str, Any], vibration: Vibration | None
 ) -> dict[str, str]:
     """Return the caveats of the levels; a silent run has none."""
-    s, texts = scene.sound, dict[str, str]()
+    s, vibrates = scene.sound, sound.source == "vibration"
     if sound.steady_level is None and sound.levels.level_db is None:
-        return texts
+        return {}
     fixed = s.gain_pa_per_w_m2 is not None
-    if sound.source == "vibration" and scene.plate.edges_mm is not None:
-        texts |= _of_edges(scene)
-    elif sound.source == "vibration":
-        sources = "plate and sphere" if s.ball else "plate"
-        texts["on_axis"] = (
-            f"Levels are the pressure of {sources} on the axis through the contact, at one listener"
-            f" at {s.distance_m:g} m without a room."
-        )
-        body = "an infinite plate without modes, edges or supports"
-        texts["infinite_plate"] = (
-            f"The sphere rolls on {'a half-space' if scene.plate.thickness_mm is None else body},"
-            " pressed by a constant force without mass; friction, rocking and rotation are left"
-            " out."
-        )
-    elif s.q == 1:
-        bound = "an upper bound: all released energy counts as radiated"
-        above = f"{' to '.join(map(str, MEASURED_DB))} dB above the vibration (71 runs)"
-        texts["upper_bound"] = (
-            f"Levels are levels of the released power (q = 1), {bound}, {above}, and more at low"
-            " speed."
-        )
-        if fixed or sound.levels.level_db is None:
-            texts["upper_bound"] = f"The steady level is {bound} (q = 1)."
+    if vibrates:
+        texts = _of_radiation(scene)
+    elif s.q != 1:
+        texts = {"assumed_q": _say("assumed_q", q=s.q)}
+    elif fixed or sound.levels.level_db is None:
+        texts = {"upper_bound": _say("upper_bound.steady")}
     else:
-        texts["assumed_q"] = (
-            f"Levels are levels of the released power, {s.q:g} of which is assumed to be radiated"
-            f" (q = {s.q:g})."
-        )
-    if fixed and sound.source == "release":
-        texts["fixed_gain"] = (
-            f"The scene's gain of {s.gain_pa_per_w_m2:g} Pa per W/m² decides every level but the"
-            " steady one."
-        )
-    texts["unvalidated"] = "No level has been validated against a microphone."
+        least, most = MEASURED_DB
+        texts = {"upper_bound": _say("upper_bound", least=least, most=most)}
+    if fixed and not vibrates:
+        texts["fixed_gain"] = _say("fixed_gain", gain=s.gain_pa_per_w_m2)
+    texts["unvalidated"] = _say("unvalidated")
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
-        noise, vibrates = "taken as stationary Gaussian noise", sound.source == "vibration"
-        if vibrates and vibration and vibration.motion.flight_share:
-            noise = "from its scatter between thirds, because impacts are not Gaussian noise"
+        flies = vibrates and vibration and vibration.motion.flight_share
+        noise = "once" if sound.once else "impacts" if flies else "noise"
         parts = "length, comb and time steps" if vibrates else "the length"
-        covered = f"{parts} of the record, {noise}"
-        if sound.once:
-            covered = "the time steps; the record is one fall, and its level that of its length"
-        texts["uncertainty"] = f"± covers {covered}; it holds no error of model, grid or solver."
-        if errors is not None and errors.levels:
-            law = ", solver and force law" if sound.source == "vibration" else " and solver"
-            texts["uncertainty"] += (
-                f" Errors of grid{law} are estimated beside the levels, which are not corrected for"
-                " them."
-            )
+        covered = _say(f"uncertainty.{noise}", parts=parts)
+        texts["uncertainty"] = _say("uncertainty", covered=covered)
+        if errors.get("laeq_uncertainty_db") is not None:
+            law = ", solver and force law" if vibrates else " and solver"
+            texts["uncertainty"] += _say("uncertainty.errors", law=law)
     return texts
 
 
-def _of_edges(scene: Scene) -> dict[str, str]:
-    """Return the caveats of the levels of a plate with edges: listener, baffle, supports."""
+def _of_radiation(scene: Scene) -> dict[str, str]:
+    """Return the caveats of the pressure of a vibration: listener, baffle, supports."""
     sources = "plate and sphere" if scene.sound.ball else "plate"
-    path = "stays at its point of the plate"
-    if len(scene.plate.contact_ends_mm) > 1:
-        path = "moves to and fro on a straight line"
+    if scene.plate.edges_mm is None:
+        body = "an infinite plate without modes, edges or supports"
+        body = "a half-space" if scene.plate.thickness_mm is None else body
+        on_axis = _say("on_axis", sources=sources, distance=scene.sound.distance_m)
+        return {"on_axis": on_axis, "infinite_plate": _say("infinite_plate", body=body)}
+    place = scene.listener_place + " above the contact" * (scene.sound.listener_mm is None)
+    moves = len(scene.plate.contact_ends_mm) > 1
+    path = "moves to and fro on a straight line" if moves else "stays at its point of the plate"
     return {
-        "at_listener": f"Levels are the pressure of {sources} at {scene.listener_place}"
-        f"{' above the contact' if scene.sound.listener_mm is None else ''}, without a room.",
-        "plate_edges": "The plate is simply supported at its edges in an infinite rigid baffle,"
-        " which makes a plate smaller than the wavelength too loud; the contact"
-        f" {path}. A constant force without mass presses the sphere; friction, rocking and rotation"
-        " are left out.",
+        "at_listener": _say("at_listener", sources=sources, place=place),
+        "plate_edges": _say("plate_edges", path=path),
     }
 
 
@@ -201,87 +185,63 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
     """Return the caveats of a record that does not loop, or whose repetition is heard."""
     texts = {}
     if not sound.loops:
-        texts["not_loopable"] = (
-            "The ends of the record do not fit together: a loop of it is cross-faded."
-            if sound.closed
-            else f"The record does not close on itself: it is {sound.ends}, and a loop of it"
-            " is cross-faded."
-        )
+        variant = "not_loopable.closed" if sound.closed else "not_loopable"
+        texts["not_loopable"] = _say(variant, ends=sound.ends)
     if sound.levels.level_db is None or sound.once:
         return texts
     lap = scene.track.lap_steps * scene.track.step
     period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
     if sound.duration < SHORT_S:
         period = min(period, len(sound.lap) / sound.sample_rate)
-    rate = rounded(1 / period) if 1 / period < 10 else f"{1 / period:.0f}"
-    heard = f"{rate} times a second: the pitch that is heard is the repetition, not the contact."
-    if sound.duration < SHORT_S:
-        texts["short_loop"] = (
-            f"When it loops, the record of {rounded(sound.duration, 3)} s repeats {heard}"
-        )
+        key, length = "short_loop", rounded(sound.duration, 3)
     elif period < min(SHORT_S, 0.999 * sound.duration):
-        texts["short_track"] = (
-            f"The track repeats in the record every {rounded(period, 3)} s, {heard}"
-        )
-    return texts
+        key, length = "short_track", rounded(period, 3)
+    else:
+        return texts
+    rate = rounded(1 / period) if 1 / period < 10 else f"{1 / period:.0f}"
+    return texts | {key: _say(key, length=length, rate=rate)}
 
 
 def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:
     """Return the caveat of the load under which the release was computed."""
     if scene.dynamics is None:
-        return {
-            "quasi_static": "The load is held constant: the sphere neither bounces nor rings on its"
-            " contact."
-        }
+        return {"quasi_static": _say("quasi_static")}
     if moving is None:
-        under = "; dynamics.release: true computes it under the moving load."
-        if scene.rolling.drop_mm is not None:
-            under = ", as if the sphere rolled from the start."
-        return {"constant_load_release": f"The release is computed under the constant load{under}"}
+        drop = "" if scene.rolling.drop_mm is None else ".drop"
+        return {"constant_load_release": _say(f"constant_load_release{drop}")}
     if moving.fault:
-        return {
-            "no_moving_release": "release: of the constant load, because there is none under the"
-            f" moving load: {moving.fault}"
-        }
-    return {
-        "moving_load_release": "The release is computed under the moving load; the series along the"
-        " track are of the constant load."
-    }
+        return {"no_moving_release": _say("no_moving_release", fault=moving.fault)}
+    return {"moving_load_release": _say("moving_load_release")}
 
 
-def _knows_grid(scene: Scene, errors: RunErrors | None) -> bool:
-    """Return whether the error of the grid in the release was measured."""
-    levels = errors.levels if errors and scene.sound.source == "release" else None
-    return levels is not None and math.isfinite(levels.grid_signal_db)
-
-
-def _of_errors(scene: Scene, errors: RunErrors | None) -> dict[str, str]:
+def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_grid: bool) -> dict[str, str]:
     """Return the warnings of the error estimate: its absence, its reach, and bands that are off."""
-    if errors is None:
+    estimate = errors.get("error_estimate")
+    if estimate is None:
         return {}
-    if errors.levels is None:
-        return {"no_error_estimate": f"error estimate: none, because {errors.reason}"}
-    texts, levels = {}, errors.levels
-    if _knows_grid(scene, errors):
-        source = f"measured within {levels.grid_signal_uncertainty_db:.0f} dB by the error estimate"
-        if coarse := resolution.too_coarse(scene, levels.grid_signal_db, source):
+    if "reason" in estimate:
+        return {"no_error_estimate": _say("no_error_estimate", **estimate)}
+    texts = {}
+    if knows_grid:
+        spread = errors["grid_signal_uncertainty_db"]
+        spread = math.nan if spread is None else spread
+        source = f"measured within {spread:.0f} dB by the error estimate"
+        if coarse := resolution.too_coarse(scene, errors["grid_signal_db"], source):
             texts[resolution.KEY] = f"error of the grid: {coarse}"
     if scene.height_paths:
-        texts["unknown_detail"] = (
-            "error estimate: nothing is known of heights below the spacing of the file, so the"
-            " error of their absence is in no number"
-        )
-    if errors.worst_uncertainty_db > OFF_DB:
-        texts["error_estimate_reach"] = (
-            "error estimate: its standard errors for third octaves reach"
-            f" {errors.worst_uncertainty_db:.1f} dB between 1 and 16 kHz"
-        )
-    if off := errors.off_db():
-        bands = ", ".join(f"{name} Hz ({error:+.1f})" for name, error in off.items())
-        texts["band_errors"] = (
-            f"grid and solver: third octaves off by more than {OFF_DB:g} dB: {bands};"
-            " a smaller surface.spacing_um brings them down"
-        )
+        texts["unknown_detail"] = _say("unknown_detail")
+    worst = estimate["worst_uncertainty_db"]
+    worst = math.inf if worst is None else worst
+    if worst > OFF_DB:
+        texts["error_estimate_reach"] = _say("error_estimate_reach", worst=worst)
+    spreads = errors["grid_error_uncertainty_db"]
+    bands = ", ".join(
+        f"{name} Hz ({error:+.1f})"
+        for name, error in total_errors_db(errors).items()
+        if error is not None and abs(error) > OFF_DB + (spreads[name] or 0.0)
+    )
+    if bands:
+        texts["band_errors"] = _say("band_errors", limit=OFF_DB, bands=bands)
     return texts
 
 
@@ -290,34 +250,25 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
     texts: dict[str, str] = {}
     if vibration is None:
         return texts
-    motion, loads = vibration.motion, vibration.law.load_n
+    motion, thickness = vibration.motion, scene.plate.thickness_mm
     if motion.outside_share > 0:
-        texts["force_outside"] = (
-            f"force law: the contact force leaves the marched loads of {rounded(loads[0], 3)} to"
-            f" {rounded(loads[-1], 3)} N for {rounded(100 * motion.outside_share)} % of the time,"
-            " and is extrapolated there"
-        )
+        least, most = (rounded(load, 3) for load in vibration.law.load_n[[0, -1]])
+        share = rounded(100 * motion.outside_share)
+        texts["force_outside"] = _say("force_outside", least=least, most=most, share=share)
     if motion.flight_share > 0:
-        impacts = f"{motion.impacts} impact{'' if motion.impacts == 1 else 's'}"
-        lost = f"{rounded(100 * motion.flight_share)} % of the time"
-        text = f"contact: lost for {lost}, with {impacts}"
+        share, s = rounded(100 * motion.flight_share), "" if motion.impacts == 1 else "s"
+        texts["impacts"] = _say("impacts", share=share, count=motion.impacts, s=s)
         if motion.flight_share == 1:
-            text += ": the record is shorter than a flight; choose a longer one"
-        texts["impacts"] = text
+            texts["impacts"] += _say("impacts.flight")
     repeats = not scene.is_smooth and scene.rolling.drop_mm is None
     if scene.track.closed and not motion.settled and repeats:
-        text = "motion: it does not repeat from lap to lap, so its record does not loop"
+        texts["not_settled"] = _say("not_settled")
         if motion.flight_share > 0:
-            text += "; impacts need not repeat"
+            texts["not_settled"] += _say("not_settled.impacts")
         elif len(scene.plate.contact_ends_mm) > 1:
-            text += "; the contact moves on the plate"
+            texts["not_settled"] += _say("not_settled.path")
         elif scene.motion.is_constant(scene.duration):
-            text += "; it has not run in, so another record may have another level"
-        texts["not_settled"] = text
-    thickness = scene.plate.thickness_mm
+            texts["not_settled"] += _say("not_settled.constant")
     if thickness is not None and (bent := 1e3 * np.ptp(motion.plate_m) / thickness) > BENT:
-        texts["plate_deflection"] = (
-            f"plate: it sinks and rises by {rounded(bent)} of its thickness; thin-plate theory"
-            f" wants a deflection that is small against it, at most about {BENT:g}"
-        )
+        texts["plate_deflection"] = _say("plate_deflection", bent=rounded(bent), limit=BENT)
     return texts

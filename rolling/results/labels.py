@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -17,88 +19,19 @@ _PATH = "surface.path"
 
 
 class Word(NamedTuple):
-    """The words for a key: quantity, unit, text for its absence; minor: labels avoid the key."""
+    """The words for a key of a scene, which words.toml explains."""
 
-    name: str
+    word: str
     unit: str = ""
     absent: str = ""
     minor: bool = False
 
 
-_HEIGHTS = {  # keys of plate and sphere
-    "kind": Word("surface"),
-    "path": Word("heights"),
-    "roughness_ra_um": Word("Ra", "µm"),
-    "correlation_length_um": Word("correlation length", "µm"),
-    "correlation_length_across_um": Word("correlation length across", "µm", "isotropic"),
-    "autocorrelation": Word("autocorrelation"),
-    "skewness": Word("skewness", "", "skewness 0"),
-    "kurtosis": Word("kurtosis", "", "kurtosis 3"),
-    "lay_deg": Word("lay", "°", "lay along the track"),
-    "hurst": Word("Hurst exponent"),
-    "rolloff_um": Word("roll-off", "µm"),
-    "shortest_um": Word("shortest wave", "µm"),
-    "rq_um": Word("Sq", "µm", "no Sq"),
-    "rdq": Word("Sdq", "", "no Sdq"),
-    "height_unit": Word("height unit"),
-    "seed": Word("seed"),
-}
-WORDS = {  # in the order in which labels name them
-    "rolling.load_n": Word("load", "N"),
-    "rolling.speed_m_s": Word("speed", "m/s"),
-    "rolling.resistance": Word("rolling resistance", "", "no rolling resistance"),
-    "rolling.drop_mm": Word("drop", "mm", "no drop"),
-    **{f"surface.{name}": word for name, word in _HEIGHTS.items()},
-    "surface.level": Word("levelling"),
-    "surface.faults": Word("faults", "", "no faults"),
-    "sphere.radius_mm": Word("sphere radius", "mm"),
-    **{
-        f"sphere.surface.{name}": word._replace(name=f"sphere {word.name}", absent="")
-        for name, word in _HEIGHTS.items()
-    },
-    "sphere.surface.grade": Word("grade"),
-    "sphere.surface.spacing_um": Word("sphere spacing", "µm", minor=True),
-    "sphere.surface.waviness": Word("waviness", "", "no waviness"),
-    "sphere.surface.faults": Word("sphere faults", "", "no sphere faults"),
-    "sphere.youngs_modulus_gpa": Word("sphere Young's modulus", "GPa", "rigid sphere"),
-    "sphere.poissons_ratio": Word("sphere Poisson's ratio"),
-    "sphere.density_kg_m3": Word("sphere density", "kg/m³", "sphere density as steel"),
-    "plate.youngs_modulus_gpa": Word("Young's modulus", "GPa"),
-    "plate.poissons_ratio": Word("Poisson's ratio"),
-    "plate.hardness_gpa": Word("hardness", "GPa", "no hardness"),
-    "plate.density_kg_m3": Word("plate density", "kg/m³", "no plate density"),
-    "plate.thickness_mm": Word("thickness", "mm", "half-space"),
-    "plate.loss_factor": Word("loss factor", "", "no loss factor"),
-    "plate.length_mm": Word("plate length", "mm", "infinite plate"),
-    "plate.width_mm": Word("plate width", "mm", "no plate width"),
-    "plate.contact_mm": Word("contact point", "mm", "default contact point"),
-    "plate.contact_path": Word("contact path", "", "fixed contact"),
-    "plate.contact_end_mm": Word("end of the path", "mm", "no end of the path"),
-    "plate.contact_loss_factor": Word("contact loss factor", "", "no contact loss"),
-    "surface.spacing_um": Word("spacing", "µm"),
-    "numerics.step_nodes": Word("step", "nodes"),
-    "numerics.edges": Word("edges"),
-    "numerics.subcells": Word("sub-cells"),
-    "recovery.rule": Word("release rule"),
-    "sound.source": Word("source"),
-    "sound.ball": Word("ball"),
-    "sound.distance_m": Word("distance", "m"),
-    "sound.listener_mm": Word("listener", "mm", "listener above the contact"),
-    "sound.q": Word("q"),
-    "sound.gain_pa_per_w_m2": Word("gain", "Pa per W/m²", "no fixed gain"),
-    "numerics.tolerance": Word("tolerance", minor=True),
-    "surface.width_um": Word("width", "µm", minor=True),
-    "rolling.duration_s": Word("duration", "s", "once round the file", minor=True),
-    "rolling.distance_mm": Word("distance rolled", "mm", "no distance rolled", minor=True),
-    "rolling.start_um": Word("start", "µm", minor=True),
-    "dynamics.loads": Word("loads", minor=True),
-    "dynamics.span": Word("span", minor=True),
-    "dynamics.release": Word("release under the moving load", minor=True),
-    "numerics.precision": Word("precision", minor=True),
-    "numerics.error_estimate": Word("error estimate", minor=True),
-    "recovery.events": Word("recovery events", minor=True),
-    "sound.listen_s": Word("long listening", "s", "no long listening", minor=True),
-    "sound.loudness": Word("loudness", minor=True),
+WORDS = {
+    key: Word(**words)
+    for key, words in tomllib.loads(
+        files("rolling.results").joinpath("words.toml").read_text(encoding="utf-8")
+    ).items()
 }
 
 
@@ -116,7 +49,7 @@ class Labelled(Protocol):
 def named(key: str) -> tuple[str, str]:
     """Return word and unit of a dotted key: rolling.load_n is load in N."""
     word = WORDS.get(key, Word(key))  # a section has its own name
-    return word.name, word.unit
+    return word.word, word.unit
 
 
 def worded(key: str, value: float | str) -> str:
@@ -138,11 +71,9 @@ def labels(runs: Sequence[Labelled]) -> list[str]:
     if len(set(names)) > 1:
         texts = [f"{name}, {text}" for name, text in zip(names, texts, strict=True)]
     homes = [(run.folder.parent if run.values else run.folder).resolve().name for run in runs]
-    shared: dict[str, set[str]] = {}
-    for text, home in zip(texts, homes, strict=True):
-        shared.setdefault(text, set()).add(home)
+    shared = Counter(text for text, _ in {*zip(texts, homes, strict=True)})
     texts = [
-        f"{text} ({printable(home)})" if len(shared[text]) > 1 else text
+        f"{text} ({printable(home)})" if shared[text] > 1 else text
         for text, home in zip(texts, homes, strict=True)
     ]
     return _numbered([_cut(text, LONGEST) for text in texts])
@@ -203,7 +134,7 @@ def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:
     for run, label, value in zip(runs, swept, values, strict=True):
         section, _, last = key.rpartition(".")
         if isinstance(label, str) and key != _PATH and label != value:  # swept under labels
-            texts.append(f"{word.name} {printable(label)}")
+            texts.append(f"{word.word} {printable(label)}")
         elif value is not None:
             texts.append(written[value])
         else:  # a key that the kind of surface lacks has no words
@@ -234,22 +165,22 @@ def value_at(scene: Scene, key: str) -> Any:
 def _written(word: Word, value: Any, detail: int) -> str:
     """Write a value with its word and unit; more detail shows all digits, or more folders."""
     if isinstance(value, bool):
-        return f"{'with' if value else 'without'} {word.name}"
+        return f"{'with' if value else 'without'} {word.word}"
     if isinstance(value, Path):
-        return f"{word.name} {printable('/'.join(value.parts[-detail:]))}"
+        return f"{word.word} {printable('/'.join(value.parts[-detail:]))}"
     if isinstance(value, str):
-        return f"{word.name} {printable(value.replace('_', ' '))}"
+        return f"{word.word} {printable(value.replace('_', ' '))}"
     if isinstance(value, tuple) and word.unit == "mm":  # a point, or listeners
         points = value if isinstance(value[0], tuple) else (value,)
         texts = (", ".join(f"{x:.{detail + 3}g}" for x in point) for point in points)
-        return f"{word.name} {'; '.join(texts)} {word.unit}"
+        return f"{word.word} {'; '.join(texts)} {word.unit}"
     if isinstance(value, tuple) and detail == 1:  # a speed that changes
         speeds = [speed for _, speed in value]
-        return f"{word.name} {min(speeds):g} to {max(speeds):g} {word.unit}"
+        return f"{word.word} {min(speeds):g} to {max(speeds):g} {word.unit}"
     if isinstance(value, tuple):
         pairs = (f"{speed!r} {word.unit} at {time!r} s" for time, speed in value)
-        return f"{word.name} {', '.join(pairs)}"
-    return f"{word.name} {f'{value:g}' if detail == 1 else value} {word.unit}".rstrip()
+        return f"{word.word} {', '.join(pairs)}"
+    return f"{word.word} {f'{value:g}' if detail == 1 else value} {word.unit}".rstrip()
 
 
 def _cut(text: str, longest: int) -> str:

@@ -1,4 +1,7 @@
-"""Records for the ear: listen.wav, at least five seconds of laps or a long record; long.wav."""
+"""Records for the ear: listen.wav, at least five seconds of laps or a long record; long.wav.
+
+A long record is the solved track, then its random continuation, in motion.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,6 @@ import shutil
 import subprocess
 import sys
 import threading
-from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,14 +19,19 @@ import numpy as np
 
 from acoustics import wav
 from acoustics.arrays import Array
-from acoustics.numbers import rounded
-from rolling.results.long_listening import sentence
-from rolling.sound.contact_sound import ContactSound
-from rolling.sound.long_listening import Listening
+from acoustics.numbers import decibels_a, rounded
+from rolling.marches.result import Result
+from rolling.scene.scene import Scene
+from rolling.sound import long_listening
+from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.long_listening import Listening, with_speed
+from rolling.terminal import defaults
 from rolling.terminal.files import make_below, write_bytes
 
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
+
+Speed = float | tuple[float, float]  # [m/s], constant or from start to end
 
 LEAST_S = 5.0  # [s] of listen.wav; a shorter record is a click
 CONSEQUENCES = {  # of the rule that sets a gain
@@ -35,6 +42,17 @@ CONSEQUENCES = {  # of the rule that sets a gain
     " numbers, not by ear",
 }
 PLAYERS = ("afplay", "pw-play", "paplay", "aplay", "ffplay -nodisp -autoexit", "xdg-open")
+LEAST_POSITIONS = 64  # of a solved track; fewer have no spectrum
+COARSE_HZ = 10e3  # highest frequency of the steps below which the sound is dull
+OFTEN = 0.1  # of a record's duration, in which forces beyond the marched loads are named
+LONG_WAVES_HZ = 500.0  # lowest frequency of the solved track above which its long waves are named
+
+
+class ListeningError(ValueError):
+    """Reason why a run has no long listening."""
+
+
+# ---- records in laps, and their files
 
 
 def laps(sound: ContactSound) -> Array:
@@ -65,7 +83,7 @@ def laps_in_words(sound: ContactSound) -> str:
 def heard(run: Run) -> tuple[Array, str]:
     """Return the record [Pa] for the ear, the long one if the scene asks for it, and say it."""
     if run.long is not None:
-        return run.long.channels, sentence(run.long.numbers, run.sound.levels.laeq_db)
+        return run.long.channels, sentence(run, run.long)
     content = laps_in_words(run.sound)
     if run.scene.sound.listen_s is not None:
         content += f"; no long record: {run.no_long}"
@@ -75,12 +93,9 @@ def heard(run: Run) -> tuple[Array, str]:
 def listen_wav(run: Run) -> tuple[bytes, dict[str, Any]]:
     """Write listen.wav of a run; return its bytes, and the content and meaning of its samples."""
     record, content = heard(run)
-    gain = wav.listening_gain(record)
-    rule = _rule(run, gain)
-    comment = f"{gain:.6g} full scale per Pa, {rule}; {content}; {facts(run)}"
     repeats = run.sound.loops or len(record) > len(run.sound.pressure)
-    repeats = repeats and run.long is None
-    return wav.listening(record, gain, comment, wav_title(run), loops=repeats), {
+    written, gain, rule = _written(run, record, content, repeats and run.long is None)
+    return written, {
         "content": content,
         "duration_s": len(record) / run.sound.sample_rate,
         "meaning": "Samples times pascal_per_full_scale are sound pressure in Pa at the listener;"
@@ -99,13 +114,20 @@ def write_long(run: Run, long: Listening) -> Path:
     ------
     OSError : the file cannot be written. An earlier file is kept.
     """
-    gain = wav.listening_gain(long.channels)
-    content = sentence(long.numbers, run.sound.levels.laeq_db)
-    comment = f"{gain:.6g} full scale per Pa, {_rule(run, gain)}; {content}; {facts(run)}"
     path = run.folder / "long.wav"
     make_below(run.home, run.folder)
-    write_bytes(path, wav.listening(long.channels, gain, comment, wav_title(run)))
+    write_bytes(path, _written(run, long.channels, sentence(run, long), False)[0])
     return path
+
+
+def _written(run: Run, record: Array, content: str, repeats: bool) -> tuple[bytes, float, str]:
+    """Return a record [Pa] as a WAV with its gain [full scale per Pa], and the rule of the gain."""
+    gain = wav.listening_gain(record)
+    rule = "the largest gain" if gain >= wav.MOST_GAIN else "equal loudness"
+    if not run.sound.pressure.any():
+        rule = "silence"
+    comment = f"{gain:.6g} full scale per Pa, {rule}; {content}; {facts(run)}"
+    return wav.listening(record, gain, comment, wav_title(run), loops=repeats), gain, rule
 
 
 def wav_title(run: Run) -> str:
@@ -129,35 +151,136 @@ def facts(run: Run) -> str:
     return f"{wav_title(run)}; {place}, {source}; {run.sound.ends}"
 
 
-def _rule(run: Run, gain: float) -> str:
-    """Name the rule that sets the gain [full scale per Pa] of a record for the ear."""
-    if not run.sound.pressure.any():
-        return "silence"
-    return "the largest gain" if gain >= wav.MOST_GAIN else "equal loudness"
-
-
 def open_player(path: Path) -> None:
     """Play a file by a player of the system, where a person sits at a terminal and one exists."""
     if not sys.stdout.isatty() or "CI" in os.environ:
         return
     has_display = sys.platform == "darwin" or {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}
+    silent: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+
+    def play(words: list[str]) -> None:  # in a session of its own, which survives Ctrl-C
+        with suppress(OSError):
+            subprocess.run(words, start_new_session=True, check=False, **silent)
+
     for command in PLAYERS if has_display else PLAYERS[:-1]:
         name, *options = command.split()
         if program := shutil.which(name):
             words = [program, *options, str(path)]
-            threading.Thread(target=_run_silently, args=(words,), daemon=True).start()
+            threading.Thread(target=play, args=(words,), daemon=True).start()
             return
 
 
-def _run_silently(words: Sequence[str]) -> None:
-    """Run a program that neither reads nor writes on the terminal, and survives Ctrl-C there."""
-    nowhere = subprocess.DEVNULL
-    with suppress(OSError):
-        subprocess.run(
-            words,
-            stdin=nowhere,
-            stdout=nowhere,
-            stderr=nowhere,
-            start_new_session=True,
-            check=False,
+# ---- long records
+
+
+def released(scene: Scene, result: Result) -> tuple[Array, bool]:
+    """Return the energy [J] released in each step of a run, and whether the steps are closed."""
+    closed = result.steps % result.solved_steps == 0 and scene.track.closed
+    moving = result.moving if scene.moves_release else None
+    energy = result.whole("release_energy")
+    if moving is not None and not moving.fault:
+        closed = closed and moving.repeats
+        energy = moving.steps["release_energy"][np.arange(result.steps) % result.solved_steps]
+    return energy, closed
+
+
+def reason_against(run: Run) -> str:
+    """Return the reason why a run has no long record; empty if it has one."""
+    steps, sound = run.result.solved_steps, run.sound
+    if steps < LEAST_POSITIONS:
+        return f"its solved track has {steps} steps, and a continuation needs {LEAST_POSITIONS}"
+    if sound.source == "vibration" or not sound.pressure.any():
+        return "" if sound.pressure.any() else "its record is silent"
+    if not sound.constant_speed:
+        steady = with_speed(run.scene, run.scene.motion.fastest(sound.duration), sound.duration)
+        energy, closed = released(run.scene, run.result)
+        sound = contact_sound(steady, energy, run.result.step, closed, steps, sound.has_seam)
+    reason = sound.unlike_noise
+    return reason and f"{reason}: a random continuation would not sound like it"
+
+
+def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) -> Listening:
+    """Make a long record of a run; raise ListeningError where there is none."""
+    _refuse(seconds, speed)
+    if run.no_long:
+        raise ListeningError(run.no_long)
+    scene = run.scene if speed is None else with_speed(run.scene, speed, seconds)
+    positions = float(scene.motion.distance(seconds)) / run.result.step
+    if positions > (most := defaults.MOST_LISTENED_POSITIONS):
+        raise ListeningError(
+            f"speed: the sphere passes {positions:.2g} positions, allowed is up to {most:.2g},"
+            " which take ten minutes"
         )
+    if run.vibration is not None and run.sound.source == "vibration":
+        record = long_listening.listen_to_vibration(scene, run.vibration.law, seconds, seed)
+    else:
+        lap, step = run.result.solved_steps, run.result.step
+        energy = released(run.scene, run.result)[0][:lap]
+        closed = run.scene.track.lap_steps <= lap and not run.sound.has_seam
+        record = long_listening.listen_to_release(scene, energy, step, closed, seconds, seed)
+    record.numbers["seed"] = seed
+    record.numbers["limits"] = limits(record.numbers)
+    return record
+
+
+def _refuse(seconds: float, speed: Speed | None) -> None:
+    """Refuse a length and a speed that are not possible."""
+    least, most = defaults.LEAST_LISTENED_SECONDS, defaults.MOST_LISTENED_SECONDS
+    if not least <= seconds <= most:
+        raise ListeningError(
+            f"seconds: got {seconds:g}, allowed is {least:g} to {most:g}, for which memory suffices"
+        )
+    speeds = () if speed is None else np.atleast_1d(speed).tolist()
+    if speeds and not (all(0 <= v < math.inf for v in speeds) and max(speeds) > 0):
+        got = ":".join(f"{v:g}" for v in speeds)
+        raise ListeningError(f"speed: got {got}, allowed: at least 0 m/s, and not only 0")
+
+
+def sentence(run: Run, long: Listening) -> str:
+    """Say length, level, kurtosis, impacts and the solved share of a long record."""
+    numbers, own = long.numbers, decibels_a(run.sound.levels.laeq_db)
+    solved, rolled = (rounded(numbers[f"{name}_mm"], 3) for name in ("solved", "rolled"))
+    track = "all solved"
+    if numbers["solved_mm"] < numbers["rolled_mm"]:
+        share = rounded(100 * numbers["solved_share"])
+        track = (
+            f"of which the first {solved} mm ({share} % of the time) are solved and the others"
+            f" follow their statistics at random (seed {numbers['seed']})"
+        )
+    text = (
+        f"{rounded(numbers['seconds'], 4)} s over {rolled} mm, {track}: LAeq"
+        f" {decibels_a(numbers['laeq_db'])} (the run {own}), kurtosis"
+        f" {'-' if numbers['kurtosis'] is None else format(numbers['kurtosis'], '.2f')}"
+    )
+    if "impacts" in numbers:
+        text += f", {rounded(numbers['impacts'] / numbers['seconds'], 3)} impacts per second"
+    if numbers["stretches"]:
+        text += f", {numbers['stretches']} rare stretches inserted as solved"
+    return text
+
+
+def limits(numbers: dict[str, Any]) -> list[str]:
+    """List the limits of a long record."""
+    texts = []
+    if numbers["highest_frequency_hz"] < COARSE_HZ:
+        texts.append(
+            "the steps of the track resolve sound up to"
+            f" {rounded(numbers['highest_frequency_hz'])} Hz at this speed; the rest is missing"
+        )
+    if (turn := numbers["turn_mm"]) is not None and numbers["solved_mm"] < turn:
+        texts.append(
+            f"the solved track is shorter than a turn of the ball ({rounded(turn, 3)} mm): it is"
+            " put in as solved once per turn, and the rest of the turn is random"
+        )
+    if numbers.get("force_outside_share", 0.0) > OFTEN:
+        texts.append(
+            f"the force lies beyond the marched loads for"
+            f" {100 * numbers['force_outside_share']:.0f} % of the time"
+        )
+    if numbers["lowest_frequency_hz"] > LONG_WAVES_HZ:
+        texts.append(
+            f"waves longer than the solved track sound below"
+            f" {rounded(numbers['lowest_frequency_hz'])} Hz, where the density is that of the"
+            " longest solved wave"
+        )
+    return texts

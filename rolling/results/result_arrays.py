@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Callable
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,14 +15,8 @@ import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
 from rolling.check.error_cost import DETAIL, LEVELS
-from rolling.marches.observers import (
-    EVENT_COLUMNS,
-    STATE_SERIES,
-    STEP_SERIES,
-    PressureMap,
-    SlowMotion,
-    Snapshot,
-)
+from rolling.marches import observers
+from rolling.marches.observers import PressureMap, SlowMotion, Snapshot
 from rolling.marches.result import (
     MOVING_SERIES,
     ErrorStretches,
@@ -37,76 +33,10 @@ if TYPE_CHECKING:
 
 FORMAT = 4
 Arrays = dict[str, NDArray[Any]]
-# Dimensions, unit and type of each variable by its path. A step series has an entry for the step
-# from each position to the next, a state series one for each position.
-TABLE = {
-    "step": ("step", "m", "f8"),
-    "position": ("position", "m", "f8"),
-    "time": ("step", "s", "f8"),
-    "position_time": ("position", "s", "f8"),
-    "release_energy": ("step", "J", "f8"),
-    "loading_energy": ("step", "J", "f8"),
-    "energy_defect": ("step", "J", "f8"),
-    "speed": ("step", "m/s", "f8"),
-    "release_power": ("step", "W", "f8"),
-    "loading_power": ("step", "W", "f8"),
-    "release_per_metre": ("step", "J/m", "f8"),
-    "loading_per_metre": ("step", "J/m", "f8"),
-    "approach": ("position", "m", "f8"),
-    "contact_area": ("position", "m2", "f8"),
-    "plastic_area": ("position", "m2", "f8"),
-    "max_pressure": ("position", "Pa", "f8"),
-    "max_deflection": ("position", "m", "f8"),
-    "stored_energy": ("position", "J", "f8"),
-    "residual": ("position", "1", "f8"),
-    "iterations": ("position", "1", "f8"),
-    "convolutions": ("position", "1", "f8"),
-    "snapshot/along": ("along", "m", "f8"),
-    "snapshot/across": ("across", "m", "f8"),
-    "snapshot/pressure": ("along across", "Pa", "f8"),
-    "snapshot/deflection": ("along across", "m", "f8"),
-    "pressure_maps/position": ("map", "1", "i8"),
-    "pressure_maps/distance": ("map", "m", "f8"),
-    "pressure_maps/along": ("map", "m", "f8"),
-    "pressure_maps/across": ("map", "m", "f8"),
-    "pressure_maps/cell": ("map", "m", "f8"),
-    "pressure_maps/rows": ("map", "1", "i8"),
-    "pressure_maps/columns": ("map", "1", "i8"),
-    "pressure_maps/pressure": ("map row column", "Pa", "f4"),
-    "events/node": ("event axis", "1", "i4"),
-    "events/first": ("event", "position", "i8"),
-    "events/last": ("event", "position", "i8"),
-    "events/energy": ("event", "J", "f8"),
-    "events/peak": ("event", "J per step", "f8"),
-    "error_estimate/first": ("stretch", "position", "i8"),
-    "error_estimate/release_energy": ("stretch level stretch_step", "J", "f8"),
-    "error_estimate/approach": ("stretch level stretch_place", "m", "f8"),
-    "error_estimate/plastic_area": ("stretch level", "m2", "f8"),
-    "slow_motion/map_position": ("map_position", "1", "i8"),
-    "slow_motion/along": ("along", "m", "f8"),
-    "slow_motion/across": ("across", "m", "f8"),
-    "slow_motion/pressure": ("map_position along across", "Pa", "u1"),
-    "slow_motion/release": ("map_position along across", "J", "u2"),
-    "force_law/load": ("load", "N", "f8"),
-    "force_law/place": ("place", "m", "f8"),
-    "force_law/approach": ("load place", "m", "f8"),
-    "force_law/judging_load": ("judging_load", "N", "f8"),
-    "force_law/judging_approach": ("judging_load judging_place", "m", "f8"),
-    "moving_release/place": ("place", "m", "f8"),
-    "moving_release/force": ("place", "N", "f8"),
-    "moving_release/approach": ("place", "m", "f8"),
-    "moving_release/motion_approach": ("place", "m", "f8"),
-    "moving_release/release_energy": ("place_step", "J", "f8"),
-    "moving_release/loading_energy": ("place_step", "J", "f8"),
-    "moving_release/energy_defect": ("place_step", "J", "f8"),
-    "contact_force/force_time": ("force_time", "s", "f8"),
-    "contact_force/force": ("force_time", "N", "f8"),
-    "contact_force/band": ("band", "Hz", "f8"),
-    "contact_force/band_rms": ("band", "N", "f8"),
-    "sound/sound_time": ("sound_time", "s", "f8"),
-    "sound/pressure": ("sound_time", "Pa", "f8"),
-    "sound/pressure_right": ("sound_time", "Pa", "f8"),
-}
+# Dimensions, unit and type of each variable by its path.
+TABLE: dict[str, tuple[str, str, str]] = tomllib.loads(
+    files("rolling.results").joinpath("arrays.toml").read_text(encoding="utf-8")
+)
 Facts = dict[str, Any]
 Group = tuple[Arrays, Facts]  # arrays and attributes of a group
 
@@ -164,7 +94,7 @@ def groups_of(run: Run) -> dict[str, Group]:
 def fill(result: Result, groups: dict[str, Group]) -> None:
     """Fill an empty result with the arrays of the groups of its file."""
     series, _ = groups[""]
-    for name in (*STEP_SERIES, *STATE_SERIES):
+    for name in (*observers.STEP_SERIES, *observers.STATE_SERIES):
         if name in TABLE:
             result.series[name] = series[name][: len(result.series[name])].copy()
     for name, (field, _, read) in _GROUPS.items():
@@ -214,16 +144,6 @@ def _read_maps(arrays: Arrays, facts: Facts, result: Result) -> dict[int, Pressu
         fields = dict(zip(_PLACES, place, strict=True))
         maps[place[0]] = PressureMap(**fields, pressure=padded[:rows, :columns].copy())
     return maps
-
-
-def _write_events(pieces: dict[int, Arrays], run: Run) -> Group:
-    """Return the table of recovery events."""
-    return dict(run.events or {}), {}
-
-
-def _read_events(arrays: Arrays, facts: Facts, result: Result) -> dict[int, Arrays]:
-    """Return the table of recovery events as that of a single piece."""
-    return {0: {name: arrays[name] for name in EVENT_COLUMNS}}
 
 
 _LEVELS = (*LEVELS, DETAIL)  # that of detail is NaN where a stretch is not marched on it
@@ -352,7 +272,11 @@ def _contact_force(vibration: Vibration) -> Group:
 _GROUPS: dict[str, tuple[str, Callable[[Any, Run], Group], Callable[..., Any]]] = {
     "snapshot": ("snapshot", _write_snapshot, _read_snapshot),
     "pressure_maps": ("maps", _write_maps, _read_maps),
-    "events": ("event_pieces", _write_events, _read_events),
+    "events": (  # as those of a single piece
+        "event_pieces",
+        lambda pieces, run: (dict(run.events or {}), {}),
+        lambda arrays, facts, result: {0: {name: arrays[name] for name in observers.EVENT_COLUMNS}},
+    ),
     "error_estimate": ("stretches", _write_stretches, _read_stretches),
     "slow_motion": ("slow_motion", _write_film, _read_film),
     "force_law": ("load_marches", _write_law, _read_law),

@@ -19,15 +19,8 @@ import numpy as np
 
 from rolling.check import cost
 from rolling.marches.result import Result
-from rolling.results.result_arrays import (
-    FORMAT,
-    TABLE,
-    Facts,
-    Group,
-    fill,
-    fixed_lengths,
-    groups_of,
-)
+from rolling.results import result_arrays
+from rolling.results.result_arrays import FORMAT, TABLE, Facts, Group
 from rolling.scene.scene import Scene
 from rolling.scene.yaml_text import read_regular
 from rolling.terminal.files import FolderError
@@ -49,7 +42,7 @@ def write_result(run: Run) -> bytes:
     import xarray  # slow to import, for whole runs only
 
     nodes = {}
-    for group, (arrays, facts) in groups_of(run).items():
+    for group, (arrays, facts) in result_arrays.groups_of(run).items():
         variables = {}
         for name, values in arrays.items():
             dimensions, unit, kind = TABLE[f"{group}/{name}".lstrip("/")]
@@ -92,14 +85,14 @@ def read_result(path: Path, scene: Scene) -> Result:
                 raise FolderError(f"{path}: solved for another scene or surface")
             arrays = _arrays(file)
             _refuse_shapes(arrays, result, len(content))
-            groups: dict[str, Group] = {"": ({}, _facts(file))}
-            groups |= {
-                name: ({}, _facts(node)) for name, node in file.items() if name not in arrays
+            nodes = {name: node for name, node in file.items() if name not in arrays}
+            groups: dict[str, Group] = {
+                name: ({}, _facts(node)) for name, node in ({"": file} | nodes).items()
             }
             for place in arrays.keys() & TABLE.keys():
                 group, _, name = place.rpartition("/")
                 groups[group][0][name] = arrays[place][()]
-        fill(result, groups)
+        result_arrays.fill(result, groups)
     except FolderError:
         raise
     except Exception as error:  # h5py raises errors of any kind on hostile files
@@ -114,13 +107,9 @@ def _facts(group: h5py.Group) -> Facts:
     for name in group.attrs:
         if math.prod(group.attrs.get_id(name).shape) != 1:  # a bomb of texts that share their bytes
             raise ValueError(f"{group.name}: attribute {name}: not one text or number")
-        facts[name] = _plain(group.attrs[name])
+        value = group.attrs[name]
+        facts[name] = value if isinstance(value, str) else np.asarray(value).item()
     return facts
-
-
-def _plain(value: Any) -> Any:
-    """Return an attribute as a plain text or number."""
-    return value if isinstance(value, str) else np.asarray(value).item()
 
 
 # ---- refusals
@@ -164,7 +153,7 @@ def _refuse_shapes(arrays: dict[str, h5py.Dataset], result: Result, size: int) -
     ------
     ValueError : the first fault, with its path.
     """
-    fixed = fixed_lengths(result)
+    fixed = result_arrays.fixed_lengths(result)
     lengths = {("", name): length for name, length in fixed.items()}
     total = 0
     for path, data in arrays.items():

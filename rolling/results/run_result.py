@@ -22,8 +22,7 @@ from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
-from rolling.results.long_listening import listen, reason_against, released
-from rolling.results.run_errors import RunErrors, run_errors
+from rolling.results.listening import listen, reason_against, released
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
@@ -50,7 +49,6 @@ class Run:
     result : Result. Series of the solved lap, pressure maps, snapshot and recovery events.
     sound : ContactSound. Sound pressure, levels and their uncertainty.
     summary : dict. The numbers of summary.json; a run that was opened has the stored ones.
-    errors : RunErrors. Errors from grid and solver; None unless the scene asks for an estimate.
     vibration : Vibration. Vibration of sphere and plate; None unless the scene has dynamics.
     writer : callable. The function behind `save`, which stands above this module.
     """
@@ -62,7 +60,6 @@ class Run:
     result: Result
     sound: ContactSound
     summary: dict[str, Any]
-    errors: RunErrors | None = None
     vibration: Vibration | None = None
     writer: Writer | None = None
 
@@ -249,18 +246,20 @@ class Run:
     def _repr_html_(self) -> str:
         """Write levels and caveats for a notebook."""
         judged = self.summary.get("verdict") or {"word": "-", "reason": ""}
-        rows = [
+        level, *levels = (
             (name, runs_table.level_text(self.summary, key), unit)
             for key, (name, unit) in runs_table.LEVELS.items()
-        ]
-        rows[0] = (runs_table.level_name(self.summary), *rows[0][1:])
-        rows.insert(1, ("beside it", runs_table.beside_text([self.summary]) or "-", ""))
-        rows.insert(2, ("verdict", judged["word"], judged["reason"]))
-        levels = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
-        caveats = "".join(
-            f"<li>{html.escape(caveat['text'])}</li>" for caveat in self.summary["caveats"]
         )
-        return f"<h4>{html.escape(self.title)}</h4><table>{levels}</table><ul>{caveats}</ul>"
+        rows = [
+            (runs_table.level_name(self.summary), *level[1:]),
+            ("beside it", runs_table.beside_text([self.summary]) or "-", ""),
+            ("verdict", judged["word"], judged["reason"]),
+            *levels,
+        ]
+        table = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
+        texts = (html.escape(caveat["text"]) for caveat in self.summary["caveats"])
+        caveats = "".join(f"<li>{text}</li>" for text in texts)
+        return f"<h4>{html.escape(self.title)}</h4><table>{table}</table><ul>{caveats}</ul>"
 
 
 def hear(
@@ -285,9 +284,8 @@ def hear(
     vibration = _vibration(scene, result, release)
     vibrates = vibration is not None and scene.sound.source == "vibration"
     sound = heard(release, vibration) if vibration and vibrates else release
-    errors = run_errors(scene, result, sound, vibration)
-    numbers = summary or summarize(scene, result, sound, release, errors, vibration, moving)
-    run = Run(label, values, folder, scene, result, sound, numbers, errors, vibration)
+    numbers = summary or summarize(scene, result, sound, release, vibration, moving)
+    run = Run(label, values, folder, scene, result, sound, numbers, vibration)
     if summary is None and scene.sound.listen_s is not None:
         numbers["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run

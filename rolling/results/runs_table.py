@@ -158,11 +158,8 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
         return ""
     solver, spread = summary["laeq_solver_error_db"] or 0.0, summary["uncertainty_db"]["laeq"]
     grid_spread = summary["laeq_grid_error_uncertainty_db"] or 0.0
-    signal = [
-        f"{summary[key]:.0f} dB from the {name}"
-        for key, name in (("grid_signal_db", "grid"), ("solver_signal_db", "solver"))
-        if summary[key] is not None
-    ]
+    signals = {name: summary[f"{name}_signal_db"] for name in ("grid", "solver")}
+    signal = [f"{db:.0f} dB from the {name}" for name, db in signals.items() if db is not None]
     whole = spread and math.hypot(spread, grid_spread)
     corrected, detail = uncertain(summary["laeq_db"] - grid - solver, whole), ""
     if subgrid := summary.get("laeq_subgrid_error_db"):
@@ -200,11 +197,7 @@ def _fixed_gain(summary: Mapping[str, Any]) -> bool:
 
 def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
     """State the levels beside those of runs of one source; empty where there are none."""
-    known = [
-        summary
-        for summary in summaries
-        if above_vibration_db(summary) is not None and not _fixed_gain(summary)
-    ]
+    known = [x for x in summaries if above_vibration_db(x) is not None and not _fixed_gain(x)]
     sources = {summary["source"] for summary in known}
     if len(sources) != 1:
         return ""
@@ -261,13 +254,12 @@ def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
         mean = "half sphere|mean" if summary.get("listeners") else "compact|source"
         compact = next((summary[key] for key in MEANS if key in summary), None)
         cells[mean] = "n/a" if compact is None else f"{compact:.1f}"
-        beside = {"release|q = 1": "release_laeq_db"}
+        head, other = "release|q = 1", summary.get("release_laeq_db")
+    elif (other := summary.get("vibration_laeq_db")) is not None:
+        head = "vibration|dB(A)"
     else:
-        known = "estimated" if summary.get("vibration_laeq_db") is None else "dB(A)"
-        key = "vibration_estimate_laeq_db" if known == "estimated" else "vibration_laeq_db"
-        beside = {f"vibration|{known}": key}
-    for head, key in beside.items():
-        cells[head] = "-" if summary.get(key) is None else f"{summary[key]:.1f}"
+        head, other = "vibration|estimated", summary.get("vibration_estimate_laeq_db")
+    cells[head] = "-" if other is None else f"{other:.1f}"
     above, judged = None if fixed else above_vibration_db(summary), summary.get("verdict")
     cells["apart|dB"] = "-" if above is None else f"{above:.0f}"
     cells["verdict|"] = judged["word"] if judged else "-"
@@ -278,11 +270,8 @@ def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
 def levels_table(runs: Sequence[Labelled]) -> str:
     """Write levels and verdicts of runs for a terminal, with reasons and caveats below."""
     names = labels(runs)
-    solved = [
-        (label, summary)
-        for run, label in zip(runs, names, strict=True)
-        if (summary := stored_summary(run)) is not None
-    ]
+    stored = zip(names, map(stored_summary, runs), strict=True)
+    solved = [(label, summary) for label, summary in stored if summary is not None]
     by_run = {label: _cells(summary) for label, summary in solved}
     heads = list(dict.fromkeys(head for cells in by_run.values() for head in cells))
     rows = [["run", *(head.split("|")[0] for head in heads)]]
@@ -291,10 +280,9 @@ def levels_table(runs: Sequence[Labelled]) -> str:
     errors = [wrapped(line) for label, summary in solved if (line := error_line(label, summary))]
     judged = [wrapped(f"{word}: {reason}") for word, reason in verdicts(solved)]
     beside = beside_text([summary for _, summary in solved])
-    beside = wrapped(f"{beside[:1].upper()}{beside[1:]}.") if beside else ""
-    lines = [*filter(None, [beside]), *judged, *errors, *_remarks(solved)]
-    table = columns(rows)
-    return "\n".join([table, "", *lines]) if solved else table
+    lines = [wrapped(f"{beside[0].upper()}{beside[1:]}.")] if beside else []
+    lines += [*judged, *errors, *_remarks(solved)]
+    return "\n".join([columns(rows), *(["", *lines] if solved else [])])
 
 
 def verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, str]]:
@@ -319,11 +307,9 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
         f" {rounded(s['rms_slope'], 3)}{surface_parts(summary)}"
         for summary, s in ((summary, summary["surface"]) for _, summary in runs)
     )
+    levelled = [levelling for _, summary in runs if (levelling := summary["levelling"])]
     tilts = dict.fromkeys(
-        f"tilt: {levelling['text']}"
-        for _, summary in runs
-        if (levelling := summary["levelling"])
-        and (levelling["slope_along"] or levelling["slope_across"])
+        f"tilt: {x['text']}" for x in levelled if x["slope_along"] or x["slope_across"]
     )
     repeats = [f"note: {caveat.line}" for caveat in remarks if caveat.key in REPEATS]
     ranked = [f"warning: {caveat.line}" for caveat in warnings(runs)]

@@ -28,7 +28,7 @@ from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result
 from rolling.results import verdict
 from rolling.results.caveats import caveats
-from rolling.results.run_errors import RunErrors, known, numbers
+from rolling.results.run_errors import error_numbers, known
 from rolling.scene.scene import Scene
 from rolling.sound import vibration_estimate
 from rolling.sound.contact_sound import ContactSound
@@ -46,7 +46,6 @@ def summarize(
     result: Result,
     sound: ContactSound,
     release: ContactSound,
-    errors: RunErrors | None,
     vibration: Vibration | None,
     moving: MovingRelease | None,
 ) -> dict[str, Any]:
@@ -55,23 +54,22 @@ def summarize(
     scene : Scene. A scene without a sweep.
     result : Result. The whole result.
     sound, release : ContactSound. The sound that is heard, and that of the release.
-    errors : RunErrors. Errors from grid and solver, or None.
     vibration : Vibration. Vibration of sphere and plate, or None.
     moving : MovingRelease. The release under the moving load, or None.
     """
     surface, seconds = scene_surface(scene), result.series["step_time"]
     law = _law(scene, result, vibration)
-    record, others = sound.uncertainty.laeq_db, dict[str, float]()
+    origins: dict[str, float | None] = {"record": sound.uncertainty.laeq_db}
     if vibration is not None and sound.source == "vibration":
-        others = dict(vibration.spreads)
-        record = others.pop("record", None)
+        origins = {**vibration.spreads}
         if (error := law.get("force_law_error_db")) is not None:
-            others["force_law"] = error
+            origins["force_law"] = error
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
     del spreads["third_octave"]
     times = seconds[np.isfinite(seconds)]  # unknown of marches that were read from a file
     repeats = sound.source == "release" or bool(vibration and vibration.motion.settled)
     laps = result.steps / result.solved_steps if repeats else 1.0
+    errors = error_numbers(scene, result, sound, vibration, origins)
     summary = {
         "name": scene.name,
         "load_n": scene.load,
@@ -83,7 +81,7 @@ def summarize(
         "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
         "record_scatter_db": record_scatter(sound.pressure, laps),
-        **numbers(errors, record, others),
+        **errors,
         **_loudness(scene, sound),
         **_release(release, sound),
         **_contact(scene, result),
@@ -308,17 +306,11 @@ def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
     """Return places and levels of the listeners of a plate with edges."""
     if scene.plate.edges_mm is None:
         return {}
-    listeners = zip(scene.listeners, vibration.listener_levels(), strict=True)
-    return {
-        "listeners": [
-            {
-                "at_mm": [round(1e3 * x, 6) for x in place],
-                "laeq_db": levels.laeq_db,
-                "level_db": levels.level_db,
-            }
-            for place, levels in listeners
-        ]
-    }
+    listeners = []
+    for place, levels in zip(scene.listeners, vibration.listener_levels(), strict=True):
+        at = {"at_mm": [round(1e3 * x, 6) for x in place]}
+        listeners.append({**at, "laeq_db": levels.laeq_db, "level_db": levels.level_db})
+    return {"listeners": listeners}
 
 
 def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:
@@ -353,16 +345,13 @@ def _difference(scene: Scene, release: SoundLevels, vibration: SoundLevels) -> d
         difference = release.laeq_db - vibration.laeq_db
         if scene.sound.gain_pa_per_w_m2 is None:  # the level of a release follows 10 lg q
             equal = scene.sound.q * 10 ** (-difference / 10)
-    return {
-        "vibration_laeq_db": vibration.laeq_db,
-        "vibration_level_db": vibration.level_db,
-        "vibration_third_octave_db": vibration.third_octave_db,
-        "release_laeq_db": release.laeq_db,
-        "release_level_db": release.level_db,
-        "release_third_octave_db": release.third_octave_db,
-        "release_over_vibration_db": difference,
-        "equivalent_q": equal,
+    sources = {"vibration": vibration, "release": release}
+    levels = {
+        f"{source}_{key}": getattr(of_source, key)
+        for source, of_source in sources.items()
+        for key in ("laeq_db", "level_db", "third_octave_db")
     }
+    return levels | {"release_over_vibration_db": difference, "equivalent_q": equal}
 
 
 def _total(power: Array) -> float | None:

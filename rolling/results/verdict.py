@@ -134,15 +134,15 @@ def _source(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     """Return the bound that a level of the release is."""
     if summary.get("source") == "vibration":
         return []
+    key, above = "upper_bound", None
     if scene.sound.gain_pa_per_w_m2 is not None:
-        text = "the gain of the scene decides the level"
-        return [Contribution("fixed_gain", INDICATIVE, None, text)]
-    if scene.sound.q != 1:
-        text = f"the radiated share q = {scene.sound.q:g} is an assumption"
-        return [Contribution("assumed_q", INDICATIVE, None, text)]
-    above = above_vibration_db(summary)
-    text = "a level of the released power (q = 1) is an upper bound"
-    return [Contribution("upper_bound", INDICATIVE, above, text)]
+        key, text = "fixed_gain", "the gain of the scene decides the level"
+    elif scene.sound.q != 1:
+        key, text = "assumed_q", f"the radiated share q = {scene.sound.q:g} is an assumption"
+    else:
+        above = above_vibration_db(summary)
+        text = "a level of the released power (q = 1) is an upper bound"
+    return [Contribution(key, INDICATIVE, above, text)]
 
 
 def above_vibration_db(summary: Mapping[str, Any]) -> float | None:

@@ -38,7 +38,7 @@ def said(
 ) -> dict[str, str]:
     """Return the texts of the standing caveats, and of the solver, by key."""
     scene = scene_of(seconds, *overrides)
-    listed = caveats.caveats(scene, sound_of(scene, closed, noise))
+    listed = caveats.caveats(scene, sound_of(scene, closed, noise), {})
     kept = (*caveats.STANDING, "solver")
     return {caveat["key"]: caveat["text"] for caveat in listed if caveat["key"] in kept}
 
@@ -99,7 +99,7 @@ def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
     )
     law = SimpleNamespace(load_n=np.array([10.0, 20.0]))
     vibration = cast(Vibration, SimpleNamespace(motion=motion, law=law))
-    listed = caveats.caveats(scene, sound_of(scene), vibration=vibration)
+    listed = caveats.caveats(scene, sound_of(scene), {}, vibration)
     texts = {caveat["key"]: caveat["text"] for caveat in listed}
     assert ("plate_deflection" in texts) == bent
     assert not bent or "by 0.11 of its thickness" in texts["plate_deflection"]
@@ -107,7 +107,7 @@ def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
 
 def test_warnings_of_the_check_keep_their_keys_and_stand_last() -> None:
     scene = scene_of(0.03)
-    listed = caveats.caveats(scene, sound_of(scene))
+    listed = caveats.caveats(scene, sound_of(scene), {})
     warned = [finding for finding in findings.findings(scene) if finding.warning]
     assert warned and [caveat["key"] for caveat in listed[-len(warned) :]] == [
         w.key for w in warned

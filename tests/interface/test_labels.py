@@ -50,7 +50,7 @@ def test_every_key_of_the_scene_has_words() -> None:
     keys = {*messages.keys(Scene)} - {*messages.section_keys(Scene)}
     assert len(keys) > 25
     assert keys <= set(labels.WORDS)
-    assert len({word.name for word in labels.WORDS.values()}) == len(labels.WORDS)
+    assert len({word.word for word in labels.WORDS.values()}) == len(labels.WORDS)
 
 
 def test_a_run_and_its_resound_are_told_apart_by_the_speed() -> None:

@@ -54,7 +54,7 @@ def test_pictures_take_any_label_as_it_stands(name: str) -> None:
         warnings.simplefilter("error")
         drawn = picture("odd", draw, pd.DataFrame([texts], columns=["first", "second"]))
         assert drawn.file("png")
-        ElementTree.fromstring(drawn.svg)
+        ElementTree.fromstring(drawn.file("svg"))
     rows = list(csv.reader(io.StringIO((drawn.file("csv") or b"").decode(), newline="")))
     assert rows[1] == texts
     (legend,) = drawn.figure.legends

@@ -110,7 +110,7 @@ def test_playheads_stand_at_the_place_of_their_time(name: str, pages, opened) ->
     """The line stands within 1.5 pixels of its place by matplotlib's transform of the axes."""
     runs = runs_of("three")
     picture = single_picture(name, runs[0], runs)
-    assert picture is not None and picture.svg
+    assert picture is not None and picture.file("svg")
     ax, figure = picture.figure.axes[0], picture.figure
     width = figure.get_size_inches()[0] * figure.dpi
     unit = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[re.search(r"\[(.*?)\]", ax.get_xlabel())[1]]

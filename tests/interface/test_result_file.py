@@ -47,7 +47,7 @@ def test_all_of_a_run_comes_back_to_the_last_bit(
     moved = marched(VIBRATING, MOVED, tmp_path / "moved")
     estimated = marched(VIBRATING, ESTIMATED, tmp_path / "estimated")
     assert moved.result.moving is not None and filmed.result.slow_motion is not None
-    assert estimated.result.stretches is not None and estimated.errors is not None
+    assert estimated.result.stretches is not None
     assert len({each.pressure.shape for each in whole.result.maps.values()}) > 1  # ragged
     for run, film in ((whole, False), (filmed, True), (moved, False), (estimated, False)):
         write_run(run)
@@ -59,7 +59,6 @@ def test_all_of_a_run_comes_back_to_the_last_bit(
                 assert same(getattr(again.result, name), getattr(run.result, name)), name
         assert next_pieces(run.scene, again.result, film) == []
         assert np.array_equal(again.sound.pressure, run.sound.pressure)
-        assert same(again.errors, run.errors)
         stored = {key: again.summary[key] for key in run.summary}
         assert stored == run.summary
         assert write_result(again) == (run.folder / "result.h5").read_bytes()

@@ -12,8 +12,8 @@ from acoustics.level import laeq_db
 from acoustics.radiation import RHO_C
 from acoustics.uncertainty import record_scatter_db
 from acoustics.weighting import a_weighting_db
-from rolling.report import text
 from rolling.results.run_result import Run
+from rolling.results.runs_table import beside_text
 from rolling.scene.file import loads
 from rolling.sound.vibration_estimate import bodies_text, estimate
 
@@ -89,7 +89,7 @@ def test_a_compact_source_has_the_power_of_the_plate(rolled: Run, thickness: flo
 def test_no_compact_source_without_a_loss_factor(rolled: Run) -> None:
     lossless = heard_again(rolled, rolled.scene.with_({"plate.loss_factor": None}))
     assert lossless.summary["compact_source_level_db"] is None
-    assert "compact source of the same power: not available" in text.beside([lossless])
+    assert "compact source of the same power: not available" in beside_text([lossless.summary])
 
 
 def test_thirds_scatter_as_the_level_of_a_record_does() -> None:
