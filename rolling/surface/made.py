@@ -1,7 +1,7 @@
 """Random heights of a law: waves of its spectrum, and the skewness and kurtosis it asks for.
 
-Heights that are not Gaussian are found by iteration between spectrum and distribution (IAAFT):
-the heights take the ranks of those of the distribution, then the waves take their amplitudes again.
+Heights that are not Gaussian are found by iteration between distribution and spectrum (IAAFT):
+the heights take the values of the distribution in their order, and then the waves their amplitudes.
 The spectrum comes last, so the waves have the amplitudes of the Gaussian surface of the same seed.
 Two-parameter corrections then bring skewness and kurtosis to the requested values.
 """
