@@ -66,6 +66,7 @@ if __name__ == "__main__":
             },
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
+            "rolling.scene": ["*.yaml"],
             SCENES: ["*.yaml", "scene.schema.json", "*/*/*.yaml"],
         },
         include_package_data=False,

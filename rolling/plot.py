@@ -22,6 +22,7 @@ from rolling.figures.picture import listed
 from rolling.figures.sound import power_density, release_power, spectrogram, spectrum, third_octaves
 from rolling.figures.sweep import contact_areas, levels, mean_third_octaves
 from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
+from rolling.figures.wavelengths import wavelengths
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
 
@@ -42,6 +43,7 @@ __all__ = [
     "spectrum",
     "surface",
     "third_octaves",
+    "wavelengths",
 ]
 
 

@@ -3,7 +3,8 @@
 With --check, only name the stale ones.
 
 Generated are the reference of scene files with their JSON Schema (from the models), the table of
-laws (from the tests), and the table of rooms (from the imports).
+laws (from the tests), the tables of materials and finishes (from their data), and the table of
+rooms (from the imports).
 """
 
 from __future__ import annotations
@@ -45,6 +46,7 @@ def generated() -> dict[Path, str]:
         ROOT / "scenarios" / "scene.schema.json": json.dumps(schema, indent=1, ensure_ascii=False)
         + "\n",
         docs / "scene-file.md": _between(docs / "scene-file.md", "keys", scene_reference(schema)),
+        docs / "materials.md": _between(docs / "materials.md", "names", name_tables()),
         docs / "verification.md": _between(docs / "verification.md", "laws", law_table()),
         docs / "architecture.md": _between(docs / "architecture.md", "rooms", room_table()),
     }
@@ -152,6 +154,35 @@ def _values(field: Json, sections: list[Json]) -> str:
     limits = {"exclusiveMinimum": "> {:g}", "minimum": ">= {:g}", "maximum": "<= {:g}"}
     bounds = " and ".join(sign.format(field[key]) for key, sign in limits.items() if key in field)
     return f"{words.get(field.get('type', ''), field.get('type', ''))} {bounds}".strip()
+
+
+# ---- materials and finishes
+
+
+def name_tables() -> str:
+    """Return the tables of materials and finishes, each value with the number of its source."""
+    from rolling.scene import named
+
+    parts = []
+    for table in ("materials", "finishes"):
+        entries, sources = named.data(table)[table], named.data(table)["sources"]
+        numbers = {key: n for n, key in enumerate(sources, 1)}
+        keys = list(
+            dict.fromkeys(
+                key for entry in entries.values() for key in entry if isinstance(entry[key], list)
+            )
+        )
+        rows = []
+        for name, entry in entries.items():
+            pairs = [entry.get(key) for key in keys]
+            cells = [f"{pair[0]:g} ({numbers[pair[1]]})" if pair else "-" for pair in pairs]
+            reason = entry.get("sound_only")
+            words = entry["words"] + (f"; **sound only**: {reason}" if reason else "")
+            rows.append([f"`{name}`", *cells, words])
+        listed = [f"{n}. {text}" for n, text in enumerate(sources.values(), 1)]
+        heads = ["name", *(f"`{key}`" for key in keys), ""]
+        parts += [f"## {table.capitalize()}", "", _table(heads, rows), "", *listed, ""]
+    return "\n".join(parts).rstrip()
 
 
 # ---- laws

@@ -20,6 +20,7 @@ from rolling.check import (
     height_files,
     long_steps,
     made_surfaces,
+    materials,
     refusals,
     resolution,
     validity,
@@ -211,6 +212,7 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
             *resolution.findings(scene),
             *height_files.findings(scene),
             *made_surfaces.findings(scene),
+            *materials.findings(scene),
             *validity.findings(scene),
             resolution.record(scene),
         )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.axes import Axes
 
-from rolling.figures import contact, modulation, sound, sweep, vibration
+from rolling.figures import contact, modulation, sound, sweep, vibration, wavelengths
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
 from rolling.surface.scene_surface import scene_surface
@@ -67,6 +67,11 @@ SINGLE = {
         modulation.modulation,
         modulation.modulation_table,
         lambda runs: runs[0].summary.get("turn_band_hz"),
+    ),
+    "wavelengths": FigureKind(
+        wavelengths.wavelengths,
+        wavelengths.wavelength_table,
+        lambda runs: runs[0].wavelength_octaves,
     ),
     "surface": FigureKind(contact.surface, None),
     "contact_pressure": FigureKind(

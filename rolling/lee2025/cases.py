@@ -70,7 +70,7 @@ def case_of(reading: str, run: Run) -> dict[str, Any]:
         "duration_s": summary["duration_s"],
         "radius_mm": scene.sphere.radius_mm,
         "contact_modulus_gpa": scene.contact_modulus * 1e-9,
-        "hardness_gpa": _number(scene.plate.hardness_gpa),
+        "hardness_gpa": cap if math.isfinite(cap := scene.plate.cap_gpa) else math.nan,
         "as_stated": (scene.sphere.radius_mm, scene.sphere.youngs_modulus_gpa) == STATED_SPHERE,
         "rms_slope": summary["surface"]["rms_slope"],
         "max_pressure_gpa": summary["max_pressure_pa"] * 1e-9,

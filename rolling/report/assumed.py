@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from acoustics.numbers import bracketed, rounded
 from acoustics.radiation import RHO_C
 from rolling.report.text import NOTHING
@@ -99,8 +101,8 @@ def _contact(run: Run) -> dict[str, str]:
         else "rigid"
     )
     hardness = (
-        f"hardness {plate.hardness_gpa:g} GPa"
-        if plate.hardness_gpa
+        f"hardness {plate.cap_gpa:g} GPa"
+        if math.isfinite(plate.cap_gpa)
         else "no hardness: purely elastic"
     )
     load = "the weight of the sphere" if scene.rolling.load_n == WEIGHT else "constant"
@@ -109,14 +111,19 @@ def _contact(run: Run) -> dict[str, str]:
     return {
         "load": f"{rounded(scene.load, 6)} N, {load}",
         "speed": f"{speeds} m/s",
-        "sphere": f"R {sphere.radius_mm:g} mm, {elastic}",
-        "plate": f"{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio {plate.poissons_ratio:g},"
-        f" {hardness}, without memory",
+        "sphere": f"R {sphere.radius_mm:g} mm, {_of(sphere.material)}{elastic}",
+        "plate": f"{_of(plate.material)}{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio"
+        f" {plate.poissons_ratio:g}, {hardness}, without memory",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
         "solver": f"tolerance {rounded(scene.tolerance, 6)}, {scene.numerics.edges} edges,"
         f" {scene.numerics.precision} precision",
     }
+
+
+def _of(material: str | None) -> str:
+    """Return the beginning of the words for a body of a material."""
+    return f"{material}, " if material else ""
 
 
 def surface_words(scene: Scene) -> str:
@@ -148,4 +155,5 @@ def _kind_words(surface: Surface | BallSurface) -> str:
     if isinstance(surface, GradedBall):
         deviation = f"{GRADES[surface.grade].deviation_um:g} µm from spherical form"
         return f"of grade {surface.grade}, {deviation}, {surface.law.words}"
-    return "smooth" if surface.law is None else surface.law.words
+    finish = _of(getattr(surface, "finish", None))
+    return "smooth" if surface.law is None else f"{finish}{surface.law.words}"

@@ -8,15 +8,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from acoustics.arrays import Array
-from acoustics.bands import AUDIBLE_HZ
 from acoustics.numbers import rounded
-from acoustics.spectrum import line_spectrum
-from acoustics.weighting import a_weighting_db
 from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
 from rolling.report.text import asset
 from rolling.results.run_result import Run
+from rolling.sound.wavelengths import mean_speed, weighted_lines
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it
 ALIKE = 0.05  # relative difference of pitch that is not named
@@ -32,19 +29,11 @@ def colour(run: Run) -> tuple[float, float, float] | None:
     """
     if run.sound.levels.laeq_db is None:
         return None
-    frequency, power = _weighted(run)
+    frequency, _, power = weighted_lines(run.sound)
     share = np.cumsum(power) / power.sum()
     outside = (1.0 - MOST) / 2.0
     low, high = (float(frequency[np.searchsorted(share, at)]) for at in (outside, 1.0 - outside))
     return math.exp(float(np.average(np.log(frequency), weights=power))), low, high
-
-
-def _weighted(run: Run) -> tuple[Array, Array]:
-    """Return the audible lines of a record: frequencies [Hz] and A-weighted mean squares [Pa2]."""
-    frequency, power = line_spectrum(run.sound.pressure, run.sound.sample_rate)
-    heard = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-    frequency = frequency[heard]
-    return frequency, power[heard] * 10.0 ** (a_weighting_db(frequency) / 10.0)
 
 
 # ---- situation
@@ -64,7 +53,7 @@ def situation(runs: Sequence[Run]) -> str:
 def _parts(run: Run) -> tuple[str, ...]:
     """Return sphere, diameter, speed, load, thickness, plate, surface and distance in words."""
     scene, plate = run.scene, run.scene.plate
-    yields = f" that yields at {plate.hardness_gpa:g} GPa" if plate.hardness_gpa else ""
+    yields = f" that yields at {plate.cap_gpa:g} GPa" if math.isfinite(plate.cap_gpa) else ""
     speed = "changing speed"
     if run.sound.constant_speed:
         speed = f"{rounded(scene.motion.fastest(run.sound.duration), 3)} m/s"
@@ -124,7 +113,7 @@ def _comparison(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> str:
 def _reason(run: Run) -> str:
     """Give the rates at which the sphere passes its own contact width and the asperities."""
     scene = run.scene
-    speed = float(scene.motion.distance(run.sound.duration)) / run.sound.duration
+    speed = mean_speed(scene, run.sound)
     width = 2 * hertz_radius(run)
     text = f"The sphere rolls over its own contact width, {_rate(width, speed)}"
     if run.sound.source == "vibration":
@@ -132,7 +121,7 @@ def _reason(run: Run) -> str:
     if not scene.laws:
         return f"{text}."
     length = 1e-6 * max(scene.laws, key=lambda law: law.rq_m).lengths_um[0]  # of the rougher
-    frequency, power = _weighted(run)
+    frequency, _, power = weighted_lines(run.sound)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())
     lies = f"{percent(share)} of the A-weighted power lies between the two rates"

@@ -9,6 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+from rolling.scene.named import NAMES
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Section
 from rolling.scene.sweep import Value
@@ -104,6 +105,10 @@ def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
     sections = tuple(f"{key}." for key in swept if key not in WORDS)  # swept under labels
     keys = [*swept, *(key for key in WORDS if not key.startswith(sections))]
     texts = {key: _texts(key, runs) for key in dict.fromkeys(keys)}
+    for section, name in NAMES.items():  # different names stand for their values
+        if len(set(texts.get(f"{section}.{name.key}", ()))) > 1:
+            given = {f"{section}.{key}" for key in name.gives}.difference(swept)
+            texts = {key: words for key, words in texts.items() if key not in given}
     minor = {key: WORDS.get(key, Word(key)).minor for key in texts}
     differing = sorted((key for key in texts if len(set(texts[key])) > 1), key=minor.__getitem__)
     names = [run.scene.name for run in runs]

@@ -29,6 +29,7 @@ from rolling.scene.sweep import Value
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.long_listening import Listening
 from rolling.sound.vibration_sound import Vibration, heard, vibrate
+from rolling.sound.wavelengths import WavelengthOctave, wavelength_octaves
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import progress
 
@@ -83,6 +84,13 @@ class Run:
     def title(self) -> str:
         """The scene and the label."""
         return labels.title(self.scene.name, self.label)
+
+    @cached_property
+    def wavelength_octaves(self) -> list[WavelengthOctave]:
+        """Octaves of roughness wavelength with their parts of the sound; none of a silent run."""
+        heights = scene_surface(self.scene).heights if self.vibration else None
+        approach = self.result.series["approach"]
+        return wavelength_octaves(self.scene, self.sound, heights, approach)
 
     @property
     def laps(self) -> float:

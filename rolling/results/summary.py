@@ -33,6 +33,7 @@ from rolling.scene.scene import Scene
 from rolling.sound import vibration_estimate
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration, by_band, compact_source_db
+from rolling.sound.wavelengths import wavelength_octaves
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 from rolling.terminal import program
@@ -92,6 +93,12 @@ def summarize(
         "levelling": _levelling(surface.levelling) if surface.levelling else None,
         **surface.made,
         **_turns(scene, surface, sound),
+        "wavelength_octaves": [
+            octave._asdict()
+            for octave in wavelength_octaves(
+                scene, sound, surface.heights, result.series["approach"]
+            )
+        ],
         **_vibration(scene, release, vibration),
         **law,
         **_moving(result, moving),

@@ -21,7 +21,7 @@ _MAPPINGS = (
 )
 _TEXTS = ("name", "label", "source", "text")
 _NUMBER = re.compile(
-    r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|restitution)"
+    r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|um|restitution)"
 )
 
 

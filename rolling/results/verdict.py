@@ -27,12 +27,15 @@ MOST_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which o
 _NEAR_HALF_SPACE = (100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5)
 _REFUSED = ("memory", "disk", "capacity", "positions")  # warnings of scenes that do not run
 # Warnings of broken limits, and of doubtful ones, by their key. They have no decibels.
-_BROKEN = ("slope", "contact_radius", "contact_thickness", "impacts_yield")
+_BROKEN = (
+    *("slope", "contact_radius", "contact_thickness", "impacts_yield"),
+    *("plate_material", "sphere_material"),
+)
 _DOUBTFUL = (
     *("force_ratio", "not_settled", "plate_deflection", "bending", "coincidence", "nyquist"),
     *("half_space_sound", "grid_tone", "seam", "form", "correlation_nodes", "hertz_nodes"),
     *("resonance_wave", "solver", "no_moving_release", "window", "plate_sag", "plate_modes"),
-    *("drop", "drop_width", "ball_modes"),
+    *("drop", "drop_width", "ball_modes", "sphere_yields"),
 )
 
 

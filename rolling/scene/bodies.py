@@ -2,18 +2,52 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+import math
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
+from rolling.scene import named
 from rolling.scene.balls import BallSurface
-from rolling.scene.messages import MATERIALS, fault, numbers, plain_number, shown
+from rolling.scene.messages import (
+    MATERIALS,
+    fault,
+    implausible,
+    is_number,
+    numbers,
+    plain_number,
+    shown,
+)
 from rolling.scene.sections import Section
 
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
 DENSITY = MATERIALS["density_kg_m3"]
+Material = Annotated[
+    str,
+    Field(
+        json_schema_extra=lambda schema: schema.update(enum=[*named.data("materials")["materials"]])
+    ),
+]
 HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
+
+
+def _hardness(value: Any) -> Any:
+    """Return a hardness, or the word for a plate without one."""
+    if value == named.NONE:
+        return value
+    if is_number(value) and HARDNESS.least <= value <= HARDNESS.most:
+        return float(value)
+    words = f"got {shown(value)}, allowed: a finite number, or {named.NONE}"
+    raise fault(implausible(value, HARDNESS) if is_number(value) else words)
+
+
+_NUMBER = {"type": "number", "minimum": HARDNESS.least, "maximum": HARDNESS.most}
+Hardness = Annotated[
+    float | Literal["none"],
+    BeforeValidator(_hardness),
+    WithJsonSchema({"anyOf": [_NUMBER, {"type": "string", "const": named.NONE}]}),
+]
 
 
 def _refuse_half(section: Section, keys: tuple[str, str], rule: str) -> None:
@@ -31,6 +65,9 @@ class Sphere(Section):
     ----------
     radius_mm : float
         Radius [mm]
+    material : str, optional
+        Name of a material, which gives Young's modulus, Poisson's ratio and density; values beside
+        it win
     density_kg_m3 : float, optional
         Density [kg/m3], for the mass; dynamics needs it. Absent: the check of the contact
         resonance takes 7850, as if steel
@@ -42,7 +79,10 @@ class Sphere(Section):
         Surface of the sphere, wrapped around its circumference; absent: perfectly smooth
     """
 
+    NAMED: ClassVar[str] = "sphere"
+
     radius_mm: float = Field(gt=0)
+    material: Material | None = None
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     youngs_modulus_gpa: float | None = Field(default=None, ge=YOUNG.least, le=YOUNG.most)
     poissons_ratio: float | None = Field(default=None, ge=0, le=0.5)
@@ -84,13 +124,18 @@ class Plate(Section):
 
     Attributes
     ----------
+    material : str, optional
+        Name of a material, which gives modulus, Poisson's ratio, hardness, density and, with a
+        thickness, loss factor; values beside it win
     youngs_modulus_gpa : float
         Young's modulus [GPa]
     poissons_ratio : float
         Poisson's ratio [-]
-    hardness_gpa : float, optional
+    hardness_gpa : float or "none", optional
         Hardness [GPa], the maximum pressure that the plate bears, below a fifth of its modulus;
-        absent: purely elastic
+        none, or absent without a material: purely elastic
+    yield_strength_gpa : float, optional
+        Yield strength [GPa] in place of the hardness, which is three times as much
     density_kg_m3 : float, optional
         Density [kg/m3]; dynamics needs it
     thickness_mm : float, optional
@@ -115,9 +160,13 @@ class Plate(Section):
         Loss factor of the contact stiffness [-] at the contact resonance; absent: 0
     """
 
+    NAMED: ClassVar[str] = "plate"
+
+    material: Material | None = None
     youngs_modulus_gpa: float = Field(ge=YOUNG.least, le=YOUNG.most)
     poissons_ratio: float = Field(ge=0, le=0.5)
-    hardness_gpa: float | None = Field(default=None, ge=HARDNESS.least, le=HARDNESS.most)
+    hardness_gpa: Hardness | None = None
+    yield_strength_gpa: float | None = Field(default=None, gt=0, le=HARDNESS.most / named.YIELDS)
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     thickness_mm: float | None = Field(default=None, gt=0)
     loss_factor: float | None = Field(default=None, gt=0, le=1)
@@ -127,6 +176,13 @@ class Plate(Section):
     contact_path: Literal["fixed", "to-and-fro"] | None = None
     contact_end_mm: Point | None = None
     contact_loss_factor: float | None = Field(default=None, ge=0, le=1)
+
+    @property
+    def cap_gpa(self) -> float:
+        """Maximum pressure [GPa] that the plate bears, infinite for a purely elastic plate."""
+        if self.yield_strength_gpa is not None:
+            return named.YIELDS * self.yield_strength_gpa
+        return self.hardness_gpa if isinstance(self.hardness_gpa, float) else math.inf
 
     @property
     def edges_mm(self) -> tuple[float, float] | None:
@@ -145,14 +201,20 @@ class Plate(Section):
 
     @model_validator(mode="after")
     def _softer_than_bonds(self) -> Plate:
-        most = self.youngs_modulus_gpa / HARDEST
-        if self.hardness_gpa is not None and self.hardness_gpa >= most:
+        """Refuse a hardness beside a yield strength, and a pressure that no bonds bear."""
+        key, part, share = "hardness_gpa", "fifth", HARDEST
+        if self.yield_strength_gpa is not None:
+            key, part, share = "yield_strength_gpa", "fifteenth", HARDEST * named.YIELDS
+            if self.hardness_gpa not in (None, named.NONE):
+                words = f"not beside hardness_gpa, which is {named.YIELDS} times as much"
+                raise fault(words, "plate", key)
+        if self.youngs_modulus_gpa / HARDEST <= self.cap_gpa < math.inf:
             words = (
-                f"got {plain_number(self.hardness_gpa)}, allowed: below a fifth of"
-                f" youngs_modulus_gpa, {rounded(most, 4)}; without a hardness the plate is purely"
-                " elastic"
+                f"got {plain_number(getattr(self, key))}, allowed: below a {part} of"
+                f" youngs_modulus_gpa, {rounded(self.youngs_modulus_gpa / share, 4)}; without a"
+                " hardness the plate is purely elastic"
             )
-            raise fault(words, "plate", "hardness_gpa")
+            raise fault(words, "plate", key)
         return self
 
     @model_validator(mode="after")

@@ -12,11 +12,13 @@ from typing import Any
 from rolling.scene import sweep as sweeps
 from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.messages import SceneError, shown
+from rolling.scene.named import NAME_KEYS
 from rolling.scene.scene import Scene
 from rolling.scene.yaml_text import open_regular
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and
-# speed. Densities, thickness, edges and loss factors belong to the vibration.
+# speed. Densities, thickness, edges and loss factors belong to the vibration. A name stands beside
+# its values.
 _NOT_CONTACT = {
     "name",
     "title",
@@ -30,6 +32,7 @@ _NOT_CONTACT = {
     "rolling.resistance",
     "rolling.drop_mm",
     "sphere.density_kg_m3",
+    *NAME_KEYS,
     *(f"plate.{name}" for name in VIBRATING_PLATE),
     "numerics.error_estimate",
 }

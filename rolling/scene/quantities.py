@@ -8,10 +8,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, PrivateAttr
+from pydantic import BeforeValidator, Field, PrivateAttr, field_validator
 from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
+from rolling.scene import named
 from rolling.scene.balls import BallHeightFile, turn_nodes
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.faults import SurfaceFault, refuse_misplaced
@@ -74,6 +75,12 @@ class SceneQuantities(Section):
     sound: Sound = Field(default_factory=Sound, validate_default=True)
 
     _folder: Path = PrivateAttr(default=Path())
+
+    @field_validator("surface", mode="before")
+    @classmethod
+    def _of_kind(cls, surface: Any) -> Any:
+        """Fill in a surface with a finish, whose kind may be missing."""
+        return named.validated("surface", surface)
 
     @property
     def folder(self) -> Path:
@@ -192,7 +199,7 @@ class SceneQuantities(Section):
     @property
     def hardness(self) -> float:
         """Maximum pressure that the plate bears [Pa], infinite for a purely elastic plate."""
-        return math.inf if self.plate.hardness_gpa is None else self.plate.hardness_gpa * 1e9
+        return self.plate.cap_gpa * 1e9
 
     @property
     def spacing(self) -> float:

@@ -21,7 +21,7 @@ from pydantic import (
     field_validator,
 )
 
-from rolling.scene import messages, rules
+from rolling.scene import messages, named, rules
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import Key, SceneError
 from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
@@ -228,7 +228,8 @@ class Scene(SceneQuantities):
         if "dynamics" in {*(changes or {}), *keys}:  # the default of the source follows it
             del data["sound"]["source"]
         given: set[str] = set()
-        for short, value in [*(changes or {}).items(), *keys.items()]:
+        listed = [*(changes or {}).items(), *keys.items()]
+        for short, value in sorted(listed, key=lambda item: named.names_first(item[0])):
             try:
                 key = messages.full_key(short, type(self))
                 if key in given:

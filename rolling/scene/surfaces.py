@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
+from rolling.scene import named
 from rolling.scene.balls import WAVE_NODES
 from rolling.scene.faults import SurfaceFault, SurfaceKind
 from rolling.scene.laws import Roughness, SelfAffineLaw
@@ -62,6 +63,14 @@ class MadeSurface(PlateSurface):
     width_um: float = Field(gt=0)
 
 
+Finish = Annotated[
+    str,
+    Field(
+        json_schema_extra=lambda schema: schema.update(enum=[*named.data("finishes")["finishes"]])
+    ),
+]
+
+
 class Gaussian(Roughness, MadeSurface):
     """Random periodic surface by its autocorrelation, with Gaussian or other heights.
 
@@ -69,9 +78,14 @@ class Gaussian(Roughness, MadeSurface):
     ----------
     kind : "gaussian"
         A random surface by its autocorrelation
+    finish : str, optional
+        Name of a finish, which gives Ra, correlation lengths and law; values beside it win
     """
 
+    NAMED: ClassVar[str] = "surface"
+
     kind: Literal["gaussian"] = "gaussian"
+    finish: Finish | None = None
     faults: list[SurfaceFault] | None = None
 
 

@@ -175,11 +175,8 @@ def test_the_wheel_has_the_packages_and_the_scenes_and_nothing_else(
         for name in _files(source)
         if re.match(r"scenarios/.*\.(yaml|json)$", name)
     }
-    assets = {
-        name
-        for name in _files(source)
-        if name.startswith("rolling/report/assets/") or re.match(r"rolling/.*\.toml$", name)
-    }
+    data = re.compile(r"rolling/(report/assets/.*|.*\.toml|scene/.*\.yaml)$")
+    assets = {name for name in _files(source) if data.match(name)}
     typed = {"rolling/py.typed", "rolling/__init__.pyi", "acoustics/py.typed"}
     assert names == modules | scenes | assets | typed and len(scenes) > 30
     (info,) = site.glob("*.dist-info")

@@ -44,7 +44,7 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         (
             "hardness_gpa",
             "hardnes_gpa",
-            "6: plate.hardnes_gpa: unknown key, nearest: hardness_gpa, allowed: youngs_modulus_gpa",
+            "6: plate.hardnes_gpa: unknown key, nearest: hardness_gpa, allowed: material, youngs",
         ),
         ("hardness_gpa", "load_n", "6: plate.load_n: unknown key, nearest: rolling.load_n"),
         (

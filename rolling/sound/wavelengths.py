@@ -1,0 +1,128 @@
+"""Part of the sound that sounds at each octave of roughness wavelength, and follows its waves.
+
+A wave of length L along the track sounds at the frequency v/L. The record holds the contact filter
+already. Waves much shorter than the contact are averaged out, and the sound at their frequencies
+comes from the nonlinear contact of longer waves. The coherence of surface and approach tells.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.bands import AUDIBLE_HZ
+from acoustics.spectrum import line_spectrum
+from acoustics.weighting import a_weighting_db
+from rolling.dynamics.of_scene import hertz_radius
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import ContactSound
+
+EDGE_UM = 10.0  # an edge of the octaves
+FOLLOWS = 0.5  # linear share from which the sound of an octave counts as made by its waves
+LEAST_SHARE = 1e-3  # of the energy in an octave that is shown
+_ALL = 1e-6  # share of the energy besides an octave, below which nothing is left without it
+_LEAST_LINES = 8  # of an octave whose coherence is estimated, which is wrong by one over them
+_MOST_NODES = 20_000_000  # under the contact; of longer tracks fewer lines count
+
+
+class WavelengthOctave(NamedTuple):
+    """Octave of wavelengths: its share of the A-weighted energy, and the fall without it.
+
+    linear_share : share of the approach in the octave that follows its waves; None of a release,
+        and where it is unknown.
+    fall_db : fall of LAeq without the waves of the octave; None where nothing is left.
+    """
+
+    from_um: float
+    to_um: float
+    energy_share: float
+    linear_share: float | None
+    fall_db: float | None
+
+
+def weighted_lines(sound: ContactSound) -> tuple[Array, Array, Array]:
+    """Return the audible lines of a record: frequencies [Hz], Z and A mean squares [Pa2]."""
+    frequency, square = line_spectrum(sound.pressure, sound.sample_rate)
+    audible = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
+    frequency, square = frequency[audible], square[audible]
+    return frequency, square, square * 10.0 ** (a_weighting_db(frequency) / 10.0)
+
+
+def mean_speed(scene: Scene, sound: ContactSound) -> float:
+    """Return the mean speed [m/s] of a record."""
+    return float(scene.motion.distance(sound.duration)) / sound.duration
+
+
+def wavelength_octaves(
+    scene: Scene, sound: ContactSound, heights: Array | None, approach: Array
+) -> list[WavelengthOctave]:
+    """Return the octaves within hearing, short waves first, with heights and approach [m].
+
+    The approach of the solved steps under the constant load is compared with the heights, which
+    only a vibration needs. A silent record has no octaves, nor has a fall.
+    """
+    frequency, square, weighted = weighted_lines(sound)
+    if scene.rolling.drop_mm is not None or not weighted.sum() > 0:
+        return []
+    linear = dict[int, float]()
+    if heights is not None and sound.source == "vibration":
+        linear = _linear_shares(scene, heights, approach)
+    order = _order(1e6 * mean_speed(scene, sound) / frequency)
+    octaves = []
+    for k in range(order.min(), order.max() + 1):
+        inside = order == k
+        share, plain = (float(part[inside].sum() / part.sum()) for part in (weighted, square))
+        lengths = EDGE_UM * 2.0**k, EDGE_UM * 2.0 ** (k + 1)
+        fall = _fall_db(scene, sound, share, plain, linear.get(k))
+        octaves.append(WavelengthOctave(*lengths, share, linear.get(k), fall))
+    return octaves
+
+
+def _order(length_um: Array) -> Array:
+    """Return the numbers of the octaves that hold wavelengths [um]."""
+    return np.floor(np.log2(length_um / EDGE_UM)).astype(int)
+
+
+def _fall_db(
+    scene: Scene, sound: ContactSound, share: float, plain: float, linear: float | None
+) -> float | None:
+    """Return the fall of LAeq without the A- and Z-weighted shares of an octave [dB]."""
+    if sound.source == "vibration":  # of which only the linear share goes with the waves
+        share *= 1.0 if linear is None else linear
+    # The default factor makes p^2 proportional to the rms of the power: half of the fall.
+    by_rms = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
+    if max(share, plain if by_rms else 0.0) >= 1 - _ALL:
+        return None
+    return -10 * math.log10(1 - share) + (5 * math.log10(1 - plain) if by_rms else 0.0)
+
+
+def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, float]:
+    """Return the coherence of surface and approach by octave; empty unless a lap is solved."""
+    # To first order the approach under a constant load is the mean of the heights under the
+    # pressure, for which Hertz's pressure stands.
+    track, count = scene.track, len(heights)
+    lap = round(count * scene.spacing / track.step)
+    closes = track.closed and track.lap_steps == lap < len(approach)
+    if track.turn_nodes or not closes or abs(lap * track.step / scene.spacing - count) > 1e-6:
+        return {}
+    radius, middle = hertz_radius(scene) / scene.spacing, heights.shape[1] // 2
+    reach, along = int(radius), np.fft.fftfreq(count, 1 / count)
+    mean = np.zeros(count // 2 + 1, dtype=complex)
+    for k in range(-reach, reach + 1, 1 + (2 * reach + 1) * count // _MOST_NODES):
+        weight = np.sqrt(np.clip(1 - (along**2 + k**2) / radius**2, 0, None))
+        line = heights[:, (middle + k) % heights.shape[1]]
+        mean += np.fft.rfft(line) * np.fft.rfft(weight)
+    actual = np.fft.rfft(approach[:lap])
+    waves = np.arange(1, min(len(mean), len(actual)))
+    begin = scene.start / (count * scene.spacing)  # of the steps, in laps
+    mean, actual = mean[waves] * np.exp(2j * np.pi * begin * waves), actual[waves]
+    order, shares = _order(1e6 * count * scene.spacing / waves), {}
+    for k in np.unique(order):
+        x, y = mean[order == k], actual[order == k]
+        powers = float(np.vdot(x, x).real * np.vdot(y, y).real)
+        if len(x) >= _LEAST_LINES and powers > 0:
+            shares[int(k)] = float(abs(np.vdot(x, y)) ** 2 / powers)
+    return shares
