@@ -43,7 +43,7 @@ def index_page(readme: str, repository: str | None, revision: str) -> str:
     return page
 
 
-TABLES = "check", "lee2025", "results", "terminal"  # rooms with tables beside their code
+TABLES = "check", "lee2025", "results", "surface", "terminal"  # rooms with tables beside their code
 
 
 def project_page() -> str:
@@ -60,14 +60,11 @@ if __name__ == "__main__":
         package_dir={SCENES: "scenarios"},
         package_data={
             "rolling": ["py.typed", "*.pyi"],
-            **{
-                f"rolling.{room}": ["*.toml"]
-                for room in ("check", "lee2025", "results", "terminal")
-            },
+            **{f"rolling.{room}": ["*.toml"] for room in TABLES},
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
             "rolling.scene": ["*.yaml"],
-            SCENES: ["*.yaml", "scene.schema.json", "*/*/*.yaml"],
+            SCENES: ["*.yaml", "*.sdf", "scene.schema.json", "*/*/*.yaml"],
         },
         include_package_data=False,
         long_description=project_page(),

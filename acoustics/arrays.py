@@ -13,8 +13,8 @@ Array = NDArray[np.float64]
 _LONGEST = 60  # letters of a value in words
 
 
-def real_array(name: str, values: Any, dimensions: int) -> Array:
-    """Return values as an array of floats; raise ValueError for anything else."""
+def real_array(name: str, values: Any, dimensions: int, gaps: bool = False) -> Array:
+    """Return values as an array of floats, finite but for gaps; raise ValueError for all else."""
     allowed = f"allowed: an array of finite numbers in {dimensions} dimensions"
     try:
         if np.iscomplexobj(values):
@@ -24,7 +24,7 @@ def real_array(name: str, values: Any, dimensions: int) -> Array:
         raise ValueError(f"{name}: got {_short(values)}, {allowed}") from None
     if array.ndim != dimensions or array.size == 0:
         raise ValueError(f"{name}: got an array of shape {array.shape}, {allowed}")
-    if not math.isfinite(float(np.sum(array))):
+    if not (np.isfinite(array).any() if gaps else math.isfinite(float(np.sum(array)))):
         raise ValueError(f"{name}: holds numbers that are not finite, {allowed}")
     return array
 

@@ -7,8 +7,9 @@ instant. The stub `__init__.pyi` lists them.
 
 Scenes
     read_scene, Scene and its sections Sphere, Plate, Gaussian, SelfAffine, Smooth, HeightFile,
-    Rolling, Numerics, Recovery, Dynamics, Sound; surfaces of the sphere GaussianBall, SmoothBall,
-    GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError
+    Rolling, Numerics, Recovery, Dynamics, Sound; HeightArray; surfaces of the sphere GaussianBall,
+    SmoothBall, GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError;
+    surface_parameters
 Runs
     simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError,
     FolderError

@@ -178,6 +178,13 @@ def _plot(given: argparse.Namespace) -> int:
     return OK
 
 
+def _surface(given: argparse.Namespace) -> int:
+    """Describe a surface of a file or a scene."""
+    height_keys = given.spacing_um, given.channel, given.height_unit
+    _commands().surface(given.source, given.set, *height_keys, save=given.save, out=given.out)
+    return OK
+
+
 def _listen(given: argparse.Namespace) -> int:
     """Write a long record of a run, which goes on beyond its solved track."""
     print(_commands().listen(given.folder, given.seconds, given.speed, given.seed))
@@ -256,8 +263,8 @@ def _schema(given: argparse.Namespace) -> int:
 _ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
     act.__name__.removeprefix("_"): act
     for act in (
-        *(_run, _check, _status, _table, _plot, _resound, _report, _listen, _accuracy),
-        *(_reproduce, _scenes, _init, _schema),
+        *(_run, _check, _status, _table, _plot, _resound, _report, _listen, _surface),
+        *(_accuracy, _reproduce, _scenes, _init, _schema),
     )
 }
 

@@ -9,6 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from rolling.results import labels, listening, runs_table
 from rolling.results.listening import ListeningError
 from rolling.results.run_result import Run
@@ -16,6 +18,7 @@ from rolling.run import folder as folders
 from rolling.run.folder import Part, RunFolder, default_folder
 from rolling.run.solving import open_runs, runs_of_part, solve_folder
 from rolling.scene import file
+from rolling.scene.height_files import HeightFormatError
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
@@ -24,7 +27,16 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PAGE, TABLE = "report.html", "runs.csv"
-__all__ = ["default_folder", "listen", "plot", "report", "resound", "run_scene", "tabulate"]
+__all__ = [
+    "default_folder",
+    "listen",
+    "plot",
+    "report",
+    "resound",
+    "run_scene",
+    "surface",
+    "tabulate",
+]
 
 
 def run_scene(
@@ -319,3 +331,69 @@ def _refuse_unknown(name: str, known: Sequence[str], kind: str) -> None:
         near = difflib.get_close_matches(name, known, 1)
         hint = f", nearest: {near[0]}" if near else ""
         raise FolderError(f"{name}: no {kind}{hint}, allowed: {', '.join(known)}")
+
+
+def surface(
+    source: Path,
+    overrides: Sequence[str] = (),
+    spacing_um: float | None = None,
+    channel: str | None = None,
+    unit: str = "m",
+    *,
+    save: Path | None = None,
+    out: Path | None = None,
+) -> None:
+    """Print the parameters of a surface by ISO 25178-2, and write them with a picture.
+
+    Parameters
+    ----------
+    source : Path. A scene, whose surface is described, or a file of measured heights.
+    overrides : sequence of str. Assignments such as "surface.level=plane", to a scene.
+    spacing_um, channel, unit : as in the section `surface` of a scene, of a file of heights.
+    save : Path. File for the heights, in the format of its ending. Default: none.
+    out : Path. Folder of picture and table. Default: outputs/NAME-surface.
+
+    Raises
+    ------
+    SceneError, FolderError : bad input; nothing is written.
+    """
+    from rolling.figures.topography import parameter_lines, topography
+    from rolling.surface import measured, scene_surface
+    from rolling.surface.parameters import parameters
+
+    for path in (save, out):
+        if path is not None and path.exists() and (path is save or not path.is_dir()):
+            raise FolderError(f"{path}: exists; take another name, or remove it")
+    is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
+    if is_scene:
+        if spacing_um or channel:
+            raise FolderError("--spacing-um, --channel: only go with a file of heights")
+        scene = file.read_scene(source, overrides)
+        name, words, heights = scene.name, "periodic", scene_surface.heights(scene)
+        steps = np.full(2, scene.spacing)
+    else:
+        if overrides:
+            raise FolderError("--set: only goes with a scene")
+        name, words = source.name, "less its least-squares plane"
+        heights, steps = measured.levelled(source, spacing_um, channel, unit)
+        if gaps := np.count_nonzero(np.isnan(heights)):
+            words += f", {gaps} not measured"
+    with progress.step("computing the parameters, drawing the picture"):
+        values = parameters(heights, steps, is_scene)
+        drawn = topography(name, values, heights, steps, is_scene)
+        contents = {form: drawn.file(form) or b"" for form in ("png", "csv")}
+    if save is not None:
+        try:
+            measured.write(save, heights, (steps[0], steps[1]))
+        except HeightFormatError as error:
+            raise FolderError(error.of(f"--save {save}")) from error
+    folder = out or Path("outputs") / f"{name}-surface"
+    folder.mkdir(parents=True, exist_ok=True)
+    for form, content in contents.items():
+        files.write_bytes(folder / f"{drawn.name}.{form}", content)
+    if progress.is_quiet():
+        print(folder)
+        return
+    nodes, sides = (" x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * steps, 6)))
+    print(f"{labels.printable(name)}: {nodes} nodes of {sides} um, {words}")
+    print(*parameter_lines(values), "", f"all files: {labels.printable(str(folder))}", sep="\n")

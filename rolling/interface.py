@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from acoustics.arrays import instance
 from rolling.check import refusals
@@ -21,7 +22,9 @@ from rolling.run.pools import local_pool
 from rolling.run.solving import open_runs
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import Value
+from rolling.surface.height_array import HeightArray, with_copy
 from rolling.terminal import progress as terminal
 from rolling.terminal.files import FolderError
 
@@ -42,7 +45,9 @@ class SweepError(ContactError):
         self.failures, self.runs = failures, runs
 
 
-def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Run:
+def simulate(
+    scene: Scene, workers: int = 0, progress: bool | None = None, heights: Any = None
+) -> Run:
     """Simulate a scene in memory: contact, released energy, sound and levels.
 
     Parameters
@@ -50,6 +55,8 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Ru
     scene : Scene. A scene without a sweep.
     workers : int. Processes; 0: one per core. The numbers do not depend on it. Default: 0.
     progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
+    heights : (m, n) array_like, m, or HeightArray. The surface in place of that of the scene; an
+        array has the scene's node spacing. Default: the surface of the scene.
 
     Returns
     -------
@@ -57,6 +64,7 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Ru
 
     Raises
     ------
+    ValueError : the heights are no real, finite array along and across.
     SceneError : the scene sweeps, does not fit into memory, or its surface cannot be read.
     ContactError : a contact has no solution, for instance because the load exceeds the capacity of
         the surface.
@@ -78,6 +86,10 @@ def simulate(scene: Scene, workers: int = 0, progress: bool | None = None) -> Ru
     ((101,), (100,))
     """
     instance("scene", scene, Scene)
+    if heights is not None:
+        is_surface = isinstance(heights, HeightFile)
+        surface = heights if is_surface else HeightArray(heights, spacing_um=scene.spacing_um)
+        scene = scene.with_(surface=surface)
     if scene.sweep:
         raise SceneError(
             [f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"]
@@ -201,8 +213,9 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
         raise FolderError(f"{folder}: holds files; take another, as {folders.free_name(folder)}")
     folder.mkdir(parents=True, exist_ok=True)
     with folders.held(folder):
-        folders.write_scene(folder, run.scene)
+        scene = with_copy(run.scene, folder)
+        folders.write_scene(folder, scene)
         (alone,) = folders.stored_runs(folder)
-        write_run(replace(run, folder=folder, values={}))
+        write_run(replace(run, scene=scene, folder=folder, values={}))
         derive(folder, [alone], report)
     return folder

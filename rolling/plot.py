@@ -19,6 +19,7 @@ from acoustics.arrays import instance
 from rolling.figures.contact import contact_pressure, recovery_events, surface
 from rolling.figures.modulation import modulation
 from rolling.figures.picture import listed
+from rolling.figures.running_in import running_in
 from rolling.figures.sound import power_density, release_power, spectrogram, spectrum, third_octaves
 from rolling.figures.sweep import contact_areas, levels, mean_third_octaves
 from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
@@ -38,6 +39,7 @@ __all__ = [
     "power_density",
     "recovery_events",
     "release_power",
+    "running_in",
     "sources",
     "spectrogram",
     "spectrum",

@@ -28,6 +28,8 @@ STEP_LAWS = {"smooth": (0.65, 1.45), "sharp": (0.8, 2.3), "blended": (1.2, 2.25)
 SMOOTH = 1e-9
 # Generated heights are a little more or less steep than their law.
 SLOPE_MARGIN = 1.05
+# Share of the positions of a pass with memory that are marched again, as run-in of its pieces.
+RUN_IN_SHARE = 0.25
 
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
 # Seconds per node and binary logarithm of the nodes: every worker makes a random surface and
@@ -67,7 +69,7 @@ def roughness(scene: Scene) -> tuple[float, float]:
     if scene.height_paths:
         statistics = scene_surface(scene).statistics
         return statistics.rq, statistics.rms_slope
-    parts = [(law.rq_m, law.rms_slope(scene.surface.spacing_um)) for law in scene.laws]
+    parts = [(law.rq_m, law.rms_slope(scene.spacing_um)) for law in scene.laws]
     ball = scene.sphere.surface
     if ball is not None and ball.waviness:
         waves = ball.waviness.items()
@@ -132,9 +134,15 @@ def step_ms(scene: Scene) -> float:
     return expected_step_ms(window_nodes(scene, rq), subcells(scene), step_law(scene, rq))
 
 
-def expected_seconds(scene: Scene) -> float:
-    """Estimate the time [s] to march a scene once on one core; a height file is read."""
+def lap_seconds(scene: Scene) -> float:
+    """Estimate the time [s] to march a track once on one core; a height file is read."""
     return scene.track.solved_steps * step_ms(scene) * 1e-3
+
+
+def expected_seconds(scene: Scene) -> float:
+    """Estimate the time [s] to march all passes of a scene on one core; a height file is read."""
+    seconds = lap_seconds(scene)
+    return seconds * scene.passes * (1 + RUN_IN_SHARE) if scene.is_permanent else seconds
 
 
 def bounce_hz(scene: Scene) -> float:
@@ -206,7 +214,8 @@ def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
         own = {
             "surface": (NODE + NODE_SUBCELL * r**2 + MOMENTS_NODE * _has_moments(scene))
             * nodes
-            * (not scene.is_smooth),
+            * (not scene.is_smooth)
+            + 4 * _kept(scene),
             "window": window * (ESTIMATE if scene.numerics.error_estimate else 1.0),
             "record": _record(scene),
         }
@@ -222,7 +231,16 @@ def disk(scenes: Sequence[Scene]) -> float:
     """Estimate the size [bytes] of the files of runs."""
     steps = STEP_FILE * sum(scene.track.steps for scene in scenes)
     samples = SAMPLE_FILE * sum(map(_samples, scenes))
-    return RUN_FILES * len(scenes) + steps + samples + EVENT_FILE * sum(map(_events, scenes))
+    files = RUN_FILES * len(scenes) + steps + samples + EVENT_FILE * sum(map(_events, scenes))
+    return files + sum(map(_kept, scenes))
+
+
+def _kept(scene: Scene) -> float:
+    """Return the bytes of the passes and the sunk surface of a plate with memory."""
+    track = scene.track
+    if not scene.is_permanent:
+        return 0.0
+    return 8.0 * (3 * scene.passes * track.solved_steps + track.n_along * track.n_across)
 
 
 def _record(scene: Scene) -> float:

@@ -260,13 +260,13 @@ def _turns(scene: Scene) -> Finding:
 def _march(scene: Scene) -> list[Finding]:
     """State window, time, tolerance and the cost of the error estimate."""
     rq = cost.roughness(scene)[0]
-    step_ms = cost.step_ms(scene)
-    seconds = scene.track.solved_steps * step_ms * 1e-3
+    step_ms, seconds = cost.step_ms(scene), cost.expected_seconds(scene)
+    time = computing(seconds) + f" for {scene.passes} passes" * scene.is_permanent
     rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
     result = [
         _window(scene, rq),
         Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core"),
-        Finding("expected_time", "expected time", computing(seconds), None, seconds),
+        Finding("expected_time", "expected time", time, None, seconds),
         Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}"),
     ]
     result += surface_time(scene)

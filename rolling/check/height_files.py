@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 from acoustics.numbers import rounded
 from rolling.check import long_steps
 from rolling.check.finding import Finding, rounded_down, si
+from rolling.scene.instruments import is_instrument, read
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling
@@ -23,10 +25,15 @@ def findings(scene: Scene) -> list[Finding]:
     """Judge the heights of a file; generated surfaces have no such findings."""
     if not isinstance(scene.surface, HeightFile):
         return []
-    surface = scene_surface(scene)
-    assert surface.levelling is not None  # every file has one
+    surface, path = scene_surface(scene), scene.height_path
+    assert surface.levelling is not None and path is not None  # every file has both
     return [
         *_resolution(surface),
+        *_file(path, scene.surface),
+        *(
+            Finding(e.step, e.step.replace("_", "-"), e.text, e.warning)
+            for e in surface.preparation
+        ),
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
         *_form(surface),
@@ -50,7 +57,23 @@ def tilt_text(levelling: Levelling) -> str:
     if not taken:
         return f"nothing taken off, the plane has {plane}"
     before, after = si(levelling.ra_before, "m"), si(levelling.ra_after, "m")
-    return f"plane taken off: {plane}; Ra {before} before, {after} after"
+    second = (
+        "second order taken off with the plane" if levelling.is_quadratic else "plane taken off"
+    )
+    return f"{second}: {plane}; Ra {before} before, {after} after"
+
+
+def _file(path: Path, surface: HeightFile) -> list[Finding]:
+    """State channel, nodes and spacing of the file of an instrument."""
+    if not is_instrument(path):
+        return []
+    measured = read(path, surface.channel, surface.height_unit)
+    rows, columns = measured.heights.shape
+    dy, dx = (si(step, "m") for step in measured.spacing_m or ())
+    value = f"{columns} x {rows} nodes (x, y) of {dx} x {dy}"
+    if len(measured.channels) > 1:
+        value += f", {surface.channel or measured.channels[0]} of {', '.join(measured.channels)}"
+    return [Finding("file", "measurement", value)]
 
 
 def _resolution(surface: SceneSurface) -> list[Finding]:
@@ -96,7 +119,7 @@ def _seam(scene: Scene, levelling: Levelling) -> Finding:
             f"the file is no period of a surface. The contact is on that step for {on_seam} of the"
             f" record's {record} ({rounded(100 * share)} %); the sound of that time belongs to the"
             " cut, and the record does not loop: roll over the middle of the file only"
-            " (rolling.start_um, rolling.duration_s), or blend its end into its beginning"
+            " (rolling.start_um, rolling.duration_s), or set surface.periodic to blend"
         )
     return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
 
@@ -120,7 +143,7 @@ def _form(surface: SceneSurface) -> list[Finding]:
     if share > MAX_FORM:
         warning = (
             f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights and"
-            " pass for roughness: take tilt off with surface.level plane, the form before"
+            " pass for roughness: take them off with surface.level quadratic"
         )
     return [
         Finding("form", "plane and parabola", f"{rounded(100 * share)} % of the variance", warning)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rolling.check import cost, long_steps
 from rolling.check.finding import byte_size
-from rolling.scene.messages import SceneError
+from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
 
 OUTPUTS = Path("outputs")  # where runs are written unless another folder is given
@@ -45,9 +45,25 @@ def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
     refuse_unavailable(scene)
     long_steps.refuse_long_steps(scene)
     runs = [run for _, run in scene.runs()]
+    for run in runs:
+        _refuse_interleaved(run)
     faults = excess(runs, workers or cost.cores(), folder)
     if faults:
         raise SceneError([f"{key}: {fault}" for key, fault in faults.items()])
+
+
+def _refuse_interleaved(scene: Scene) -> None:
+    """Refuse steps that meet a height file at other nodes each time round, on a plate with memory.
+
+    A lap would roll over each place several times.
+    """
+    track, step = scene.track, scene.numerics.step_nodes
+    if scene.is_permanent and track.solved_steps * step > track.n_along * (1 + 1e-9):
+        words = (
+            f"got {plain_number(step)}, allowed with plate.plasticity: permanent: a divisor of the"
+            f" {track.n_along} nodes of the height file"
+        )
+        raise SceneError([f"{scene.place('numerics.step_nodes')}: numerics.step_nodes: {words}"])
 
 
 def refuse_unavailable(scene: Scene) -> None:

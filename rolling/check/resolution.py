@@ -83,7 +83,7 @@ def _spacing(scene: Scene) -> list[Finding]:
     if error is None:
         return []
     shortest = min(min(law.lengths_um) for law in scene.laws)
-    nodes = shortest / scene.surface.spacing_um
+    nodes = shortest / scene.spacing_um
     value = f"about {error:.0f} dB of the fluctuation"
     warning = too_coarse(scene, error, "by a rule that is off by some 4 dB")
     if warning is None and error > BANDS_DB:
@@ -120,7 +120,8 @@ def advice(scene: Scene, error: float) -> str:
     """
     wanted, bands = (spacing(scene, error, goal) for goal in (WANTED_DB, BANDS_DB))
     blended = ""
-    if math.isfinite(scene.hardness) and scene.numerics.edges == "sharp":
+    may_blend = math.isfinite(scene.hardness) and not scene.is_permanent
+    if may_blend and scene.numerics.edges == "sharp":
         blended = "choose numerics.edges: blended, or "
     kind = "made" if isinstance(scene.surface, MadeSurface) else "measured"
     return blended + sentence(KEY, kind, wanted=wanted, bands=bands)
@@ -129,7 +130,7 @@ def advice(scene: Scene, error: float) -> str:
 def spacing(scene: Scene, error: float, goal: float) -> float:
     """Return the spacing [um] that brings an error of the grid [dB] down to a goal [dB]."""
     factor = 10 ** ((goal - error) / PER_SPACING_DB)
-    return fitting_spacing(scene, scene.surface.spacing_um * factor)
+    return fitting_spacing(scene, scene.spacing_um * factor)
 
 
 def fitting_spacing(scene: Scene, spacing_um: float) -> float:

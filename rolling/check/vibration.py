@@ -195,7 +195,7 @@ def _edges(scene: Scene) -> list[Finding]:
 def _marches(scene: Scene) -> list[Finding]:
     """State the cost of the marches at other loads and of the release under the moving load."""
     assert scene.dynamics is not None  # asked for by the caller
-    (falling, total), seconds = cost.fall_seconds(scene), cost.expected_seconds(scene)
+    (falling, total), seconds = cost.fall_seconds(scene), cost.lap_seconds(scene)
     others = scene.dynamics.loads - 1
     total += others * seconds
     value = f"{others + falling} more marches, {computing(total)}, and more where the force leaves"

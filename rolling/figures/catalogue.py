@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.axes import Axes
 
-from rolling.figures import contact, modulation, sound, sweep, vibration, wavelengths
+from rolling.figures import contact, modulation, running_in, sound, sweep, vibration, wavelengths
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
 from rolling.surface.scene_surface import scene_surface
@@ -72,6 +72,9 @@ SINGLE = {
         wavelengths.wavelengths,
         wavelengths.wavelength_table,
         lambda runs: runs[0].wavelength_octaves,
+    ),
+    "running_in": FigureKind(
+        running_in.running_in, running_in.running_in_table, lambda runs: runs[0].result.passes
     ),
     "surface": FigureKind(contact.surface, None),
     "contact_pressure": FigureKind(

@@ -51,14 +51,15 @@ def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     >>> rolling.plot.surface(rolling.read_scene("scene.yaml"))  # doctest: +SKIP
     """
     scene, title = (shown, shown.name) if isinstance(shown, Scene) else (shown.scene, shown.title)
-    heights, spacing = scene_surface.heights(scene) * 1e6, scene.spacing
+    plate = scene_surface.scene_surface(scene)
+    heights, spacing = plate.heights * 1e6, scene.spacing
     nodes = min(len(heights), max(2, round(SHOWN_M / spacing)))
     stride = math.ceil(math.sqrt(nodes * heights.shape[1] / _MOST_DOTS))
     drawn = heights[:nodes:stride, ::stride]
     highest = max(float(np.abs(heights).max()), 1e-3)  # the rounding of a smooth surface is hidden
-    spread = heights - heights.mean()
+    ra, rq = (rounded(1e6 * value, 4) for value in (plate.statistics.ra, plate.statistics.rq))
     facts = [
-        f"Ra {rounded(np.abs(spread).mean(), 4)} µm, Rq {rounded(spread.std(), 4)} µm",
+        f"Ra {ra} µm, Rq {rq} µm",
         f"{rounded(len(heights) * spacing * 1e3, 4)} mm of track",
         *([f"every {stride} nodes"] if stride > 1 else []),
     ]

@@ -29,12 +29,22 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
     ------
     ContactError : a force law or a motion is not possible.
     """
-    step_seconds = cost.expected_seconds(scene) / result.solved_steps
+    step_seconds = cost.lap_seconds(scene) / result.solved_steps
+
+    passes = result.passes
 
     def piece(kind: str, first: int, last: int, scale: float = 1.0, **fields: Any) -> Piece:
+        if passes is not None:  # other marches meet the surface that the last pass left
+            fields = {"sunk": passes.sunk} | fields
         seconds = (last - first) * step_seconds * scale
         return Piece(scene, result.identity, kind, first, last, seconds, **fields)
 
+    if passes is not None:
+        if lacking := passes.missing(scene):
+            scale, number = 1 + cost.RUN_IN_SHARE, passes.finished
+            return [piece("pass", *ends, scale, number=number) for ends in lacking]
+        if scene.dynamics is not None:
+            passes.refuse_yielding()
     pieces = [piece("track", first, last) for first, last in result.missing()]
     pieces += stretch_pieces(scene, result, piece)
     law = [] if scene.dynamics is None else law_pieces(scene, result, piece)
@@ -44,13 +54,14 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
             result.moving = load_along(scene, result)
         moving = result.moving
         pieces += [piece("moving", *ends, forces=moving.force) for ends in moving.missing()]
-    if film and not pieces:
+    if film and not pieces and (passes is None or passes.before is not None):
         positions, film_so_far = film_stretch(scene, result), result.slow_motion
         if positions is None:
             result.slow_motion = None
         # A film without a map is of a stretch that could not be solved again.
         elif film_so_far is None or [*film_so_far.positions] not in ([], [*positions]):
-            pieces = [piece("film", positions[0], positions[-1], stride=positions.step)]
+            ends, sunk = (positions[0], positions[-1]), passes and passes.before
+            pieces = [piece("film", *ends, stride=positions.step, sunk=sunk)]
     return pieces
 
 

@@ -24,6 +24,7 @@ from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.marches.observers import Events, Film, Maps, Observer, Series
+from rolling.marches.passes import Sinking, run_in, unrolled
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -63,14 +64,17 @@ class Piece:
 
     scene : Scene. A scene without a sweep.
     identity : str. Contact identity, which the scene must still have when the piece is marched.
-    kind : str. "track"; "load", at another load; "judge", at a load between the others; "moving",
-        under the load of each position; "error", on a level of accuracy; "film", for slow motion.
+    kind : str. "track"; "pass", over a plate that remembers; "load", at another load; "judge", at a
+        load between the others; "moving", under the load of each position; "error", on a level of
+        accuracy; "film", for slow motion.
     first, last : int. First and last position.
     cost : float, s. Expected time.
     load : float, N. Load of the kinds "load" and "judge".
     forces : (positions,) array, N. Load at each position of a lap of the kind "moving".
     level : str. Level of the kind "error": "tight", "fine", "coarse" or "detail".
     stride : int. Positions from one map to the next of the kind "film".
+    number : int. Index of the pass of the kind "pass".
+    sunk : (along, across) array, m. Depth of the plate before the piece. Default: a virgin plate.
     """
 
     scene: Scene
@@ -83,11 +87,15 @@ class Piece:
     forces: Array | None = None
     level: str = ""
     stride: int = 0
+    number: int = 0
+    sunk: Array | None = None
 
     @cached_property
     def key(self) -> str:
         """File-safe text that is unique among the pieces of an identity."""
-        suffix = {"error": self.level, "film": str(self.stride)}.get(self.kind, "")
+        suffix = {"error": self.level, "film": str(self.stride), "pass": str(self.number + 1)}.get(
+            self.kind, ""
+        )
         if self.kind in ("load", "judge"):
             suffix = _short_digest(self.load.hex().encode())
         elif self.forces is not None:
@@ -130,41 +138,59 @@ def march_piece(
     if piece.kind == "error":
         first, last = 0, last - first
     observers: list[Observer] = [Series(first)]
-    if piece.kind == "track":
+    if piece.kind == "track" or (piece.kind == "pass" and piece.number + 1 == scene.passes):
         observers.append(Maps(contact, first, last, scene.track.solved_steps))
         if scene.recovery.events:
             observers.append(Events(contact))
     elif piece.kind == "film":
         observers = [Film(contact, first, piece.stride)]
-    energies, left_end = piece.kind not in ("load", "judge"), scene.recovery.rule == "left_end"
+    start, sinking = first, None
+    if scene.is_permanent and piece.kind in ("pass", "film"):
+        start -= run_in(scene, first)
+        contact = replace(contact, heights=unrolled(scene, contact.heights, last - start))
+        sinking = Sinking(contact, start, first, scene.track.n_along)
     try:
-        _observe(contact, (first, last), observers, energies, left_end, progress)
+        _observe(piece, contact, (start, first, last), observers, sinking, progress)
     except ContactError as error:
-        if piece.kind == "track":
+        if piece.kind in ("track", "pass"):
             raise
         return {"fault": np.array(str(error))}
     arrays: dict[str, NDArray[Any]] = {}
     for observer in observers:
         arrays |= observer.arrays()
+    if piece.kind == "pass" and sinking is not None:
+        arrays |= sinking.arrays()
     names = _SERIES.get(piece.kind)
     return arrays if names is None else {name: arrays[name] for name in names}
 
 
 def _observe(
+    piece: Piece,
     contact: RollingContact,
-    positions: tuple[int, int],
+    positions: tuple[int, int, int],
     observers: list[Observer],
-    energies: bool,
-    left_end: bool,
+    sinking: Sinking | None,
     progress: Callable[[int], object],
 ) -> None:
-    """March between two positions and show each state and the energies of its step to observers."""
+    """March from a start, and show states and energies of steps to observers from a first position.
+
+    The plastic work is a part of the loading.
+    """
+    energies, left_end = (
+        piece.kind not in ("load", "judge"),
+        piece.scene.recovery.rule == "left_end",
+    )
     old: ContactState | None = None
-    half_space = half_space_for(contact)
-    for state in march(contact, *positions, half_space):
+    half_space, (start, first, last) = half_space_for(contact), positions
+    for state in march(contact, start, last, half_space):
+        work = sinking(state) if sinking else 0.0
+        if state.position < first:
+            continue
         energy = None
         if old is not None:
             energy = step_energy(old, state, half_space, left_end) if energies else None
+            if energy and work:
+                energy = replace(energy, loading=energy.loading + work)
             progress(1)
         for observer in observers:
             observer(state, energy)
@@ -189,7 +215,8 @@ def _contact_of(piece: Piece) -> RollingContact:
     """
     scene = piece.scene
     try:
-        contact = rolling_contact(scene)
+        over = None if piece.sunk is None else heights(scene) - piece.sunk
+        contact = rolling_contact(scene, over)
         same = not scene.height_paths or contact_identity(scene) == piece.identity
     except SceneError as error:
         raise ContactError(f"the surface that was solved is gone: {error}") from error

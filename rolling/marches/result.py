@@ -25,6 +25,7 @@ from rolling.marches.observers import (
     slow_motion_of,
     snapshot_of,
 )
+from rolling.marches.passes import Passes
 from rolling.marches.piece import Piece, contact_identity, track_pieces
 from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.identity import digest
@@ -247,6 +248,7 @@ class Result:
     slow_motion : SlowMotion. Contiguous maps around the loudest event, for the page. Default: None.
     load_marches : LoadMarches. Marches at other loads, for the force law. Default: None.
     moving : MovingRelease. March under the moving load. Default: None.
+    passes : Passes. Passes over a plate that remembers; the series are of the last. Default: None.
     extremes : dict. Minimum and maximum of the contact force [N] by vibration and loads of the law,
         kept because each takes a motion. They are not stored.
     motion : tuple. Vibration and loads of the law of the last motion, and this motion; not stored.
@@ -267,6 +269,7 @@ class Result:
     slow_motion: SlowMotion | None = None
     load_marches: LoadMarches | None = None
     moving: MovingRelease | None = None
+    passes: Passes | None = None
     extremes: dict[tuple[str, tuple[float, ...]], tuple[float, float]] = field(
         default_factory=dict, repr=False
     )
@@ -282,12 +285,19 @@ class Result:
         # Views of a single NaN take no memory in a sweep of many runs before their first piece.
         series = {name: np.broadcast_to(np.nan, solved) for name in STEP_SERIES}
         series |= {name: np.broadcast_to(np.nan, solved + 1) for name in STATE_SERIES}
-        return cls(contact_identity(scene), track.steps, solved, track.step, scene.start, series)
+        result = cls(contact_identity(scene), track.steps, solved, track.step, scene.start, series)
+        result.passes = Passes.empty(scene)
+        return result
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add the arrays of a piece, as `march_piece` returns them."""
         if piece.kind == "track":
             self._add_track(piece, arrays)
+        elif piece.kind == "pass":
+            assert self.passes is not None  # `empty` made them
+            self.passes.add(piece, arrays)
+            if piece.number + 1 == len(self.passes.depth):
+                self._add_track(piece, arrays)
         elif piece.kind in ("load", "judge"):
             self.load_marches = self.load_marches or LoadMarches(self.solved_steps)
             self.load_marches.add(piece, arrays)

@@ -105,6 +105,8 @@ def _contact(run: Run) -> dict[str, str]:
         if math.isfinite(plate.cap_gpa)
         else "no hardness: purely elastic"
     )
+    memory = f"permanent indentation, {scene.passes} passes" * scene.is_permanent
+    memory = memory or "without memory"
     load = "the weight of the sphere" if scene.rolling.load_n == WEIGHT else "constant"
     ends = scene.motion.slowest(duration), scene.motion.fastest(duration)
     speeds = " to ".join(dict.fromkeys(rounded(speed, 4) for speed in ends))
@@ -113,7 +115,7 @@ def _contact(run: Run) -> dict[str, str]:
         "speed": f"{speeds} m/s",
         "sphere": f"R {sphere.radius_mm:g} mm, {_of(sphere.material)}{elastic}",
         "plate": f"{_of(plate.material)}{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio"
-        f" {plate.poissons_ratio:g}, {hardness}, without memory",
+        f" {plate.poissons_ratio:g}, {hardness}, {memory}",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
         "solver": f"tolerance {rounded(scene.tolerance, 6)}, {scene.numerics.edges} edges,"

@@ -28,6 +28,7 @@ from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
 from rolling.results.listening import heard
 from rolling.results.run_result import Run
+from rolling.results.running_in import passes_wav
 from rolling.sound.contact_sound import ContactSound
 from rolling.terminal import defaults
 
@@ -148,6 +149,7 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
                 "playback": gain,
                 "wav": maps.uri("audio/wav", record),
                 "long": long_record(run),
+                "passes": passes_player(run),
                 "repeats": [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS],
                 "pictures": pictures,
             }
@@ -161,6 +163,14 @@ def long_record(run: Run) -> dict[str, str] | None:
         return None
     pressure, content = heard(run)
     record = wav.listening(pressure, wav.listening_gain(pressure), content, run.label, 16)
+    return {"wav": maps.uri("audio/wav", record), "text": content}
+
+
+def passes_player(run: Run) -> dict[str, str] | None:
+    """Return a record of all passes and their levels; None for a plate without memory."""
+    if run.result.passes is None:
+        return None
+    record, content = passes_wav(run, 16)
     return {"wav": maps.uri("audio/wav", record), "text": content}
 
 

@@ -33,7 +33,7 @@ _VIBRATIONS = ("on_axis", "infinite_plate", "at_listener", "plate_edges")
 _BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", *_VIBRATIONS)
 HEADLINE = (*_BOUNDS, "unvalidated", "uncertainty")
 REPEATS = ("short_loop", "short_track")
-_LOADS = ("quasi_static", "constant_load_release", "moving_load_release")
+_LOADS = ("quasi_static", "constant_load_release", "moving_load_release", "permanent")
 STANDING = (*HEADLINE, *REPEATS, *_LOADS, "not_loopable", "error_estimate_reach")
 
 
@@ -77,6 +77,7 @@ def caveats(
         _of_levels(scene, sound, errors, vibration)
         | _of_record(scene, sound)
         | _of_load(scene, moving)
+        | ({"permanent": _say("permanent", count=scene.passes)} if scene.is_permanent else {})
         | {
             finding.key: f"{finding.quantity}: {finding.warning}"
             for finding in findings.findings(scene)

@@ -17,6 +17,8 @@ from acoustics.bands import MID_HZ
 from rolling.check.error_cost import DETAIL, LEVELS
 from rolling.marches import observers
 from rolling.marches.observers import PressureMap, SlowMotion, Snapshot
+from rolling.marches.passes import SERIES as PASS_SERIES
+from rolling.marches.passes import Passes
 from rolling.marches.result import (
     MOVING_SERIES,
     ErrorStretches,
@@ -43,7 +45,11 @@ Group = tuple[Arrays, Facts]  # arrays and attributes of a group
 
 def fixed_lengths(result: Result) -> dict[str, int]:
     """Return the lengths of the dimensions that the scene of a result fixes."""
-    return {
+    lengths = {}
+    if result.passes is not None:
+        shape = len(result.passes.depth), *result.passes.sunk.shape
+        lengths = dict(zip(("pass", "node_along", "node_across"), shape, strict=True))
+    return lengths | {
         "step": result.steps,
         "position": result.steps + 1,
         "place": result.solved_steps + 1,
@@ -247,6 +253,17 @@ def _read_moving(arrays: Arrays, facts: Facts, result: Result) -> MovingRelease:
     return MovingRelease(facts["key"], force, motion, arrays["approach"], steps)
 
 
+def _write_passes(passes: Passes, run: Run) -> Group:
+    """Return the series of all passes, and the depth [m] of the plate after the last."""
+    return passes.series | {"depth": passes.depth, "sunk": passes.sunk}, {}
+
+
+def _read_passes(arrays: Arrays, facts: Facts, result: Result) -> Passes:
+    """Return the passes of a group, without the surface before the last."""
+    series = {name: arrays[name] for name in PASS_SERIES}
+    return Passes(series, arrays["depth"], arrays["sunk"])
+
+
 def _places(result: Result) -> NDArray[np.float64]:
     """Return the positions of a lap [m]."""
     return np.asarray(result.start + np.arange(result.solved_steps + 1) * result.step)
@@ -281,4 +298,5 @@ _GROUPS: dict[str, tuple[str, Callable[[Any, Run], Group], Callable[..., Any]]] 
     "slow_motion": ("slow_motion", _write_film, _read_film),
     "force_law": ("load_marches", _write_law, _read_law),
     "moving_release": ("moving", _write_moving, _read_moving),
+    "passes": ("passes", _write_passes, _read_passes),
 }

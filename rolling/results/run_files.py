@@ -8,6 +8,7 @@ from pathlib import Path
 from acoustics import wav
 from rolling.results import listening, result_file
 from rolling.results.run_result import Run, hear
+from rolling.results.running_in import passes_wav
 from rolling.results.summary import provenance
 from rolling.results.summary_file import read_summary
 from rolling.scene.scene import Scene
@@ -15,6 +16,7 @@ from rolling.scene.sweep import Value
 from rolling.terminal.files import make_below, write_bytes, write_json
 
 RESULT, SUMMARY, SIGNAL, LISTEN = "result.h5", "summary.json", "signal.wav", "listen.wav"
+PASSES = "passes.wav"  # of a plate that remembers
 
 
 def write_run(run: Run) -> None:
@@ -32,6 +34,8 @@ def write_run(run: Run) -> None:
         LISTEN: listen_wav,
         RESULT: result_file.write_result(run),
     }
+    if run.result.passes is not None:
+        contents[PASSES], _ = passes_wav(run)
     make_below(run.home, run.folder)
     for name, content in contents.items():
         write_bytes(run.folder / name, content)

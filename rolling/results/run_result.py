@@ -23,6 +23,7 @@ from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.listening import listen, reason_against, released
+from rolling.results.running_in import pass_numbers, pass_sounds
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
@@ -79,6 +80,12 @@ class Run:
         """Statistics of the recovery events on the solved track, or None without events."""
         length = self.result.solved_steps * self.result.step
         return event_statistics(self.events, length) if self.events else None
+
+    @cached_property
+    def pass_sounds(self) -> list[ContactSound]:
+        """Sound of the release of each pass; empty for a plate without memory."""
+        closed = released(self.scene, self.result)[1]
+        return pass_sounds(self.scene, self.result, closed, scene_surface(self.scene).has_seam)
 
     @property
     def title(self) -> str:
@@ -294,6 +301,8 @@ def hear(
     sound = heard(release, vibration) if vibration and vibrates else release
     numbers = summary or summarize(scene, result, sound, release, vibration, moving)
     run = Run(label, values, folder, scene, result, sound, numbers, vibration)
+    if summary is None and result.passes is not None:
+        numbers["passes"] = pass_numbers(scene, result, run.pass_sounds)
     if summary is None and scene.sound.listen_s is not None:
         numbers["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SEED = "surface.seed"
+MOST_STEPS = 8  # of the preparation of height files that are written; one run has at most 7
 MOST_WARNINGS = 3  # after a run; the page and `rolling check` have all of them
 LEVELS = {  # keys of the summary with name and unit
     "laeq_db": ("LAeq", "dB(A)"),
@@ -85,7 +86,7 @@ def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
             cells |= {"verdict": value["word"], "verdict_reason": value["reason"]}
         elif key == "laeq_uncertainty_db":
             cells["laeq_total_uncertainty_db"] = value
-        elif key not in ("name", "levelling") and not isinstance(value, Mapping):
+        elif key not in ("name", "levelling", "preparation") and not isinstance(value, Mapping):
             cells[key] = value
     bands = {
         f"{key}_{name}": level for key in BANDS for name, level in summary.get(key, {}).items()
@@ -307,6 +308,15 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
         f" {rounded(s['rms_slope'], 3)}{surface_parts(summary)}"
         for summary, s in ((summary, summary["surface"]) for _, summary in runs)
     )
+    steps = list(
+        dict.fromkeys(
+            f"{str(step['step']).replace('_', '-')}: {step['text']}"
+            for _, summary in runs
+            for step in summary.get("preparation", ())
+        )
+    )
+    if (more := len(steps) - MOST_STEPS) > 0:
+        steps[MOST_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]
     levelled = [levelling for _, summary in runs if (levelling := summary["levelling"])]
     tilts = dict.fromkeys(
         f"tilt: {x['text']}" for x in levelled if x["slope_along"] or x["slope_across"]
@@ -316,7 +326,8 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     if (more := len(ranked) - MOST_WARNINGS) > 0:
         others = f"{more} more warning{'s' * (more > 1)}"
         ranked[MOST_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
-    return [wrapped(line) for line in (" ".join(beside), "", *surfaces, *tilts, *repeats, *ranked)]
+    lines = (" ".join(beside), "", *surfaces, *steps, *tilts, *repeats, *ranked)
+    return [wrapped(line) for line in lines]
 
 
 def surface_parts(summary: Mapping[str, Any]) -> str:

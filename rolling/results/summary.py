@@ -92,6 +92,7 @@ def summarize(
         "surface": asdict(surface.statistics),
         "levelling": _levelling(surface.levelling) if surface.levelling else None,
         **surface.made,
+        **({"preparation": [*map(asdict, surface.preparation)]} if surface.preparation else {}),
         **_turns(scene, surface, sound),
         "wavelength_octaves": [
             octave._asdict()

@@ -60,6 +60,10 @@ def _fits(key: str, value: Any) -> bool:
             isinstance(caveat, dict) and {*map(type, caveat.values())} == {str} and "text" in caveat
             for caveat in value
         )
+    if key == "preparation":
+        return isinstance(value, list) and all(
+            isinstance(step, dict) and {"step", "text"} <= {*step} for step in value
+        )
     if key in _TEXTS:
         return isinstance(value, str | None)
     if isinstance(value, dict):

@@ -136,9 +136,11 @@ class RunLoop:
 
     def _begin(self, group: Sequence[int]) -> None:
         """Begin the runs of one contact identity."""
-        self._bar.grow(-self._costs[group[0]])
         for number in group:
-            self._results[number] = self._start(number)
+            result = self._results[number] = self._start(number)
+            # The pieces of a pass are not known before it, so all passes count from the beginning.
+            if number == group[0] and (result.passes is None or result.complete):
+                self._bar.grow(-self._costs[number])
             self._advance(number)
 
     def _advance(self, number: int) -> None:
@@ -159,7 +161,7 @@ class RunLoop:
             else:
                 self._wanting[key] = [number]
                 self._queue.append(Task(key, solve_piece, (piece, self._pieces), piece))
-                self._bar.grow(piece.cost)
+                self._bar.grow(piece.cost if piece.kind != "pass" else 0.0)
             self._lacking[number] += 1
         if pieces:
             return

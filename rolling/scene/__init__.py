@@ -12,8 +12,8 @@ motion, track
 file, yaml_text, library
     scenes as YAML, overrides, the JSON Schema; YAML as plain values with the line of each key;
     scenes that come with the program
-height_files
-    heights from .npy, .npz and text
+height_files, instruments, height_grid
+    heights from .npy, .npz and text, and from files of instruments; the nodes of their period
 messages, identity
     faults in words; digests of scenes, keys that the march depends on, differences in words
 """

@@ -136,6 +136,9 @@ class Plate(Section):
         none, or absent without a material: purely elastic
     yield_strength_gpa : float, optional
         Yield strength [GPa] in place of the hardness, which is three times as much
+    plasticity : str, optional
+        Memory of yielding: memoryless solves every position on the virgin surface, permanent
+        leaves the plastic overlap in it and needs a hardness; absent: memoryless
     density_kg_m3 : float, optional
         Density [kg/m3]; dynamics needs it
     thickness_mm : float, optional
@@ -167,6 +170,7 @@ class Plate(Section):
     poissons_ratio: float = Field(ge=0, le=0.5)
     hardness_gpa: Hardness | None = None
     yield_strength_gpa: float | None = Field(default=None, gt=0, le=HARDNESS.most / named.YIELDS)
+    plasticity: Literal["memoryless", "permanent"] | None = None
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     thickness_mm: float | None = Field(default=None, gt=0)
     loss_factor: float | None = Field(default=None, gt=0, le=1)
@@ -215,6 +219,13 @@ class Plate(Section):
                 " hardness the plate is purely elastic"
             )
             raise fault(words, "plate", key)
+        return self
+
+    @model_validator(mode="after")
+    def _yields(self) -> Plate:
+        if self.plasticity == "permanent" and math.isinf(self.cap_gpa):
+            words = "missing; plasticity: permanent needs it, an elastic plate keeps its surface"
+            raise fault(words, "plate", "hardness_gpa")
         return self
 
     @model_validator(mode="after")

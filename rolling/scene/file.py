@@ -32,7 +32,8 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     ----------
     path : Path or str
         File of YAML 1.2 in UTF-8, or the name of a scene of the library, such as "quickstart", if
-        there is no such file. A scene found by name reads its height file from the current folder.
+        there is no such file. A scene found by name reads its height file from the current folder,
+        unless the library has that file too.
     overrides : sequence of str
         Values such as "rolling.load_n=50", written in YAML. No value (or null) removes an optional
         key or section. A key that the scene sweeps leaves the sweep when it is set;
@@ -53,7 +54,8 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
         text = yaml_text.read_text(file)
     except TextError as error:
         raise SceneError([str(error)]) from error
-    return loads(text, overrides, str(file), path.parent if file == path else Path())
+    is_whole = file == path or library.companions(file)
+    return loads(text, overrides, str(file), file.parent if is_whole else Path())
 
 
 def loads(

@@ -26,7 +26,7 @@ from rolling.scene.messages import shown
 from rolling.scene.yaml_text import open_regular
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
-MAX_TEXT_BYTES = 500_000_000  # of a file: reading text takes long, and .npy holds the same in less
+MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
 MAX_LINE = 20_000_000  # letters
 NAME = "heights.npy"  # of the array in an archive of several
 _TEXT_ENDINGS = (".csv", ".txt")
@@ -65,7 +65,7 @@ def nodes(path: Path) -> tuple[int, int]:
         heights.
     """
     if _ending(path) in _TEXT_ENDINGS:
-        return _rows_and_columns(_text(path).shape)
+        return _rows_and_columns(numbers_of_text(path).shape)
     with _opened(path) as (stream, size), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of headers by Python 2
         shape, dtype, begin = _array_header(stream)
@@ -89,13 +89,13 @@ def numbers(path: Path) -> np.ndarray:
     """Read the numbers of a height file, shape (along, across); raise as `nodes` does."""
     shape = nodes(path)
     if path.suffix.lower() in _TEXT_ENDINGS:
-        return _text(path)
+        return numbers_of_text(path).reshape(shape)
     with _opened(path) as (stream, _):
         return np.asarray(np.lib.format.read_array(stream, allow_pickle=False)).reshape(shape)
 
 
-def _ending(path: Path) -> str:
-    """Return the ending of the name of an existing regular file; raise HeightFormatError else."""
+def refuse_missing(path: Path) -> None:
+    """Raise HeightFormatError for a path that is no readable regular file."""
     try:
         open_regular(path).close()
     except FileNotFoundError as error:
@@ -105,12 +105,17 @@ def _ending(path: Path) -> str:
         raise HeightFormatError(
             reason if reason.startswith("is ") else f"not readable ({reason})"
         ) from error
+
+
+def _ending(path: Path) -> str:
+    """Return the ending of the name of an existing regular file; raise HeightFormatError else."""
+    refuse_missing(path)
     ending = path.suffix.lower()
     if ending not in _ENDINGS:
         raise HeightFormatError(
             f"got {f'the ending {path.suffix}' if ending else 'no ending'}, allowed: .npy, .npz,"
-            " .csv or .txt; export the heights as a matrix of numbers, for example in Gwyddion with"
-            ' "ASCII data matrix (.txt)"'
+            " .csv or .txt, of a plate .xyz and formats of instruments such as .x3p, .sdf or .sur;"
+            ' export others as a matrix of numbers, in Gwyddion "ASCII data matrix (.txt)"'
         )
     return ending
 
@@ -169,16 +174,16 @@ def _array_header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[Any], in
 # ---- text
 
 
-def _text(path: Path) -> Array:
-    """Read the numbers of a text file, shape (rows, columns); a profile is one column.
+def numbers_of_text(path: Path) -> Array:
+    """Read the numbers of a text file, shape (rows, columns).
 
     Empty lines and lines that begin with # do not count. A separator at the end of a line adds no
     number. The array is read-only, because the last one is kept.
     """
     status = path.stat()
-    if status.st_size > MAX_TEXT_BYTES:
+    if status.st_size > MAX_BYTES:
         raise HeightFormatError(
-            f"is larger than {MAX_TEXT_BYTES:,} bytes of text; a .npy file may be larger"
+            f"is larger than {MAX_BYTES:,} bytes of text; a .npy file may be larger"
         )
     return _table(path, (status.st_mtime_ns, status.st_size, status.st_ino))
 
@@ -198,7 +203,7 @@ def _table(path: Path, stamp: tuple[int, ...]) -> Array:
         values.extend(row)
     if not rows:
         raise HeightFormatError(f"holds no heights, allowed: {_NUMBERS}")
-    table = np.frombuffer(values, dtype=float).reshape(_rows_and_columns((rows, width)))
+    table = np.frombuffer(values, dtype=float).reshape(rows, width)
     table.flags.writeable = False
     return table
 

@@ -18,7 +18,7 @@ from rolling.scene.yaml_text import open_regular
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and
 # speed. Densities, thickness, edges and loss factors belong to the vibration. A name stands beside
-# its values.
+# its values. Passes count with memory only.
 _NOT_CONTACT = {
     "name",
     "title",
@@ -31,6 +31,8 @@ _NOT_CONTACT = {
     "rolling.distance_mm",
     "rolling.resistance",
     "rolling.drop_mm",
+    "rolling.passes",
+    "plate.plasticity",
     "sphere.density_kg_m3",
     *NAME_KEYS,
     *(f"plate.{name}" for name in VIBRATING_PLATE),
@@ -51,6 +53,8 @@ def contact_keys(scene: Scene) -> dict[str, Any]:
         if key not in _NOT_CONTACT and key.partition(".")[0] not in _NOT_CONTACT
     }
     keys |= {"numerics.tolerance": scene.tolerance, "rolling.load_n": scene.load}
+    if scene.is_permanent:
+        keys["passes"] = scene.passes
     for section, path in scene.height_paths.items():
         del keys[f"{section}.path"]
         keys[f"{section}.sha256"] = file_digest(path)

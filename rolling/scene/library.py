@@ -36,6 +36,11 @@ def find(path: Path) -> Path:
     return path if file is None or path.is_file() else file
 
 
+def companions(file: Path) -> list[Path]:
+    """Return the files of heights that a scene of the library has beside it, by its name."""
+    return [path for path in sorted(file.parent.glob(f"{file.stem}.*")) if path != file]
+
+
 def title(file: Path) -> str:
     """Return the title of a scene: the first sentence of the comment that it begins with."""
     lines = file.read_text(encoding="utf-8").splitlines()
@@ -50,10 +55,10 @@ def titles(inner: bool = False) -> list[tuple[str, str]]:
 
 
 def copy(name: str, target: Path) -> list[Path]:
-    """Copy a scene of the library into a folder, with the schema that its first line names.
+    """Copy a scene of the library into a folder, with its heights and the schema that it names.
 
-    Return the files that were written, the scene first; a schema that exists stays as it is. Raise
-    LibraryError where there is no such scene, or the file exists.
+    Return the files that were written, the scene first; other files that exist stay as they are.
+    Raise LibraryError where there is no such scene, or the file exists.
     """
     file = scenes().get(name.removesuffix(_SUFFIX))
     if file is None:
@@ -66,10 +71,11 @@ def copy(name: str, target: Path) -> list[Path]:
     except FileExistsError as error:
         advice = "nothing is replaced; rename it or change to another folder"
         raise LibraryError(f"{written[0]}: exists, and {advice}") from error
-    if f"$schema={_SCHEMA}".encode() in content:
+    named = [folder() / _SCHEMA] if f"$schema={_SCHEMA}".encode() in content else []
+    for other in (*companions(file), *named):
         with suppress(FileExistsError):
-            _write_new(target / _SCHEMA, (folder() / _SCHEMA).read_bytes())
-            written.append(target / _SCHEMA)
+            _write_new(target / other.name, other.read_bytes())
+            written.append(target / other.name)
     return written
 
 

@@ -16,6 +16,7 @@ from rolling.scene import named
 from rolling.scene.balls import BallHeightFile, turn_nodes
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.faults import SurfaceFault, refuse_misplaced
+from rolling.scene.height_grid import height_grid
 from rolling.scene.laws import HeightLaw
 from rolling.scene.messages import Key, SceneError, dotted, fault, shown
 from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Section, Sound
@@ -24,7 +25,6 @@ from rolling.scene.track import (
     Motion,
     Track,
     file_track,
-    height_nodes,
     made_track,
     refuse_turn,
     rolled,
@@ -202,9 +202,25 @@ class SceneQuantities(Section):
         return self.plate.cap_gpa * 1e9
 
     @property
+    def is_permanent(self) -> bool:
+        """Whether the plastic overlap stays in the surface of the plate."""
+        return self.plate.plasticity == "permanent"
+
+    @property
+    def passes(self) -> int:
+        """Number of passes over the track."""
+        return self.rolling.passes or 1
+
+    @property
     def spacing(self) -> float:
-        """Node spacing [m]."""
-        return self.surface.spacing_um * 1e-6
+        """Node spacing [m], by default that of the height file."""
+        given = self.surface.spacing_um
+        return self.track.spacing if given is None else given * 1e-6
+
+    @property
+    def spacing_um(self) -> float:
+        """Node spacing [um]."""
+        return self.surface.spacing_um or self.track.spacing * 1e6
 
     @property
     def step(self) -> float:
@@ -280,25 +296,28 @@ def track_of(
     sphere: Sphere, surface: Surface, rolling: Rolling, numerics: Numerics, folder: Path
 ) -> Track:
     """Return the track over a surface; raise a fault for a wrong length or a misplaced fault."""
-    spacing, motion = surface.spacing_um * 1e-6, motion_of(sphere, rolling)
+    motion = motion_of(sphere, rolling)
     wanted = rolled(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
     ball = sphere.surface
-    turn = 0 if ball is None else turn_nodes(sphere.radius_mm, surface.spacing_um)
+    turn = 0
+    if ball is not None and surface.spacing_um is not None:
+        turn = turn_nodes(sphere.radius_mm, surface.spacing_um)
     if isinstance(surface, HeightFile):
-        nodes = height_nodes(folder / surface.path, surface.path, surface.n_across)
-        track = file_track(nodes, spacing, numerics.step_nodes, motion, wanted, turn)
+        grid = height_grid(folder / surface.path, surface)
+        track = file_track(grid.nodes, grid.spacing, numerics.step_nodes, motion, wanted, turn)
     else:
-        across = surface.n_across
-        assert wanted is not None and across is not None  # refused before
+        assert wanted is not None  # refused before
+        across, spacing = surface.n_across, surface.spacing_um * 1e-6
         track = made_track(across, spacing, numerics.step_nodes, motion, wanted, turn)
+    spacing_um = surface.spacing_um or track.spacing * 1e6
     placed: list[tuple[list[SurfaceFault] | None, int, Key]] = [
         (surface.faults, track.plate_nodes, ("surface", "faults"))
     ]
     if ball is not None:
         placed.append((ball.faults, turn, ("sphere", "surface", "faults")))
     for faults, nodes_along, key in placed:
-        sizes = nodes_along * surface.spacing_um, track.n_across * surface.spacing_um
-        refuse_misplaced(faults or (), *sizes, surface.spacing_um, key)
+        sizes = nodes_along * spacing_um, track.n_across * spacing_um
+        refuse_misplaced(faults or (), *sizes, spacing_um, key)
     return track
 
 

@@ -90,9 +90,37 @@ def refuse_numerics(numerics: Numerics, values: Values) -> None:
     if surface is None or sphere is None:
         return
     if sphere.surface is not None:
+        if surface.spacing_um is None:
+            raise fault("missing; the surface of the sphere has the same", "surface", "spacing_um")
         refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
     if rolling is not None and not isinstance(surface, HeightFile):
         quantities.track_of(sphere, surface, rolling, numerics, Path())
+
+
+def refuse_memory(numerics: Numerics, values: Values) -> None:
+    """Refuse passes without memory, and memory of parts of nodes or of a rough sphere."""
+    plate, rolling, sphere = (values.get(name) for name in ("plate", "rolling", "sphere"))
+    if plate is None:
+        return
+    memory = "plate.plasticity: permanent"
+    if plate.plasticity != "permanent":
+        if rolling is not None and (rolling.passes or 1) > 1:
+            rule = "without memory all passes are equal"
+            words = f"got {rolling.passes}, which needs {memory}: {rule}"
+            raise fault(words, "rolling", "passes")
+        return
+    if sphere is not None and sphere.surface is not None:
+        rule = "each turn of a rough sphere meets other places of the plate"
+        words = f'got "permanent", which only goes with a smooth sphere: {rule}'
+        raise fault(words, "plate", "plasticity")
+    for key, value, allowed, rule in (
+        ("edges", numerics.edges, ("sharp",), "nodes sink as a whole"),
+        ("subcells", numerics.subcells, (1, "auto"), "nodes sink as a whole"),
+        ("error_estimate", numerics.error_estimate, (False,), "its grids have no earlier passes"),
+    ):
+        if value not in allowed:
+            words = f"got {shown(value)}, allowed with {memory}: {shown(allowed[0])}; {rule}"
+            raise fault(words, "numerics", key)
 
 
 def refuse_dynamics(dynamics: Dynamics | None, values: Values) -> None:

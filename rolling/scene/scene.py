@@ -104,6 +104,7 @@ class Scene(SceneQuantities):
     @classmethod
     def _has_track(cls, numerics: Numerics, info: ValidationInfo) -> Numerics:
         rules.refuse_numerics(numerics, info.data)
+        rules.refuse_memory(numerics, info.data)
         return numerics
 
     @field_validator("dynamics")

@@ -159,6 +159,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
 
 
 WEIGHT: Literal["weight"] = "weight"
+MOST_PASSES = 100  # all are heard; plastic work falls by half or more from pass to pass
 SPEED = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 
 
@@ -236,6 +237,9 @@ class Rolling(Section):
         Distance rolled [mm] instead of a duration, so that every speed meets the same surface
     start_um : float
         Start position along the track [um]
+    passes : int, optional
+        Passes over the whole track [-], each on the surface that the pass before left; the record
+        is the last; more than 1 needs plate.plasticity: permanent; absent: 1
     """
 
     load_n: Load = WEIGHT
@@ -245,6 +249,7 @@ class Rolling(Section):
     duration_s: float | None = Field(default=None, gt=0)
     distance_mm: float | None = Field(default=None, gt=0)
     start_um: float = 0.0
+    passes: int | None = Field(default=None, ge=1, le=MOST_PASSES)
 
     @model_validator(mode="after")
     def _one_length(self) -> Rolling:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
@@ -10,13 +11,16 @@ from acoustics.numbers import rounded
 from rolling.scene import named
 from rolling.scene.balls import WAVE_NODES
 from rolling.scene.faults import SurfaceFault, SurfaceKind
+from rolling.scene.instruments import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw
-from rolling.scene.messages import fault, plain_number
+from rolling.scene.messages import fault, plain_number, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
+_CHANNEL, _S_FILTER = ("surface", "channel"), ("surface", "s_filter_um")
 
-class PlateSurface(SurfaceKind):
-    """Surface of a plate of any kind.
+
+class MadeSurface(SurfaceKind):
+    """Surface of a given width that the program generates.
 
     Attributes
     ----------
@@ -29,18 +33,17 @@ class PlateSurface(SurfaceKind):
     SECTION: ClassVar[str] = "surface"
 
     spacing_um: float = Field(gt=0)
-    width_um: float | None = Field(default=None, gt=0)
+    width_um: float = Field(gt=0)
 
     @model_validator(mode="after")
-    def _whole_width(self) -> PlateSurface:
-        if self.width_um is not None:
-            refuse_width(self.width_um, self.spacing_um)
+    def _whole_width(self) -> MadeSurface:
+        refuse_width(self.width_um, self.spacing_um)
         return self
 
     @property
-    def n_across(self) -> int | None:
-        """Nodes across the track; None: a file has them."""
-        return None if self.width_um is None else round(self.width_um / self.spacing_um)
+    def n_across(self) -> int:
+        """Nodes across the track."""
+        return round(self.width_um / self.spacing_um)
 
 
 def refuse_width(width_um: float, spacing_um: float) -> None:
@@ -55,12 +58,6 @@ def refuse_width(width_um: float, spacing_um: float) -> None:
         words += f" nearest: {fitting:.10g}"
     if words:
         raise fault(f"got {plain_number(width_um)}, allowed: {words}", "surface", "width_um")
-
-
-class MadeSurface(PlateSurface):
-    """Surface of a given width that the program generates."""
-
-    width_um: float = Field(gt=0)
 
 
 Finish = Annotated[
@@ -126,31 +123,97 @@ class Smooth(MadeSurface):
     faults: list[SurfaceFault] | None = None
 
 
-class HeightFile(PlateSurface):
-    """Surface read from a file, which holds one period of it.
+class HeightFile(SurfaceKind):
+    """Surface read from a file: one period of it, or a measurement that is made periodic.
 
     Attributes
     ----------
     kind : "file"
         Heights from a file; the track is the file
     path : str
-        File of heights, .npy, .npz, .csv or .txt, shape (along track, across), relative to the
-        scene file
+        File of heights, relative to the scene file: .npy, .npz, .csv or .txt, shape (along track,
+        across), .xyz, or a format of an instrument such as .x3p, .sdf or .sur
+    channel : str, optional
+        Channel of an instrument's file; absent: the first with heights
+    along : str, optional
+        Axis of the file that lies along the track: y (default), so that a row lies across, or x
     height_unit : str
-        Unit of the heights in the file
+        Unit of the heights in the file, of all three columns of .xyz; other formats of instruments
+        have their own
+    spacing_um : float, optional
+        Node spacing [um], along and across; a file with other spacings of its own is resampled;
+        absent: the finer spacing of the file
+    outliers : float, optional
+        Threshold for outliers in robust standard deviations of the heights about their plane: a
+        node that differs by more from the median of its 5 x 5 neighbours counts as not measured
+    unmeasured : str, optional
+        Points that were not measured: refuse (default), or fill from their surroundings by the
+        equation of Laplace
+    s_filter_um : float, optional
+        Cut-off wavelength [um] of the Gaussian S-filter, which takes shorter waves off
     level : str
-        Tilt: auto takes the least-squares plane off where the step from the last row to the first
-        stands out and the plane lowers it, plane always, none never
+        F-operator: auto takes the least-squares plane off where the step from the last row to the
+        first stands out and the plane lowers it, and always from a measurement that is made
+        periodic; plane always, quadratic a surface of second order, none never
+    l_filter_um : float, optional
+        Cut-off wavelength [um] of the Gaussian L-filter, which takes longer waves off
+    periodic : str, optional
+        Period of a measurement: blend fades the end of each side into its beginning, mirror
+        continues it backwards, none takes the file as a period; absent: blend for .xyz and formats
+        of instruments, none for the others
+    overlap_um : float, optional
+        Length [um] of the blend, up to half a side; absent: a tenth of each side
     width_um : float, optional
         Width across the track [um] of a profile of one line, whose heights are the same all
         across: a whole number of nodes, at least 8; absent: the file holds lines side by side
     """
 
+    SECTION: ClassVar[str] = "surface"
+
     kind: Literal["file"] = "file"
     path: str = Field(min_length=1)
+    channel: str | None = None
+    along: Literal["x", "y"] | None = None
     height_unit: Literal["m", "mm", "um", "nm"] = "m"
-    level: Literal["auto", "plane", "none"] = "auto"
+    spacing_um: float | None = Field(default=None, gt=0)
+    outliers: float | None = Field(default=None, ge=3)
+    unmeasured: Literal["refuse", "fill"] | None = None
+    s_filter_um: float | None = Field(default=None, gt=0)
+    level: Literal["auto", "plane", "quadratic", "none"] = "auto"
+    l_filter_um: float | None = Field(default=None, gt=0)
+    periodic: Literal["blend", "mirror", "none"] | None = None
+    overlap_um: float | None = Field(default=None, gt=0)
+    width_um: float | None = Field(default=None, gt=0)
     faults: list[SurfaceFault] | None = None
+
+    @model_validator(mode="after")
+    def _fits_format(self) -> HeightFile:
+        ending = Path(self.path).suffix.lower()
+        if not is_instrument(self.path):
+            if self.spacing_um is None:
+                words = "missing; files of arrays and of rows of text do not hold their spacing"
+                raise fault(words, "surface", "spacing_um")
+            if self.channel is not None:
+                raise fault(f"only goes with a file of an instrument, not {ending}", *_CHANNEL)
+        elif ending != TRIPLES and self.height_unit != "m":
+            words = f"got {shown(self.height_unit)}, but a {ending} file holds its own units"
+            raise fault(words, "surface", "height_unit")
+        if self.outliers is not None and self.unmeasured != "fill":
+            words = "only goes with surface.unmeasured fill, because outliers count as not measured"
+            raise fault(words, "surface", "outliers")
+        if self.overlap_um is not None and self.made_periodic != "blend":
+            raise fault("only goes with surface.periodic blend", "surface", "overlap_um")
+        if self.s_filter_um and self.l_filter_um and self.s_filter_um >= self.l_filter_um:
+            got, words = plain_number(self.s_filter_um), plain_number(self.l_filter_um)
+            raise fault(f"got {got}, allowed: less than {words}, the L-filter", *_S_FILTER)
+        if self.width_um is not None and self.spacing_um is not None:
+            refuse_width(self.width_um, self.spacing_um)
+        return self
+
+    @property
+    def made_periodic(self) -> str:
+        """Way in which the heights become periodic: blend, mirror or none."""
+        return self.periodic or ("blend" if is_instrument(self.path) else "none")
 
 
 Surface = Annotated[Gaussian | Smooth | HeightFile | SelfAffine, Field(discriminator="kind")]

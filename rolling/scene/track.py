@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -187,8 +187,9 @@ MAX_NODES = 10**9  # maximum of nodes and steps along the track; more is an erro
 # surface: half a width at either end is as it would be on a longer track, and over a width the end
 # is faded into the beginning. A contact is narrower than the surface.
 MARGIN_WIDTHS = 2
-_SPEED, _PATH = ("rolling", "speed_m_s"), ("surface", "path")
+_SPEED = "rolling", "speed_m_s"
 _RESISTANCE = "rolling", "resistance"
+Read = TypeVar("Read")
 _DURATION, _DISTANCE = ("rolling", "duration_s"), ("rolling", "distance_mm")
 
 
@@ -371,44 +372,13 @@ def _fraction(step_nodes: float) -> Fraction:
     return Fraction(step_nodes).limit_denominator(16)
 
 
-def height_nodes(path: Path, name: str, width_nodes: int | None) -> tuple[int, int]:
-    """Read the nodes along and across of a height file; raise a fault where it has no heights.
-
-    Parameters
-    ----------
-    path : Path
-        File of heights.
-    name : str
-        The path as the scene has it.
-    width_nodes : int or None
-        Nodes across that the scene gives for a profile of one line; None: it gives none.
-    """
-    rows, columns = _nodes(path, name, _PATH)
-    if (columns == 1) != (width_nodes is not None):
-        words = f"only goes with a profile of one line, but {name} has {columns} lines side by side"
-        if columns == 1:
-            words = (
-                f"missing; {name} is a profile of one line, which is laid across the track over"
-                " that width"
-            )
-        raise fault(words, "surface", "width_um")
-    nodes = rows, columns if width_nodes is None else width_nodes
-    if not MIN_NODES <= min(nodes) <= max(nodes) < MAX_NODES:
-        raise fault(
-            f"{name}: got {nodes[0]} x {nodes[1]} nodes, allowed: at least {MIN_NODES} each way and"
-            f" less than {rounded(MAX_NODES)}",
-            *_PATH,
-        )
-    return nodes
-
-
 def refuse_turn(path: Path, name: str, track: Track) -> None:
     """Raise a fault for a height file that holds no turn of the sphere over the width.
 
     `name` is the path as the scene has it.
     """
     at = "sphere", "surface", "path"
-    rows, columns = _nodes(path, name, at)
+    rows, columns = readable(path, name, at, lambda: height_files.nodes(path))
     if rows != track.turn_nodes or columns not in (1, track.n_across):
         radius = rounded(rows * track.spacing * 1e3 / (2 * math.pi), 8)
         raise fault(
@@ -419,10 +389,13 @@ def refuse_turn(path: Path, name: str, track: Track) -> None:
         )
 
 
-def _nodes(path: Path, name: str, at: tuple[str, ...]) -> tuple[int, int]:
-    """Read the nodes along and across of a height file; raise a fault at a key without any."""
+def readable(path: Path, name: str, at: tuple[str, ...], read: Callable[[], Read]) -> Read:
+    """Return what `read` reads of a file; raise a fault at a key where it holds no heights.
+
+    `name` is the path as the scene has it.
+    """
     try:
-        return height_files.nodes(path)
+        return read()
     except height_files.HeightFormatError as error:
         missing = isinstance(error.__cause__, FileNotFoundError)
         place = f" (looked in {path.parent.absolute()})" if missing else ""

@@ -11,6 +11,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.scene.laws import AUTOCORRELATIONS as AUTOCORRELATIONS
+from rolling.surface.parameters import roughness
 
 
 class SurfaceError(ValueError):
@@ -159,18 +160,16 @@ def statistics(heights: Array, spacing: float) -> Statistics:
 
     The rms slope is the norm of the gradient over one spacing.
     """
-    z = heights - heights.mean()
-    rq = float(np.sqrt(np.mean(z**2)))
-    rough = rq > 0
-    slopes = [np.mean(((np.roll(z, -1, axis) - z) / spacing) ** 2) for axis in (0, 1)]
+    values = roughness(heights, spacing, wrap=True)
+    rough = values["Sq"] > 0
     return Statistics(
-        ra=float(np.abs(z).mean()),
-        rq=rq,
-        skewness=float(np.mean((z / rq) ** 3)) if rough else 0.0,
-        kurtosis=float(np.mean((z / rq) ** 4)) if rough else 0.0,
-        rms_slope=float(np.sqrt(sum(slopes))),
-        highest=float(z.max()),
-        lowest=float(z.min()),
+        ra=values["Sa"],
+        rq=values["Sq"],
+        skewness=values["Ssk"] if rough else 0.0,
+        kurtosis=values["Sku"] if rough else 0.0,
+        rms_slope=values["Sdq"],
+        highest=values["Sp"],
+        lowest=0.0 - values["Sv"],
     )
 
 

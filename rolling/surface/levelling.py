@@ -31,40 +31,52 @@ BEYOND_RANGE = 2.0
 BEYOND_USUAL = 2.0
 
 
-def read_heights(path: Path, unit: str = "m", n_across: int | None = None) -> Array:
-    """Read heights of a file in a unit of UNITS as metres about their mean, (along, across).
+def read_heights(path: Path, unit: str = "m") -> Array:
+    """Read heights of an array or of text in a unit of UNITS as metres about their mean.
 
-    A profile of one line is laid over so many nodes across. Raise SurfaceError where the file holds
-    no array of real numbers, where heights are not finite or above 1000 km, or Ra is above 1 mm.
+    Raise SurfaceError where the file holds no array of real numbers, and as `in_metres` does.
     """
     try:
-        with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused below
-            heights = numbers(path).astype(np.float64)
+        return in_metres(numbers(path), unit, str(path))
     except HeightFormatError as error:
         raise SurfaceError(error.of(path)) from error
+
+
+def in_metres(values: np.ndarray, unit: str, name: str, has_gaps: bool = False) -> Array:
+    """Return heights in a unit of UNITS as metres about their mean, NaN where not measured.
+
+    Raise SurfaceError, with the name of the heights, where some are no numbers and gaps are not
+    allowed, where they are above 1000 km, or Ra is above 1 mm.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused below
+        heights = values.astype(np.float64)
     if not heights.size:
-        raise SurfaceError(f"{path}: holds no heights")
-    bad = np.argwhere(~np.isfinite(heights))
-    if len(bad):
-        i, j = bad[0]
+        raise SurfaceError(f"{name}: holds no heights")
+    finite = np.isfinite(heights)
+    gaps = heights.size - np.count_nonzero(finite)
+    if gaps == heights.size or (gaps and not has_gaps):
+        i, j = np.argwhere(~finite)[0]
         raise SurfaceError(
-            f"{path}: {len(bad)} of {heights.size} heights are not numbers, the first at"
-            f" ({i}, {j}); fill them in first"
+            f"{name}: {gaps} of {heights.size} heights are not numbers, the first at ({i}, {j});"
+            " surface.unmeasured fill closes such gaps of the plate"
         )
-    largest = float(np.abs(heights).max())
+    if gaps:
+        heights[~finite] = np.nan
+    largest = float(np.nanmax(np.abs(heights)))
     if largest * UNITS[unit] > HIGHEST:
         raise SurfaceError(
-            f"{path}: got a height of {rounded(largest, 4)} {unit}, allowed: up to"
+            f"{name}: got a height of {rounded(largest, 4)} {unit}, allowed: up to"
             f" {rounded(HIGHEST / UNITS[unit])} {unit}"
         )
-    heights = (heights - heights.mean()) * UNITS[unit]
-    ra = np.abs(heights).mean()
+    mean = np.nanmean if gaps else np.mean
+    heights = (heights - mean(heights)) * UNITS[unit]
+    ra = float(mean(np.abs(heights)))
     if ra > LARGEST_RA:
         raise SurfaceError(
-            f"{path}: Ra would be {rounded(ra, 4)} m, more than {LARGEST_RA:g} m; set"
+            f"{name}: Ra would be {rounded(ra, 4)} m, more than {LARGEST_RA:g} m; set"
             f" surface.height_unit, {unit} here, to the unit of the file ({', '.join(UNITS)})"
         )
-    return heights if n_across is None else np.repeat(heights, n_across, axis=1)
+    return heights
 
 
 @dataclass(frozen=True)
@@ -86,6 +98,7 @@ class Levelling:
     ra_before: float  # [m]
     ra_after: float  # [m]
     seams: tuple[Seam, Seam]  # of the heights that are used
+    is_quadratic: bool = False  # whether a surface of second order was taken off with the plane
 
     @property
     def rises(self) -> tuple[float, float]:
@@ -105,27 +118,43 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
     spacing : float, m
         Node spacing.
     mode : str
-        "auto", "plane" or "none". "auto" takes off each direction by itself, where the seam stands
-        out and the plane lowers it.
+        "auto", "plane", "quadratic" or "none". "auto" takes off each direction by itself, where the
+        seam stands out and the plane lowers it. "quadratic" takes a surface of second order off.
     """
     seams = seam(heights, 0), seam(heights, 1)
     plane = slope(heights, spacing, 0), slope(heights, spacing, 1)
     tilted = [
-        mode == "plane" or (mode == "auto" and _helps(heights, spacing, k, seams[k], plane[k]))
+        mode != "none" and (mode != "auto" or _helps(heights, spacing, k, seams[k], plane[k]))
         for k in (0, 1)
     ]
     taken = plane[0] if tilted[0] else 0.0, plane[1] if tilted[1] else 0.0
     before = after = float(np.abs(heights).mean())
-    if any(taken):
+    if any(taken) or mode == "quadratic":
         along, across = (
             s * spacing * centred(n) for s, n in zip(taken, heights.shape, strict=True)
         )
         heights = heights - along[:, None]
         heights -= across
+        if mode == "quadratic":
+            heights -= _second_order(heights)
         after = float(np.abs(heights).mean())
         seams = seam(heights, 0), seam(heights, 1)
     lengths = heights.shape[0] * spacing, heights.shape[1] * spacing
-    return heights, Levelling(plane, taken, lengths, before, after, seams)
+    is_quadratic = mode == "quadratic"
+    return heights, Levelling(plane, taken, lengths, before, after, seams, is_quadratic)
+
+
+def _second_order(heights: Array) -> Array:
+    """Return the terms x^2, y^2 and x y of the least-squares surface of heights without a plane."""
+    lines = [centred(n) for n in heights.shape]
+    x, y = (line / max(float(np.linalg.norm(line)), 1.0) for line in lines)
+    terms = np.multiply.outer(x, y) * (x @ heights @ y)
+    for axis, line in enumerate(lines):
+        parabola = line**2 - np.mean(line**2)
+        if parabola.any():
+            share = _share_of(heights, parabola, axis) * parabola
+            terms += share[:, None] if axis == 0 else share
+    return np.asarray(terms)
 
 
 def seam(heights: Array, axis: int) -> Seam:

@@ -6,6 +6,7 @@ most runs of a sweep share it, and small ones before it, so that a sweep may alt
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -13,15 +14,17 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from rolling.scene.height_grid import height_grid
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import heights as surface
-from rolling.surface import levelling, made
+from rolling.surface import levelling, made, preparation
 from rolling.surface.ball import ball_heights, rolled_together
 from rolling.surface.faults import add_faults
 from rolling.surface.heights import Correlation, Statistics
 from rolling.surface.levelling import Levelling
+from rolling.surface.preparation import Effect
 from rolling.terminal import progress
 
 
@@ -34,6 +37,7 @@ class SceneSurface:
     heights: Array  # [m], shape (along, across)
     spacing: float  # [m]
     levelling: Levelling | None = None  # of heights from a file
+    preparation: Sequence[Effect] = ()  # of heights from a file, step by step
     part_ra: tuple[float, float] | None = None  # [m] of plate and sphere, where both have a surface
     made: dict[str, Any] = field(default_factory=dict)  # by key in the summary
 
@@ -120,18 +124,18 @@ def _making(scene: Scene) -> str:
 
 def _make(scene: Scene) -> SceneSurface:
     """Make the surface of plate and sphere of a scene."""
-    plate, plane = _plate(scene)
+    plate, plane, effects = _plate(scene)
     described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
     add_faults(plate, scene.surface.faults or (), scene.spacing)
     if scene.sphere.surface is None:
-        return SceneSurface(plate, scene.spacing, plane, made=described)
+        return SceneSurface(plate, scene.spacing, plane, effects, made=described)
     try:
         ball, of_ball = ball_heights(scene, scene.sphere.surface)
     except surface.SurfaceError as error:
         raise SceneError([f"sphere.surface: {error}"]) from error
     part_ra = _ra(plate), _ra(ball)
     total = rolled_together(plate, ball, scene.track, scene.start)
-    return SceneSurface(total, scene.spacing, plane, part_ra, described | of_ball)
+    return SceneSurface(total, scene.spacing, plane, effects, part_ra, described | of_ball)
 
 
 def _ra(heights: Array) -> float:
@@ -139,16 +143,16 @@ def _ra(heights: Array) -> float:
     return float(np.abs(heights - heights.mean()).mean())
 
 
-def _plate(scene: Scene) -> tuple[Array, Levelling | None]:
-    """Generate or read the heights of the plate [m], and level heights from a file."""
+def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
+    """Generate or read the heights of the plate [m], and prepare heights from a file."""
     s, track = scene.surface, scene.track
     if isinstance(s, HeightFile) and scene.height_path:
-        read = levelling.read_heights(scene.height_path, s.height_unit, s.n_across)
-        return levelling.level(read, scene.spacing, s.level)
+        read = preparation.read(scene.height_path, s)
+        return preparation.prepare(read, s, height_grid(scene.height_path, s))
     shape = track.n_along, track.n_across
     if s.law is not None:
-        return made.of_law(shape, scene.spacing, s.law, s.law.seed), None
-    return surface.smooth(shape), None
+        return made.of_law(shape, scene.spacing, s.law, s.law.seed), None, []
+    return surface.smooth(shape), None, []
 
 
 def has_detail(scene: Scene) -> bool:

@@ -51,7 +51,7 @@ def _part(text: str) -> tuple[int, int]:
     return number, count
 
 
-def _seconds(text: str) -> float:
+def _positive(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
@@ -75,7 +75,7 @@ _TYPES = {
     "count": partial(_whole, least=1),
     "power of two": _power_of_two,
     "part": _part,
-    "seconds": _seconds,
+    "positive": _positive,
     "speed": _speed,
 }
 

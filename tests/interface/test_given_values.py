@@ -58,6 +58,8 @@ CALLS: dict[str, Callable[[Any], object]] = {
         for count in [len(inspect.signature(formula).parameters)]
         for k in range(count)
     },
+    "surface_parameters.heights": lambda x: rc.surface_parameters(x, 1.0),
+    "surface_parameters.spacing_um": lambda x: rc.surface_parameters(GAP, x),
     "simulate": rc.simulate,
     "simulate_sweep": rc.simulate_sweep,
     "save_run": lambda x: rc.save_run(x, "nowhere"),

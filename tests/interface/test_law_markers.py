@@ -19,6 +19,7 @@ LAWS = {
     "Impact",
     "Left-end rule",
     "Mean rule",
+    "Memory",
     "Optimality",
     "Parseval",
     "Radiation",

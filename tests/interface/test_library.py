@@ -94,6 +94,14 @@ def test_a_scene_found_by_name_reads_heights_from_the_current_folder(tmp_path: P
     assert path is not None and path.resolve() == tmp_path / "heights.npy"
 
 
+def test_heights_of_the_library_come_with_their_scene(tmp_path: Path) -> None:
+    path = read_scene("measured-scan").height_path
+    assert path == ROOT / "scenarios" / "measured-scan.sdf"
+    written = library.copy("measured-scan", tmp_path)
+    assert [file.suffix for file in written] == [".yaml", ".sdf", ".json"]
+    assert read_scene(written[0]).height_path == tmp_path / "measured-scan.sdf"
+
+
 @pytest.mark.parametrize(
     ("path", "hint"),
     [

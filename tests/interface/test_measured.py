@@ -63,7 +63,7 @@ def test_check_says_what_was_taken_off_and_what_stays(tmp_path: Path) -> None:
     assert (
         "no period of a surface" in warning
         and "does not loop" in warning
-        and "blend its end" in warning
+        and "surface.periodic to blend" in warning
     )
     # The contact, 0.0402 mm wide by Hertz (a^3 = 3 W R / (4 E*) gives a = 20.1 um), crosses the
     # seam once on 0.4 mm at 0.1 m/s.
@@ -118,7 +118,7 @@ def test_none_says_that_a_plane_passes_for_roughness(tmp_path: Path) -> None:
     assert got["level"].value.startswith("nothing taken off, the plane has 2.")
     assert "a plane and a parabola make up 8" in str(
         got["form"].warning
-    ) and "surface.level plane" in str(got["form"].warning)
+    ) and "surface.level quadratic" in str(got["form"].warning)
     barrel = 1e-6 * np.linspace(-1, 1, 200)[:, None] ** 2 + gaussian(200, 80)
     assert found(tmp_path, barrel)["form"].warning is not None
 

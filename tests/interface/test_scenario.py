@@ -85,7 +85,7 @@ def test_every_scene_says_what_it_shows_and_has_a_track(path: Path, tmp_path: Pa
     assert first.startswith("# ")
     scene = read_scene(path)
     assert scene.name == path.stem
-    if scene.height_path:
+    if scene.height_path and not scene.height_path.exists():
         # The command in the file's head makes the heights; it is run as it stands.
         command = next(line for line in rest if "python -c" in line).removeprefix("#")
         subprocess.run([sys.executable, *shlex.split(command)[1:]], cwd=tmp_path, check=True)

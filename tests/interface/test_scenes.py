@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from scene_text import SCENES
 from acoustics import level, wav
 from rolling import cli, open_run, read_scene
 from rolling.run import folder as folders
+from rolling.scene import library
 from rolling.scene.surfaces import HeightFile
 
 pytestmark = pytest.mark.slow
@@ -42,7 +44,9 @@ def shortened(path: Path) -> list[str]:
 def test_scene_runs(path: Path, tmp_path: Path) -> None:
     scene, source, out = read_scene(path), tmp_path / path.name, tmp_path / "out"
     source.write_bytes(path.read_bytes())
-    if isinstance(scene.surface, HeightFile):
+    for heights in library.companions(path):
+        shutil.copy(heights, tmp_path)
+    if isinstance(scene.surface, HeightFile) and scene.surface.path.endswith(".npy"):
         np.save(tmp_path / scene.surface.path, rough(60, 128, 1e-7))
     assert cli.main(words_of(source, out, "--workers", "1", *shortened(source))) == 0
     for stored in folders.stored_runs(out):

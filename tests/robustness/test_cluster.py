@@ -16,6 +16,7 @@ from pathlib import Path
 import psutil
 import pytest
 from commands import PATIENCE, ROOT, SWEEP, contents, pieces, started, wait_for, words_of
+from memory_scenes import MEMORY
 from scene_text import TINY
 
 from rolling import cli
@@ -86,11 +87,12 @@ def run(scene: Path, out: Path, cluster: DaskProcesses, *more: str) -> int:
     return cli.main(words_of(scene, out, "--cluster", str(cluster.file), *more))
 
 
+@pytest.mark.parametrize("text", [SWEEP, MEMORY], ids=["sweep", "passes"])
 def test_a_killed_worker_or_process_of_one_changes_no_byte(
-    cluster: DaskProcesses, tmp_path: Path
+    cluster: DaskProcesses, tmp_path: Path, text: str
 ) -> None:
     scene, out, local = tmp_path / "scene.yaml", tmp_path / "out", tmp_path / "local"
-    scene.write_text(SWEEP)
+    scene.write_text(text)
     assert cli.main(words_of(scene, local, "--workers", "1")) == 0
     nanny = psutil.Process(cluster.processes["pair"].pid)
 

@@ -201,7 +201,7 @@ def test_text_without_numbers_and_text_that_is_too_large(
     (tmp_path / "h.txt").write_text(text_of(" "))
     monkeypatch.setattr(height_files, "MAX_LINE", 100)
     assert "h.txt:1: a line of more than 100 letters" in fault(tmp_path, "h.txt")
-    monkeypatch.setattr(height_files, "MAX_TEXT_BYTES", 100)
+    monkeypatch.setattr(height_files, "MAX_BYTES", 100)
     assert "is larger than 100 bytes of text; a .npy file may be larger" in fault(tmp_path, "h.txt")
 
 
@@ -220,11 +220,11 @@ def test_a_text_that_was_written_again_is_read_again(tmp_path: Path) -> None:
 # --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["h.sur", "h.plu", "h.mat", "h", "h.npy.bak"])
+@pytest.mark.parametrize("name", ["h.stl", "h.mat", "h", "h.npy.bak"])
 def test_other_formats_are_refused_with_what_can_be_read(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_bytes(npy(Z))
     message = fault(tmp_path, name)
-    assert "allowed: .npy, .npz, .csv or .txt; export the heights" in message
+    assert "allowed: .npy, .npz, .csv or .txt, of a plate .xyz" in message
     assert (f"the ending {Path(name).suffix}" if "." in name else "no ending") in message
 
 

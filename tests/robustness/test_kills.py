@@ -20,6 +20,7 @@ from commands import (
     wait_for,
     words_of,
 )
+from memory_scenes import MEMORY
 
 from rolling import cli
 from rolling.run import folder as folders
@@ -66,6 +67,25 @@ def test_a_killed_command_takes_its_workers_along_and_goes_on_with_its_pieces(
         assert again.items() <= kept.items()  # none of them was marched again
         assert command.wait(PATIENCE) == 0
     assert contents(out) == whole
+
+
+def test_a_run_killed_in_a_later_pass_goes_on_to_the_same_bytes(tmp_path: Path) -> None:
+    """Each pass has two pieces; the finished passes are read from their files."""
+    text = MEMORY.replace("passes: 2", "passes: 8")
+    whole, out, scene = undisturbed(tmp_path, text), tmp_path / "out", tmp_path / "scene.yaml"
+    scene.write_text(text)
+    with started(words_of(scene, out, "--workers", "2"), tmp_path) as command:
+        wait_for(lambda: len(pieces(out)) >= 3 or command.poll() is not None)
+        command.kill()
+        command.wait()
+    kept = {path: path.stat().st_mtime_ns for path in pieces(out)}
+    assert 3 <= len(kept) < 16
+    with started(words_of(scene, out, "--workers", "2"), tmp_path) as command:
+        wait_for(lambda: len(pieces(out)) > len(kept) or command.poll() is not None)
+        again = {path: path.stat().st_mtime_ns for path in kept if path.exists()}
+        assert again.items() <= kept.items()
+        assert command.wait(PATIENCE) == 0
+    assert contents(out) == whole and "passes.wav" in whole
 
 
 @pytest.mark.parametrize(

@@ -82,7 +82,7 @@ def pieces(out: Path) -> list[Path]:
 
 def contents(out: Path) -> dict[str, bytes]:
     """Return the results and sounds of a folder by path; they hold no times of the machine."""
-    names = ("result.h5", "signal.wav", "listen.wav")
+    names = ("result.h5", "signal.wav", "listen.wav", "passes.wav")
     return {
         str(path.relative_to(out)): path.read_bytes()
         for path in out.rglob("*.*")

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from finished import run_of
+from memory_scenes import MEMORY
 
 from rolling.marches import slow_motion
 from rolling.results import labels
@@ -111,6 +112,7 @@ RUNS: dict[str, Callable[[], list[Run]]] = {
     "filmed": lambda: [solved(scene_of(SCENE).with_(duration_s=0.006), film=True)],
     "flying": lambda: swept(FLYING, "rolling.speed_m_s", 0.1, 1, film=True),
     "seeds": _seeds,
+    "memory": lambda: [solved(scene_of(MEMORY))],
 }
 
 

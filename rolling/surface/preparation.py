@@ -1,0 +1,312 @@
+"""Preparation of measured heights in the terms and the order of ISO 25178-3.
+
+Outliers become points that were not measured, and these are filled. The S-filter takes short waves
+off, and the heights are resampled to square nodes. The F-operator takes the form off, the L-filter
+long waves. Last, the end of each side is led into its beginning, so that the surface is periodic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from scipy import fft
+
+from acoustics.arrays import Array
+from acoustics.numbers import rounded
+from rolling.scene.height_files import HeightFormatError
+from rolling.scene.height_grid import SAME, HeightGrid, is_other, is_turned
+from rolling.scene.instruments import is_instrument
+from rolling.scene.surfaces import HeightFile
+from rolling.surface import levelling, measured
+from rolling.surface.heights import SurfaceError
+from rolling.surface.levelling import Levelling
+from rolling.surface.parameters import roughness, without_plane
+
+NAMES = "Sa", "Sq", "Ssk", "Sku", "Sdq"  # of the roughness before and after a step
+ALPHA = float(np.sqrt(np.log(2) / np.pi))  # 0.4697, of the Gaussian filter of ISO 16610-61
+NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
+ROBUST = 1.4826  # standard deviation of Gaussian numbers over the median of their magnitudes
+REACH = 2.0  # of a Gaussian filter in units of ALPHA times its cut-off: exp(-4 pi) is 3e-6
+MOST_UNMEASURED = 0.5  # share of the nodes that may be filled
+_LEAST_CORRELATION = -0.5  # of blended sides; weights grow without bound towards -1
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Step of the preparation, and roughness of the measured points before and after it."""
+
+    step: str
+    text: str  # the step in words, with the roughness
+    before: dict[str, float]  # Sa, Sq [m], Ssk, Sku, Sdq [-]
+    after: dict[str, float]
+    warning: str | None = None
+
+
+def read(path: Path, surface: HeightFile) -> Array:
+    """Read the heights of the plate [m], (along, across), about their mean; gaps are NaN.
+
+    Raise SurfaceError for heights that cannot be used, or that have gaps that may not be filled.
+    """
+    has_unit, unit = is_instrument(path), surface.height_unit
+    try:
+        values = measured.read(path, surface.channel, unit if has_unit else "m").heights
+    except HeightFormatError as error:
+        raise SurfaceError(error.of(path)) from error
+    rows, columns = values.shape
+    values = values.T if is_turned((rows, columns), surface) else values
+    has_gaps = surface.unmeasured == "fill"
+    return levelling.in_metres(values, "m" if has_unit else unit, str(path), has_gaps)
+
+
+class Preparation:
+    """Heights [m] and their spacings [m] on the way to a period, with the steps that were taken."""
+
+    def __init__(self, heights: Array, steps: tuple[float, float], watched: bool) -> None:
+        self.heights, self.steps = heights, steps
+        self.effects: list[Effect] = []
+        self.roughness = values(heights, steps) if watched else None
+
+    def take(self, heights: Array, step: str, text: str, warning: str | None = None) -> None:
+        """Replace the heights by those after a step, and note its effect."""
+        self.heights, before = heights, self.roughness
+        if before is not None:
+            self.roughness = values(heights, self.steps)
+            words = f"{text}; {_words(before, self.roughness)}"
+            self.effects.append(Effect(step, words, before, self.roughness, warning))
+
+
+def prepare(
+    heights: Array, surface: HeightFile, grid: HeightGrid
+) -> tuple[Array, Levelling, list[Effect]]:
+    """Prepare heights [m] about their mean as the keys of the surface say.
+
+    Returns
+    -------
+    heights : array, m
+        One period, with the nodes of the grid.
+    levelling : Levelling
+        Plane of the heights, and the seam of the period.
+    effects : list of Effect
+        Steps that were taken.
+    """
+    is_period = surface.made_periodic == "none"
+    if surface.width_um is not None:
+        heights = np.repeat(heights, grid.resampled[1], axis=1)
+    keys = surface.outliers, surface.s_filter_um, surface.l_filter_um
+    named = any(keys) or surface.unmeasured == "fill" or surface.level == "quadratic"
+    watched = named or not is_period or is_other(grid.steps, grid.spacing)
+    work = Preparation(heights, grid.steps, watched)
+    _complete(work, surface, is_period)
+    if cutoff := surface.s_filter_um:
+        long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
+        work.take(long, "s_filter", f"shorter waves than {cutoff:g} um taken off")
+    if is_other(grid.steps, grid.spacing):
+        _resample(work, surface, grid)
+    mode = "plane" if surface.level == "auto" and not is_period else surface.level
+    heights, plane = levelling.level(work.heights, grid.spacing, mode)
+    if any(plane.taken) or plane.is_quadratic:
+        work.take(heights, "f_operator", "second order" if plane.is_quadratic else "plane")
+    if cutoff := surface.l_filter_um:
+        long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
+        work.take(work.heights - long, "l_filter", f"longer waves than {cutoff:g} um taken off")
+    if not is_period:
+        _close(work, surface, grid)
+    if work.effects:
+        plane = replace(
+            plane, seams=(levelling.seam(work.heights, 0), levelling.seam(work.heights, 1))
+        )
+    return np.ascontiguousarray(work.heights), plane, work.effects
+
+
+def _complete(work: Preparation, surface: HeightFile, is_period: bool) -> None:
+    """Take outliers out, and fill all points that were not measured."""
+    if threshold := surface.outliers:
+        heights, count = without_outliers(work.heights, threshold)
+        text = f"{count} of {heights.size} nodes, at a threshold of {threshold:g}"
+        work.take(heights, "outliers", text)
+    if count := int(np.count_nonzero(np.isnan(work.heights))):
+        text = f"{count} filled, {rounded(100 * count / work.heights.size)} % of the nodes"
+        work.take(filled(work.heights, is_period), "unmeasured", text)
+
+
+def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
+    """Resample to square nodes; warn where they are coarser and no filter goes before."""
+    sides, least = " x ".join(f"{1e6 * step:.4g}" for step in grid.steps), 2e6 * grid.spacing
+    warning = None
+    if grid.spacing > min(grid.steps) and (surface.s_filter_um or 0) < least * (1 - SAME):
+        warning = "waves below two nodes fold onto longer ones: choose a surface.s_filter_um of"
+        warning += f" at least {least:.4g}"
+    work.steps = grid.spacing, grid.spacing
+    text = f"from {sides} um to {1e6 * grid.spacing:.4g} um"
+    work.take(resampled(work.heights, grid), "resampling", text, warning)
+
+
+def _close(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
+    """Lead the end of each side into its beginning; a profile has no end across."""
+    heights = work.heights - work.heights.mean()
+    if surface.made_periodic == "blend":
+        heights, text = blended(heights, grid.overlap, grid.spacing)
+        work.take(heights, "periodic", text)
+        return
+    axes = (0,) if surface.width_um is not None else (0, 1)
+    warning = "the second half is the first backwards: it sounds palindromic"
+    work.take(mirrored(heights, axes), "periodic", "mirrored", warning)
+
+
+def values(heights: Array, steps: Sequence[float]) -> dict[str, float]:
+    """Return Sa, Sq [m], Ssk, Sku and Sdq of the measured points, without unknown ones."""
+    numbers = roughness(heights, steps)
+    return {name: numbers[name] for name in NAMES if not np.isnan(numbers[name])}
+
+
+def _words(before: dict[str, float], after: dict[str, float]) -> str:
+    """Write the roughness before and after a step, lengths in um."""
+    texts = []
+    for name in (name for name in before if name in after):
+        scale, unit = (1e6, " um") if name in ("Sa", "Sq") else (1.0, "")
+        first, last = (rounded(scale * numbers[name], 3) for numbers in (before, after))
+        texts.append(f"{name} {first} -> {last}{unit}")
+    return ", ".join(texts)
+
+
+# ---- points
+
+
+def without_outliers(heights: Array, threshold: float) -> tuple[Array, int]:
+    """Replace outliers by NaN: nodes unlike the median of their neighbours; return their count.
+
+    The threshold is in robust standard deviations of the heights about their plane.
+    """
+    from scipy import ndimage
+
+    gaps = np.isnan(heights)
+    z = heights
+    if gaps.any():  # the median takes the nearest measured node for a missing one
+        nearest = ndimage.distance_transform_edt(gaps, return_distances=False, return_indices=True)
+        z = heights[tuple(nearest)]
+    edge = NEIGHBOURS // 2  # beyond which slopes go on
+    wide = np.pad(z, edge, mode="reflect", reflect_type="odd")
+    median = ndimage.median_filter(wide, NEIGHBOURS)[edge:-edge, edge:-edge]
+    level = without_plane(z)
+    size = ROBUST * np.median(np.abs(level - np.median(level))) or np.std(level)
+    outliers = np.abs(heights - median) > threshold * size  # NaN is not above it
+    return np.where(outliers, np.nan, heights), int(np.count_nonzero(outliers))
+
+
+def filled(heights: Array, wraps: bool) -> Array:
+    """Fill the NaN of heights by the equation of Laplace, with measured nodes as its boundary.
+
+    At the edges of heights that do not wrap the normal slope is zero. Raise SurfaceError where more
+    than half of the nodes are missing.
+    """
+    from scipy import sparse
+    from scipy.sparse import linalg
+
+    gaps = np.isnan(heights)
+    count = int(np.count_nonzero(gaps))
+    if count > MOST_UNMEASURED * heights.size:
+        share = f"{rounded(100 * count / heights.size)} % of the nodes were not measured"
+        raise SurfaceError(f"{share}, allowed: up to {100 * MOST_UNMEASURED:.0f} %")
+    number = np.full(heights.shape, -1)
+    number[gaps] = np.arange(count)
+    degree, known = np.zeros(count), np.zeros(count)
+    rows, columns = [], []
+    for axis in (0, 1):
+        last = heights.shape[axis] - (0 if wraps else 1)
+        here = np.take(number, range(last), axis), np.take(heights, range(last), axis)
+        there = (np.take(a, range(1, last + 1), axis, mode="wrap") for a in (number, heights))
+        pair = here, tuple(there)
+        for (node, _), (neighbour, height) in (pair, pair[::-1]):
+            missing = node >= 0
+            node, neighbour, height = node[missing], neighbour[missing], height[missing]
+            degree += np.bincount(node, minlength=count)
+            inner = neighbour >= 0
+            known += np.bincount(node[~inner], height[~inner], minlength=count)
+            rows.append(node[inner])
+            columns.append(neighbour[inner])
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    laplace = sparse.diags_array(degree) - sparse.coo_array(
+        (np.ones(len(row)), (row, column)), shape=(count, count)
+    )
+    factors = linalg.splu(
+        laplace.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    result = heights.copy()
+    result[gaps] = factors.solve(known)
+    return result
+
+
+# ---- filters and nodes
+
+
+def smoothed(heights: Array, steps: Sequence[float], cutoff: float, wraps: bool) -> Array:
+    """Return the waves longer than a cut-off [m] that the areal Gaussian filter passes.
+
+    The filter halves the amplitude at the cut-off. Heights that do not wrap are filtered without
+    their plane, and the weights are scaled to a sum of 1 at the edges.
+    """
+    z = heights if wraps else without_plane(heights)
+    plane = heights - z
+    for axis, (n, step) in enumerate(zip(heights.shape, steps, strict=True)):
+        pad = 0 if wraps else int(REACH * ALPHA * cutoff / step) + 1
+        size = fft.next_fast_len(n + pad, real=True) if pad else n
+        gain = np.exp(-np.pi * (ALPHA * cutoff * fft.rfftfreq(size, step)) ** 2)
+        weight = fft.irfft(fft.rfft(np.ones(n), size) * gain, size)[:n]
+        if axis == 0:
+            gain, weight = gain[:, None], weight[:, None]
+        z = fft.irfft(fft.rfft(z, size, axis) * gain, size, axis).take(range(n), axis) / weight
+    return np.asarray(z + plane)
+
+
+def resampled(heights: Array, grid: HeightGrid) -> Array:
+    """Return heights at the square nodes of a grid, by cubic splines along each axis."""
+    from scipy import interpolate
+
+    for axis, (step, count) in enumerate(zip(grid.steps, grid.resampled, strict=True)):
+        own = np.arange(heights.shape[axis]) * step
+        places = np.minimum(np.arange(count) * grid.spacing, own[-1])
+        if len(own) != count or abs(step / grid.spacing - 1) > 1e-12:
+            heights = interpolate.make_interp_spline(own, heights, axis=axis)(places)
+    return np.asarray(heights)
+
+
+# ---- period
+
+
+def blended(heights: Array, overlap: Sequence[int], spacing: float) -> tuple[Array, str]:
+    """Blend the last nodes of each side of heights about zero into the first; say how it went.
+
+    The weights are cosine and sine over a quarter of a turn, scaled by the correlation r of both
+    parts, so that the variance c^2 + s^2 + 2 r c s stays.
+    """
+    words = []
+    for axis, count in enumerate(overlap):
+        if not count:
+            continue
+        z = np.moveaxis(heights, axis, 0)
+        first, last = z[:count], z[-count:]
+        size = np.sqrt(np.mean(first**2) * np.mean(last**2)) or 1.0
+        r = np.clip(np.mean(first * last) / size, _LEAST_CORRELATION, 1.0)
+        turn = np.pi / 2 * (np.arange(count) + 0.5) / count
+        c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
+        zone, rest = (c * last + s * first) / np.sqrt(1 + 2 * r * c * s), z[count:-count]
+        sizes = [f"{1e6 * np.sqrt(np.mean(part**2)):.3g}" for part in (zone, rest)]
+        joined = np.concatenate([zone, rest])
+        slopes = np.square(np.diff(joined, axis=0, append=joined[:1]) / spacing).mean(axis=1)
+        ends = np.append(slopes[:count], slopes[-1])
+        slope = [f"{np.sqrt(np.mean(part)):.3g}" for part in (ends, slopes[count:-1])]
+        words.append(
+            f"{count * spacing * 1e6:.4g} um blended {('along', 'across')[axis]} (Sq {sizes[0]} um"
+            f" there, {sizes[1]} um elsewhere; rms slope {slope[0]}, {slope[1]})"
+        )
+        heights = np.moveaxis(joined, 0, axis)
+    return heights, ", ".join(words)
+
+
+def mirrored(heights: Array, axes: Sequence[int]) -> Array:
+    """Continue heights backwards along some axes; the ends are not doubled."""
+    pads = [(0, n - 2 if axis in axes else 0) for axis, n in enumerate(heights.shape)]
+    return np.pad(heights, pads, mode="reflect")

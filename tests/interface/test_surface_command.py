@@ -1,0 +1,121 @@
+"""The command `surface`: what it prints and writes of files and scenes, and what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from rolling import cli, read_scene
+from rolling.surface import measured, scene_surface
+from rolling.surface.parameters import NAMES, parameters, without_plane
+
+SCENE = """\
+name: plate
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, \
+width_um: 200, seed: 3}
+rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.004}
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Work in a folder of its own with a scene and a tilted measurement with a gap."""
+    monkeypatch.chdir(tmp_path)
+    Path("plate.yaml").write_text(SCENE)
+    heights = 1e-7 * np.random.default_rng(1).standard_normal((40, 30))
+    heights += np.add.outer(1e-6 * np.arange(40), 3e-6 * np.arange(30))
+    heights[5, 6] = np.nan
+    measured.write(Path("scan.xyz"), heights, (1e-6, 2e-6))
+    return tmp_path
+
+
+def table(path: str) -> dict[str, float]:
+    """Return the values of a table of parameters."""
+    rows = pd.read_csv(path)
+    return dict(zip(rows["parameter"], rows["value"], strict=True))
+
+
+def test_the_parameters_of_a_file_are_printed_and_written(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """They are the numbers of the measured nodes less their plane, to the nine digits of a CSV."""
+    assert cli.main(["surface", "scan.xyz"]) == 0
+    said = capsys.readouterr().out
+    read = measured.read(Path("scan.xyz"))
+    direct = parameters(without_plane(read.heights), read.spacing_m or ())
+    written = table("outputs/scan.xyz-surface/surface.csv")
+    assert [*written] == [*NAMES]
+    for name, value in direct.items():
+        assert written[name] == pytest.approx(value, rel=1e-8, nan_ok=True)
+        assert f"\n{name} " in said
+    assert 0.9e-7 < direct["Sq"] < 1.1e-7  # the noise without the plane of 90 um
+    assert "40 x 30 nodes of 1.0 x 2.0 um, less its least-squares plane, 1 not measured" in said
+    assert Path("outputs/scan.xyz-surface/surface.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFixture[str]) -> None:
+    """A saved surface is the one that runs roll over, and as a file it has the same roughness."""
+    words = ["surface", "plate.yaml", "--set", "surface.seed=4", "--save", "saved.npy"]
+    assert cli.main([*words, "--out", "here", "-q"]) == 0
+    assert capsys.readouterr().out == "here\n"
+    scene = read_scene("plate.yaml", ["surface.seed=4"])
+    saved = np.load("saved.npy")
+    assert np.array_equal(saved, scene_surface.heights(scene))
+    assert table("here/surface.csv")["Sa"] == pytest.approx(1e-7, rel=1e-9)
+    assert cli.main(["surface", "saved.npy", "--spacing-um", "2", "--out", "again", "-q"]) == 0
+    first, again = table("here/surface.csv"), table("again/surface.csv")
+    for name in ("Sq", "Sdq", "Sk", "Sal"):
+        assert again[name] == pytest.approx(first[name], rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["nowhere.x3p"], "nowhere.x3p: no such file"),
+        (["nowhere"], "nowhere: no such file"),
+        (["scan.xyz", "--spacing-um", "1"], "the file holds its own spacing"),
+        (["scan.xyz", "--set", "surface.seed=1"], "--set: only goes with a scene"),
+        (["scan.xyz", "--save", "scan.xyz"], "scan.xyz: exists"),
+        (["scan.xyz", "--out", "plate.yaml"], "plate.yaml: exists"),
+        (["scan.xyz", "--save", "saved.doc"], "--save saved.doc: got the ending .doc"),
+        (["plate.yaml", "--spacing-um", "1"], "only go with a file"),
+        (["plate.yaml", "--set", "surface.sed=1"], "nearest: surface.seed"),
+        (["flat.npy"], "--spacing-um: missing"),
+        (["gaps.npy", "--spacing-um", "1"], "holds no heights"),
+        (["metres.npy", "--spacing-um", "1"], "--height-unit: Ra would be more than 0.001 m"),
+    ],
+)
+def test_bad_input_is_one_message_and_writes_nothing(
+    words: list[str], reason: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    np.save("flat.npy", np.zeros((9, 9)))
+    np.save("gaps.npy", np.full((9, 9), np.nan))
+    np.save("metres.npy", np.random.default_rng(1).standard_normal((9, 9)))
+    before = sorted(folder.rglob("*"))
+    assert cli.main(["surface", *words, "-q"]) == 2
+    message = capsys.readouterr().err
+    assert reason in message and message.count("\n") == 1
+    assert sorted(folder.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    "heights",
+    [
+        np.zeros((1, 1)),
+        np.full((9, 12), 0.1),
+        np.random.default_rng(1).standard_normal((200, 1)) * 1e-7,
+        np.where(np.arange(6000).reshape(60, 100) % 977 == 0, 1e-4, 0.0),
+        np.random.default_rng(1).standard_cauchy((30, 900)) * 1e-9,
+    ],
+    ids=["one node", "flat", "profile", "spikes", "heavy tails"],
+)
+@pytest.mark.filterwarnings("error")
+def test_any_surface_has_its_picture(heights: np.ndarray) -> None:
+    np.save("odd.npy", heights)
+    assert cli.main(["surface", "odd.npy", "--spacing-um", "1", "-q"]) == 0
+    assert len(pd.read_csv("outputs/odd.npy-surface/surface.csv")) == len(NAMES)

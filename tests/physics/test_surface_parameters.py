@@ -1,0 +1,128 @@
+"""Parameters of ISO 25178-2 against closed forms, and on surfaces that are hardly any."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.special import ndtri
+
+from acoustics.arrays import Array
+from rolling.surface import parameters as iso
+from rolling.surface.heights import gaussian
+
+STEP = 1e-6
+LENGTHS = {"Sa", "Sq", "Sp", "Sv", "Sz", "Sal", "Sk", "Spk", "Svk"}
+
+
+def random_lay(lay_deg: float, aspect: float, seed: int, nodes: int = 256) -> Array:
+    """Make periodic Gaussian heights of length 4 nodes across a lay, `aspect` times that along."""
+    along, across = np.meshgrid(np.fft.fftfreq(nodes), np.fft.fftfreq(nodes), indexing="ij")
+    turn = np.radians(lay_deg)
+    with_lay = along * np.cos(turn) + across * np.sin(turn)
+    normal = across * np.cos(turn) - along * np.sin(turn)
+    gain = np.exp(-((np.pi * 4) ** 2) * ((aspect * with_lay) ** 2 + normal**2) / 2)
+    noise = np.random.default_rng(seed).standard_normal((nodes, nodes))
+    return np.asarray(np.fft.ifft2(np.fft.fft2(noise) * gain).real)
+
+
+def test_material_ratio_of_gaussian_heights() -> None:
+    """Sk is 2.622 Sq, Spk and Svk 0.937 Sq, Smrk1 9.49 %, exact to the 1 / 40,000 of the nodes."""
+    heights = 3e-7 * ndtri((np.arange(40_000) + 0.5) / 40_000)
+    got = iso.material_parameters(np.random.default_rng(1).permutation(heights).reshape(200, 200))
+    assert got["Sk"] == pytest.approx(2.6220 * 3e-7, rel=1e-3)
+    assert (got["Spk"], got["Svk"]) == pytest.approx((0.9370 * 3e-7,) * 2, rel=1e-3)
+    assert (got["Smrk1"], 100 - got["Smrk2"]) == pytest.approx((9.493, 9.493), abs=0.01)
+
+
+@pytest.mark.parametrize(("law", "lengths"), [("gaussian", 1.2686), ("exponential", 1.6094)])
+@pytest.mark.parametrize("wrap", [True, False])
+def test_autocorrelation_length_of_a_law(law: str, lengths: float, wrap: bool) -> None:
+    """The law falls to 0.2 at L sqrt(ln 5) or L ln 5.
+
+    Over 160 lengths the decay of the exponential law scatters by 2.5 % in each direction, and the
+    shortest lies up to two deviations below the law: 6 % are allowed.
+    """
+    made = [gaussian((640, 640), STEP, 1e-7, (4e-6, 4e-6), law, seed) for seed in range(4)]
+    got = [iso.parameters(heights, STEP, wrap) for heights in made]
+    assert np.mean([values["Sal"] for values in got]) == pytest.approx(lengths * 4e-6, rel=0.06)
+    assert min(values["Str"] for values in got) > 0.85
+
+
+def test_gradient_of_a_law() -> None:
+    """Sdq is 2 Sq / L, and 1 / sqrt 2 of it in each direction; Sdr is Sdq^2 / 2 of small slopes."""
+    heights = gaussian((512, 512), STEP, 1e-8, (8e-6, 8e-6), "gaussian", 1)
+    got = iso.parameters(heights, STEP, wrap=True)
+    assert got["Sdq"] == pytest.approx(2 * got["Sq"] / 8e-6, rel=0.03)
+    assert got["Sdr"] == pytest.approx(50 * got["Sdq"] ** 2, rel=1e-3)
+    for square in iso._squared_slopes(heights, np.full(2, STEP), True):
+        assert np.sqrt(square.mean()) == pytest.approx(np.sqrt(2) * got["Sq"] / 8e-6, rel=0.03)
+
+
+@pytest.mark.parametrize("wrap", [True, False])
+@pytest.mark.parametrize("lay_deg", [-70.0, -45.0, 0.0, 12.0, 45.0, 90.0])
+def test_lay_and_aspect_of_an_anisotropic_surface(lay_deg: float, wrap: bool) -> None:
+    """Std finds the lay within 3 degrees, and Str the ratio of the lengths, 1 / 8, within 25 %."""
+    got = iso.parameters(random_lay(lay_deg, 8.0, seed=5), STEP, wrap)
+    assert abs((got["Std"] - lay_deg + 90) % 180 - 90) < 3
+    assert got["Str"] == pytest.approx(1 / 8, rel=0.25)
+
+
+def test_a_plane_facet_and_a_wave() -> None:
+    """A slope of 3/4 has Sdr 25 %; a wave of 40 um decays to 0.2 at acos(0.2) / (2 pi) of it.
+
+    The wave on spacings of 1 and 3 um has its crests along the track.
+    """
+    tilted = 0.75 * STEP * np.arange(20.0)[:, None] * np.ones(9)
+    got = iso.parameters(tilted, STEP)
+    assert (got["Sdq"], got["Sdr"]) == pytest.approx((0.75, 25.0))
+    wave = 1e-7 * np.cos(2 * np.pi * np.arange(120) / 40)[None, :] * np.ones((60, 1))
+    got = iso.parameters(wave, (3 * STEP, STEP), wrap=True)
+    assert got["Sal"] == pytest.approx(40e-6 * np.arccos(0.2) / (2 * np.pi), rel=2e-3)
+    assert (got["Std"], got["Sku"], got["Sz"]) == pytest.approx((0.0, 1.5, 2e-7))
+    assert got["Str"] <= got["Sal"] / 90e-6 * 1.01  # the wave never decays along its crests
+    for profile, wrap in ((wave[:1], True), (wave[:1].T, False)):  # three waves, or open ends
+        line = iso.parameters(profile, STEP, wrap)
+        assert line["Sal"] == pytest.approx(got["Sal"], rel=0.05)
+        assert line["Sdq"] == pytest.approx(got["Sdq"], rel=0.05)
+
+
+def test_scaling_and_flipping() -> None:
+    """Lengths scale with the whole surface; turned upside down, peaks and dales change places."""
+    heights = np.random.default_rng(2).gamma(2.0, size=(61, 44)) * 1e-7
+    got, large = (iso.parameters(k * heights, k * STEP) for k in (1, 1000))
+    flipped = iso.parameters(-heights, STEP)
+    for name in iso.NAMES:
+        factor = 1000 if name in LENGTHS else 1
+        assert large[name] == pytest.approx(factor * got[name], rel=1e-6), name
+    for name, other in (("Sp", "Sv"), ("Spk", "Svk")):
+        assert flipped[name] == pytest.approx(got[other], rel=1e-9)
+    assert flipped["Ssk"] == pytest.approx(-got["Ssk"])
+    assert flipped["Smrk1"] == pytest.approx(100 - got["Smrk2"])
+
+
+def test_unmeasured_nodes_do_not_count() -> None:
+    """With a tenth of the nodes missing all parameters but the extremes stay within 10 %."""
+    heights = gaussian((400, 300), STEP, 1e-7, (6e-6, 6e-6), "gaussian", 3)
+    whole = iso.parameters(heights, STEP)
+    heights[np.random.default_rng(4).random(heights.shape) < 0.1] = np.nan
+    gaps = iso.parameters(heights, STEP)
+    for name in ("Sa", "Sq", "Sku", "Sdq", "Sdr", "Sal", "Str", "Sk", "Spk", "Svk", "Smrk1"):
+        assert gaps[name] == pytest.approx(whole[name], rel=0.1), name
+
+
+@pytest.mark.parametrize("wrap", [True, False])
+@pytest.mark.parametrize(
+    "shape", [(1, 1), (1, 2), (2, 1), (2, 2), (3, 1), (1, 64), (64, 1), (5, 3)]
+)
+def test_tiny_surfaces(shape: tuple[int, int], wrap: bool) -> None:
+    """Every parameter is a number or NaN, never a warning; flat surfaces have no shape."""
+    undefined = {"Ssk", "Sku", "Sal", "Str", "Std"}
+    flat = iso.parameters(np.full(shape, 0.1), STEP, wrap)
+    assert {name for name, value in flat.items() if np.isnan(value)} == undefined
+    assert not any(flat[name] for name in flat.keys() - undefined - {"Smrk2"})
+    got = iso.parameters(np.random.default_rng(5).standard_normal(shape), STEP, wrap)
+    assert [*got] == [*iso.NAMES]
+    assert not np.isinf([*got.values()]).any()
+    assert 0 <= got["Smrk1"] <= got["Smrk2"] <= 100
+    assert got["Sz"] >= got["Sq"] >= got["Sa"]
+    assert min(shape) > 1 or np.isnan(got["Std"])
