@@ -6,8 +6,8 @@ Public names are imported when they are first used, so `import rolling` and `rol
 instant. The stub `__init__.pyi` lists them.
 
 Scenes
-    read_scene, Scene and its sections Sphere, Plate, Gaussian, Smooth, HeightFile, Rolling,
-    Numerics, Recovery, Dynamics, Sound; HeightArray; surfaces of the sphere GaussianBall,
+    read_scene, Scene and its sections Sphere, Plate, Gaussian, SelfAffine, Smooth, HeightFile,
+    Rolling, Numerics, Recovery, Dynamics, Sound; HeightArray; surfaces of the sphere GaussianBall,
     SmoothBall, GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError;
     surface_parameters
 Runs

@@ -29,6 +29,7 @@ from rolling.scene.sections import Rolling as Rolling
 from rolling.scene.sections import Sound as Sound
 from rolling.scene.surfaces import Gaussian as Gaussian
 from rolling.scene.surfaces import HeightFile as HeightFile
+from rolling.scene.surfaces import SelfAffine as SelfAffine
 from rolling.scene.surfaces import Smooth as Smooth
 from rolling.surface.height_array import HeightArray as HeightArray
 from rolling.surface.parameters import surface_parameters as surface_parameters

@@ -2,9 +2,9 @@
 
 findings
     `check_scene` judges all runs of a scene, `findings` a single run
-resolution, long_steps, height_files, validity, vibration
+resolution, long_steps, height_files, made_surfaces, validity, vibration
     findings by subject: spacing, steps and record; steps against the contact; heights from a file;
-    limits of the model; scenes with dynamics
+    made heights; limits of the model; scenes with dynamics
 probe
     solves a few positions
 cost

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
-from rolling.scene.balls import Roughness
 from rolling.scene.scene import Scene
-from rolling.surface import heights, refined
+from rolling.surface import refined
 from rolling.surface.scene_surface import scene_surface
 
 # A rough surface overlaps the sphere by this many rms roughnesses more than a smooth surface. The
@@ -36,6 +35,9 @@ SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to imp
 # Seconds per node and binary logarithm of the nodes: every worker makes a random surface and
 # prepares its edges or its 2 x 2 sub-cells; its statistics are taken once (1 to 20 million nodes).
 MAKING, EDGES, SUBCELL_HEIGHTS, STATISTICS = 5.5e-9, 2e-9, 9e-9, 5.5e-9
+# The same of heights with a skewness and kurtosis (0.3e-7 to 1e-7, and 2.5e-7 where no such heights
+# exist), and bytes per node while they are made.
+MOMENTS, MOMENTS_NODE = 1e-7, 84.0
 # Bytes of the program alone, beside workers, and in a worker; per node of a rough surface and of
 # the window, and more of both per sub-cell; per step and per sample of a record while its sound
 # is made, and as long as runs are compared; per time step of a motion; per recovery event.
@@ -67,21 +69,13 @@ def roughness(scene: Scene) -> tuple[float, float]:
     if scene.height_paths:
         statistics = scene_surface(scene).statistics
         return statistics.rq, statistics.rms_slope
-    parts = [_roughness(law, scene.spacing_um) for law in scene.laws]
+    parts = [(law.rq_m, law.rms_slope(scene.spacing_um)) for law in scene.laws]
     ball = scene.sphere.surface
     if ball is not None and ball.waviness:
         waves = ball.waviness.items()
         slopes = [k * a * 1e-6 / scene.radius / math.sqrt(2) for k, a in waves]
         parts.append((0.0, math.hypot(*slopes)))
     return math.hypot(*(rq for rq, _ in parts)), math.hypot(*(slope for _, slope in parts))
-
-
-def _roughness(law: Roughness, spacing_um: float) -> tuple[float, float]:
-    """Return rms roughness [m] and rms slope [-] of a law."""
-    decay, exponent = heights.AUTOCORRELATIONS[law.autocorrelation]
-    # The mean square of a difference over one spacing is 2 (rq^2 - C(spacing)).
-    drops = [-math.expm1(-decay * (spacing_um / length) ** exponent) for length in law.lengths_um]
-    return law.rq_m, law.rq_m * math.sqrt(2 * sum(drops)) / (spacing_um * 1e-6)
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:
@@ -185,8 +179,14 @@ def surface_seconds(scene: Scene) -> tuple[float, float]:
     nodes, edges = _surface_nodes(scene), 0.0
     if has_blended_edges(scene):
         edges = EDGES if (r := subcells(scene)) == 1 else SUBCELL_HEIGHTS * (r / 2) ** 2
+    making = MAKING + MOMENTS * _has_moments(scene)
     per_node = nodes * math.log2(nodes)
-    return per_node * (MAKING + edges), per_node * (MAKING + STATISTICS)
+    return per_node * (making + edges), per_node * (making + STATISTICS)
+
+
+def _has_moments(scene: Scene) -> bool:
+    """Tell whether random heights of plate or sphere are not Gaussian."""
+    return not all(law.is_gaussian for law in scene.laws)
 
 
 def _surface_nodes(scene: Scene) -> int:
@@ -212,7 +212,9 @@ def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
         nodes = _surface_nodes(scene)
         window = (WINDOW + WINDOW_SUBCELL * r**2) * side**2
         own = {
-            "surface": (NODE + NODE_SUBCELL * r**2) * nodes * (not scene.is_smooth)
+            "surface": (NODE + NODE_SUBCELL * r**2 + MOMENTS_NODE * _has_moments(scene))
+            * nodes
+            * (not scene.is_smooth)
             + 4 * _kept(scene),
             "window": window * (ESTIMATE if scene.numerics.error_estimate else 1.0),
             "record": _record(scene),

@@ -58,7 +58,7 @@ def grid_signal_db(scene: Scene) -> float | None:
     rq, slope = cost.roughness(scene)
     if not slope > 0:
         return None
-    flat = any(law.autocorrelation.startswith("exponential") for law in scene.laws)
+    flat = any(law.goes_on for law in scene.laws)
     # A rough elastic contact carries E* slope / sqrt(2 pi) on its loaded area, a smooth one Hertz's
     # mean pressure, and no area more than the hardness.
     rough = scene.contact_modulus * slope / math.sqrt(2 * math.pi)

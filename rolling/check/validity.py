@@ -73,7 +73,7 @@ def _bouncing(scene: Scene) -> Finding:
     steel = f"as if of steel, {STEEL_DENSITY:g} kg/m3 (sphere.density_kg_m3)"
     ball = steel if density is None else f"of {density:g} kg/m3"
     if scene.laws:
-        correlation = min(law.lengths_m[0] for law in scene.laws)
+        correlation = 1e-6 * min(law.lengths_um[0] for law in scene.laws)
     wave = speed / frequency / (of_scene.hertz_radius(scene) + correlation)
     part = sentence(
         "resonance", "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"

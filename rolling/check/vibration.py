@@ -21,10 +21,10 @@ from rolling.check import cost
 from rolling.check.finding import Finding, computing, judged, si
 from rolling.check.resolution import HEARING
 from rolling.dynamics import of_scene
-from rolling.scene.balls import Roughness
+from rolling.scene.laws import HeightLaw
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
-from rolling.surface import heights
+from rolling.surface import made
 
 PEAKS = 4.0  # standard deviations of Gaussian noise that some 10^4 periods exceed once
 THICK = 0.1  # contact radius over thickness up to which the contact sees a half-space
@@ -106,23 +106,17 @@ def force_rms(scene: Scene) -> float | None:
     return float(np.sqrt(np.trapezoid(power(fine), fine)))
 
 
-def _mean_heights(scene: Scene, law: Roughness, along: Array) -> Array:
+def _mean_heights(scene: Scene, law: HeightLaw, along: Array) -> Array:
     """Return the two-sided spectral density [m3] of the heights that the contact averages."""
-    rq, whole = law.rq_m, cost.roughness(scene)[0]
-    decay, exponent = heights.AUTOCORRELATIONS[law.autocorrelation]
-    first, second = (length * decay ** (-1 / exponent) for length in law.lengths_m)
     widest = math.pi / scene.spacing
     across = np.concatenate(([0.0], np.geomspace(1e-4 * widest, widest, _ACROSS)))
-    scaled = np.square(along[:, None] * first) + np.square(across * second)
-    if exponent == 2:
-        plane = rq**2 * first * second * np.exp(-scaled / 4) / (4 * math.pi)
-    else:
-        plane = rq**2 * first * second / (2 * math.pi * (1 + scaled) ** 1.5)
     # The highest asperities carry where smooth surfaces would be an rms height apart.
+    whole = cost.roughness(scene)[0]
     radius = math.sqrt(of_scene.hertz_radius(scene) ** 2 + scene.radius * whole)
     q = radius * np.hypot(along[:, None], across)
     pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3
-    density: Array = 2 * np.trapezoid(plane * pressure**2, across, axis=1)
+    sides = [made.plane_density(law, along[:, None], side) for side in (across, -across)]
+    density: Array = np.trapezoid((sides[0] + sides[1]) * pressure**2, across, axis=1)
     return density
 
 
@@ -132,7 +126,8 @@ def _waves(scene: Scene) -> Finding:
     Shorter waves belong to the grid more than to the surface.
     """
     speed, frequency = scene.motion.fastest(scene.duration), cost.bounce_hz(scene)
-    wave, length = speed / frequency, min((law.lengths_m[0] for law in scene.laws), default=0.0)
+    wave = speed / frequency
+    length = 1e-6 * min((law.lengths_um[0] for law in scene.laws), default=0.0)
     numbers = {"speed": speed, "length": length, "least": length * frequency}
     return judged("resonance_wave", si(wave, "m"), wave < length, **numbers)
 

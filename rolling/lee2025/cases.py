@@ -31,6 +31,7 @@ STATED_SPHERE = (5.0, None)  # radius [mm] and modulus [GPa] of the article's ri
 TWIN_KEYS = [
     *("roughness_um", "load_n", "seed", "correlation_um", "autocorrelation", "width_um"),
     *("spacing_um", "step_um", "duration_s", "radius_mm", "contact_modulus_gpa"),
+    *("skewness", "kurtosis"),
 ]
 ENDS_N = (5.0, 100.0)  # loads of the maps
 PATCH_M = 512e-6  # side of the surfaces of the article's Fig. 1
@@ -62,6 +63,7 @@ def case_of(reading: str, run: Run) -> dict[str, Any]:
         "seed": surface.seed,
         "correlation_um": surface.correlation_length_um,
         "autocorrelation": surface.autocorrelation,
+        **dict(zip(("skewness", "kurtosis"), surface.moments, strict=True)),
         "width_um": surface.width_um,
         "spacing_um": surface.spacing_um,
         "step_um": scene.step * 1e6,

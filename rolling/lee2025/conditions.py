@@ -18,8 +18,9 @@ from acoustics.bands import BAND_NAMES, MID_HZ, band_uncertainty_db, reliable
 from acoustics.numbers import rounded
 from rolling.lee2025.cases import band_columns
 
-ROUGHNESS, LOAD, LENGTH = "roughness_um", "load_n", "correlation_um"
-FORMS = {ROUGHNESS: "Ra {:g} µm", LOAD: "{:g} N", LENGTH: "{:g} µm"}
+ROUGHNESS, LOAD, LENGTH, SKEWNESS = "roughness_um", "load_n", "correlation_um", "skewness"
+FORMS = {ROUGHNESS: "Ra {:g} µm", LOAD: "{:g} N", LENGTH: "{:g} µm", SKEWNESS: "skewness {:g}"}
+OUTLOOK = {LENGTH: "correlation_length", SKEWNESS: "skewness"}  # columns and their figures
 HOLDS, IN_PART, FAILS, NOT_RUN = "holds", "in part", "does not hold", "not run"
 
 LG_LENGTH_DB = 5.0  # fall of a line of noise in a record ten times as long (10 lg of an amplitude)
@@ -59,6 +60,11 @@ def verdict(comparisons: Sequence[Comparison]) -> str:
         return HOLDS
     partly = any(comparison.holds or comparison.near for comparison in comparisons)
     return IN_PART if partly else FAILS
+
+
+def swept(cases: pd.DataFrame) -> str | None:
+    """Return the column of the article's outlook that cases sweep."""
+    return next((column for column in OUTLOOK if cases[column].nunique() > 1), None)
 
 
 def label(column: str, value: float) -> str:

@@ -14,7 +14,7 @@ from acoustics.plot_style import look_of
 from acoustics.plots import Lines, level_limits, spectrum
 from rolling.check.validity import MAX_SLOPE
 from rolling.lee2025.cases import CELLS, Maps
-from rolling.lee2025.conditions import LENGTH, LOAD, ROUGHNESS, label
+from rolling.lee2025.conditions import LOAD, OUTLOOK, ROUGHNESS, label, swept
 
 MAP_FIGURES = (
     ("height [µm]", "fig1_surfaces", "cividis"),
@@ -34,10 +34,10 @@ def gallery(
     maxima = "maximum_10_db", "maximum_20_db"
     maximum_limits = [level_limits(everything[column]) for column in maxima]
     for reading, cases in readings.items():
-        if cases[LENGTH].nunique() > 1:
+        if column := swept(cases):
             figure, (ax,) = _blank(reading, 1)
-            spectra(ax, cases, LENGTH, curve_limits)
-            yield reading, "correlation_length", figure
+            spectra(ax, cases[cases[LOAD] == cases[LOAD].min()], column, curve_limits)
+            yield reading, OUTLOOK[column], figure
             continue
         for quantity, name, colours in MAP_FIGURES:
             if sheets := _map_figure(reading, maps, quantity, colours):

@@ -25,7 +25,7 @@ from rolling.terminal import defaults, progress
 from rolling.terminal.files import PARTIAL, FolderError, make_below, write_bytes
 
 STUDY = "lee2025"
-LENGTHS = "correlation-length"  # sweep of the article's outlook
+SWEEPS = ("correlation-length", "skewness")  # of the article's outlook
 TABLES = "tables.md"
 FIGURES = "figures"
 OWN_FILES = {TABLES, FIGURES, "cases.csv", "statements.csv"}
@@ -38,8 +38,8 @@ def reproduce(
 
     Parameters
     ----------
-    chosen : sequence of str. Readings by name. Default: all, or with `quick` all readings of a
-        single correlation length.
+    chosen : sequence of str. Readings by name. Default: all, or with `quick` all but the sweeps of
+        the outlook.
     out : Path or None. Folder of the study. Default: None, for a folder below outputs/.
     quick : bool. If true, solve one surface and three loads on a short track. Default: False.
     workers : int. Number of processes. Default: 0, for one per core.
@@ -52,7 +52,7 @@ def reproduce(
     folder = out or Path("outputs") / (f"{STUDY}-quick" if quick else STUDY)
     scene_files = _scene_files(chosen)
     if quick and not chosen:  # its fine surfaces would add a third to the time
-        scene_files = [(name, file) for name, file in scene_files if name != LENGTHS]
+        scene_files = [(name, file) for name, file in scene_files if name not in SWEEPS]
     _refuse_foreign(folder)
     cases = [folder / reading / file.stem for reading, file in scene_files]
     if len(programs := {folders.made_by(case) for case in cases}) > 1:

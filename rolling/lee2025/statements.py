@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from rolling.lee2025 import conditions
-from rolling.lee2025.conditions import LENGTH, NOT_RUN, ROUGHNESS
+from rolling.lee2025.conditions import NOT_RUN, OUTLOOK, ROUGHNESS
 
 Statement = dict[str, Any]  # a table of statements.toml, whose head explains its keys
 
@@ -21,14 +21,14 @@ WORDS = ["key", "source", "sentence", "criterion"]
 COLUMNS = ["key", "source", "statement", "criterion", "reading", "scale", "verdict", "measured"]
 
 
-def concerns_lengths(statement: Statement) -> bool:
-    """Return whether a statement concerns the sweep of the correlation length."""
-    return LENGTH in statement["condition"].values()
+def outlook(statement: Statement) -> str | None:
+    """Return the column of the article's outlook that a statement concerns."""
+    return next((name for name in OUTLOOK if name in statement["condition"].values()), None)
 
 
 def judge(statement: Statement, cases: pd.DataFrame, scale: int) -> tuple[str, str]:
     """Return the verdict of a reading's cases on a statement, and the measured numbers."""
-    if (cases[LENGTH].nunique() > 1) != concerns_lengths(statement):
+    if conditions.swept(cases) != outlook(statement):
         return NOT_RUN, ""
     if "roughnesses_um" in statement:
         cases = cases[cases[ROUGHNESS].isin(statement["roughnesses_um"])]

@@ -14,7 +14,6 @@ from rolling.scene.balls import (
     BallHeightFile,
     BallSurface,
     GradedBall,
-    Roughness,
     RoundSurface,
 )
 from rolling.scene.scene import Scene
@@ -157,18 +156,6 @@ def _kind_words(surface: Surface | BallSurface) -> str:
         return f"heights of {printable(surface.path)}{profile * laid}"
     if isinstance(surface, GradedBall):
         deviation = f"{GRADES[surface.grade].deviation_um:g} µm from spherical form"
-        return f"of grade {surface.grade}, {deviation}, {_law_words(surface.law)}"
-    return "smooth" if surface.law is None else _law_words(surface.law)
-
-
-def _law_words(law: Roughness) -> str:
-    """Describe random heights."""
-    across, length = law.correlation_length_across_um, f"{law.correlation_length_um:g} µm"
-    if across:
-        length += f" along, {across:g} µm across"
-    name = law.autocorrelation.replace("_", " ")
-    finish = _of(getattr(law, "finish", None))
-    return (
-        f"{finish}random, Ra {law.roughness_ra_um:g} µm, correlation length {length} ({name}),"
-        f" seed {law.seed}"
-    )
+        return f"of grade {surface.grade}, {deviation}, {surface.law.words}"
+    finish = _of(getattr(surface, "finish", None))
+    return "smooth" if surface.law is None else f"{finish}{surface.law.words}"

@@ -120,7 +120,7 @@ def _reason(run: Run) -> str:
         return f"{text}. {_shaken(run)}"
     if not scene.laws:
         return f"{text}."
-    length = max(scene.laws, key=lambda law: law.rq_m).lengths_m[0]  # of the rougher surface
+    length = 1e-6 * max(scene.laws, key=lambda law: law.rq_m).lengths_um[0]  # of the rougher
     frequency, _, power = weighted_lines(run.sound)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())

@@ -91,6 +91,7 @@ def summarize(
         "seconds": float(times.sum()),
         "surface": asdict(surface.statistics),
         "levelling": _levelling(surface.levelling) if surface.levelling else None,
+        **surface.made,
         **({"preparation": [*map(asdict, surface.preparation)]} if surface.preparation else {}),
         **_turns(scene, surface, sound),
         "wavelength_octaves": [

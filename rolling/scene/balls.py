@@ -13,14 +13,13 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from acoustics.numbers import rounded
-from rolling.scene.faults import SurfaceFault
+from rolling.scene.faults import SurfaceFault, SurfaceKind
+from rolling.scene.laws import Roughness
 from rolling.scene.messages import fault, is_number, plain_number, shown
-from rolling.scene.sections import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
-WAVE_NODES = 4  # minimum number of nodes of a wave of the circumference
+WAVE_NODES = 4  # minimum number of nodes of a wave
 LARGEST_UM = 1e3  # [um] amplitude of an order
-Autocorrelation = Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"]
 
 
 class Grade(NamedTuple):
@@ -51,58 +50,9 @@ def _grade(value: Any) -> Any:
     if isinstance(value, str) and value in GRADES:
         return value
     words = f"got {shown(value)}, allowed: {', '.join(GRADES)}"
-    digits = re.sub(r"[^0-9]", "", str(value))[:9]
-    if digits:
-        closest = min(GRADES, key=lambda name: abs(int(name[1:]) - int(digits)))
-        words = f"{words}; nearest: {closest}"
+    if digits := re.sub(r"[^0-9]", "", str(value))[:9]:
+        words += f"; nearest: {min(GRADES, key=lambda name: abs(int(name[1:]) - int(digits)))}"
     raise fault(words)
-
-
-class Roughness(Section):
-    """Random heights by their law.
-
-    Attributes
-    ----------
-    autocorrelation : str
-        Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct
-        exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)
-    roughness_ra_um : float
-        Arithmetic mean roughness Ra [um]
-    correlation_length_um : float
-        Correlation length [um], along the track
-    correlation_length_across_um : float, optional
-        Correlation length across the track [um]; absent: the same as along
-    seed : int
-        Seed of the random heights
-    """
-
-    autocorrelation: Autocorrelation = "gaussian"
-    roughness_ra_um: float = Field(gt=0, le=1000)
-    correlation_length_um: float = Field(gt=0)
-    correlation_length_across_um: float | None = Field(default=None, gt=0)
-    seed: int = Field(ge=0)
-
-    @property
-    def law(self) -> Roughness | None:
-        """Law of the random heights."""
-        return self
-
-    @property
-    def lengths_um(self) -> tuple[float, float]:
-        """Correlation lengths along and across the track [um]."""
-        along = self.correlation_length_um
-        return along, self.correlation_length_across_um or along
-
-    @property
-    def lengths_m(self) -> tuple[float, float]:
-        """Correlation lengths along and across the track [m]."""
-        along, across = self.lengths_um
-        return along * 1e-6, across * 1e-6
-
-    @property
-    def rq_m(self) -> float:
-        """Root-mean-square height [m], of Gaussian heights."""
-        return self.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
 
 
 def _orders(value: Any) -> Any:
@@ -124,51 +74,40 @@ def _orders(value: Any) -> Any:
     return orders
 
 
-_AMPLITUDES = {
-    "type": "object",
-    "minProperties": 1,
-    "patternProperties": {r"^[0-9]+$": {"type": "number", "exclusiveMinimum": 0}},
-    "additionalProperties": False,
+_AMPLITUDE = {"type": "number", "exclusiveMinimum": 0}
+_AMPLITUDES = {"type": "object", "minProperties": 1, "additionalProperties": False} | {
+    "patternProperties": {r"^[0-9]+$": _AMPLITUDE}
 }
 Waviness = Annotated[dict[int, float], BeforeValidator(_orders), WithJsonSchema(_AMPLITUDES)]
 
 
-class RoundSurface(Section):
+class RoundSurface(SurfaceKind):
     """Surface of a sphere of any kind.
 
     Attributes
     ----------
     waviness : dict, optional
         Amplitudes [um] of waves around the circumference by their order, with a crest at its start
-    faults : list of SurfaceFault, optional
-        Single faults of the surface
     """
 
     SECTION: ClassVar[str] = "sphere.surface"
-    IN_FILES: ClassVar[str] = "kind"
 
-    kind: str
     waviness: Waviness | None = None
     faults: list[SurfaceFault] | None = None
 
     @property
-    def law(self) -> Roughness | None:
-        """Law of the random heights, None without random heights."""
-        return None
-
-    @property
     def has_form(self) -> bool:
-        """Whether the surface has waves around the circumference."""
-        return self.waviness is not None
+        """Whether the surface has waves around the circumference, of waviness or grade."""
+        return self.waviness is not None or self.kind == "graded"
 
 
 class GaussianBall(Roughness, RoundSurface):
-    """Random surface of a sphere with Gaussian heights.
+    """Random surface of a sphere by its autocorrelation.
 
     Attributes
     ----------
     kind : "gaussian"
-        A random surface with Gaussian heights
+        A random surface by its autocorrelation
     """
 
     kind: Literal["gaussian"] = "gaussian"
@@ -223,11 +162,6 @@ class GradedBall(RoundSurface):
             seed=self.seed,
         )
 
-    @property
-    def has_form(self) -> bool:
-        """Whether the surface has waves around the circumference."""
-        return True
-
 
 class BallHeightFile(RoundSurface):
     """Surface of a sphere read from a file, which holds one turn of it.
@@ -265,13 +199,11 @@ def refuse_ball(surface: BallSurface, radius_mm: float, spacing_um: float) -> No
     circumference = 2e3 * math.pi * radius_mm
     if not MIN_NODES <= circumference / spacing_um < MAX_NODES:
         words = f"{MIN_NODES} to {rounded(MAX_NODES)} nodes of {spacing_um:g} um around the sphere"
-        got = f"got a circumference of {rounded(circumference, 4)} um"
-        raise fault(f"{got}, allowed: {words}", *at)
+        raise fault(f"got a circumference of {rounded(circumference, 4)} um, allowed: {words}", *at)
     most = turn_nodes(radius_mm, spacing_um) // WAVE_NODES
     if (highest := max(surface.waviness or {0: 0})) > most:
         words = f"up to {most}, waves of at least {WAVE_NODES} nodes"
         raise fault(f"got the order {highest}, allowed: {words}", *at, "waviness")
     if isinstance(surface, BallHeightFile) and surface.spacing_um != spacing_um:
-        words = f"{plain_number(spacing_um)}, the spacing of the plate's surface"
-        got = plain_number(surface.spacing_um)
-        raise fault(f"got {got}, allowed: {words}", *at, "spacing_um")
+        words = f"got {plain_number(surface.spacing_um)}, allowed: {plain_number(spacing_um)},"
+        raise fault(f"{words} the spacing of the plate's surface", *at, "spacing_um")

@@ -9,13 +9,13 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
+from rolling.scene.laws import HeightLaw
 from rolling.scene.messages import Key, fault, plain_number
 from rolling.scene.sections import Section
 
 MOST_FAULTS = 10_000  # of a count
 # Maximum slope of a kind times its size over its depth.
 _STEEPEST = {"pit": 4.0, "dent": 2.8, "step": math.pi / 2}
-_ACROSS = ("groove", "step")  # kinds that cross the whole surface
 
 
 class SurfaceFault(Section):
@@ -70,12 +70,31 @@ class SurfaceFault(Section):
     @property
     def crosses(self) -> bool:
         """Whether the fault crosses the whole surface."""
-        return self.kind in _ACROSS
+        return self.kind in ("groove", "step")
 
     @property
     def steepest(self) -> float:
         """Maximum slope [-]."""
         return _STEEPEST.get(self.kind, math.pi) * self.depth_um / self.size_um
+
+
+class SurfaceKind(Section):
+    """Surface of plate or sphere, of any kind.
+
+    Attributes
+    ----------
+    faults : list of SurfaceFault, optional
+        Single faults, added to the other heights of the surface
+    """
+
+    IN_FILES: ClassVar[str] = "kind"
+
+    kind: str
+
+    @property
+    def law(self) -> HeightLaw | None:
+        """Law of the random heights, None without random heights."""
+        return None
 
 
 def refuse_misplaced(
@@ -90,12 +109,12 @@ def refuse_misplaced(
         if not listed.crosses:
             longest = min(length_um, width_um)
         if listed.size_um < spacing_um:
-            words = f"at least a node of {spacing_um:g} um"
-            raise fault(_got(listed.size_um, words), *at, number, "size_um")
+            words = f"got {plain_number(listed.size_um)}, allowed: at least a node of"
+            raise fault(f"{words} {spacing_um:g} um", *at, number, "size_um")
         if size > longest:
             name = "size_um" if size == listed.size_um else "length_um"
-            words = f"at most {rounded(longest, 6)}, the size of the surface in um"
-            raise fault(_got(size, words), *at, number, name)
+            words = f"got {plain_number(size)}, allowed: at most {rounded(longest, 6)}"
+            raise fault(f"{words}, the size of the surface in um", *at, number, name)
         x, y = listed.at_mm or (0.0, 0.0)
         if not 0 <= x * 1e3 < length_um or abs(y) * 2e3 > width_um:
             words = (
@@ -104,7 +123,3 @@ def refuse_misplaced(
             )
             got = f"got [{plain_number(x)}, {plain_number(y)}], which is beyond the surface"
             raise fault(f"{got}, allowed: {words}", *at, number, "at_mm")
-
-
-def _got(value: float, words: str) -> str:
-    return f"got {plain_number(value)}, allowed: {words}"

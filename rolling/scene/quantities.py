@@ -13,10 +13,11 @@ from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
 from rolling.scene import named
-from rolling.scene.balls import BallHeightFile, Roughness, turn_nodes
+from rolling.scene.balls import BallHeightFile, turn_nodes
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.faults import SurfaceFault, refuse_misplaced
 from rolling.scene.height_grid import height_grid
+from rolling.scene.laws import HeightLaw
 from rolling.scene.messages import Key, SceneError, dotted, fault, shown
 from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Section, Sound
 from rolling.scene.surfaces import HeightFile, Surface
@@ -102,10 +103,9 @@ class SceneQuantities(Section):
         }
 
     @property
-    def laws(self) -> tuple[Roughness, ...]:
+    def laws(self) -> tuple[HeightLaw, ...]:
         """Laws of the random heights of plate and sphere, none beside heights from a file."""
-        parts = self.surface, self.sphere.surface
-        laws = (part.law for part in parts if not isinstance(part, HeightFile | None))
+        laws = [part.law for part in (self.surface, self.sphere.surface) if part is not None]
         return () if self.height_paths else tuple(law for law in laws if law is not None)
 
     @property

@@ -9,23 +9,29 @@ from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene import named
-from rolling.scene.balls import Roughness
-from rolling.scene.faults import SurfaceFault
+from rolling.scene.balls import WAVE_NODES
+from rolling.scene.faults import SurfaceFault, SurfaceKind
 from rolling.scene.instruments import TRIPLES, is_instrument
+from rolling.scene.laws import Roughness, SelfAffineLaw
 from rolling.scene.messages import fault, plain_number, shown
-from rolling.scene.sections import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 _CHANNEL, _S_FILTER = ("surface", "channel"), ("surface", "s_filter_um")
 
 
-class MadeSurface(Section):
-    """Surface of a given width that the program generates."""
+class MadeSurface(SurfaceKind):
+    """Surface of a given width that the program generates.
+
+    Attributes
+    ----------
+    spacing_um : float
+        Node spacing [um], along and across
+    width_um : float
+        Width across the track [um], a whole number of nodes, at least 8
+    """
 
     SECTION: ClassVar[str] = "surface"
-    IN_FILES: ClassVar[str] = "kind"
 
-    kind: str
     spacing_um: float = Field(gt=0)
     width_um: float = Field(gt=0)
 
@@ -38,11 +44,6 @@ class MadeSurface(Section):
     def n_across(self) -> int:
         """Nodes across the track."""
         return round(self.width_um / self.spacing_um)
-
-    @property
-    def law(self) -> Roughness | None:
-        """Law of the random heights, None without random heights."""
-        return None
 
 
 def refuse_width(width_um: float, spacing_um: float) -> None:
@@ -68,31 +69,14 @@ Finish = Annotated[
 
 
 class Gaussian(Roughness, MadeSurface):
-    """Random periodic surface with Gaussian heights.
+    """Random periodic surface by its autocorrelation, with Gaussian or other heights.
 
     Attributes
     ----------
     kind : "gaussian"
-        A random surface with Gaussian heights
+        A random surface by its autocorrelation
     finish : str, optional
         Name of a finish, which gives Ra, correlation lengths and law; values beside it win
-    spacing_um : float
-        Node spacing [um], along and across
-    width_um : float
-        Width across the track [um], a whole number of nodes, at least 8
-    autocorrelation : str
-        Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct
-        exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)
-    roughness_ra_um : float
-        Arithmetic mean roughness Ra [um]
-    correlation_length_um : float
-        Correlation length [um], along the track
-    correlation_length_across_um : float, optional
-        Correlation length across the track [um]; absent: the same as along
-    seed : int
-        Seed of the random heights
-    faults : list of SurfaceFault, optional
-        Single faults of the surface
     """
 
     NAMED: ClassVar[str] = "surface"
@@ -102,6 +86,30 @@ class Gaussian(Roughness, MadeSurface):
     faults: list[SurfaceFault] | None = None
 
 
+class SelfAffine(SelfAffineLaw, MadeSurface):
+    """Random periodic surface of a self-affine spectrum.
+
+    Attributes
+    ----------
+    kind : "self-affine"
+        A random surface of a self-affine spectrum
+    """
+
+    kind: Literal["self-affine"] = "self-affine"
+    faults: list[SurfaceFault] | None = None
+
+    @model_validator(mode="after")
+    def _holds_waves(self) -> SelfAffine:
+        least = WAVE_NODES * self.spacing_um
+        if self.shortest_um < least * (1 - 1e-9):
+            words = f"at least {WAVE_NODES} spacings, {rounded(least, 6)}"
+            raise self.wrong("shortest_um", words, self.shortest_um)
+        if not self.shortest_um <= self.rolloff_um <= self.width_um:
+            words = f"from shortest_um, {self.shortest_um:g}, to width_um, {self.width_um:g}"
+            raise self.wrong("rolloff_um", words, self.rolloff_um)
+        return self
+
+
 class Smooth(MadeSurface):
     """Perfectly flat surface.
 
@@ -109,19 +117,13 @@ class Smooth(MadeSurface):
     ----------
     kind : "smooth"
         A perfectly flat surface
-    spacing_um : float
-        Node spacing [um], along and across
-    width_um : float
-        Width across the track [um], a whole number of nodes, at least 8
-    faults : list of SurfaceFault, optional
-        Single faults of the surface
     """
 
     kind: Literal["smooth"] = "smooth"
     faults: list[SurfaceFault] | None = None
 
 
-class HeightFile(Section):
+class HeightFile(SurfaceKind):
     """Surface read from a file: one period of it, or a measurement that is made periodic.
 
     Attributes
@@ -164,12 +166,9 @@ class HeightFile(Section):
     width_um : float, optional
         Width across the track [um] of a profile of one line, whose heights are the same all
         across: a whole number of nodes, at least 8; absent: the file holds lines side by side
-    faults : list of SurfaceFault, optional
-        Single faults of the surface, added to the heights of the file
     """
 
     SECTION: ClassVar[str] = "surface"
-    IN_FILES: ClassVar[str] = "kind"
 
     kind: Literal["file"] = "file"
     path: str = Field(min_length=1)
@@ -217,4 +216,4 @@ class HeightFile(Section):
         return self.periodic or ("blend" if is_instrument(self.path) else "none")
 
 
-Surface = Annotated[Gaussian | Smooth | HeightFile, Field(discriminator="kind")]
+Surface = Annotated[Gaussian | Smooth | HeightFile | SelfAffine, Field(discriminator="kind")]

@@ -2,6 +2,8 @@
 
 heights
     makes random and flat heights, and computes roughness statistics
+made, johnson
+    make random heights of a law, with a skewness and a kurtosis from Johnson's system
 height_array
     makes a surface of an array of numpy
 levelling

@@ -6,6 +6,8 @@ surfaces add up to one that does not move: z(x, y) = plate(x, y) + sphere(x mod 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from acoustics.arrays import Array
@@ -13,7 +15,7 @@ from rolling.scene.balls import GRADES, WAVE_NODES, BallHeightFile, BallSurface,
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 from rolling.surface import heights as surface
-from rolling.surface import levelling
+from rolling.surface import levelling, made
 from rolling.surface.faults import add_faults
 
 FORM_ORDERS = range(2, 16)  # that make up the deviation of a grade from spherical form
@@ -21,8 +23,8 @@ FORM_ORDERS = range(2, 16)  # that make up the deviation of a grade from spheric
 _ROUGHNESS, _FORM = 1, 2
 
 
-def ball_heights(scene: Scene, ball: BallSurface) -> Array:
-    """Make the heights [m] of a sphere's surface, (nodes of a turn, across).
+def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, dict[str, Any]]:
+    """Make the heights [m] of a sphere's surface, (nodes of a turn, across), and describe them.
 
     Raises
     ------
@@ -32,15 +34,16 @@ def ball_heights(scene: Scene, ball: BallSurface) -> Array:
     track, law = scene.track, ball.law
     shape, spacing = (track.turn_nodes, track.n_across), track.spacing
     if law is not None:
-        heights = surface.of_law(shape, spacing, law, (law.seed, _ROUGHNESS))
+        heights = made.of_law(shape, spacing, law, (law.seed, _ROUGHNESS))
     elif isinstance(ball, BallHeightFile):
         heights = _read(scene, ball)
     else:
         heights = surface.smooth(shape)
+    described = made.described("ball_surface_made", heights, spacing, law)
     if ball.has_form:
         heights += _form(ball, track.turn_nodes)[:, None]
     add_faults(heights, ball.faults or (), spacing)
-    return heights
+    return heights, described
 
 
 def _read(scene: Scene, ball: BallHeightFile) -> Array:

@@ -4,20 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene.balls import Roughness
+from rolling.scene.laws import AUTOCORRELATIONS as AUTOCORRELATIONS
 from rolling.surface.parameters import roughness
-
-AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
-    "gaussian": (1.0, 2),
-    "gaussian_10pct": (2.3, 2),
-    "exponential": (1.0, 1),
-    "exponential_10pct": (2.3, 1),
-}
 
 
 class SurfaceError(ValueError):
@@ -83,25 +77,21 @@ def gaussian(
     return heights
 
 
-def of_law(
-    shape: tuple[int, int], spacing: float, law: Roughness, seed: int | Sequence[int]
-) -> Array:
-    """Generate the heights [m] of a law, as `gaussian` does."""
-    ra = law.roughness_ra_um * 1e-6
-    return gaussian(shape, spacing, ra, law.lengths_m, law.autocorrelation, seed)
-
-
 def white_noise(shape: tuple[int, int], seed: int | Sequence[int]) -> Array:
     """Generate white noise of unit variance from a seed."""
     return np.random.default_rng(seed).standard_normal(shape)
 
 
 def filtered(
-    noise: Array, spacing: float, correlation_length: tuple[float, float], autocorrelation: str
+    noise: Array,
+    spacing: float,
+    correlation_length: tuple[float, float],
+    autocorrelation: str,
+    angle: float = 0.0,
 ) -> Array:
     """Filter periodic white noise to heights of zero mean and a variance of about 1.
 
-    Parameters as in `gaussian`.
+    Parameters as in `gaussian`; an angle [rad] turns the two directions of correlation.
 
     Raises
     ------
@@ -109,14 +99,14 @@ def filtered(
         The filter leaves nothing.
     """
     shape = noise.shape
-    density, exponent = _density(shape, spacing, correlation_length, autocorrelation)
-    heights: Array = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=shape)
-    heights -= heights.mean()
+    density = spectral_density(shape, spacing, correlation_length, autocorrelation, angle)
+    heights = shaped(noise, density)
     # A surface much smaller than its correlation length is flat except for rounding errors, which
     # would pass for roughness if they were scaled up.
     if not np.abs(heights).mean() > 1e-6 * np.sqrt(density.max() / heights.size):
         sizes = " x ".join(rounded(n * spacing * 1e6, 4) for n in shape)
         # Of a law that falls with (r / L)^exponent the share of roughness falls with its root.
+        exponent = AUTOCORRELATIONS[autocorrelation][1]
         longest = 0.1 * 1e12 ** (1 / exponent) * max(shape) * spacing * 1e6
         lengths = " and ".join(rounded(length * 1e6, 4) for length in correlation_length)
         raise SurfaceError(
@@ -126,67 +116,38 @@ def filtered(
     return heights
 
 
-def _density(
+def shaped(noise: Array, density: Array) -> Array:
+    """Multiply the transform of white noise by the root of a spectral density; remove the mean."""
+    heights: Array = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=noise.shape)
+    heights -= heights.mean()
+    return heights
+
+
+def spectral_density(
     shape: tuple[int, int],
     spacing: float,
     correlation_length: tuple[float, float],
     autocorrelation: str,
-) -> tuple[Array, int]:
-    """Return the spectral density of a law on a periodic grid, and the exponent of the law."""
-    decay, exponent = AUTOCORRELATIONS[autocorrelation]
-    along, across = (
-        np.minimum(np.arange(n), n - np.arange(n)) * spacing / length
-        for n, length in zip(shape, correlation_length, strict=True)
-    )
-    r2 = along[:, None] ** 2 + across[None, :] ** 2
-    # On a periodic grid the law can have slightly negative spectral densities from rounding.
-    return np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0), exponent
-
-
-# A law has detail below the spacing where the amplitude of its waves at this share of the Nyquist
-# frequency exceeds this share of the amplitude of its longest wave.
-END, DETAIL = 0.75, 0.01
-
-
-def has_detail(
-    spacing: float, correlation_length: tuple[float, float], autocorrelation: str
-) -> bool:
-    """Return whether a law has heights that a grid of this spacing [m] cannot hold."""
-    decay, exponent = AUTOCORRELATIONS[autocorrelation]
-    # The Gaussian law has the spectrum exp(-(k L)^2 / (4 decay)), of whose root the tail counts.
-    end = END * np.pi / spacing * min(correlation_length)
-    return exponent < 2 or float(np.exp(-(end**2) / (8 * decay))) > DETAIL
-
-
-def continued(
-    heights: Array,
-    spacing: float,
-    laws: Sequence[tuple[float, tuple[float, float], str]],
-    seed: Sequence[int],
+    angle: float = 0.0,
 ) -> Array:
-    """Continue heights [m], the sum of surfaces of some laws, to half the spacing [m].
+    """Return the spectral density of a law on the half plane of waves of a periodic grid.
 
-    A law is the rms height [m], the correlation lengths [m] and the key of AUTOCORRELATIONS.
-
-    Waves that the grid holds stay, less the share that shorter waves folded onto them. The shorter
-    waves up to the end of the finer grid are new, and the nodes are the centres of the quarters of
-    cells.
+    Its mean over all waves is 1. Parameters as in `filtered`.
     """
-    shape = 2 * heights.shape[0], 2 * heights.shape[1]
-    rq, pairs = laws[0][0], [(own, (lengths, name)) for own, lengths, name in laws]
-    coarse, fine = (
-        np.sum([(own / rq) ** 2 * _density(size, step, *law)[0] for own, law in pairs], axis=0)
-        for size, step in ((heights.shape, spacing), (shape, spacing / 2))
-    )
-    lines = rq * np.sqrt(fine) * np.fft.rfft2(np.random.default_rng(seed).standard_normal(shape))
-    # The waves strictly below the end of the grid; a quarter of a node lies between the centres.
-    along, across = (np.arange(-((n - 1) // 2), (n + 1) // 2) for n in heights.shape)
-    kept = np.ix_(along, across[across >= 0])
-    turn = [np.exp(-0.5j * np.pi * waves / n) for waves, n in zip(kept, heights.shape, strict=True)]
-    # A wave of the coarse grid is a sum of four waves of the finer one at most.
-    gain = 2 * np.sqrt(np.minimum(fine[kept] / np.maximum(coarse[kept], 1e-300), 4.0))
-    lines[kept] = np.fft.rfft2(heights)[kept] * gain * turn[0] * turn[1]
-    return np.asarray(np.fft.irfft2(lines, s=shape))
+    decay, exponent = AUTOCORRELATIONS[autocorrelation]
+    x, y = (((np.arange(n) + n // 2) % n - n // 2) * spacing for n in shape)  # lags
+    first, second = correlation_length
+    along, across = turned(x[:, None], y, angle)
+    r2 = (along / first) ** 2 + (across / second) ** 2
+    # On a periodic grid the law can have slightly negative spectral densities from rounding.
+    return np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
+
+
+def turned(x: Any, y: Any, angle: float) -> tuple[Any, Any]:
+    """Return coordinates in axes that are turned by an angle [rad] from x to y."""
+    if not angle:
+        return x, y
+    return np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
 
 
 def smooth(shape: tuple[int, int]) -> Array:
@@ -210,6 +171,15 @@ def statistics(heights: Array, spacing: float) -> Statistics:
         highest=values["Sp"],
         lowest=0.0 - values["Sv"],
     )
+
+
+def moments(heights: Array, weights: Array | None = None) -> Array:
+    """Return skewness and kurtosis of heights, each node counting by its weight."""
+    z = heights - np.average(heights, weights=weights)
+    square = z * z
+    variance = np.average(square, weights=weights)
+    third, fourth = (np.average(square * other, weights=weights) for other in (z, square))
+    return np.array([third / variance**1.5, fourth / variance**2])
 
 
 def correlation(heights: Array, spacing: float, axis: int) -> Correlation:

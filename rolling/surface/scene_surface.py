@@ -7,7 +7,7 @@ most runs of a sweep share it, and small ones before it, so that a sweep may alt
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -17,9 +17,9 @@ from acoustics.arrays import Array, short_repr
 from rolling.scene.height_grid import height_grid
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import Gaussian, HeightFile
+from rolling.scene.surfaces import HeightFile
 from rolling.surface import heights as surface
-from rolling.surface import levelling, preparation
+from rolling.surface import levelling, made, preparation
 from rolling.surface.ball import ball_heights, rolled_together
 from rolling.surface.faults import add_faults
 from rolling.surface.heights import Correlation, Statistics
@@ -39,6 +39,7 @@ class SceneSurface:
     levelling: Levelling | None = None  # of heights from a file
     preparation: Sequence[Effect] = ()  # of heights from a file, step by step
     part_ra: tuple[float, float] | None = None  # [m] of plate and sphere, where both have a surface
+    made: dict[str, Any] = field(default_factory=dict)  # by key in the summary
 
     @cached_property
     def statistics(self) -> Statistics:
@@ -124,16 +125,17 @@ def _making(scene: Scene) -> str:
 def _make(scene: Scene) -> SceneSurface:
     """Make the surface of plate and sphere of a scene."""
     plate, plane, effects = _plate(scene)
+    described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
     add_faults(plate, scene.surface.faults or (), scene.spacing)
     if scene.sphere.surface is None:
-        return SceneSurface(plate, scene.spacing, plane, effects)
+        return SceneSurface(plate, scene.spacing, plane, effects, made=described)
     try:
-        ball = ball_heights(scene, scene.sphere.surface)
+        ball, of_ball = ball_heights(scene, scene.sphere.surface)
     except surface.SurfaceError as error:
         raise SceneError([f"sphere.surface: {error}"]) from error
     part_ra = _ra(plate), _ra(ball)
     total = rolled_together(plate, ball, scene.track, scene.start)
-    return SceneSurface(total, scene.spacing, plane, effects, part_ra)
+    return SceneSurface(total, scene.spacing, plane, effects, part_ra, described | of_ball)
 
 
 def _ra(heights: Array) -> float:
@@ -148,16 +150,14 @@ def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
         read = preparation.read(scene.height_path, s)
         return preparation.prepare(read, s, height_grid(scene.height_path, s))
     shape = track.n_along, track.n_across
-    if isinstance(s, Gaussian):
-        return surface.of_law(shape, scene.spacing, s, s.seed), None, []
+    if s.law is not None:
+        return made.of_law(shape, scene.spacing, s.law, s.law.seed), None, []
     return surface.smooth(shape), None, []
 
 
 def has_detail(scene: Scene) -> bool:
     """Return whether a scene's surface follows a law that goes on below the spacing."""
-    return any(
-        surface.has_detail(scene.spacing, law.lengths_m, law.autocorrelation) for law in scene.laws
-    )
+    return any(made.has_detail(scene.spacing, law) for law in scene.laws)
 
 
 def continued_rows(scene: Scene, first: int, rows: int) -> Array:
@@ -165,18 +165,20 @@ def continued_rows(scene: Scene, first: int, rows: int) -> Array:
     whole = heights(scene)
     patch = whole[(first + np.arange(rows)) % len(whole)]
     seed = scene.laws[0].seed, first % len(whole), rows
-    laws = [(law.rq_m, law.lengths_m, law.autocorrelation) for law in scene.laws]
-    return surface.continued(patch, scene.spacing, laws, seed)
+    laws = [(law.rq_m, law) for law in scene.laws]
+    return made.continued(patch, scene.spacing, laws, seed)
 
 
 def wider_times(scene: Scene) -> int | None:
     """Return the factor on the width that keeps the sphere's line on its nodes.
 
     It is 2, or 3 for an odd number of nodes across. It is None for smooth plates, which have no
-    width to judge, for height files, which end at their edges, and where faults or the surface of
-    the sphere add to the heights.
+    width to judge, for height files, which end at their edges, for heights that are not Gaussian,
+    whose asperities change with the period, and where faults or the surface of the sphere add to
+    the heights.
     """
-    if not isinstance(scene.surface, Gaussian) or scene.faults or scene.sphere.surface:
+    law = scene.surface.law
+    if law is None or not law.is_gaussian or scene.faults or scene.sphere.surface:
         return None
     return 2 if scene.track.n_across % 2 == 0 else 3
 
@@ -193,14 +195,13 @@ def wider_heights(scene: Scene, times: int) -> Array:
     SurfaceError
         The filter leaves nothing.
     """
-    s, track = scene.surface, scene.track
-    assert isinstance(s, Gaussian)
+    law, track = scene.surface.law, scene.track
+    assert law is not None  # asked for by the caller
     sides = track.n_across * (times - 1)
-    other = np.random.default_rng([s.seed, times]).standard_normal((track.n_along, sides))
+    other = np.random.default_rng([law.seed, times]).standard_normal((track.n_along, sides))
     left, right = np.split(other, 2, axis=1)
-    own = surface.white_noise((track.n_along, track.n_across), s.seed)
+    own = surface.white_noise((track.n_along, track.n_across), law.seed)
     narrow, wide = (
-        surface.filtered(noise, scene.spacing, s.lengths_m, s.autocorrelation)
-        for noise in (own, np.hstack([left, own, right]))
+        made.filtered(noise, scene.spacing, law) for noise in (own, np.hstack([left, own, right]))
     )
-    return wide * (s.roughness_ra_um * 1e-6 / float(np.abs(narrow).mean()))
+    return wide * made.scale(narrow, scene.spacing, law)

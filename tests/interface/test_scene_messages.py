@@ -79,10 +79,15 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         (
             "kind: gaussian",
             "kind: gausian",
-            '8: surface.kind: got "gausian", allowed: gaussian, smooth, file, nearest: gaussian',
+            '8: surface.kind: got "gausian", allowed: gaussian, smooth, file, self-affine, nearest:'
+            " gaussian",
         ),
         ("kind: gaussian", "kind: [smooth]", '8: surface.kind: got ["smooth"], allowed: gaussian,'),
-        ("  kind: gaussian\n", "", "7: surface.kind: missing, allowed: gaussian, smooth, file"),
+        (
+            "  kind: gaussian\n",
+            "",
+            "7: surface.kind: missing, allowed: gaussian, smooth, file",
+        ),
         (
             "kind: gaussian",
             "kind: gaussian\n  autocorrelation: exponental",

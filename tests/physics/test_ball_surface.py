@@ -81,7 +81,7 @@ def test_the_sum_holds_on_a_track_that_does_not_close(
     assert not track.closed
     assert track.solved_steps == track.steps == round(0.9e-3 / track.step)
     assert scene.sphere.surface is not None
-    ball = ball_heights(scene, scene.sphere.surface)
+    ball, _ = ball_heights(scene, scene.sphere.surface)
     alone = {"sphere.surface": None, "rolling.distance_mm": 2e-3 * len(total)}
     plate = heights(scene.with_({**alone, "numerics.step_nodes": 1}))
     first = int(np.floor(start_um / 2))

@@ -9,8 +9,9 @@ import pytest
 from scene_text import PLAIN
 
 from rolling.scene import file as scene_file
+from rolling.scene.laws import Roughness
 from rolling.surface import heights as surface
-from rolling.surface import levelling, scene_surface
+from rolling.surface import levelling, made, scene_surface
 from rolling.surface.heights import SurfaceError
 
 SPACING = 1e-6
@@ -54,9 +55,16 @@ def test_a_continued_surface_follows_its_law_and_keeps_its_long_waves(
 ) -> None:
     """Lags below the spacing follow the law; 12 surfaces leave 1 % of the variance uncertain."""
     rq, total, size = 1e-7 * np.sqrt(np.pi / 2), 0.0, (160, 96)
+    roughness = Roughness(
+        autocorrelation=law,
+        roughness_ra_um=0.1,
+        correlation_length_um=1e6 * lengths[0],
+        correlation_length_across_um=1e6 * lengths[1],
+        seed=0,
+    )
     for seed in range(12):
         z = generate(law, size, lengths=lengths, seed=seed)
-        finer = surface.continued(z, SPACING, [(rq, lengths, law)], (seed, 1))
+        finer = made.continued(z, SPACING, [(rq, roughness)], (seed, 1))
         spectrum = np.abs(np.fft.rfft2(finer)) ** 2
         total = total + np.fft.irfft2(spectrum, s=finer.shape) / finer.size / rq**2 / 12
         means = finer.reshape(size[0], 2, size[1], 2).mean(axis=(1, 3))

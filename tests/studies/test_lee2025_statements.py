@@ -12,7 +12,7 @@ import pytest
 from acoustics.bands import BAND_NAMES, MID_HZ
 from rolling.lee2025.cases import TWIN_KEYS, band_columns, by_reading, frame
 from rolling.lee2025.conditions import FAILS, HOLDS, IN_PART, NOT_RUN, change
-from rolling.lee2025.statements import STATEMENTS, Statement, concerns_lengths, judge, verdicts
+from rolling.lee2025.statements import STATEMENTS, Statement, judge, outlook, verdicts
 
 Row = dict[str, Any]
 Edit = Callable[[Row], Row]
@@ -20,7 +20,7 @@ Value = float | Callable[[Row], float]
 
 ROUGHNESSES = (0.01, 0.1, 1.0, 5.0)
 LOADS = (5.0, 10.0, 20.0, 50.0, 100.0)
-SCENE = ("gaussian", 512.0, 2.0, 2.0, 0.05, 5.0, 230.8)  # the other settings in TWIN_KEYS
+SCENE = ("gaussian", 512.0, 2.0, 2.0, 0.05, 5.0, 230.8, 0.0, 3.0)  # the others in TWIN_KEYS
 # The maximum line at Ra 0.01 um and 5 N in 0.05 s: records of half a second still pass 70 dB.
 SMOOTH_DB = 72.0
 ABOVE_SMOOTH = {0.01: 0.0, 0.1: 11.0, 1.0: 12.0, 5.0: 12.5}  # dB at all loads
@@ -28,7 +28,7 @@ OVER_5_N = {5.0: 0.0, 10.0: 2.0, 20.0: 4.0, 50.0: 13.0, 100.0: 14.0}
 PLASTIC = {0.01: 0.0, 0.1: 0.2, 1.0: 0.3, 5.0: 0.31}
 BANDS = band_columns(BAND_NAMES)
 BY_KEY = {statement["key"]: statement for statement in STATEMENTS}
-OF_LENGTHS = {key for key, statement in BY_KEY.items() if concerns_lengths(statement)}
+OF_LENGTHS = {key for key, statement in BY_KEY.items() if outlook(statement) == "correlation_um"}
 
 
 def row_of(roughness: float, load: float, seed: int = 1, reading: str = "article") -> Row:
@@ -205,7 +205,7 @@ EDITS: dict[str, tuple[Edit, Edit]] = {
 def test_each_verdict_on_a_made_study(statement: Statement) -> None:
     """A study as the article says holds, with one surface and with three; edited studies fail."""
     key = statement["key"]
-    if concerns_lengths(statement):
+    if outlook(statement):
         assert word(key, study()) == NOT_RUN
         return
     assert word(key, study(1)) == word(key, study(3)) == HOLDS
@@ -228,6 +228,24 @@ def test_lengths_are_judged_in_their_own_sweep(values: Sequence[int], expected: 
     judged = table[table["key"].isin(OF_LENGTHS) & (table["scale"] != 20)]
     assert set(judged["verdict"]) == {expected}
     assert set(table.loc[~table["key"].isin(OF_LENGTHS), "verdict"]) == {NOT_RUN}
+
+
+@pytest.mark.parametrize(
+    ("at_5_n", "at_20_n", "expected"), [(1, 1, HOLDS), (1, -1, IN_PART), (-1, -1, FAILS)]
+)
+def test_skewness_is_judged_load_by_load(at_5_n: int, at_20_n: int, expected: str) -> None:
+    """The skewed surface has less contact area, more plastic area and a higher level, or not."""
+    rows = [
+        row_of(0.1, load)
+        | {"skewness": skewness, "contact_area_um2": 9 - sign * skewness}
+        | {"plastic_ratio": 1 + sign * skewness, "audible_10_db": 60 + sign * skewness}
+        for load, sign in ((5.0, at_5_n), (20.0, at_20_n))
+        for skewness in (0.0, 1.5)
+    ]
+    table = verdicts(by_reading(frame(rows)))
+    judged = table[table["key"].str.startswith("skewness") & (table["scale"] != 20)]
+    assert len(judged) == 3 and set(judged["verdict"]) == {expected}
+    assert set(table.loc[~table["key"].str.startswith("skewness"), "verdict"]) == {NOT_RUN}
 
 
 def test_a_change_counts_beyond_twice_its_standard_error() -> None:

@@ -1,0 +1,257 @@
+"""Laws of random heights: spectrum, roughness, and distribution."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from acoustics.numbers import rounded
+from rolling.scene.messages import fault, plain_number
+from rolling.scene.sections import Section
+
+AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
+    "gaussian": (1.0, 2),
+    "gaussian_10pct": (2.3, 2),
+    "exponential": (1.0, 1),
+    "exponential_10pct": (2.3, 1),
+}
+Autocorrelation = Literal["gaussian", "gaussian_10pct", "exponential", "exponential_10pct"]
+RA_OF_RQ = math.sqrt(2 / math.pi)  # of Gaussian heights
+
+
+class Distribution(Section):
+    """Distribution of random heights, and their seed.
+
+    Attributes
+    ----------
+    skewness : float, optional
+        Skewness of the heights, negative for a plateau with valleys; absent: 0
+    kurtosis : float, optional
+        Kurtosis of the heights, more than the square of the skewness plus 1; absent: 3, that of
+        Gaussian heights
+    seed : int
+        Seed of the random heights
+    """
+
+    skewness: float | None = Field(default=None, ge=-20, le=20)
+    kurtosis: float | None = Field(default=None, ge=1, le=1000)
+    seed: int = Field(ge=0)
+
+    @model_validator(mode="after")
+    def _has_distribution(self) -> Distribution:
+        skewness, kurtosis = self.moments
+        if not kurtosis > (least := skewness**2 + 1):
+            words = f"more than {rounded(least, 6)}, the square of the skewness plus 1, as no other"
+            words += f" heights have it; nearest: {math.ceil(101 * least) / 100:g}"
+            raise self.wrong("kurtosis", words, kurtosis)
+        return self
+
+    def wrong(self, key: str, allowed: str, value: float) -> Exception:
+        """Make the fault of a value of a key of this section."""
+        at = *filter(None, self.SECTION.split(".")), key
+        return fault(f"got {plain_number(value)}, allowed: {allowed}", *at)
+
+    @property
+    def law(self) -> Self:
+        """Law of the random heights."""
+        return self
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        """Skewness and kurtosis of the heights."""
+        return self.skewness or 0.0, self.kurtosis or 3.0
+
+    @property
+    def is_gaussian(self) -> bool:
+        """Whether the heights have the skewness and kurtosis of Gaussian heights."""
+        return self.moments == (0.0, 3.0)
+
+    @property
+    def _end_of_words(self) -> str:
+        shape = "" if self.is_gaussian else "skewness {:g}, kurtosis {:g}, ".format(*self.moments)
+        return f"{shape}seed {self.seed}"
+
+
+class Roughness(Distribution):
+    """Random heights by their autocorrelation.
+
+    Attributes
+    ----------
+    autocorrelation : str
+        Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct
+        exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)
+    roughness_ra_um : float
+        Arithmetic mean roughness Ra [um]
+    correlation_length_um : float
+        Correlation length [um], along the track
+    correlation_length_across_um : float, optional
+        Correlation length across the track [um]; absent: the same as along
+    lay_deg : float, optional
+        Angle [degrees] from the track, towards positive y, by which both correlation lengths are
+        turned; absent: 0
+    """
+
+    autocorrelation: Autocorrelation = "gaussian"
+    roughness_ra_um: float = Field(gt=0, le=1000)
+    correlation_length_um: float = Field(gt=0)
+    correlation_length_across_um: float | None = Field(default=None, gt=0)
+    lay_deg: float | None = Field(default=None, ge=-180, le=180)
+
+    @model_validator(mode="after")
+    def _has_lay(self) -> Roughness:
+        if self.lay_deg is not None and self.correlation_length_across_um is None:
+            words = "none without correlation_length_across_um, as it turns two lengths"
+            raise self.wrong("lay_deg", words, self.lay_deg)
+        return self
+
+    @property
+    def correlation(self) -> tuple[tuple[float, float], str, float]:
+        """Correlation lengths [m] in two perpendicular directions, law, and angle [rad]."""
+        first, second, angle = self._ellipse
+        return (first * 1e-6, second * 1e-6), self.autocorrelation, angle
+
+    @property
+    def _ellipse(self) -> tuple[float, float, float]:
+        """Correlation lengths in two perpendicular directions [um], and the first's angle [rad].
+
+        The angle of a lay along or across the track is 0.
+        """
+        first = self.correlation_length_um
+        second = self.correlation_length_across_um or first
+        angle = (self.lay_deg or 0.0) % 180
+        if angle == 90:
+            return second, first, 0.0
+        return first, second, math.radians(angle)
+
+    @property
+    def lengths_um(self) -> tuple[float, float]:
+        """Correlation lengths along and across the track [um]."""
+        first, second, angle = self._ellipse
+        if not angle:
+            return first, second
+        cosine, sine = math.cos(angle), math.sin(angle)
+        return (
+            1 / math.hypot(cosine / first, sine / second),
+            1 / math.hypot(sine / first, cosine / second),
+        )
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether the law has waves of any length, however short."""
+        return AUTOCORRELATIONS[self.autocorrelation][1] < 2
+
+    @property
+    def rq_m(self) -> float:
+        """Root-mean-square height [m], from Ra as for Gaussian heights."""
+        return self.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
+
+    def rms_slope(self, spacing_um: float) -> float:
+        """Return the rms norm of the gradient over a spacing."""
+        decay, exponent = AUTOCORRELATIONS[self.autocorrelation]
+        # The mean square of a difference over one spacing is 2 (rq^2 - C(spacing)).
+        ratios = [spacing_um / length for length in self.lengths_um]
+        drops = [-math.expm1(-decay * ratio**exponent) for ratio in ratios]
+        return self.rq_m * math.sqrt(2 * sum(drops)) / (spacing_um * 1e-6)
+
+    @property
+    def words(self) -> str:
+        """Description of the heights."""
+        length = f"{self.correlation_length_um:g} µm"
+        if self.correlation_length_across_um:
+            length += f" along, {self.correlation_length_across_um:g} µm across"
+        if self.lay_deg:
+            length += f", turned by {self.lay_deg:g}°"
+        name, size = self.autocorrelation.replace("_", " "), f"Ra {self.roughness_ra_um:g} µm"
+        return f"random, {size}, correlation length {length} ({name}), {self._end_of_words}"
+
+
+class SelfAffineLaw(Distribution):
+    """Random heights of a self-affine spectrum.
+
+    The spectrum is constant from the longest waves to the roll-off q_r, falls with the wave number
+    q as q^(-2 (1 + H)) up to the shortest waves q_s, and ends there.
+
+    Attributes
+    ----------
+    hurst : float
+        Hurst exponent H, from 0 to 1
+    rolloff_um : float
+        Wavelength of the roll-off, 2 pi/q_r [um], from shortest_um to width_um
+    shortest_um : float
+        Shortest wavelength, 2 pi/q_s [um], at least four spacings
+    roughness_ra_um : float, optional
+        Arithmetic mean roughness Ra [um]; exactly one of roughness_ra_um, rq_um and rdq is given
+    rq_um : float, optional
+        Root-mean-square height Sq [um]
+    rdq : float, optional
+        Root-mean-square gradient Sdq of the waves
+    """
+
+    goes_on: ClassVar[bool] = False
+
+    hurst: float = Field(ge=0, le=1)
+    rolloff_um: float = Field(gt=0)
+    shortest_um: float = Field(gt=0)
+    roughness_ra_um: float | None = Field(default=None, gt=0, le=1000)
+    rq_um: float | None = Field(default=None, gt=0, le=1000)
+    rdq: float | None = Field(default=None, gt=0, le=100)
+
+    @model_validator(mode="after")
+    def _has_one_size(self) -> SelfAffineLaw:
+        sizes = {"roughness_ra_um": self.roughness_ra_um, "rq_um": self.rq_um, "rdq": self.rdq}
+        given = [key for key, size in sizes.items() if size is not None]
+        if len(given) != 1:
+            got = f"got {' and '.join(given)}" if given else "missing"
+            raise fault(f"{got}, allowed: exactly one of {', '.join(sizes)}", "surface", "rq_um")
+        return self
+
+    @property
+    def lengths_um(self) -> tuple[float, float]:
+        """Approximate correlation lengths along and across the track [um]."""
+        return self.rolloff_um / 4, self.rolloff_um / 4
+
+    @property
+    def rolloff_rad_m(self) -> float:
+        """Wave number q_r of the roll-off [rad/m]."""
+        return 2e6 * math.pi / self.rolloff_um
+
+    @property
+    def integrals(self) -> tuple[float, float]:
+        """Sq^2 over C0 q_r^2/(2 pi), and Sdq^2 over C0 q_r^4/(2 pi)."""
+        decades = math.log(self.rolloff_um / self.shortest_um)
+        heights = 0.5 + _power_integral(-2 * self.hurst, decades)
+        return heights, 0.25 + _power_integral(2 - 2 * self.hurst, decades)
+
+    @property
+    def gradient_m(self) -> float:
+        """Sdq over Sq [1/m]."""
+        return self.rolloff_rad_m * math.sqrt(self.integrals[1] / self.integrals[0])
+
+    @property
+    def rq_m(self) -> float:
+        """Root-mean-square height [m], from Ra as for Gaussian heights."""
+        if self.rdq is not None:
+            return self.rdq / self.gradient_m
+        return 1e-6 * (self.rq_um or (self.roughness_ra_um or 0.0) / RA_OF_RQ)
+
+    def rms_slope(self, spacing_um: float) -> float:
+        """Return the rms norm of the gradient, that of the waves, over any spacing."""
+        return self.rq_m * self.gradient_m
+
+    @property
+    def words(self) -> str:
+        """Description of the heights."""
+        sizes = {"Ra {:g} µm": self.roughness_ra_um, "Sq {:g} µm": self.rq_um, "Sdq {:g}": self.rdq}
+        size = next(name.format(size) for name, size in sizes.items() if size is not None)
+        waves = f"{self.rolloff_um:g} to {self.shortest_um:g} µm with Hurst exponent {self.hurst:g}"
+        return f"random, {size}, self-affine from {waves}, {self._end_of_words}"
+
+
+HeightLaw = Roughness | SelfAffineLaw
+
+
+def _power_integral(power: float, logarithm: float) -> float:
+    """Return the integral of x^(power - 1) from 1 to exp(logarithm)."""
+    return math.expm1(power * logarithm) / power if power else logarithm

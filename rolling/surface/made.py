@@ -1,0 +1,253 @@
+"""Random heights of a law: waves of its spectrum, and the skewness and kurtosis it asks for.
+
+Heights that are not Gaussian are found by iteration between distribution and spectrum (IAAFT):
+the heights take the values of the distribution in their order, and then the waves their amplitudes.
+The spectrum comes last, so the waves have the amplitudes of the Gaussian surface of the same seed.
+Two-parameter corrections then bring skewness and kurtosis to the requested values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from acoustics.arrays import Array
+from rolling.scene.laws import AUTOCORRELATIONS, HeightLaw, Roughness, SelfAffineLaw
+from rolling.surface import heights as surface
+from rolling.surface.heights import moments
+
+ROUNDS, CORRECTIONS = 40, 30  # maximum numbers
+NEAR, EXACT = 0.05, 1e-4  # differences of skewness and kurtosis that end rounds and corrections
+LEAST_SHARE = 1e-14  # of the mean square, below which an octave of a law is rounding
+SMALL = 1e-4  # rms height of the steps that show how a correction changes the moments
+LARGEST = 0.1  # maximum rms height of a correction, over the rms height
+STALLED = 6  # corrections without gain that end them
+# A law has detail below the spacing where the amplitude of its waves at this share of the Nyquist
+# frequency exceeds this share of the amplitude of its longest wave.
+END, DETAIL = 0.75, 0.01
+
+
+def of_law(
+    shape: tuple[int, int], spacing: float, law: HeightLaw, seed: int | Sequence[int]
+) -> Array:
+    """Generate periodic heights [m] of a law, whose Ra, Sq or Sdq is exact.
+
+    Raises
+    ------
+    SurfaceError
+        The filter leaves nothing.
+    """
+    heights = filtered(surface.white_noise(shape, seed), spacing, law)
+    if not law.is_gaussian:
+        heights = _with_moments(heights, *law.moments)
+    heights *= scale(heights, spacing, law)
+    return heights
+
+
+def filtered(noise: Array, spacing: float, law: HeightLaw) -> Array:
+    """Filter periodic white noise to Gaussian heights of a law, of zero mean and any size."""
+    if isinstance(law, Roughness):
+        return surface.filtered(noise, spacing, *law.correlation)
+    return surface.shaped(noise, spectral_density(noise.shape, spacing, law))
+
+
+def scale(heights: Array, spacing: float, law: HeightLaw) -> float:
+    """Return the factor that gives heights the Ra, Sq or Sdq of a law."""
+    if isinstance(law, SelfAffineLaw) and law.rdq is not None:
+        gradients = _powers(heights) * _wave_numbers(heights.shape, spacing) ** 2
+        return law.rdq / float(np.sqrt(gradients.sum()))
+    if isinstance(law, SelfAffineLaw) and law.rq_um is not None:
+        return law.rq_um * 1e-6 / float(np.sqrt(np.mean(heights**2)))
+    return (law.roughness_ra_um or 0.0) * 1e-6 / float(np.abs(heights).mean())
+
+
+# ---- spectra
+
+
+def spectral_density(shape: tuple[int, int], spacing: float, law: HeightLaw) -> Array:
+    """Return the spectral density of a law on the half plane of waves of a periodic grid.
+
+    Its mean over all waves is 1 [-].
+    """
+    if isinstance(law, Roughness):
+        return surface.spectral_density(shape, spacing, *law.correlation)
+    density = _self_affine(_wave_numbers(shape, spacing), law)
+    density[0, 0] = 0.0
+    return np.asarray(density * (shape[0] * shape[1] / (_counted(shape) * density).sum()))
+
+
+def plane_density(law: HeightLaw, along: Array, across: Array) -> Array:
+    """Return the two-sided spectral density [m4] of a law over wave numbers [rad/m].
+
+    Its integral over the plane of wave numbers is the mean square of the heights.
+    """
+    if isinstance(law, SelfAffineLaw):
+        plateau = law.rq_m**2 / (2 * np.pi * law.rolloff_rad_m**2 * law.integrals[0])
+        return plateau * _self_affine(np.hypot(along, across), law)
+    lengths, name, angle = law.correlation
+    decay, exponent = AUTOCORRELATIONS[name]
+    first, second = (length * decay ** (-1 / exponent) for length in lengths)
+    u, v = surface.turned(along, across, angle)
+    scaled = np.square(u * first) + np.square(v * second)
+    if exponent == 2:
+        return np.asarray(law.rq_m**2 * first * second * np.exp(-scaled / 4) / (4 * np.pi))
+    return np.asarray(law.rq_m**2 * first * second / (2 * np.pi * (1 + scaled) ** 1.5))
+
+
+def _self_affine(wave_numbers: Array, law: SelfAffineLaw) -> Array:
+    """Return a self-affine spectrum over its plateau at wave numbers [rad/m]."""
+    ratio = wave_numbers / law.rolloff_rad_m
+    falling = np.maximum(ratio, 1.0) ** (-2 * (1 + law.hurst))
+    # Rounding must not take the shortest wave itself away.
+    return np.where(ratio <= law.rolloff_um / law.shortest_um * (1 + 1e-9), falling, 0.0)
+
+
+def has_detail(spacing: float, law: HeightLaw) -> bool:
+    """Return whether a law has heights that a grid of this spacing [m] cannot hold."""
+    if not isinstance(law, Roughness):
+        return False  # its shortest wave has four nodes
+    lengths, name, _ = law.correlation
+    decay, exponent = AUTOCORRELATIONS[name]
+    # The Gaussian law has the spectrum exp(-(k L)^2 / (4 decay)), of whose root the tail counts.
+    end = END * np.pi / spacing * min(lengths)
+    return exponent < 2 or float(np.exp(-(end**2) / (8 * decay))) > DETAIL
+
+
+def continued(
+    heights: Array, spacing: float, laws: Sequence[tuple[float, HeightLaw]], seed: Sequence[int]
+) -> Array:
+    """Continue heights [m], the sum of surfaces of some laws, to half the spacing [m].
+
+    Each law has its rms height [m]. Waves that the grid holds stay, less the share that shorter
+    waves folded onto them. The shorter waves up to the end of the finer grid are new and Gaussian,
+    and the nodes are the centres of the quarters of cells.
+    """
+    shape = 2 * heights.shape[0], 2 * heights.shape[1]
+    rq = laws[0][0]
+    coarse, fine = (
+        np.sum([(own / rq) ** 2 * spectral_density(size, step, law) for own, law in laws], axis=0)
+        for size, step in ((heights.shape, spacing), (shape, spacing / 2))
+    )
+    lines = rq * np.sqrt(fine) * np.fft.rfft2(np.random.default_rng(seed).standard_normal(shape))
+    # The waves strictly below the end of the grid; a quarter of a node lies between the centres.
+    along, across = (np.arange(-((n - 1) // 2), (n + 1) // 2) for n in heights.shape)
+    kept = np.ix_(along, across[across >= 0])
+    turn = [np.exp(-0.5j * np.pi * waves / n) for waves, n in zip(kept, heights.shape, strict=True)]
+    # A wave of the coarse grid is a sum of four waves of the finer one at most.
+    gain = 2 * np.sqrt(np.minimum(fine[kept] / np.maximum(coarse[kept], 1e-300), 4.0))
+    lines[kept] = np.fft.rfft2(heights)[kept] * gain * turn[0] * turn[1]
+    return np.asarray(np.fft.irfft2(lines, s=shape))
+
+
+# ---- skewness and kurtosis
+
+
+def _with_moments(heights: Array, skewness: float, kurtosis: float) -> Array:
+    """Give heights other phases, so that they have a skewness and a kurtosis."""
+    from rolling.surface.johnson import johnson_heights  # scipy.optimize is slow to import
+
+    z: Array = heights / np.sqrt(np.mean(heights**2))
+    amplitudes = np.abs(np.fft.rfft2(z))
+    amplitudes[0, 0] = 0.0
+    targets, wanted = johnson_heights(skewness, kurtosis, z.size), np.array([skewness, kurtosis])
+    for _ in range(ROUNDS):
+        ranked = np.empty(z.size)
+        ranked[np.argsort(z, axis=None)] = targets
+        z = _with_amplitudes(ranked.reshape(z.shape), amplitudes)
+        if np.abs(wanted - moments(z)).max() < NEAR:
+            break
+    nearest, least, stalled = z, np.inf, 0
+    for _ in range(CORRECTIONS):
+        missing = wanted - moments(z)
+        stalled += 1
+        if (error := float(np.abs(missing).max())) < least:
+            nearest, least, stalled = z, error, 0
+        if least < EXACT or stalled > STALLED:
+            break
+        z = _corrected(z, amplitudes, missing)
+    return nearest
+
+
+def _with_amplitudes(heights: Array, amplitudes: Array) -> Array:
+    """Give the waves of heights other amplitudes and keep their phases."""
+    lines = np.fft.rfft2(heights)
+    size = np.abs(lines)
+    lines *= amplitudes / np.where(size > 0, size, 1.0)
+    return np.asarray(np.fft.irfft2(lines, s=heights.shape))
+
+
+def _corrected(z: Array, amplitudes: Array, missing: Array) -> Array:
+    """Add a square and a cube to heights, by a step of Newton's method for their moments."""
+    steps = [power - power.mean() for power in (z**2, z**3)]
+    steps = [step / np.sqrt(np.mean(step**2)) for step in steps]
+    moved = [moments(_with_amplitudes(z + SMALL * step, amplitudes)) for step in steps]
+    slopes = (np.array(moved) - moments(z)).T / SMALL
+    factors = np.linalg.lstsq(slopes, missing, rcond=1e-6)[0]
+    factors *= min(1.0, LARGEST / max(float(np.abs(factors).max()), 1e-12))
+    total: Array = z + factors[0] * steps[0] + factors[1] * steps[1]
+    return _with_amplitudes(total, amplitudes)
+
+
+# ---- report
+
+
+def is_described(law: HeightLaw) -> bool:
+    """Tell whether made heights are compared with their law."""
+    return isinstance(law, SelfAffineLaw) or not law.is_gaussian
+
+
+def described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -> dict[str, Any]:
+    """Compare made heights [m] with a law that is self-affine or not Gaussian, under a key.
+
+    Returned are skewness and kurtosis, the mean square of the heights in each octave of wavelength
+    [um] over that of the law of the same rms height [dB], and its standard deviation by chance.
+    """
+    if law is None or not is_described(law):
+        return {}
+    skewness, kurtosis = map(float, moments(heights))
+    counted = _counted(heights.shape)
+    density = spectral_density(heights.shape, spacing, law)
+    density[0, 0] = 0.0
+    with np.errstate(divide="ignore"):
+        nodes = 2 * np.pi / _wave_numbers(heights.shape, spacing) / spacing
+    octave = np.floor(np.log2(np.where(np.isfinite(nodes), nodes, 1.0)) + 1e-9).astype(int).ravel()
+    got, wanted, squares = (
+        np.bincount(octave, power.ravel())
+        for power in (_powers(heights), counted * density, counted * density**2)
+    )
+    shares, kept = wanted / wanted.sum(), np.flatnonzero(wanted > LEAST_SHARE * wanted.sum())
+    # A random wave has an exponentially distributed mean square; the sum of all varies as well.
+    spread = 2 * squares / np.where(wanted > 0, wanted, 1.0) ** 2
+    spread = spread * (1 - 2 * shares) + (spread * shares**2).sum()
+    errors, chances = dict[str, float](), dict[str, float]()
+    for k in kept:
+        name = " to ".join(f"{2.0**n * spacing * 1e6:.6g}" for n in (k, k + 1))
+        error = 10 * np.log10(max(got[k] / got.sum() / shares[k], 1e-30))
+        errors[name] = round(float(error), 3)
+        chances[name] = round(float(10 / np.log(10) * np.sqrt(spread[k])), 3)
+    spectrum = {"spectrum_error_db": errors, "spectrum_chance_db": chances}
+    return {key: {"skewness": skewness, "kurtosis": kurtosis, **spectrum}}
+
+
+def _powers(heights: Array) -> Array:
+    """Return the mean square [m2] that each wave of the half plane, counted twice, adds."""
+    lines = np.abs(np.fft.rfft2(heights)) ** 2 * _counted(heights.shape)
+    lines[0, 0] = 0.0
+    return np.asarray(lines / heights.size**2)
+
+
+def _counted(shape: tuple[int, ...]) -> Array:
+    """Return how many waves of the plane each column of the half plane stands for, 1 or 2."""
+    counted = np.full(shape[1] // 2 + 1, 2.0)
+    counted[0] = 1.0
+    if shape[1] % 2 == 0:
+        counted[-1] = 1.0
+    return counted
+
+
+def _wave_numbers(shape: tuple[int, ...], spacing: float) -> Array:
+    """Return the wave numbers [rad/m] of the half plane of waves of a periodic grid."""
+    along, across = np.fft.fftfreq(shape[0], spacing), np.fft.rfftfreq(shape[1], spacing)
+    return np.asarray(2 * np.pi * np.hypot(along[:, None], across))
