@@ -17,10 +17,8 @@ from acoustics.numbers import rounded
 from rolling.check import (
     cost,
     error_cost,
-    height_files,
+    heights,
     long_steps,
-    made_surfaces,
-    materials,
     refusals,
     resolution,
     validity,
@@ -210,9 +208,7 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
             *_memory(scene),
             *_smooth_contact(scene),
             *resolution.findings(scene),
-            *height_files.findings(scene),
-            *made_surfaces.findings(scene),
-            *materials.findings(scene),
+            *heights.findings(scene),
             *validity.findings(scene),
             resolution.record(scene),
         )

@@ -20,7 +20,7 @@ from acoustics.bands import BAND_NAMES, LEAST_BT
 from acoustics.numbers import rounded
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
-from rolling.figures import wavelengths
+from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
 from rolling.report import assumed, film, hearing, maps, text
@@ -67,7 +67,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         title=text.titles(runs),
         descriptions=_descriptions(shown),
         text=text,
-        wavelengths=wavelengths,
+        origins=origins,
         hearing=hearing,
         caveats=caveats,
         runs_table=runs_table,

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+from rolling.check.finding import table
 from rolling.scene.named import NAMES
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Section
@@ -28,12 +27,7 @@ class Word(NamedTuple):
     minor: bool = False
 
 
-WORDS = {
-    key: Word(**words)
-    for key, words in tomllib.loads(
-        files("rolling.results").joinpath("words.toml").read_text(encoding="utf-8")
-    ).items()
-}
+WORDS = {key: Word(**words) for key, words in table("rolling.results", "words").items()}
 
 
 class Labelled(Protocol):

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Callable
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +13,7 @@ import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
 from rolling.check.error_cost import DETAIL, LEVELS
+from rolling.check.finding import table
 from rolling.marches import observers
 from rolling.marches.observers import PressureMap, SlowMotion, Snapshot
 from rolling.marches.passes import SERIES as PASS_SERIES
@@ -36,9 +35,7 @@ if TYPE_CHECKING:
 FORMAT = 4
 Arrays = dict[str, NDArray[Any]]
 # Dimensions, unit and type of each variable by its path.
-TABLE: dict[str, tuple[str, str, str]] = tomllib.loads(
-    files("rolling.results").joinpath("arrays.toml").read_text(encoding="utf-8")
-)
+TABLE: dict[str, tuple[str, str, str]] = table("rolling.results", "arrays")
 Facts = dict[str, Any]
 Group = tuple[Arrays, Facts]  # arrays and attributes of a group
 

@@ -19,7 +19,7 @@ from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
 from acoustics.modulation import envelope_spectrum, modulated_octave
-from rolling.check import cost, height_files
+from rolling.check import cost, heights
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.motion import BodyMotion
@@ -201,7 +201,7 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
         "seam_step_m": seam.step,
         "seam_neighbours_m": seam.neighbours,
         "seam_stands_out": seam.stands_out,
-        "text": height_files.tilt_text(levelling),
+        "text": heights.tilt_text(levelling),
     }
 
 
