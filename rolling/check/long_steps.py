@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from acoustics.numbers import rounded
+from rolling.check.finding import sentence
 from rolling.dynamics import of_scene
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -57,16 +57,12 @@ def refuse_long_steps(scene: Scene) -> None:
 
 
 def _fault(scene: Scene, radius: float) -> str:
+    """Write the length of the steps, the longest that are allowed, and the nearest number."""
     longest = MAX_RADII * radius
     fitting = [nodes for nodes in STEP_NODES if nodes * scene.spacing <= longest]
+    advice = sentence("refused", "spacing", longest_um=longest * 1e6)
     if fitting:
-        advice = f"{max(fitting):g}, or a smaller surface.spacing_um"
-    else:
-        advice = f"a smaller surface.spacing_um, {rounded(longest * 1e6, 3)} at steps of one node"
-    return (
-        f"numerics.step_nodes: got {scene.numerics.step_nodes:g}, steps of"
-        f" {rounded(scene.step * 1e6, 4)} um, {rounded(scene.step / radius, 3)} times the contact"
-        f" radius of {rounded(radius * 1e6, 3)} um; allowed: steps of at most {MAX_RADII:g} times"
-        f" the radius, {rounded(longest * 1e6, 4)} um here;"
-        f" nearest: {advice}"
-    )
+        advice = sentence("refused", "nodes", nodes=max(fitting))
+    numbers = {"nodes": scene.numerics.step_nodes, "step": scene.step, "longest": longest}
+    numbers |= {"radii": scene.step / radius, "radius_um": radius * 1e6, "most": MAX_RADII}
+    return sentence("refused", "long_steps", advice=advice, **numbers)

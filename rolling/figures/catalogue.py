@@ -56,13 +56,13 @@ def _filters(runs: Sequence[Run]) -> bool:
     return bool(runs[0].vibration) and scene_surface(runs[0].scene).statistics.rq > 0
 
 
-_A = {"a_weighted": True}
 _LEVELS, _AREAS = (partial(sweep.swept_table, names=names) for names in (sweep.LEVELS, sweep.AREAS))
 _VIBRATES = _has("vibration")
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(
-        partial(sound.third_octaves, **_A), partial(sound.third_octave_table, **_A)
+        partial(sound.third_octaves, a_weighted=True),
+        partial(sound.third_octave_table, a_weighted=True),
     ),
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
     "levels": FigureKind(sweep.levels, _LEVELS, sweep.swept_key),

@@ -201,7 +201,7 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
         return ""
     above = _range([above_vibration_db(summary) for summary in known])
     if sources == {"vibration"}:
-        words = say("beside.release", above=above)
+        words: str = say("beside.release", above=above)
         for key, name in MEANS.items():
             if present := [summary[key] for summary in known if key in summary]:
                 mean = _range(present, 1)
@@ -211,9 +211,9 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
         return say("beside.vibration", above=above, level=level)
     level = _range([summary["vibration_estimate_laeq_db"] for summary in known])
     bodies = " or ".join(dict.fromkeys(summary["vibration_estimate_bodies"] for summary in known))
-    lost = max(summary["vibration_estimate_force_ratio"] for summary in known) > LINEAR
+    ratio: float = max(summary["vibration_estimate_force_ratio"] for summary in known)
     words = say("beside.estimate", above=above, level=level, bodies=bodies)
-    return words + say("beside.estimate.lost") * lost
+    return words + say("beside.estimate.lost") * (ratio > LINEAR)
 
 
 def _others(summary: Mapping[str, Any]) -> str:

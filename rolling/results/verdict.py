@@ -165,9 +165,9 @@ def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
 
 def _record(summary: Mapping[str, Any]) -> list[Contribution]:
     """Return the parts of ±: length of the record, its comb of lines, and time steps."""
-    keys = ("comb_spread_db", "motion_step_error_db")
+    keys = ["comb_spread_db", "motion_step_error_db"]
     if summary.get("source") != "vibration":
-        keys = ()  # the release has no such parts
+        keys = []  # the release has no such parts
     parts = [_sized(key, summary[key]) for key in keys if summary.get(key) is not None]
     spread = summary.get("uncertainty_db", {}).get("laeq")
     if spread is not None:
