@@ -47,13 +47,9 @@ def findings(scene: Scene) -> list[Finding]:
 
 def tilt_text(levelling: Levelling) -> str:
     """Write the slopes that were taken off and the roughness, or the slopes that stay."""
-    taken = any(levelling.taken)
-    slopes = zip(
-        levelling.taken if taken else levelling.plane,
-        levelling.lengths,
-        ("along", "across"),
-        strict=True,
-    )
+    taken, directions = any(levelling.taken), ("along", "across")
+    own = levelling.taken if taken else levelling.plane
+    slopes = zip(own, levelling.lengths, directions, strict=True)
     plane = ", ".join(
         f"{rounded(slope * 1e3, 3)} um/mm {direction} ({si(slope * length, 'm')} over the file)"
         for slope, length, direction in slopes
@@ -62,10 +58,9 @@ def tilt_text(levelling: Levelling) -> str:
     if not taken:
         return f"nothing taken off, the plane has {plane}"
     before, after = si(levelling.ra_before, "m"), si(levelling.ra_after, "m")
-    second = (
-        "second order taken off with the plane" if levelling.is_quadratic else "plane taken off"
-    )
-    return f"{second}: {plane}; Ra {before} before, {after} after"
+    order = "second order taken off with the plane"
+    order = order if levelling.is_quadratic else "plane taken off"
+    return f"{order}: {plane}; Ra {before} before, {after} after"
 
 
 def _file(path: Path, surface: HeightFile) -> list[Finding]:

@@ -102,15 +102,9 @@ def too_coarse(scene: Scene, error: float, source: str) -> str | None:
     """
     if error <= WANTED_DB - MARGIN_DB:
         return None
-    return sentence(
-        KEY,
-        "warning",
-        error=error,
-        source=source,
-        wanted=WANTED_DB,
-        margin=MARGIN_DB,
-        advice=advice(scene, error + MARGIN_DB),
-    )
+    numbers = {"error": error, "wanted": WANTED_DB, "margin": MARGIN_DB}
+    words = {"source": source, "advice": advice(scene, error + MARGIN_DB)}
+    return sentence(KEY, "warning", **numbers, **words)
 
 
 def advice(scene: Scene, error: float) -> str:
@@ -187,9 +181,8 @@ def _usual_speed(scene: Scene, duration: float) -> float:
 def _grid_tone(scene: Scene) -> Finding:
     """Name the tone of the grid that steps below a node make audible."""
     motion, duration = scene.motion, scene.duration
-    low, high = (
-        speed / scene.spacing for speed in (motion.slowest(duration), motion.fastest(duration))
-    )
+    ends = motion.slowest(duration), motion.fastest(duration)
+    low, high = (speed / scene.spacing for speed in ends)
     tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
     audible = motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration
     spacing_um = _usual_speed(scene, duration) / HEARING[1] * 1e6

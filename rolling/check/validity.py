@@ -83,9 +83,8 @@ def _bouncing(scene: Scene) -> Finding:
     if scene.laws:
         correlation = 1e-6 * min(law.lengths_um[0] for law in scene.laws)
     wave = speed / frequency / (of_scene.hertz_radius(scene) + correlation)
-    part = sentence(
-        "resonance", "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
-    )
+    weight = "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
+    part = sentence("resonance", weight)
     numbers = {"ball": ball, "frequency": frequency, "speed": speed, "part": part}
     return judged("resonance", si(frequency, "Hz"), True, **numbers)
 

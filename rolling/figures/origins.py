@@ -62,11 +62,9 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     table = table[table["energy_share"] >= LEAST_SHARE]
     low, share = table["from_um"], 100 * table["energy_share"]
     linear = share * table["linear_share"].fillna(0.0)
-    bars = [
-        (share, 0.4, "at the frequencies of these waves"),
-        (linear, 1.0, "following these waves"),
-    ]
-    for height, alpha, label in bars if linear.any() else bars[:1]:
+    bars = [(share, 0.4, "at the frequencies of these waves")]
+    bars += [(linear, 1.0, "following these waves")] if linear.any() else []
+    for height, alpha, label in bars:
         ax.bar(low, height, 0.92 * low, 0, align="edge", color=COLOURS[0], alpha=alpha, label=label)
     ax.set_xscale("log")
     ax.set_xticks(low, [f"{edge:g}" for edge in low])

@@ -218,10 +218,8 @@ def _plain(texts: Iterable[Text]) -> None:
 def drawable(text: str) -> str:
     """Escape letters that the font lacks, so that different texts look different."""
     known = get_font(findfont(FontProperties())).get_charmap()
-    return "".join(
-        x if x == "\n" or ord(x) in known else x.encode("unicode_escape").decode("ascii")
-        for x in text
-    )
+    escaped = {x: x.encode("unicode_escape").decode("ascii") for x in {*text} - {"\n"}}
+    return "".join(escaped[x] if x in escaped and ord(x) not in known else x for x in text)
 
 
 def csv_bytes(table: DataFrame) -> bytes:

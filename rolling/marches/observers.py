@@ -291,9 +291,8 @@ class Film:
         windows = [window for window, _, _ in self._shots]
         whole = Window.around(windows)
         nodes = -(-max(max(window.rows, window.columns) for window in windows) // FILM_CELLS)
-        rows, columns = (
-            -(-count // nodes) + 2 * FILM_MARGIN for count in (whole.rows, whole.columns)
-        )
+        sides = whole.rows, whole.columns
+        rows, columns = (-(-count // nodes) + 2 * FILM_MARGIN for count in sides)
         border = FILM_MARGIN * nodes
         whole = Window(whole.row - border, whole.column - border, rows * nodes, columns * nodes)
 

@@ -142,9 +142,8 @@ class Passes:
     @property
     def yielding(self) -> float:
         """Plastic work of the last pass over its release."""
-        return float(
-            self.series["plastic_work"][-1].sum() / self.series["release_energy"][-1].sum()
-        )
+        work, release = (self.series[name][-1] for name in ("plastic_work", "release_energy"))
+        return float(work.sum() / release.sum())
 
     def refuse_yielding(self) -> None:
         """Raise ContactError while the last pass yields: a force law needs a settled surface."""

@@ -29,6 +29,8 @@ from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.identity import digest
 from rolling.scene.scene import Scene
 
+LawKey = tuple[str, tuple[float, ...]]  # vibration and loads [N] of a law
+
 
 def vibration_key(scene: Scene) -> str:
     """Return a digest that is equal for scenes of equal contact whose force is equal."""
@@ -60,9 +62,7 @@ class LoadMarches:
     judging: dict[float, Array] = field(default_factory=dict)
     faults: dict[float, str] = field(default_factory=dict)
     seconds: float = 0.0
-    _failures: dict[float, dict[int, str]] = field(
-        default_factory=lambda: defaultdict(dict), repr=False
-    )
+    _failures: dict[float, dict[int, str]] = field(default_factory=lambda: defaultdict(dict))
 
     @property
     def fault(self) -> str:
@@ -263,12 +263,8 @@ class Result:
     load_marches: LoadMarches | None = None
     moving: MovingRelease | None = None
     passes: Passes | None = None
-    extremes: dict[tuple[str, tuple[float, ...]], tuple[float, float]] = field(
-        default_factory=dict, repr=False
-    )
-    motion: tuple[tuple[str, tuple[float, ...]], BodyMotion] | None = field(
-        default=None, repr=False
-    )
+    extremes: dict[LawKey, tuple[float, float]] = field(default_factory=dict)
+    motion: tuple[LawKey, BodyMotion] | None = None
 
     @classmethod
     def empty(cls, scene: Scene) -> Result:

@@ -61,9 +61,7 @@ def _parts(run: Run) -> dict[str, str]:
         "diameter": f"{2 * scene.sphere.radius_mm:g} mm",
         "speed": speed,
         "load": f"{rounded(scene.load, 6)} N",
-        "thickness": f"a {plate.thickness_mm:g} mm thick plate"
-        if plate.thickness_mm
-        else "a plate",
+        "thickness": thickness,
         "plate": f"{plate.youngs_modulus_gpa:g} GPa{yields}",
         "surface": surface_words(scene),
         "distance": f"{scene.sound.distance_m:g} m",

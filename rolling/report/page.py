@@ -225,10 +225,8 @@ def gains(
         scale and for a common LAeq, `calibrated_pa` and `equal_pa` [Pa] the full scales that they
         lead to, and `equal_db` [dB] their ratio. A silent record has factors of 0 and no scales.
     """
-    records = [
-        (peak / wav.PEAK if peak > 0 else 1.0, peak, level)
-        for peak, level in zip(peaks_pa, laeq_db, strict=True)
-    ]
+    scales = [peak / wav.PEAK if peak > 0 else 1.0 for peak in peaks_pa]
+    records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
     common = max((scale for scale, peak, _ in records if peak > 0), default=1.0)
     # Each record is loudest with its peak at the limit. All records can reach the minimum of these
     # levels.

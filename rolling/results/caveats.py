@@ -164,10 +164,8 @@ def _of_radiation(scene: Scene) -> dict[str, str]:
     place = scene.listener_place + " above the contact" * (scene.sound.listener_mm is None)
     moves = len(scene.plate.contact_ends_mm) > 1
     path = "moves to and fro on a straight line" if moves else "stays at its point of the plate"
-    return {
-        "at_listener": say("at_listener", sources=sources, place=place),
-        "plate_edges": say("plate_edges", path=path),
-    }
+    at_listener = say("at_listener", sources=sources, place=place)
+    return {"at_listener": at_listener, "plate_edges": say("plate_edges", path=path)}
 
 
 def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:

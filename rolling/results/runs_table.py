@@ -89,10 +89,9 @@ def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
             cells["laeq_total_uncertainty_db"] = value
         elif key not in ("name", "levelling", "preparation") and not isinstance(value, Mapping):
             cells[key] = value
-    bands = {
-        f"{key}_{name}": level for key in BANDS for name, level in summary.get(key, {}).items()
-    }
-    return cells | bands
+    for key in BANDS:
+        cells |= {f"{key}_{name}": level for name, level in summary.get(key, {}).items()}
+    return cells
 
 
 def seed_statistics(table: pd.DataFrame, over: str = SEED) -> pd.DataFrame:
@@ -295,18 +294,16 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     remarks = gathered(runs)
     beside = [caveat.line for caveat in remarks if caveat.key in HEADLINE]
     summaries = [summary for _, summary in runs]
-    surfaces = dict.fromkeys(
-        say("surface", **summary["surface"]) + surface_parts(summary) for summary in summaries
-    )
+    texts = (say("surface", **summary["surface"]) + surface_parts(summary) for summary in summaries)
+    surfaces = dict.fromkeys(texts)
     prepared = [step for summary in summaries for step in summary.get("preparation", ())]
     texts = (f"{str(step['step']).replace('_', '-')}: {step['text']}" for step in prepared)
     steps = [*dict.fromkeys(texts)]
     if (more := len(steps) - MOST_STEPS) > 0:
         steps[MOST_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]
     levelled = filter(None, (summary["levelling"] for summary in summaries))
-    tilts = dict.fromkeys(
-        f"tilt: {x['text']}" for x in levelled if x["slope_along"] or x["slope_across"]
-    )
+    tilted = (x["text"] for x in levelled if x["slope_along"] or x["slope_across"])
+    tilts = [f"tilt: {text}" for text in dict.fromkeys(tilted)]
     repeats = [f"note: {caveat.line}" for caveat in remarks if caveat.key in REPEATS]
     ranked = [f"warning: {caveat.line}" for caveat in warnings(runs)]
     if (more := len(ranked) - MOST_WARNINGS) > 0:

@@ -100,10 +100,8 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     word, reason = max(words, key=lambda pair: WORDS.index(pair[0]))
     best = "" if word == DO_NOT_QUOTE else "at best "
     place = "" if len(words) == 1 else " of the worst run"
-    return (
-        f"It runs, in {computing(findings.seconds)}; the expected verdict{place} is {best}{word}:"
-        f" {reason}."
-    )
+    time = computing(findings.seconds)
+    return f"It runs, in {time}; the expected verdict{place} is {best}{word}: {reason}."
 
 
 def contributions(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
