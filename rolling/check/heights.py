@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from acoustics.numbers import rounded
-from rolling.check import cost, long_steps, refusals
+from rolling.check import cost, refusals, resolution
 from rolling.check.finding import Finding, judged, sentence, si
 from rolling.scene.instruments import is_instrument, read
 from rolling.scene.laws import SelfAffineLaw
@@ -102,7 +102,7 @@ def _seam(scene: Scene, levelling: Levelling) -> Finding:
     sizes = f"{si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between neighbouring rows"
     if not seam.stands_out:
         return judged("seam", sizes, False)
-    share, record = _share_on_seam(scene, long_steps.contact_radius(scene)), scene.duration
+    share, record = _share_on_seam(scene, resolution.contact_radius(scene)), scene.duration
     numbers = {"on_seam": share * record, "record": record, "percent": 100 * share}
     return judged("seam", f"{sizes}, stands out", share > 0, **numbers)
 

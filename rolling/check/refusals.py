@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
-from rolling.check import cost, long_steps
+from rolling.check import cost, resolution
 from rolling.check.finding import byte_size, sentence
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
@@ -36,7 +36,7 @@ def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
         cannot be used.
     """
     refuse_unavailable(scene)
-    long_steps.refuse_long_steps(scene)
+    resolution.refuse_long_steps(scene)
     runs = [run for _, run in scene.runs()]
     for run in runs:
         _refuse_interleaved(run)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from acoustics.numbers import rounded
-from rolling.check import cost, long_steps, vibration
+from rolling.check import cost, resolution, vibration
 from rolling.check.finding import Finding, judged, sentence, si
 from rolling.check.resolution import HEARING
 from rolling.contact import closed_forms
@@ -49,7 +49,7 @@ def _near(scene: Scene) -> list[Finding]:
 
 def _half_space(scene: Scene) -> list[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
-    slope, share = cost.roughness(scene)[1], long_steps.contact_radius(scene) / scene.radius
+    slope, share = cost.roughness(scene)[1], resolution.contact_radius(scene) / scene.radius
     advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
     if scene.sphere.surface is not None:
         advice += ", of plate or sphere"

@@ -190,9 +190,8 @@ def picture(name: str, draw: Callable[..., Axes], table: DataFrame | None = None
         names = [drawable(name) for name in names]
         across = max(1, int(WIDTH_IN / (0.8 + 0.07 * max(map(len, names)))))
         rows = -(-len(names) // across)
-        below = figure.legend(
-            handles, names, loc="outside lower left", ncols=across, fontsize=8.5, frameon=False
-        )
+        place: dict[str, Any] = {"loc": "outside lower left", "ncols": across}
+        below = figure.legend(handles, names, fontsize=8.5, frameon=False, **place)
         _plain(below.get_texts())
         _fit(below, below.get_texts())
     figure.set_size_inches(WIDTH_IN, HEIGHT_IN + _ROW_IN * rows)

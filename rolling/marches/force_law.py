@@ -79,11 +79,8 @@ def law_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> lis
             known = {*marches.judging, *marches.faults}
             judged = [load for load in _judged(scene, result, loads.marched) if load not in known]
             return [piece("judge", 0, last, load=load) for load in judged]
-    return [
-        piece("load", first, last, load=load)
-        for load in lacking
-        for first, last in marches.missing(load)
-    ]
+    missing = ((load, *ends) for load in lacking for ends in marches.missing(load))
+    return [piece("load", first, last, load=load) for load, first, last in missing]
 
 
 def own_marches(scene: Scene, result: Result) -> LoadMarches | None:

@@ -67,10 +67,8 @@ def labels(runs: Sequence[Labelled]) -> list[str]:
         texts = [f"{name}, {text}" for name, text in zip(names, texts, strict=True)]
     homes = [(run.folder.parent if run.values else run.folder).resolve().name for run in runs]
     shared = Counter(text for text, _ in {*zip(texts, homes, strict=True)})
-    texts = [
-        f"{text} ({printable(home)})" if shared[text] > 1 else text
-        for text, home in zip(texts, homes, strict=True)
-    ]
+    for k, (text, home) in enumerate(zip(texts, homes, strict=True)):
+        texts[k] = f"{text} ({printable(home)})" if shared[text] > 1 else text
     return _numbered([_cut(text, LONGEST) for text in texts])
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ
-from rolling.check import error_cost, long_steps, resolution
+from rolling.check import error_cost, resolution
 from rolling.check.finding import Finding, computing
 from rolling.check.findings import Findings
 from rolling.results.sentences import say
@@ -230,7 +230,7 @@ def _limits(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     for caveat in summary.get("caveats", ()):
         key, text = caveat["key"], ": ".join(caveat["text"].split(": ")[:2])
         if key == "step_length":
-            error = long_steps.LEVEL_ERROR_DB * scene.track.step / long_steps.contact_radius(scene)
+            error = resolution.LEVEL_ERROR_DB * scene.track.step / resolution.contact_radius(scene)
             parts.append(_sized(key, error, text=text))
         elif key == "half_space_sound" and (bands := summary.get("third_octave_a_db")):
             if summary.get("source") == "vibration":
