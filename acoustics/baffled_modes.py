@@ -126,9 +126,8 @@ def power_of_modes(
     """
     power = np.empty(len(frequency_hz))
     for lines in _blocks(edges_m, frequency_hz):
-        power[lines] = velocity_square[lines] @ _resistances(
-            edges_m, orders, float(np.mean(frequency_hz[lines]))
-        )
+        middle_hz = float(np.mean(frequency_hz[lines]))
+        power[lines] = velocity_square[lines] @ _resistances(edges_m, orders, middle_hz)
     return power
 
 

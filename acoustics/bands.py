@@ -62,9 +62,8 @@ def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Ar
     band = np.searchsorted(EDGES_HZ, frequency_hz, side="right") - 1
     inside = (band >= 0) & (band < len(NOMINAL_HZ))
     weights = np.asarray(line_mean_square)[inside]
-    return np.asarray(
-        np.bincount(band[inside], weights=weights, minlength=len(NOMINAL_HZ)), dtype=float
-    )
+    sums = np.bincount(band[inside], weights=weights, minlength=len(NOMINAL_HZ))
+    return np.asarray(sums, dtype=float)
 
 
 def band_uncertainty_db(duration_s: float) -> Array:

@@ -43,9 +43,8 @@ class Lap:
         fall = 1.0 - rise
         mixed = rise * lap[: self.overlap] + fall * record[self.end - self.overlap : self.end]
         # The mean square of the sum stays that of its parts.
-        lap[: self.overlap] = mixed / np.sqrt(
-            np.square(rise) + np.square(fall) + 2.0 * self.correlation * rise * fall
-        )
+        square = np.square(rise) + np.square(fall) + 2.0 * self.correlation * rise * fall
+        lap[: self.overlap] = mixed / np.sqrt(square)
         return self.factor * lap
 
 

@@ -128,9 +128,8 @@ def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
 def a_weighted_rms(pressure_pa: Array, sample_rate_hz: float) -> float:
     """Return the A-weighted rms of the whole record, in its unit; 0 if it is only rounding."""
     frequency_hz, mean_square = line_spectrum(pressure_pa, sample_rate_hz)
-    return math.sqrt(
-        _above_rounding(_a_weighted(frequency_hz, mean_square).sum(), mean_square.sum())
-    )
+    weighted = _a_weighted(frequency_hz, mean_square).sum()
+    return math.sqrt(_above_rounding(weighted, mean_square.sum()))
 
 
 def peak_pressure(pressure_pa: Array) -> float:
@@ -206,13 +205,9 @@ def sound_levels(
     known = EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0)
 
     def bands(line_mean_square: Array) -> dict[str, float | None]:
-        band_mean_square = np.where(
-            known, third_octave_mean_square(frequency_hz, line_mean_square), 0.0
-        )
-        return {
-            name: level_db(_above_rounding(value, whole))
-            for name, value in zip(BAND_NAMES, band_mean_square, strict=True)
-        }
+        band_mean_square = third_octave_mean_square(frequency_hz, line_mean_square)
+        parts = zip(BAND_NAMES, np.where(known, band_mean_square, 0.0), strict=True)
+        return {name: level_db(_above_rounding(value, whole)) for name, value in parts}
 
     a_weighted_pa = a_weighted(pressure_pa, sample_rate_hz)
 

@@ -74,13 +74,11 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
         return Loudness(0.0, None)
     rounds = math.ceil(_PLAYED_S * sample_rate_hz / len(record)) if closed else 1
     try:
-        sone, specific, _ = loudness_zwst(
-            np.tile(fluctuation, rounds), sample_rate_hz, field_type="free"
-        )
+        played = np.tile(fluctuation, rounds)
+        sone, specific, _ = loudness_zwst(played, sample_rate_hz, field_type="free")
     except ValueError:  # both cases raise this error
         return Loudness(None, None)
     if not sone > 0.0:
         return Loudness(0.0, None)
-    return Loudness(
-        float(sone), float(sharpness_din_from_loudness(sone, specific, weighting="din"))
-    )
+    acum = sharpness_din_from_loudness(sone, specific, weighting="din")
+    return Loudness(float(sone), float(acum))

@@ -105,11 +105,8 @@ def modulated_octave(
     bands = [(float(EDGES_HZ[k]), float(EDGES_HZ[k + OCTAVE])) for k in range(0, 30, OCTAVE)]
     least = power.max() * 10 ** (-FAINT_DB / 10)
     wide = (MULTIPLES + 1) * frequency_hz
-    heard = [
-        band
-        for band, own in zip(bands, power, strict=True)
-        if own > least and band[1] - band[0] > wide
-    ]
+    loud = [band for band, own in zip(bands, power, strict=True) if own > least]
+    heard = [(low, high) for low, high in loud if high - low > wide]
 
     def prominence(band: tuple[float, float]) -> float:
         return envelope_spectrum(signal, sample_rate_hz, band, closed).prominence(frequency_hz)

@@ -148,9 +148,7 @@ def third_octaves(
     first = int(np.argmax(read)) if read.any() else len(read)
     seen: list[float] = []
     for number, (label, levels, uncertainty) in enumerate(curves):
-        level, spread = (
-            numbers(by_name[name] for name in BAND_NAMES) for by_name in (levels, uncertainty)
-        )
+        level, spread = _by_band(levels), _by_band(uncertainty)
         seen += [*level]
         look = look_of(number, len(curves), ordered)
         _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
@@ -162,6 +160,11 @@ def third_octaves(
     _audible(ax, seen, limits_db)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     return finish(ax, "sound pressure level [dB re 20 µPa]")
+
+
+def _by_band(by_name: Mapping[str, float | None]) -> Array:
+    """Return the values of all third octaves, with NaN in place of None."""
+    return numbers(by_name[name] for name in BAND_NAMES)
 
 
 def _audible(
@@ -213,7 +216,7 @@ def _error_marks(
 
     Returns these levels [dB].
     """
-    error, spread = (numbers(by_name[name] for name in BAND_NAMES) for by_name in errors)
+    error, spread = map(_by_band, errors)
     known = np.isfinite(error) & np.isfinite(level)
     right, marked = (level - error)[known], "level less its estimated error"
     named = None if marked in ax.get_legend_handles_labels()[1] else marked

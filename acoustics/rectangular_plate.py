@@ -136,9 +136,8 @@ class RectangularPlate(ThinPlate):
         if path_m is None:
             path_m = math.dist((*np.ravel(contact_m), 0.0), listener_m)
         parts = self._parts(np.atleast_1d(np.asarray(frequency_hz)))
-        return np.concatenate(
-            [self.mode_transfer(part, listener_m, path_m) @ shapes for part in parts]
-        )
+        transfers = (self.mode_transfer(part, listener_m, path_m) for part in parts)
+        return np.concatenate([transfer @ shapes for transfer in transfers])
 
     def mode_transfer(
         self,

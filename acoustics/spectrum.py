@@ -147,9 +147,8 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
     segment = min(round(sample_rate_hz / _PSD_LINE_HZ), len(record) // 4)
     segment = min(max(segment, _LEAST_SEGMENT), len(record))
     window = scipy_signal.get_window("hann", segment)
-    frequency_hz, psd = scipy_signal.welch(
-        record, sample_rate_hz, window, noverlap=segment // 2, detrend=False
-    )
+    options = {"noverlap": segment // 2, "detrend": False}
+    frequency_hz, psd = scipy_signal.welch(record, sample_rate_hz, window, **options)
     bandwidth_hz = equivalent_noise_bandwidth(window, sample_rate_hz)
     return Psd(frequency_hz, psd, "hann", sample_rate_hz / segment, bandwidth_hz)
 
@@ -300,9 +299,8 @@ def spectrogram(
     padded = np.pad(record, (before - first, frame), mode="wrap" if closed else "constant")
 
     window = get_window("hann", frame)
-    transform = ShortTimeFFT(
-        window, hop, sample_rate_hz, fft_mode="onesided2X", scale_to="psd", phase_shift=None
-    )
+    options = {"fft_mode": "onesided2X", "scale_to": "psd", "phase_shift": None}
+    transform = ShortTimeFFT(window, hop, sample_rate_hz, **options)
     density = transform.spectrogram(padded, p0=before // hop, p1=before // hop + frames)
     low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
     half = sample_rate_hz / frame / 2.0  # of a line's width

@@ -135,15 +135,12 @@ def level_uncertainty(
         weighted, own = _variance(a, z, exponent), _variance(a, z, 0.0)
         laeq_db = _db(weighted)
         # A reading is a part of the record: it varies with Z as the whole does, and on its own.
-        laf_max_db, las_max_db = (
-            _db(weighted + own * (duration_s / min(duration_s, 2.0 * time_constant_s) - 1.0))
-            for time_constant_s in (FAST_S, SLOW_S)
-        )
+        readings = (duration_s / min(duration_s, 2.0 * tau_s) for tau_s in (FAST_S, SLOW_S))
+        laf_max_db, las_max_db = (_db(weighted + own * (count - 1.0)) for count in readings)
     share = third_octave_mean_square(frequency_hz, z) / z.sum()
     # The covariance of a band and the whole is the variance of the band times its share.
-    bands = (1.0 - 2.0 * exponent * share) / (BANDWIDTH_HZ * duration_s) + exponent**2 * _variance(
-        z, z, 0.0
-    )
+    bands = (1.0 - 2.0 * exponent * share) / (BANDWIDTH_HZ * duration_s)
+    bands += exponent**2 * _variance(z, z, 0.0)
     return LevelUncertainty(
         laeq_db=laeq_db,
         level_db=_db(whole),

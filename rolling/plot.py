@@ -17,13 +17,11 @@ from typing import Any
 
 from acoustics.arrays import instance
 from rolling.figures.contact import contact_pressure, recovery_events, surface
-from rolling.figures.modulation import modulation
+from rolling.figures.origins import modulation, running_in, wavelengths
 from rolling.figures.picture import listed
-from rolling.figures.running_in import running_in
 from rolling.figures.sound import power_density, release_power, spectrogram, spectrum, third_octaves
 from rolling.figures.sweep import contact_areas, levels, mean_third_octaves
 from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
-from rolling.figures.wavelengths import wavelengths
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
 

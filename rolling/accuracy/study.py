@@ -27,7 +27,7 @@ from rolling.accuracy.variants import (
     stretch_of,
     variants_of,
 )
-from rolling.check import long_steps
+from rolling.check import resolution
 from rolling.contact.solver import ContactError
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
@@ -220,7 +220,7 @@ def run_study(
     ContactError : as in `accuracy`.
     """
     values, scene = scene.runs()[0]
-    long_steps.refuse_long_steps(scene)
+    resolution.refuse_long_steps(scene)
     identity = digest([scene_identity(scene), finest, duration_s])
     folder = out or Path("outputs") / f"{scene.name}-accuracy-{identity[:8]}"
     study = _stored(folder, identity)

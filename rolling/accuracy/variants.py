@@ -102,14 +102,8 @@ def variants_of(scene: Scene, finest: int) -> list[Variant]:
     edges = numerics.edges if numerics.edges in all_edges else "sharp"
     own = Variant(1, numerics.step_nodes, scene.tolerance, edges, numerics.precision)
     grids = [2**k for k in range(round(math.log2(finest)))]
-    reference = replace(
-        own,
-        times=finest,
-        tolerance=REFERENCE_TOLERANCE,
-        edges=all_edges[0],
-        precision="single",
-        curve=REFERENCE,
-    )
+    best = replace(own, times=finest, tolerance=REFERENCE_TOLERANCE, edges=all_edges[0])
+    reference = replace(best, precision="single", curve=REFERENCE)
     wide = wider_times(scene)
     listed = [
         own,

@@ -68,10 +68,9 @@ def advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
     next_grid = same[(same.curve != REFERENCE) & (same.width_um == best.width_um)]
     next_grid = next_grid.sort_values(["spacing_um", "tolerance"]).iloc[0]
     laeq, band = abs(next_grid.error_laeq_db), next_grid.worst_band_db
-    lines.append(
-        f"the reference is off by {laeq:.3f} dB of LAeq and {band:.2f} dB of a third octave at"
-        f" most, if errors halve with the spacing (the errors at {next_grid.spacing_um:g} µm)"
-    )
+    off = f"the reference is off by {laeq:.3f} dB of LAeq and {band:.2f} dB of a third octave"
+    grid = f"if errors halve with the spacing (the errors at {next_grid.spacing_um:g} µm)"
+    lines.append(f"{off} at most, {grid}")
     good = frame[
         (frame.error_laeq_db.abs() + laeq <= LAEQ_LIMIT_DB)
         & (frame.worst_band_db + band <= BAND_LIMIT_DB)
@@ -105,10 +104,8 @@ def _tolerance_advice(frame: pd.DataFrame) -> list[str]:
     if fitting.empty:
         return [f"no tolerance that was tried leaves a solver error below {most:.0f} dB"]
     loosest = tolerance_text(fitting.tolerance.max())
-    return [
-        f"the loosest tolerance with a solver error below {most:.0f} dB is {loosest}; the scene has"
-        f" {tolerance_text(own.tolerance)}"
-    ]
+    words = f"the loosest tolerance with a solver error below {most:.0f} dB is {loosest}"
+    return [f"{words}; the scene has {tolerance_text(own.tolerance)}"]
 
 
 def _width_advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
@@ -118,10 +115,10 @@ def _width_advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
         return []
     wide, own = rows.iloc[0], frame[frame.curve == OWN].iloc[0]
     signal = float(study.width_error_signal_db.max())
+    change, widths = wide.error_laeq_db - own.error_laeq_db, (wide.width_um, own.width_um)
+    words = "a surface of {:g} µm instead of {:g} µm changes LAeq by".format(*widths)
     return [
-        f"a surface of {wide.width_um:g} µm instead of {own.width_um:g} µm changes LAeq by"
-        f" {wide.error_laeq_db - own.error_laeq_db:+.3f} dB, and the release signal by"
-        f" {signal:.1f} dB re its fluctuation"
+        f"{words} {change:+.3f} dB, and the release signal by {signal:.1f} dB re its fluctuation"
     ]
 
 

@@ -2,9 +2,9 @@
 
 findings
     `check_scene` judges all runs of a scene, `findings` a single run
-resolution, long_steps, height_files, made_surfaces, validity, vibration
-    findings by subject: spacing, steps and record; steps against the contact; heights from a file;
-    made heights; limits of the model; scenes with dynamics
+resolution, heights, validity, vibration
+    findings by subject: spacing, steps and record; heights from a file and made; limits of the
+    model; scenes with dynamics
 probe
     solves a few positions
 cost

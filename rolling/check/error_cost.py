@@ -101,10 +101,8 @@ def too_short(scene: Scene) -> str | None:
     solved = scene.track.solved_steps
     least = STRETCHES[0] * (STRETCH_STEPS[0] + START_STEPS) * _step_cost(scene) / SHARE
     needed = math.ceil(least * solved / marched_steps(scene))
-    return (
-        f"the track has {solved} different steps, and the estimate needs {needed} to stay below"
-        f" {SHARE:.0%} of the run's cost"
-    )
+    words = f"the track has {solved} different steps, and the estimate needs {needed} to stay below"
+    return f"{words} {SHARE:.0%} of the run's cost"
 
 
 def cost_share(scene: Scene, power: float = COST_POWER) -> float:

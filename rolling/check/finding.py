@@ -17,9 +17,14 @@ from rolling.scene.scene import Scene
 SURFACE = "surface_time"  # key of the finding whose time runs with the same surface share
 LEAST_SECONDS = 1.0  # shorter times for making a surface are not listed
 _UNITS = ("m", "s", "Hz", "Pa", "N")
-_FINDINGS: dict[str, dict[str, str]] = tomllib.loads(
-    files("rolling.check").joinpath("findings.toml").read_text(encoding="utf-8")
-)
+
+
+def table(package: str, name: str) -> dict[str, Any]:
+    """Read the table NAME.toml of texts or numbers beside the modules of a package."""
+    return tomllib.loads(files(package).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
+
+
+_FINDINGS: dict[str, dict[str, str]] = table("rolling.check", "findings")
 
 
 @dataclass(frozen=True)
@@ -54,12 +59,19 @@ class _Words(string.Formatter):
             return si(value, spec)
         if spec in ("up", "down"):
             return rounded_up(value) if spec == "up" else rounded_down(value)
+        if spec == "um":
+            return rounded(value * 1e6, 4)
         return rounded(value, int(spec)) if spec.isdecimal() else format(value, spec)
+
+
+def written(text: str, /, **numbers: object) -> str:
+    """Write numbers into the braces of a text: with a unit, so many digits, or as usual."""
+    return _Words().format(text, **numbers)
 
 
 def sentence(key: str, variant: str, /, **numbers: object) -> str:
     """Write a sentence of a finding in findings.toml with its numbers."""
-    return _Words().format(_FINDINGS[key][variant], **numbers)
+    return written(_FINDINGS[key][variant], **numbers)
 
 
 def judged(key: str, value: str, doubt: bool | str, /, **numbers: object) -> Finding:

@@ -14,18 +14,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from acoustics.numbers import rounded
-from rolling.check import (
-    cost,
-    error_cost,
-    height_files,
-    long_steps,
-    made_surfaces,
-    materials,
-    refusals,
-    resolution,
-    validity,
-    vibration,
-)
+from rolling.check import cost, error_cost, heights, refusals, resolution, validity, vibration
 from rolling.check.finding import (
     SURFACE,
     Finding,
@@ -155,7 +144,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     `check_scene(read_scene("scenarios/quickstart.yaml"), solve=False).warnings`
     """
     refusals.refuse_unavailable(scene)
-    long_steps.refuse_long_steps(scene)
+    resolution.refuse_long_steps(scene)
     runs = scene.runs()
     scenes = [run.scene for run in runs]
     for run in scenes:  # a file is judged by its header before it is read
@@ -210,9 +199,7 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
             *_memory(scene),
             *_smooth_contact(scene),
             *resolution.findings(scene),
-            *height_files.findings(scene),
-            *made_surfaces.findings(scene),
-            *materials.findings(scene),
+            *heights.findings(scene),
             *validity.findings(scene),
             resolution.record(scene),
         )

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.check import cost, error_cost
-from rolling.check.finding import Finding, clock, computing, si, surface_time
+from rolling.check.finding import Finding, clock, computing, sentence, si, surface_time
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
@@ -77,10 +77,8 @@ class Probe:
         """State the numbers of the solved positions, in place of closed forms and cost model."""
         solved, count, failed = self.solved, len(self.solved), None
         if self.failures:
-            failed = (
-                f"{len(self.failures)} of {self.tried} positions fail, and so will the run:"
-                f" {self.failures[0]}"
-            )
+            numbers = {"failed": len(self.failures), "tried": self.tried}
+            failed = sentence("positions", "failed", reason=self.failures[0], **numbers)
         value = f"none: {self.left_out}" if self.left_out else f"{count} of {self.tried}"
         result = [Finding("positions", "positions solved", value, failed)]
         if not count:
@@ -200,10 +198,7 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
         solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
         reason = ""
         if nodes > MAX_NODES:
-            reason = (
-                f"making {rounded(nodes / 1e6, 3)} million nodes would take long, the limit is"
-                f" {rounded(MAX_NODES / 1e6)} million"
-            )
+            reason = sentence("positions", "nodes", nodes=nodes / 1e6, most=MAX_NODES / 1e6)
         elif solving > MAX_SECONDS:
             reason = f"it would take about {clock(solving)}, the limit is {clock(MAX_SECONDS)}"
         else:

@@ -9,20 +9,13 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
-from rolling.check import cost, long_steps
-from rolling.check.finding import byte_size
+from rolling.check import cost, resolution
+from rolling.check.finding import byte_size, sentence
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
 
 OUTPUTS = Path("outputs")  # where runs are written unless another folder is given
 SHARE = 0.8  # of memory or free disk that a run may take; the rest belongs to others
-ADVICE = {
-    "program": "give fewer --workers",
-    "surface": "choose a smaller surface, a larger surface.spacing_um, or fewer --workers",
-    "window": "choose a larger surface.spacing_um, or fewer --workers",
-    "record": "shorten rolling.duration_s or rolling.distance_mm, lower rolling.speed_m_s, or give"
-    " sweep fewer values",
-}
 GROUPS_OF_PROCESS, GROUPS = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
 
 
@@ -43,7 +36,7 @@ def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
         cannot be used.
     """
     refuse_unavailable(scene)
-    long_steps.refuse_long_steps(scene)
+    resolution.refuse_long_steps(scene)
     runs = [run for _, run in scene.runs()]
     for run in runs:
         _refuse_interleaved(run)
@@ -59,23 +52,15 @@ def _refuse_interleaved(scene: Scene) -> None:
     """
     track, step = scene.track, scene.numerics.step_nodes
     if scene.is_permanent and track.solved_steps * step > track.n_along * (1 + 1e-9):
-        words = (
-            f"got {plain_number(step)}, allowed with plate.plasticity: permanent: a divisor of the"
-            f" {track.n_along} nodes of the height file"
-        )
-        raise SceneError([f"{scene.place('numerics.step_nodes')}: numerics.step_nodes: {words}"])
+        words = sentence("refused", "interleaved", step=plain_number(step), nodes=track.n_along)
+        raise SceneError([f"{scene.place('numerics.step_nodes')}: {words}"])
 
 
 def refuse_unavailable(scene: Scene) -> None:
     """Raise SceneError where a scene asks for loudness and the package for it is missing."""
     if scene.sound.loudness and find_spec("mosqito") is None:
-        raise SceneError(
-            [
-                f"{scene.place('sound.loudness')}: sound.loudness: needs the package mosqito, which"
-                ' is not installed; pip install "rolling-contact-noise[loudness]", or set it to'
-                " false"
-            ]
-        )
+        words = sentence("refused", "loudness")
+        raise SceneError([f"{scene.place('sound.loudness')}: {words}"])
 
 
 def excess(scenes: Sequence[Scene], workers: int, folder: Path | None) -> dict[str, str]:
@@ -84,15 +69,13 @@ def excess(scenes: Sequence[Scene], workers: int, folder: Path | None) -> dict[s
     largest = max(parts, key=parts.__getitem__)
     limit = memory_limit()
     if sum(parts.values()) > SHARE * limit:
-        faults["memory"] = (
-            f"needs {memory_text(parts)}, allowed: {_share(limit)} this machine allows;"
-            f" {ADVICE[largest]}"
-        )
-    if folder is not None and cost.disk(scenes) > SHARE * free_disk(folder):
-        faults["disk"] = (
-            f"needs about {byte_size(cost.disk(scenes))}, allowed: {_share(free_disk(folder))} free"
-            f" where {folder} is; {ADVICE['record']}"
-        )
+        numbers = {"need": memory_text(parts), "share": _share(limit)}
+        advice = sentence("refused", largest)
+        faults["memory"] = sentence("refused", "memory", advice=advice, **numbers)
+    if folder is not None and (disk := cost.disk(scenes)) > SHARE * free_disk(folder):
+        numbers = {"need": byte_size(disk), "share": _share(free_disk(folder))}
+        advice = sentence("refused", "record")
+        faults["disk"] = sentence("refused", "disk", folder=folder, advice=advice, **numbers)
     return faults
 
 

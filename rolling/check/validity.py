@@ -1,13 +1,17 @@
-"""Validity of the model: the half-space, and the constant load on a ball that could bounce."""
+"""Validity of the model: materials, half-space, the constant load on a ball, and falls."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+
 from acoustics.numbers import rounded
-from rolling.check import cost, free_sphere, long_steps, vibration
+from rolling.check import cost, resolution, vibration
 from rolling.check.finding import Finding, judged, sentence, si
-from rolling.check.free_sphere import MAX_CONTACT
 from rolling.check.resolution import HEARING
-from rolling.dynamics import of_scene
+from rolling.contact import closed_forms
+from rolling.dynamics import drop, of_scene
+from rolling.scene import named
 from rolling.scene.quantities import STEEL_DENSITY
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
@@ -21,13 +25,17 @@ NEAR = 3.0  # sphere radii within which a listener is too near
 # -5 to -15 dB at 0.7, relative to the release within hearing.
 FELT = 0.2
 DOMINANT = 0.7
+STEEL_GPA, STEEL_POISSON = 210.0, 0.3
+MAX_CONTACT = 0.2  # contact radius over sphere radius
+LOWEST_MODE = 0.84  # frequency of the lowest mode times diameter over the speed of shear waves
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """Judge whether the model holds for a scene; a height file is read."""
+    """Judge whether the model and its materials hold for a scene; a height file is read."""
     resonance = _bouncing(scene) if scene.dynamics is None else vibration.resonance(scene)
-    moving = [*vibration.findings(scene), *free_sphere.findings(scene)]
-    return [*_half_space(scene), *_near(scene), resonance, *moving]
+    moving = [*vibration.findings(scene), *_free_sphere(scene)]
+    limits = [*_half_space(scene), *_near(scene), resonance, *moving]
+    return [*_materials(scene), *limits]
 
 
 def _near(scene: Scene) -> list[Finding]:
@@ -41,7 +49,7 @@ def _near(scene: Scene) -> list[Finding]:
 
 def _half_space(scene: Scene) -> list[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
-    slope, share = cost.roughness(scene)[1], long_steps.contact_radius(scene) / scene.radius
+    slope, share = cost.roughness(scene)[1], resolution.contact_radius(scene) / scene.radius
     advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
     if scene.sphere.surface is not None:
         advice += ", of plate or sphere"
@@ -75,8 +83,101 @@ def _bouncing(scene: Scene) -> Finding:
     if scene.laws:
         correlation = 1e-6 * min(law.lengths_um[0] for law in scene.laws)
     wave = speed / frequency / (of_scene.hertz_radius(scene) + correlation)
-    part = sentence(
-        "resonance", "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
-    )
+    weight = "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
+    part = sentence("resonance", weight)
     numbers = {"ball": ball, "frequency": frequency, "speed": speed, "part": part}
     return judged("resonance", si(frequency, "Hz"), True, **numbers)
+
+
+# ---- materials by name
+
+
+def _materials(scene: Scene) -> Iterator[Finding]:
+    """State the materials of plate and sphere; warn where the model does not hold for them."""
+    for body in ("plate", "sphere"):
+        section = getattr(scene, body)
+        if (name := section.material) is not None:
+            value, reason = name, named.data("materials")["materials"][name].get("sound_only")
+            for key, usual in named.named_values(body, name).items():
+                if (own := getattr(section, key)) not in (None, usual):
+                    value += f", own {key} {own}"
+            yield judged(f"{body}_material", value, bool(reason), material=name, reason=reason)
+    material = scene.sphere.material
+    hardness = material and named.named_values("plate", material)["hardness_gpa"]
+    if isinstance(hardness, float) and 1e9 * hardness < scene.hardness:
+        yield judged("sphere_yields", si(1e9 * hardness, "Pa"), True, pressure=1e9 * hardness)
+
+
+# ---- a sphere that is let go from a height, and its modes within hearing
+
+
+def _free_sphere(scene: Scene) -> list[Finding]:
+    """Judge the first impact of a sphere that falls, and the modes of the sphere."""
+    if scene.dynamics is None:
+        return []
+    falls = scene.rolling.drop_mm is not None
+    return [*_modes(scene), *([_impact(scene), _room(scene), *_yielding(scene)] if falls else [])]
+
+
+def lowest_mode_hz(scene: Scene) -> float:
+    """Return the frequency [Hz] of the lowest mode of the sphere, of steel without a modulus."""
+    sphere = scene.sphere
+    young, poisson, density = STEEL_GPA, STEEL_POISSON, STEEL_DENSITY
+    if sphere.youngs_modulus_gpa is not None and sphere.poissons_ratio is not None:
+        young, poisson = sphere.youngs_modulus_gpa, sphere.poissons_ratio
+        density = sphere.density_kg_m3 or STEEL_DENSITY
+    shear_speed = math.sqrt(1e9 * young / (2 * (1 + poisson) * density))
+    return LOWEST_MODE * shear_speed / (2 * scene.radius)
+
+
+def _modes(scene: Scene) -> list[Finding]:
+    """Warn of a mode of the sphere within hearing."""
+    frequency = lowest_mode_hz(scene)
+    if frequency >= HEARING[1]:
+        return []
+    steel = ", as if of steel" * (scene.sphere.youngs_modulus_gpa is None)
+    most = scene.sphere.radius_mm * frequency / HEARING[1]
+    return [judged("ball_modes", si(frequency, "Hz"), True, steel=steel, most=most)]
+
+
+def _impact(scene: Scene) -> Finding:
+    """State speed, time, force and contact of the first impact on a rigid plate."""
+    fall, duration = drop.fall_s(scene), scene.duration
+    value = (
+        f"{si(drop.speed_m_s(scene), 'm/s')} after {si(fall, 's')}, up to"
+        f" {si(drop.largest_force_n(scene), 'N')} for {si(drop.impact_s(scene), 's')}"
+    )
+    return judged("drop", value, fall >= duration, duration=duration, fall=fall)
+
+
+def _room(scene: Scene) -> Finding:
+    """Compare the contact of the first impact with surface, sphere and thickness."""
+    force, period = drop.largest_force_n(scene), cost.shortest_period(scene)
+    radius = closed_forms.hertz_radius(force, scene.radius, scene.contact_modulus)
+    thickness, doubt = scene.plate.thickness_mm, ""
+    if 2 * radius > period:
+        doubt = "surface"
+    elif radius > MAX_CONTACT * scene.radius:
+        doubt = "sphere"
+    elif thickness is not None and 1e3 * radius > vibration.THICK * thickness:
+        doubt = "thickness"
+    return judged(
+        "drop_width",
+        f"radius {si(radius, 'm')}",
+        doubt,
+        period=period,
+        width_um=2e6 * radius,
+        share=radius / scene.radius,
+        most=MAX_CONTACT,
+        thick=vibration.THICK,
+        thickness=1e3 * radius / vibration.THICK,
+    )
+
+
+def _yielding(scene: Scene) -> list[Finding]:
+    """Compare the drop with the height from which the impact yields."""
+    if not math.isfinite(scene.hardness):
+        return []
+    height = drop.elastic_height_m(scene)
+    value, yields = f"up to {rounded(1e3 * height)} mm", drop.height_m(scene) > height
+    return [judged("impacts_yield", value, yields, most=1e3 * height)]

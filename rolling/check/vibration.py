@@ -68,9 +68,8 @@ def _force(scene: Scene) -> Finding:
     value = f"about {extremes}, rms {rounded(ratio)} (from the statistics)"
     if scene.faults:
         value += "; faults are left out"
-    if scene.motion.fastest(scene.duration) / cost.bounce_hz(scene) < 2 * of_scene.hertz_radius(
-        scene
-    ):
+    wave = scene.motion.fastest(scene.duration) / cost.bounce_hz(scene)
+    if wave < 2 * of_scene.hertz_radius(scene):
         value += "; short waves may multiply it"
     or_load = " or a higher rolling.load_n" * (scene.rolling.load_n != WEIGHT)
     return judged("force_ratio", value, low < 0, ratio=ratio, or_load=or_load)
@@ -176,9 +175,8 @@ def _edges(scene: Scene) -> list[Finding]:
     assert modal is not None  # as there is a plate with edges
     sag, most = scene.load * modal.compliance_m_n, of_scene.BENT
     bends = sag > most * 1e-3 * (scene.plate.thickness_mm or 0.0)
-    ends = [
-        f"[{rounded(x, 4)}, {rounded(y, 4)}] mm" for x, y in scene.plate.contact_ends_mm.values()
-    ]
+    points = scene.plate.contact_ends_mm.values()
+    ends = [f"[{rounded(x, 4)}, {rounded(y, 4)}] mm" for x, y in points]
     contact = f"fixed at {ends[0]}: seen from the plate the sphere rolls on the spot"
     if len(ends) > 1:
         contact = f"to-and-fro from {ends[0]} to {ends[1]}; its record does not loop"

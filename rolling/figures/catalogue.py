@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from matplotlib.axes import Axes
 
-from rolling.figures import contact, modulation, running_in, sound, sweep, vibration, wavelengths
+from rolling.figures import contact, origins, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
 from rolling.surface.scene_surface import scene_surface
@@ -36,15 +37,27 @@ class FigureKind:
     """
 
     draw: Callable[..., Axes]
-    table: Callable[..., DataFrame] | None
+    table: Callable[..., DataFrame] | None = None
     holds: Callable[[Sequence[Run]], Any] = lambda runs: True
     among: bool = False
 
 
-def _vibrates(runs: Sequence[Run]) -> bool:
-    return runs[0].vibration is not None
+def _has(attribute: str) -> Callable[[Sequence[Run]], Any]:
+    """Return a rule for figures of one run: whether it has anything at a dotted attribute."""
+    value = attrgetter(attribute)
+    return lambda runs: value(runs[0])
 
 
+def _turns(runs: Sequence[Run]) -> bool:
+    return bool(runs[0].summary.get("turn_band_hz"))
+
+
+def _filters(runs: Sequence[Run]) -> bool:
+    return bool(runs[0].vibration) and scene_surface(runs[0].scene).statistics.rq > 0
+
+
+_LEVELS, _AREAS = (partial(sweep.swept_table, names=names) for names in (sweep.LEVELS, sweep.AREAS))
+_VIBRATES = _has("vibration")
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(
@@ -52,47 +65,37 @@ COMPARING = {
         partial(sound.third_octave_table, a_weighted=True),
     ),
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
-    "levels": FigureKind(
-        sweep.levels, partial(sweep.swept_table, names=sweep.LEVELS), sweep.swept_key
-    ),
-    "contact_areas": FigureKind(
-        sweep.contact_areas, partial(sweep.swept_table, names=sweep.AREAS), sweep.swept_key
-    ),
+    "levels": FigureKind(sweep.levels, _LEVELS, sweep.swept_key),
+    "contact_areas": FigureKind(sweep.contact_areas, _AREAS, sweep.swept_key),
     "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
 }
 SINGLE = {
     "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
-    "spectrogram": FigureKind(sound.spectrogram, None, among=True),
+    "spectrogram": FigureKind(sound.spectrogram, among=True),
     "modulation": FigureKind(
-        modulation.modulation,
-        modulation.modulation_table,
+        origins.modulation,
+        origins.modulation_table,
         lambda runs: runs[0].summary.get("turn_band_hz"),
     ),
     "wavelengths": FigureKind(
-        wavelengths.wavelengths,
-        wavelengths.wavelength_table,
-        lambda runs: runs[0].wavelength_octaves,
+        origins.wavelengths, origins.wavelength_table, _has("wavelength_octaves")
     ),
-    "running_in": FigureKind(
-        running_in.running_in, running_in.running_in_table, lambda runs: runs[0].result.passes
-    ),
-    "surface": FigureKind(contact.surface, None),
+    "running_in": FigureKind(origins.running_in, origins.running_in_table, _has("result.passes")),
+    "surface": FigureKind(contact.surface),
     "contact_pressure": FigureKind(
-        contact.contact_pressure, None, lambda runs: runs[0].result.snapshot, among=True
+        contact.contact_pressure, holds=_has("result.snapshot"), among=True
     ),
     "recovery_events": FigureKind(
-        contact.recovery_events, contact.recovery_event_table, lambda runs: runs[0].event_statistics
+        contact.recovery_events, contact.recovery_event_table, _has("event_statistics")
     ),
-    "sources": FigureKind(vibration.sources, vibration.source_table, _vibrates),
-    "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _vibrates),
+    "sources": FigureKind(vibration.sources, vibration.source_table, _VIBRATES),
+    "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _VIBRATES),
     "contact_filter": FigureKind(
-        vibration.contact_filter,
-        vibration.contact_filter_table,
-        lambda runs: _vibrates(runs) and scene_surface(runs[0].scene).statistics.rq > 0,
+        vibration.contact_filter, vibration.contact_filter_table, _filters
     ),
-    "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _vibrates),
+    "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _VIBRATES),
 }
-ON_REQUEST = {"power_density": FigureKind(sound.power_density, None)}
+ON_REQUEST = {"power_density": FigureKind(sound.power_density)}
 FIGURES = COMPARING | SINGLE | ON_REQUEST
 
 

@@ -99,15 +99,13 @@ def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()
     snapshot = run.result.snapshot
     if snapshot is None:
         raise ValueError(f"{run.title}: has no snapshot, its first steps are not solved")
-    compared = [
-        (other, other.result.snapshot) for other in listed(among) or [run] if other.result.snapshot
-    ]
+    others = listed(among) or [run]
+    compared = [(other, shot) for other in others if (shot := other.result.snapshot)]
     maximum = max(float(shot.pressure.max()) for _, shot in compared) * 1e-9
     reach = max(_reach(other, shot) for other, shot in compared) * 1e6
     spacing, corner = run.scene.spacing, (snapshot.along, snapshot.across)
-    ax = _map(
-        axes_of(ax), snapshot.pressure * 1e-9, corner, spacing, (0.0, maximum), "pressure [GPa]"
-    )
+    pressure, limits = snapshot.pressure * 1e-9, (0.0, maximum)
+    ax = _map(axes_of(ax), pressure, corner, spacing, limits, "pressure [GPa]")
     along, across = (1e6 * place for place in _sphere_position(run, snapshot))
     ax.set(xlim=(along - reach, along + reach), ylim=(across - reach, across + reach))
     ax.set_facecolor("black")

@@ -190,9 +190,8 @@ def picture(name: str, draw: Callable[..., Axes], table: DataFrame | None = None
         names = [drawable(name) for name in names]
         across = max(1, int(WIDTH_IN / (0.8 + 0.07 * max(map(len, names)))))
         rows = -(-len(names) // across)
-        below = figure.legend(
-            handles, names, loc="outside lower left", ncols=across, fontsize=8.5, frameon=False
-        )
+        place: dict[str, Any] = {"loc": "outside lower left", "ncols": across}
+        below = figure.legend(handles, names, fontsize=8.5, frameon=False, **place)
         _plain(below.get_texts())
         _fit(below, below.get_texts())
     figure.set_size_inches(WIDTH_IN, HEIGHT_IN + _ROW_IN * rows)
@@ -218,10 +217,8 @@ def _plain(texts: Iterable[Text]) -> None:
 def drawable(text: str) -> str:
     """Escape letters that the font lacks, so that different texts look different."""
     known = get_font(findfont(FontProperties())).get_charmap()
-    return "".join(
-        x if x == "\n" or ord(x) in known else x.encode("unicode_escape").decode("ascii")
-        for x in text
-    )
+    escaped = {x: x.encode("unicode_escape").decode("ascii") for x in {*text} - {"\n"}}
+    return "".join(escaped[x] if x in escaped and ord(x) not in known else x for x in text)
 
 
 def csv_bytes(table: DataFrame) -> bytes:

@@ -78,9 +78,8 @@ def third_octaves(
     ]
     # A band that is too uncertain in any run is grey in all of them.
     shortest = min(run.sound.duration / run.laps for run in shown)
-    ax = plots.third_octaves(
-        axes_of(ax), curves, shortest, errors=errors, ordered=_is_ordered(shown)
-    )
+    is_ordered = _is_ordered(shown)
+    ax = plots.third_octaves(axes_of(ax), curves, shortest, errors=errors, ordered=is_ordered)
     facts = picture.distance_and_duration(shown)
     if len(shown) <= plots.FEW and any(run.sound.levels.level_db is not None for run in shown):
         facts.append("bars: standard uncertainty of Gaussian noise of that duration")
@@ -94,10 +93,8 @@ def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.Data
     """Tabulate third octaves of runs with their uncertainties and errors [dB]."""
     frames = []
     for run in runs:
-        columns = {
-            "level_db": _bands(run, a_weighted),
-            "standard_uncertainty_db": run.sound.uncertainty.third_octave_db,
-        }
+        columns = {"level_db": _bands(run, a_weighted)}
+        columns["standard_uncertainty_db"] = run.sound.uncertainty.third_octave_db
         if total := total_errors_db(run.summary):
             for kind in ("grid_error", "grid_error_uncertainty", "solver_error", "subgrid_error"):
                 name = kind.replace("uncertainty", "standard_uncertainty")
@@ -282,9 +279,8 @@ def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> 
     >>> rolling.plot.spectrogram(run)  # doctest: +SKIP
     """
     shown = _spectrogram(run)
-    limits = plots.level_limits(
-        level for other in listed(among) or [run] for level in _extremes(_spectrogram(other))
-    )
+    compared = map(_spectrogram, listed(among) or [run])
+    limits = plots.level_limits(level for other in compared for level in _extremes(other))
     ax = plots.spectrogram(axes_of(ax), shown, run.sound.duration, limits)
     facts = [
         *picture.distance_and_duration([run]),
@@ -303,10 +299,8 @@ _spectrograms: WeakKeyDictionary[Run, Spectrogram] = WeakKeyDictionary()
 def _spectrogram(run: Run) -> Spectrogram:
     """Return the spectrogram of a run, computed once."""
     if run not in _spectrograms:
-        sound = run.sound
-        _spectrograms[run] = spectrogram_of(
-            sound.pressure, sound.sample_rate, sound.highest, sound.closed
-        )
+        s = run.sound
+        _spectrograms[run] = spectrogram_of(s.pressure, s.sample_rate, s.highest, s.closed)
     return _spectrograms[run]
 
 

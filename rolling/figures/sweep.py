@@ -182,11 +182,7 @@ def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
 
 
 def _against_key(
-    runs: Sequence[Run],
-    key: str | None,
-    names: Numbers,
-    ax: Axes | None,
-    factor: float = 1.0,
+    runs: Sequence[Run], key: str | None, names: Numbers, ax: Axes | None, factor: float = 1.0
 ) -> Axes:
     """Draw columns of a table of runs, with label and uncertainty, against a key of the scenes."""
     key = key or swept_key(runs)
@@ -244,9 +240,8 @@ def write_number_figures(
     """
     keys = [key for key in frame if key.partition(".")[0] in Scene.model_fields]
     others = [key for key in keys if key != SEED]
-    pictures = [
-        picture.picture("mean_third_octaves", lambda ax: mean_bands(frame, others, ax, title))
-    ]
+    draw = partial(mean_bands, frame, others, title=title)
+    pictures = [picture.picture("mean_third_octaves", draw)]
     for number in numbers:
         name = f"{number}_against_{'_'.join(against)}"
         if len(against) == 2:

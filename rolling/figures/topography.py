@@ -80,9 +80,8 @@ def written(short: str, values: dict[str, float]) -> str:
 
 def parameter_lines(values: dict[str, float]) -> list[str]:
     """Write parameters with their units and meanings, one on each line."""
-    return [
-        f"{short:6}{written(short, values):>12}  {text}" for short, (_, text) in iso.NAMES.items()
-    ]
+    names = iso.NAMES.items()
+    return [f"{short:6}{written(short, values):>12}  {text}" for short, (_, text) in names]
 
 
 def _map(ax: Axes, z: Array, steps: Array, descending: Array) -> None:

@@ -211,9 +211,8 @@ def contact_filter_table(run: Run) -> pd.DataFrame:
     under = heights[:, max(0, middle - reach) : middle + reach]
     closed = scene.track.lap_steps <= result.solved_steps
     surface = wavelength_bands(under, scene.spacing, closed)
-    approach = wavelength_bands(
-        result.series["approach"][: result.solved_steps], result.step, closed
-    )
+    lap = result.series["approach"][: result.solved_steps]
+    approach = wavelength_bands(lap, result.step, closed)
     levels = np.interp(-np.log(approach.wavelength), -np.log(surface.wavelength), surface.level_db)
     # Where the surface has next to nothing, the approach is bent by the contact, not filtered.
     rough = levels > np.nanmax(levels) - _FILTERED_DB

@@ -50,8 +50,7 @@ def own_stretches(scene: Scene, result: Result) -> ErrorStretches | None:
     if layout is None or stretches is None or stretches.steps != layout.steps:
         return None
     known = stretches.marches
-    wanted = [key for key in layout.marches if key in known]
-    return replace(stretches, marches={key: known[key] for key in wanted})
+    return replace(stretches, marches={key: known[key] for key in layout.marches if key in known})
 
 
 def stretch_firsts(scene: Scene, result: Result) -> tuple[int, ...]:

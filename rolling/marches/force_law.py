@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.check.finding import sentence
 from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
 from rolling.dynamics import drop, of_scene
@@ -78,11 +79,8 @@ def law_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> lis
             known = {*marches.judging, *marches.faults}
             judged = [load for load in _judged(scene, result, loads.marched) if load not in known]
             return [piece("judge", 0, last, load=load) for load in judged]
-    return [
-        piece("load", first, last, load=load)
-        for load in lacking
-        for first, last in marches.missing(load)
-    ]
+    missing = ((load, *ends) for load in lacking for ends in marches.missing(load))
+    return [piece("load", first, last, load=load) for load, first, last in missing]
 
 
 def own_marches(scene: Scene, result: Result) -> LoadMarches | None:
@@ -206,14 +204,10 @@ def _rising(scene: Scene, loads: Array, approach: Array) -> tuple[Array, Array]:
     The error of the solver may exceed the difference between two loads. A single load gets a
     neighbour by the contact of a smooth sphere.
     """
+    least, body = LEAST, (scene.radius, scene.contact_modulus)
     if len(loads) == 1:
-        loads, approach = loads * [1.0, 1.01], np.stack([approach[0]] * 2)
-        least = 1.0
-    else:
-        least = LEAST
-    hertz = [
-        closed_forms.hertz_approach(load, scene.radius, scene.contact_modulus) for load in loads
-    ]
+        loads, approach, least = loads * [1.0, 1.01], np.stack([approach[0]] * 2), 1.0
+    hertz = [closed_forms.hertz_approach(load, *body) for load in loads]
     lowest, rises = least * np.diff(hertz)[:, None], np.diff(approach, axis=0)
     if np.all(rises >= lowest):
         return loads, approach
@@ -252,13 +246,11 @@ def law_error(scene: Scene, result: Result, loads: Sequence[float]) -> LawError 
         departure = law.force(position, marches.judging[load]) - load
         return float(np.sqrt(np.mean(np.square(departure))))
 
-    newtons = [error(load) for load in between]
-    ratios = [
-        newton / abs(load - scene.load) for newton, load in zip(newtons, between, strict=True)
-    ]
+    newtons = np.array([error(load) for load in between])
+    ratio = float(np.max(newtons / np.abs(np.array(between) - scene.load)))
     beyond = [load for load in _beyond_top(scene, result, loads) if load in marches.judging]
     top = error(beyond[0]) / beyond[0] if beyond else None
-    return LawError(max(newtons), 20 * math.log10(1 + max(ratios)), top)
+    return LawError(float(newtons.max()), 20 * math.log10(1 + ratio), top)
 
 
 # ---- moving load
@@ -275,13 +267,9 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     closed = scene.track.closed and scene.motion.is_constant(scene.duration)
     repeats = closed and motion.settled
     if result.steps > steps and not repeats:
-        return MovingRelease.impossible(
-            key, steps, "the record passes the track more than once, and its force does not repeat"
-        )
+        return MovingRelease.impossible(key, steps, sentence("moving_release", "laps"))
     if motion.flight_share > 0:
-        return MovingRelease.impossible(
-            key, steps, "the sphere loses contact, and nothing is released under no load"
-        )
+        return MovingRelease.impossible(key, steps, sentence("moving_release", "flight"))
     count = round(len(motion.force_n) * steps / result.steps)
     # A sphere that rests stays at its position.
     moved = np.flatnonzero(np.diff(motion.position_m[:count], prepend=-np.inf) > 0)
@@ -296,7 +284,7 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     if repeats:
         force[-1] = force[0]  # to the last digit
     if not force.min() > 0:
-        return MovingRelease.impossible(key, steps, "the contact force falls to zero")
+        return MovingRelease.impossible(key, steps, sentence("moving_release", "zero"))
     return MovingRelease(key, force, approach)
 
 

@@ -19,18 +19,13 @@ from rolling.contact.state import ContactState, RollingContact, Window
 from rolling.contact.subcells import cell_means
 
 STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
+MOVING_SERIES = STEP_SERIES[:3]  # of a march under the moving load
 STATE_SERIES = (
-    "approach",
-    "contact_area",
-    "plastic_area",
-    "max_pressure",
-    "max_deflection",
-    "stored_energy",
-    "residual",
-    "iterations",
-    "convolutions",
+    *("approach", "contact_area", "plastic_area", "max_pressure", "max_deflection"),
+    *("stored_energy", "residual", "iterations", "convolutions"),
 )
 EVENT_COLUMNS = ("node", "first", "last", "energy", "peak")
+PLACES = ("position", "distance", "along", "across", "cell")  # of a pressure map
 MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as many in ten seconds
 MAP_CELLS = 96  # maximum number of cells along a side of a map
 FILM_CELLS = 64  # maximum number of cells across the contact in a film
@@ -208,9 +203,10 @@ class Maps:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return places and pressures of the maps, and the snapshot."""
-        places = [(m.position, m.distance, m.along, m.across, m.cell) for m in self._maps]
+        places = [[getattr(m, name) for name in PLACES] for m in self._maps]
         pressures = {f"map_{m.position}": m.pressure for m in self._maps}
-        return self._snapshot | {"map_places": np.array(places).reshape(-1, 5)} | pressures
+        table = np.array(places).reshape(-1, len(PLACES))
+        return self._snapshot | {"map_places": table} | pressures
 
 
 def _pressure_map(state: ContactState, contact: RollingContact) -> PressureMap:
@@ -295,9 +291,8 @@ class Film:
         windows = [window for window, _, _ in self._shots]
         whole = Window.around(windows)
         nodes = -(-max(max(window.rows, window.columns) for window in windows) // FILM_CELLS)
-        rows, columns = (
-            -(-count // nodes) + 2 * FILM_MARGIN for count in (whole.rows, whole.columns)
-        )
+        sides = whole.rows, whole.columns
+        rows, columns = (-(-count // nodes) + 2 * FILM_MARGIN for count in sides)
         border = FILM_MARGIN * nodes
         whole = Window(whole.row - border, whole.column - border, rows * nodes, columns * nodes)
 

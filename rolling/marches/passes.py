@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.check import cost
+from rolling.check.finding import sentence
 from rolling.contact import closed_forms
 from rolling.contact.memory import sink
 from rolling.contact.solver import ContactError
@@ -141,18 +142,14 @@ class Passes:
     @property
     def yielding(self) -> float:
         """Plastic work of the last pass over its release."""
-        return float(
-            self.series["plastic_work"][-1].sum() / self.series["release_energy"][-1].sum()
-        )
+        work, release = (self.series[name][-1] for name in ("plastic_work", "release_energy"))
+        return float(work.sum() / release.sum())
 
     def refuse_yielding(self) -> None:
         """Raise ContactError while the last pass yields: a force law needs a settled surface."""
         if self.yielding > YIELDING:
-            raise ContactError(
-                f"a force law needs a surface that has run in, and in pass {len(self.depth)} of"
-                f" {len(self.depth)} the plastic work is {rounded(self.yielding)} of the release,"
-                f" allowed: {rounded(YIELDING)}; raise rolling.passes, or leave out dynamics"
-            )
+            numbers = {"count": len(self.depth), "share": self.yielding, "most": YIELDING}
+            raise ContactError(sentence("refused", "yielding", **numbers))
 
     def missing(self, scene: Scene) -> list[tuple[int, int]]:
         """Return first and last position of the pieces that the present pass lacks."""

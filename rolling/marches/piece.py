@@ -34,12 +34,8 @@ from rolling.surface.scene_surface import continued_rows, heights
 
 # Steps of a piece. A cold start costs four to eight steps, which is 2 to 4 % of a piece.
 PIECE_STEPS = 200
-SIDES = {
-    "tight": 1.0,
-    "fine": 0.5,
-    "coarse": 2.0,
-    "detail": 0.5,
-}  # side of a cell on a level, in the run's cells
+# Side of a cell on a level, in the run's cells.
+SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0, "detail": 0.5}
 # Names of the arrays of each kind. Kinds other than the track return a `fault` where a contact
 # cannot be solved, because the run goes on without them.
 _SERIES = {
@@ -93,9 +89,8 @@ class Piece:
     @cached_property
     def key(self) -> str:
         """File-safe text that is unique among the pieces of an identity."""
-        suffix = {"error": self.level, "film": str(self.stride), "pass": str(self.number + 1)}.get(
-            self.kind, ""
-        )
+        suffixes = {"error": self.level, "film": str(self.stride), "pass": str(self.number + 1)}
+        suffix = suffixes.get(self.kind, "")
         if self.kind in ("load", "judge"):
             suffix = _short_digest(self.load.hex().encode())
         elif self.forces is not None:
@@ -176,10 +171,8 @@ def _observe(
 
     The plastic work is a part of the loading.
     """
-    energies, left_end = (
-        piece.kind not in ("load", "judge"),
-        piece.scene.recovery.rule == "left_end",
-    )
+    energies = piece.kind not in ("load", "judge")
+    left_end = piece.scene.recovery.rule == "left_end"
     old: ContactState | None = None
     half_space, (start, first, last) = half_space_for(contact), positions
     for state in march(contact, start, last, half_space):
@@ -253,9 +246,8 @@ def contact_on_grid(
     whole, surface = rolling_contact(scene), heights(scene)
     # Twice the radius of overlap holds the highest peaks, and a few nodes hold the run-in.
     spacing = whole.cell_spacing
-    margin = math.ceil(
-        (2 * cost.overlap_radius(scene, cost.roughness(scene)[0]) + 8 * whole.step) / spacing
-    )
+    reach = 2 * cost.overlap_radius(scene, cost.roughness(scene)[0])
+    margin = math.ceil((reach + 8 * whole.step) / spacing)
     place = whole.position(first)
     row = math.floor(place / spacing) - margin
     rows = math.ceil(steps * whole.step / spacing) + 2 * margin

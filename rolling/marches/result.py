@@ -14,16 +14,14 @@ from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.contact.recovery import join_events
 from rolling.dynamics.motion import BodyMotion
+from rolling.marches import observers
 from rolling.marches.observers import (
+    MOVING_SERIES,
     STATE_SERIES,
     STEP_SERIES,
     PressureMap,
     SlowMotion,
     Snapshot,
-    events_of,
-    maps_of,
-    slow_motion_of,
-    snapshot_of,
 )
 from rolling.marches.passes import Passes
 from rolling.marches.piece import Piece, contact_identity, track_pieces
@@ -31,7 +29,7 @@ from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.identity import digest
 from rolling.scene.scene import Scene
 
-MOVING_SERIES = ("release_energy", "loading_energy", "energy_defect")
+LawKey = tuple[str, tuple[float, ...]]  # vibration and loads [N] of a law
 
 
 def vibration_key(scene: Scene) -> str:
@@ -64,9 +62,7 @@ class LoadMarches:
     judging: dict[float, Array] = field(default_factory=dict)
     faults: dict[float, str] = field(default_factory=dict)
     seconds: float = 0.0
-    _failures: dict[float, dict[int, str]] = field(
-        default_factory=lambda: defaultdict(dict), repr=False
-    )
+    _failures: dict[float, dict[int, str]] = field(default_factory=lambda: defaultdict(dict))
 
     @property
     def fault(self) -> str:
@@ -221,12 +217,9 @@ class ErrorStretches:
         if "fault" in arrays:
             march = StretchMarch.none(self.steps, f"{piece.level}: {arrays['fault']}")
         else:
-            march = StretchMarch(
-                arrays["release_energy"],
-                arrays["approach"],
-                float(arrays["plastic_area"][-self.steps :].mean()),
-                float(arrays["step_time"].sum()),
-            )
+            area, seconds = arrays["plastic_area"][-self.steps :].mean(), arrays["step_time"].sum()
+            series = arrays["release_energy"], arrays["approach"]
+            march = StretchMarch(*series, float(area), float(seconds))
         self.marches[piece.first, piece.level] = march
 
 
@@ -270,12 +263,8 @@ class Result:
     load_marches: LoadMarches | None = None
     moving: MovingRelease | None = None
     passes: Passes | None = None
-    extremes: dict[tuple[str, tuple[float, ...]], tuple[float, float]] = field(
-        default_factory=dict, repr=False
-    )
-    motion: tuple[tuple[str, tuple[float, ...]], BodyMotion] | None = field(
-        default=None, repr=False
-    )
+    extremes: dict[LawKey, tuple[float, float]] = field(default_factory=dict)
+    motion: tuple[LawKey, BodyMotion] | None = None
 
     @classmethod
     def empty(cls, scene: Scene) -> Result:
@@ -312,7 +301,7 @@ class Result:
         elif "fault" in arrays:
             self.slow_motion = SlowMotion.none()
         else:
-            self.slow_motion = slow_motion_of(piece.first, piece.stride, arrays)
+            self.slow_motion = observers.slow_motion_of(piece.first, piece.stride, arrays)
 
     def _add_track(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         if not self.series["approach"].flags.writeable:
@@ -321,9 +310,9 @@ class Result:
             self.series[name][piece.first : piece.last] = arrays[name]
         for name in STATE_SERIES:
             _fill_states(self.series[name], piece, arrays[name])
-        self.snapshot = snapshot_of(arrays) or self.snapshot
-        self.maps |= maps_of(arrays)
-        events = events_of(arrays)
+        self.snapshot = observers.snapshot_of(arrays) or self.snapshot
+        self.maps |= observers.maps_of(arrays)
+        events = observers.events_of(arrays)
         if events is not None:
             self.event_pieces[piece.first] = events
 

@@ -9,13 +9,8 @@ from acoustics.radiation import RHO_C
 from rolling.report.text import NOTHING
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
-from rolling.scene.balls import (
-    GRADES,
-    BallHeightFile,
-    BallSurface,
-    GradedBall,
-    RoundSurface,
-)
+from rolling.results.sentences import say
+from rolling.scene.balls import GRADES, BallHeightFile, BallSurface, GradedBall, RoundSurface
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
 from rolling.scene.surfaces import HeightFile, Surface
@@ -26,11 +21,9 @@ def assumptions(run: Run) -> dict[str, str]:
     sound = run.sound
     ends = "closes on itself" if sound.loops else sound.ends
     slower = "" if sound.constant_speed else " at the maximum speed, less while it is slower"
-    highest = min(sound.highest, sound.sample_rate / 2)
-    record = {
-        "record": f"{rounded(sound.duration, 4)} s, {ends}",
-        "resolved up to": f"{rounded(highest / 1e3, 4)} kHz{slower}",
-    }
+    khz = rounded(min(sound.highest, sound.sample_rate / 2) / 1e3, 4)
+    record = {"record": f"{rounded(sound.duration, 4)} s, {ends}"}
+    record["resolved up to"] = f"{khz} kHz{slower}"
     return _source(run) | record | _bodies(run) | _contact(run)
 
 
@@ -49,6 +42,7 @@ def _source(run: Run) -> dict[str, str]:
             "source": f"vibration of {ball}, the pressure on the axis through the contact",
             "distance": f"{scene.sound.distance_m:g} m",
         }
+    pressure = f"{rounded(factor, 4)} Pa per W/m²" if factor else "none: silent"
     rule = "mean p² over the impedance is the rms of the intensity's fluctuation"
     if scene.sound.gain_pa_per_w_m2 is not None:
         rule = "fixed by the scene"
@@ -56,9 +50,7 @@ def _source(run: Run) -> dict[str, str]:
         "radiated share q": f"{scene.sound.q:g}",
         "distance": f"{scene.sound.distance_m:g} m, spherical spreading",
         "impedance of air": f"{RHO_C:g} Pa s/m (20 °C)",
-        "sound pressure per intensity": f"{rounded(factor, 4)} Pa per W/m²"
-        if factor
-        else "none: silent",
+        "sound pressure per intensity": pressure,
         "rule of that factor": rule,
     }
 
@@ -76,16 +68,12 @@ def _bodies(run: Run) -> dict[str, str]:
         bending = f"{size} {plate.thickness_mm:g} mm thick, coincidence at {critical} Hz"
     quality, error = summary["resonance_q"], summary["force_law_error_n"]
     damping = "undamped" if quality is None else f"Q {rounded(quality, 3)}"
-    law = (
-        f"{summary['force_law_loads']} loads from {rounded(summary['force_law_min_n'], 3)} to"
-        f" {rounded(summary['force_law_max_n'], 3)} N"
-    )
-    loss = plate.loss_factor
+    law, loss = say("assumed.law", **summary), plate.loss_factor
+    densities = {"sphere": scene.sphere.density_kg_m3, "plate": plate.density_kg_m3}
+    grams, resonance = 1e3 * summary["ball_mass_kg"], rounded(summary["resonance_hz"], 4)
     return {
-        "vibrating bodies": f"sphere of {rounded(1e3 * summary['ball_mass_kg'], 3)} g"
-        f" ({scene.sphere.density_kg_m3:g} kg/m³), {bending}, {plate.density_kg_m3:g} kg/m³",
-        "resonance of the sphere on its contact": f"{rounded(summary['resonance_hz'], 4)} Hz,"
-        f" {damping}",
+        "vibrating bodies": say("assumed.bodies", grams=grams, bending=bending, **densities),
+        "resonance of the sphere on its contact": f"{resonance} Hz, {damping}",
         "force law": law if error is None else f"{law}, rms error {rounded(error)} N between them",
         "loss factor of bending waves": NOTHING if loss is None else f"{loss:g}",
     }
@@ -95,18 +83,14 @@ def _contact(run: Run) -> dict[str, str]:
     """Return the assumptions about bodies, motion and solver."""
     scene, sound = run.scene, run.sound
     plate, sphere, duration = scene.plate, scene.sphere, sound.duration
-    elastic = (
-        f"{sphere.youngs_modulus_gpa:g} GPa, Poisson's ratio {sphere.poissons_ratio:g}"
-        if sphere.youngs_modulus_gpa
-        else "rigid"
-    )
-    hardness = (
-        f"hardness {plate.cap_gpa:g} GPa"
-        if math.isfinite(plate.cap_gpa)
-        else "no hardness: purely elastic"
-    )
-    memory = f"permanent indentation, {scene.passes} passes" * scene.is_permanent
-    memory = memory or "without memory"
+    elastic, hardness, memory = "rigid", "no hardness: purely elastic", "without memory"
+    if sphere.youngs_modulus_gpa:
+        elastic = say("assumed.elastic", **dict(sphere))
+    if math.isfinite(plate.cap_gpa):
+        hardness = f"hardness {plate.cap_gpa:g} GPa"
+    if scene.is_permanent:
+        memory = f"permanent indentation, {scene.passes} passes"
+    bends = say("assumed.elastic", **dict(plate))
     load = "the weight of the sphere" if scene.rolling.load_n == WEIGHT else "constant"
     ends = scene.motion.slowest(duration), scene.motion.fastest(duration)
     speeds = " to ".join(dict.fromkeys(rounded(speed, 4) for speed in ends))
@@ -114,12 +98,10 @@ def _contact(run: Run) -> dict[str, str]:
         "load": f"{rounded(scene.load, 6)} N, {load}",
         "speed": f"{speeds} m/s",
         "sphere": f"R {sphere.radius_mm:g} mm, {_of(sphere.material)}{elastic}",
-        "plate": f"{_of(plate.material)}{plate.youngs_modulus_gpa:g} GPa, Poisson's ratio"
-        f" {plate.poissons_ratio:g}, {hardness}, {memory}",
+        "plate": f"{_of(plate.material)}{bends}, {hardness}, {memory}",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
-        "solver": f"tolerance {rounded(scene.tolerance, 6)}, {scene.numerics.edges} edges,"
-        f" {scene.numerics.precision} precision",
+        "solver": say("assumed.solver", own=scene.tolerance, **dict(scene.numerics)),
     }
 
 

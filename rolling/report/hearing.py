@@ -13,6 +13,7 @@ from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
 from rolling.report.text import asset
 from rolling.results.run_result import Run
+from rolling.results.sentences import say
 from rolling.sound.wavelengths import mean_speed, weighted_lines
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it
@@ -41,32 +42,30 @@ def colour(run: Run) -> tuple[float, float, float] | None:
 
 def situation(runs: Sequence[Run]) -> str:
     """Describe bodies, motion and listener; a part that differs between runs has all its kinds."""
-    body, diameter, speed, load, thickness, plate, surface, distance = (
-        _kinds(list(dict.fromkeys(part))) for part in zip(*map(_parts, runs), strict=True)
-    )
-    return (
-        f"{body[0].upper()}{body[1:]} sphere of {diameter} diameter rolls at {speed} under {load}"
-        f" over {thickness} of {plate}: {surface}. It is heard from {distance}."
-    )
+    parts = [_parts(run) for run in runs]
+    kinds = {name: _kinds([*dict.fromkeys(part[name] for part in parts)]) for name in parts[0]}
+    text = say("situation", **kinds)
+    return text[0].upper() + text[1:]
 
 
-def _parts(run: Run) -> tuple[str, ...]:
-    """Return sphere, diameter, speed, load, thickness, plate, surface and distance in words."""
+def _parts(run: Run) -> dict[str, str]:
+    """Return bodies, motion, surface and distance of a run in words."""
     scene, plate = run.scene, run.scene.plate
     yields = f" that yields at {plate.cap_gpa:g} GPa" if math.isfinite(plate.cap_gpa) else ""
     speed = "changing speed"
     if run.sound.constant_speed:
         speed = f"{rounded(scene.motion.fastest(run.sound.duration), 3)} m/s"
-    return (
-        "an elastic" if scene.sphere.youngs_modulus_gpa else "a rigid",
-        f"{2 * scene.sphere.radius_mm:g} mm",
-        speed,
-        f"{rounded(scene.load, 6)} N",
-        f"a {plate.thickness_mm:g} mm thick plate" if plate.thickness_mm else "a plate",
-        f"{plate.youngs_modulus_gpa:g} GPa{yields}",
-        surface_words(scene),
-        f"{scene.sound.distance_m:g} m",
-    )
+    thickness = f"a {plate.thickness_mm:g} mm thick plate" if plate.thickness_mm else "a plate"
+    return {
+        "body": "an elastic" if scene.sphere.youngs_modulus_gpa else "a rigid",
+        "diameter": f"{2 * scene.sphere.radius_mm:g} mm",
+        "speed": speed,
+        "load": f"{rounded(scene.load, 6)} N",
+        "thickness": thickness,
+        "plate": f"{plate.youngs_modulus_gpa:g} GPa{yields}",
+        "surface": surface_words(scene),
+        "distance": f"{scene.sound.distance_m:g} m",
+    }
 
 
 def _kinds(words: Sequence[str]) -> str:
@@ -87,10 +86,8 @@ def sentences(runs: Sequence[Run]) -> list[str]:
         return []
     by_level = sorted(sounding, key=lambda pair: float(pair[0].summary["laeq_db"]))
     (quiet, (dull_hz, _, _)), (loud, (bright_hz, low_hz, high_hz)) = by_level[0], by_level[-1]
-    place = (
-        f"{loud.label}: {percent(MOST)} of the A-weighted power lies between"
-        f" {kilohertz(low_hz)} and {kilohertz(high_hz)}. {_reason(loud)}"
-    )
+    numbers = {"percent": 100 * MOST, "low": low_hz / 1e3, "high": high_hz / 1e3}
+    place = say("heard", label=loud.label, reason=_reason(loud), **numbers)
     return [place] if loud is quiet else [_comparison(loud, bright_hz, quiet, dull_hz), place]
 
 
@@ -104,10 +101,8 @@ def _comparison(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> str:
     pitch = "of the same colour"
     if abs(bright_hz / dull_hz - 1.0) > ALIKE:
         pitch = "brighter" if bright_hz > dull_hz else "darker"
-    return (
-        f"{loud.label}: {level} and {pitch} (mean of the A-weighted log frequency"
-        f" {kilohertz(bright_hz)} against {kilohertz(dull_hz)})."
-    )
+    khz = {"bright": bright_hz / 1e3, "dull": dull_hz / 1e3}
+    return say("heard.compared", label=loud.label, level=level, pitch=pitch, **khz)
 
 
 def _reason(run: Run) -> str:
@@ -115,56 +110,38 @@ def _reason(run: Run) -> str:
     scene = run.scene
     speed = mean_speed(scene, run.sound)
     width = 2 * hertz_radius(run)
-    text = f"The sphere rolls over its own contact width, {_rate(width, speed)}"
+    width_words = say("heard.width", rate=_rate(width, speed))
     if run.sound.source == "vibration":
-        return f"{text}. {_shaken(run)}"
+        return f"{width_words}. {_shaken(run)}"
     if not scene.laws:
-        return f"{text}."
+        return f"{width_words}."
     length = 1e-6 * max(scene.laws, key=lambda law: law.rq_m).lengths_um[0]  # of the rougher
     frequency, _, power = weighted_lines(run.sound)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())
-    lies = f"{percent(share)} of the A-weighted power lies between the two rates"
-    reason = f"Only {lies}, where waves of the surface fit into the contact."
-    if share >= MAINLY:
-        reason = f"Waves of the surface between these two lengths fit into the contact: {lies}."
-    return f"{text}, and over a correlation length of the surface, {_rate(length, speed)}. {reason}"
+    reason = say(f"heard.{'fits' if share >= MAINLY else 'elsewhere'}", percent=100 * share)
+    return width_words + say("heard.length", rate=_rate(length, speed), reason=reason)
 
 
 def _shaken(run: Run) -> str:
     """State the frequency at which the ball rings on its contact, its fall, and its flights."""
     summary = run.summary
-    text = (
-        f"The ball rings on its contact at {kilohertz(summary['resonance_hz'])}, where waves of the"
-        f" surface of {rounded(summary['resonance_wavelength_m'] * 1e6)} µm shake it."
-    )
+    khz, wave_um = summary["resonance_hz"] / 1e3, summary["resonance_wavelength_m"] * 1e6
+    text = say("heard.rings", khz=khz, wave_um=wave_um)
     if "drop_mm" in summary:
-        text += f" It falls from {rounded(summary['drop_mm'])} mm above the surface"
-        if (left := summary["restitution"]) is not None:
-            text += f", and its first impact leaves {percent(left)} of its speed"
-        text += "."
-    if summary["flight_share"] > 0:
-        text += f" It flies for {percent(summary['flight_share'])} of the time, and hits the plate"
-        text += f" {summary['impacts']} time{'' if summary['impacts'] == 1 else 's'}."
+        left = summary["restitution"]
+        rebound = "" if left is None else say("heard.rebound", percent=100 * left)
+        text += say("heard.falls", drop_mm=summary["drop_mm"], rebound=rebound)
+    if (share := summary["flight_share"]) > 0:
+        count, s = summary["impacts"], "" if summary["impacts"] == 1 else "s"
+        text += say("heard.flies", percent=100 * share, count=count, s=s)
     return text
 
 
 def _rate(length: float, speed: float) -> str:
     """Write a length [m] with the time to pass it and the rate."""
-    return (
-        f"{rounded(length * 1e6, 3)} µm, once in {rounded(length / speed * 1e3)} ms"
-        f" ({kilohertz(speed / length)})"
-    )
-
-
-def kilohertz(hertz: float) -> str:
-    """Write a frequency with two digits."""
-    return f"{rounded(hertz / 1e3)} kHz"
-
-
-def percent(share: float) -> str:
-    """Write a share in percent."""
-    return f"{100 * share:.0f} %"
+    ms, khz = length / speed * 1e3, speed / length / 1e3
+    return say("heard.rate", length_um=length * 1e6, ms=ms, khz=khz)
 
 
 def explanations(runs: Sequence[Run]) -> list[tuple[str, str]]:

@@ -20,7 +20,7 @@ from acoustics.bands import BAND_NAMES, LEAST_BT
 from acoustics.numbers import rounded
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
-from rolling.figures import wavelengths
+from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
 from rolling.report import assumed, film, hearing, maps, text
@@ -67,7 +67,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         title=text.titles(runs),
         descriptions=_descriptions(shown),
         text=text,
-        wavelengths=wavelengths,
+        origins=origins,
         hearing=hearing,
         caveats=caveats,
         runs_table=runs_table,
@@ -225,10 +225,8 @@ def gains(
         scale and for a common LAeq, `calibrated_pa` and `equal_pa` [Pa] the full scales that they
         lead to, and `equal_db` [dB] their ratio. A silent record has factors of 0 and no scales.
     """
-    records = [
-        (peak / wav.PEAK if peak > 0 else 1.0, peak, level)
-        for peak, level in zip(peaks_pa, laeq_db, strict=True)
-    ]
+    scales = [peak / wav.PEAK if peak > 0 else 1.0 for peak in peaks_pa]
+    records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
     common = max((scale for scale, peak, _ in records if peak > 0), default=1.0)
     # Each record is loudest with its peak at the limit. All records can reach the minimum of these
     # levels.

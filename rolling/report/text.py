@@ -90,11 +90,9 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
         for key, column in COLUMNS.items()
         if column.always or any(run.summary.get(key) is not None for run in runs)
     }
-    heads = [
-        (level_head(runs) if key == "laeq_db" else column.head)
-        + (f" [{column.unit}]" if column.unit else "")
-        for key, column in columns.items()
-    ]
+    names = {key: column.head for key, column in columns.items()} | {"laeq_db": level_head(runs)}
+    units = (f" [{column.unit}]" if column.unit else "" for column in columns.values())
+    heads = [name + unit for name, unit in zip(names.values(), units, strict=True)]
     return heads, [(run.label, [_cell(run, *item) for item in columns.items()]) for run in runs]
 
 
@@ -128,6 +126,7 @@ def _cell(run: Run, key: str, column: Column) -> str:
 def bands(runs: Sequence[Run]) -> list[tuple[str, bool, list[str]]]:
     """Return nominal mid frequency, certainty and Z levels of all runs for each third octave."""
     certain = reliable(min(run.sound.duration for run in runs))
+    shown = zip(BAND_NAMES, certain.tolist(), strict=True)
 
     def cell(run: Run, band: str) -> str:
         level = run.sound.levels.third_octave_db[band]
@@ -137,10 +136,7 @@ def bands(runs: Sequence[Run]) -> list[tuple[str, bool, list[str]]]:
         error = total_errors_db(run.summary).get(band)
         return text if error is None else f"{text} (error {error:+.1f})"
 
-    return [
-        (band, bool(sure), [cell(run, band) for run in runs])
-        for band, sure in zip(BAND_NAMES, certain, strict=True)
-    ]
+    return [(band, sure, [cell(run, band) for run in runs]) for band, sure in shown]
 
 
 # ---- facts

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -17,16 +15,13 @@ from rolling.check import findings, resolution
 from rolling.dynamics.of_scene import BENT
 from rolling.marches.result import MovingRelease
 from rolling.results.run_errors import total_errors_db
+from rolling.results.sentences import say
 from rolling.results.verdict import ranks
 from rolling.scene.scene import Scene
 from rolling.sound import solver_error
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
 
-SENTENCES: dict[str, str] = tomllib.loads(
-    files("rolling.results").joinpath("caveats.toml").read_text(encoding="utf-8")
-)
-MEASURED_DB = 26, 70  # release with q = 1 over the vibration, on 71 runs of docs/dynamics.md
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 # Caveats that stand beside every level, beside every player, and elsewhere; others are warnings.
 _VIBRATIONS = ("on_axis", "infinite_plate", "at_listener", "plate_edges")
@@ -77,7 +72,7 @@ def caveats(
         _of_levels(scene, sound, errors, vibration)
         | _of_record(scene, sound)
         | _of_load(scene, moving)
-        | ({"permanent": _say("permanent", count=scene.passes)} if scene.is_permanent else {})
+        | ({"permanent": say("permanent", count=scene.passes)} if scene.is_permanent else {})
         | {
             finding.key: f"{finding.quantity}: {finding.warning}"
             for finding in findings.findings(scene)
@@ -128,11 +123,6 @@ def warnings(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[Caveat]:
     return sorted(merged, key=lambda caveat: largest.get(caveat.key, (-1, 0.0)), reverse=True)
 
 
-def _say(key: str, **numbers: Any) -> str:
-    """Return the sentence of a caveat with its numbers."""
-    return SENTENCES[key].format(**numbers)
-
-
 def _of_levels(
     scene: Scene, sound: ContactSound, errors: Mapping[str, Any], vibration: Vibration | None
 ) -> dict[str, str]:
@@ -140,28 +130,26 @@ def _of_levels(
     s, vibrates = scene.sound, sound.source == "vibration"
     if sound.steady_level is None and sound.levels.level_db is None:
         return {}
-    fixed = s.gain_pa_per_w_m2 is not None
+    gain = s.gain_pa_per_w_m2
     if vibrates:
         texts = _of_radiation(scene)
     elif s.q != 1:
-        texts = {"assumed_q": _say("assumed_q", q=s.q)}
-    elif fixed or sound.levels.level_db is None:
-        texts = {"upper_bound": _say("upper_bound.steady")}
+        texts = {"assumed_q": say("assumed_q", q=s.q)}
     else:
-        least, most = MEASURED_DB
-        texts = {"upper_bound": _say("upper_bound", least=least, most=most)}
-    if fixed and not vibrates:
-        texts["fixed_gain"] = _say("fixed_gain", gain=s.gain_pa_per_w_m2)
-    texts["unvalidated"] = _say("unvalidated")
+        steady = ".steady" if gain is not None or sound.levels.level_db is None else ""
+        texts = {"upper_bound": say(f"upper_bound{steady}")}
+    if gain is not None and not vibrates:
+        texts["fixed_gain"] = say("fixed_gain", gain=gain)
+    texts["unvalidated"] = say("unvalidated")
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
         flies = vibrates and vibration and vibration.motion.flight_share
         noise = "once" if sound.once else "impacts" if flies else "noise"
         parts = "length, comb and time steps" if vibrates else "the length"
-        covered = _say(f"uncertainty.{noise}", parts=parts)
-        texts["uncertainty"] = _say("uncertainty", covered=covered)
+        covered = say(f"uncertainty.{noise}", parts=parts)
+        texts["uncertainty"] = say("uncertainty", covered=covered)
         if errors.get("laeq_uncertainty_db") is not None:
             law = ", solver and force law" if vibrates else " and solver"
-            texts["uncertainty"] += _say("uncertainty.errors", law=law)
+            texts["uncertainty"] += say("uncertainty.errors", law=law)
     return texts
 
 
@@ -171,15 +159,13 @@ def _of_radiation(scene: Scene) -> dict[str, str]:
     if scene.plate.edges_mm is None:
         body = "an infinite plate without modes, edges or supports"
         body = "a half-space" if scene.plate.thickness_mm is None else body
-        on_axis = _say("on_axis", sources=sources, distance=scene.sound.distance_m)
-        return {"on_axis": on_axis, "infinite_plate": _say("infinite_plate", body=body)}
+        on_axis = say("on_axis", sources=sources, distance=scene.sound.distance_m)
+        return {"on_axis": on_axis, "infinite_plate": say("infinite_plate", body=body)}
     place = scene.listener_place + " above the contact" * (scene.sound.listener_mm is None)
     moves = len(scene.plate.contact_ends_mm) > 1
     path = "moves to and fro on a straight line" if moves else "stays at its point of the plate"
-    return {
-        "at_listener": _say("at_listener", sources=sources, place=place),
-        "plate_edges": _say("plate_edges", path=path),
-    }
+    at_listener = say("at_listener", sources=sources, place=place)
+    return {"at_listener": at_listener, "plate_edges": say("plate_edges", path=path)}
 
 
 def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
@@ -187,32 +173,32 @@ def _of_record(scene: Scene, sound: ContactSound) -> dict[str, str]:
     texts = {}
     if not sound.loops:
         variant = "not_loopable.closed" if sound.closed else "not_loopable"
-        texts["not_loopable"] = _say(variant, ends=sound.ends)
+        texts["not_loopable"] = say(variant, ends=sound.ends)
     if sound.levels.level_db is None or sound.once:
         return texts
     lap = scene.track.lap_steps * scene.track.step
     period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
     if sound.duration < SHORT_S:
         period = min(period, len(sound.lap) / sound.sample_rate)
-        key, length = "short_loop", rounded(sound.duration, 3)
+        key, length = "short_loop", sound.duration
     elif period < min(SHORT_S, 0.999 * sound.duration):
-        key, length = "short_track", rounded(period, 3)
+        key, length = "short_track", period
     else:
         return texts
     rate = rounded(1 / period) if 1 / period < 10 else f"{1 / period:.0f}"
-    return texts | {key: _say(key, length=length, rate=rate)}
+    return texts | {key: say(key, length=length, rate=rate)}
 
 
 def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:
     """Return the caveat of the load under which the release was computed."""
     if scene.dynamics is None:
-        return {"quasi_static": _say("quasi_static")}
+        return {"quasi_static": say("quasi_static")}
     if moving is None:
         drop = "" if scene.rolling.drop_mm is None else ".drop"
-        return {"constant_load_release": _say(f"constant_load_release{drop}")}
+        return {"constant_load_release": say(f"constant_load_release{drop}")}
     if moving.fault:
-        return {"no_moving_release": _say("no_moving_release", fault=moving.fault)}
-    return {"moving_load_release": _say("moving_load_release")}
+        return {"no_moving_release": say("no_moving_release", fault=moving.fault)}
+    return {"moving_load_release": say("moving_load_release")}
 
 
 def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_grid: bool) -> dict[str, str]:
@@ -221,7 +207,7 @@ def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_grid: bool) -> dic
     if estimate is None:
         return {}
     if "reason" in estimate:
-        return {"no_error_estimate": _say("no_error_estimate", **estimate)}
+        return {"no_error_estimate": say("no_error_estimate", **estimate)}
     texts = {}
     if knows_grid:
         spread = errors["grid_signal_uncertainty_db"]
@@ -230,11 +216,11 @@ def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_grid: bool) -> dic
         if coarse := resolution.too_coarse(scene, errors["grid_signal_db"], source):
             texts[resolution.KEY] = f"error of the grid: {coarse}"
     if scene.height_paths:
-        texts["unknown_detail"] = _say("unknown_detail")
+        texts["unknown_detail"] = say("unknown_detail")
     worst = estimate["worst_uncertainty_db"]
     worst = math.inf if worst is None else worst
     if worst > OFF_DB:
-        texts["error_estimate_reach"] = _say("error_estimate_reach", worst=worst)
+        texts["error_estimate_reach"] = say("error_estimate_reach", worst=worst)
     spreads = errors["grid_error_uncertainty_db"]
     bands = ", ".join(
         f"{name} Hz ({error:+.1f})"
@@ -242,7 +228,7 @@ def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_grid: bool) -> dic
         if error is not None and abs(error) > OFF_DB + (spreads[name] or 0.0)
     )
     if bands:
-        texts["band_errors"] = _say("band_errors", limit=OFF_DB, bands=bands)
+        texts["band_errors"] = say("band_errors", limit=OFF_DB, bands=bands)
     return texts
 
 
@@ -253,23 +239,23 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
         return texts
     motion, thickness = vibration.motion, scene.plate.thickness_mm
     if motion.outside_share > 0:
-        least, most = (rounded(load, 3) for load in vibration.law.load_n[[0, -1]])
-        share = rounded(100 * motion.outside_share)
-        texts["force_outside"] = _say("force_outside", least=least, most=most, share=share)
+        least, *_, most = vibration.law.load_n
+        percent = 100 * motion.outside_share
+        texts["force_outside"] = say("force_outside", least=least, most=most, percent=percent)
     if motion.flight_share > 0:
-        share, s = rounded(100 * motion.flight_share), "" if motion.impacts == 1 else "s"
-        texts["impacts"] = _say("impacts", share=share, count=motion.impacts, s=s)
+        percent, s = 100 * motion.flight_share, "" if motion.impacts == 1 else "s"
+        texts["impacts"] = say("impacts", percent=percent, count=motion.impacts, s=s)
         if motion.flight_share == 1:
-            texts["impacts"] += _say("impacts.flight")
+            texts["impacts"] += say("impacts.flight")
     repeats = not scene.is_smooth and scene.rolling.drop_mm is None
     if scene.track.closed and not motion.settled and repeats:
-        texts["not_settled"] = _say("not_settled")
+        texts["not_settled"] = say("not_settled")
         if motion.flight_share > 0:
-            texts["not_settled"] += _say("not_settled.impacts")
+            texts["not_settled"] += say("not_settled.impacts")
         elif len(scene.plate.contact_ends_mm) > 1:
-            texts["not_settled"] += _say("not_settled.path")
+            texts["not_settled"] += say("not_settled.path")
         elif scene.motion.is_constant(scene.duration):
-            texts["not_settled"] += _say("not_settled.constant")
+            texts["not_settled"] += say("not_settled.constant")
     if thickness is not None and (bent := 1e3 * np.ptp(motion.plate_m) / thickness) > BENT:
-        texts["plate_deflection"] = _say("plate_deflection", bent=rounded(bent), limit=BENT)
+        texts["plate_deflection"] = say("plate_deflection", bent=bent, limit=BENT)
     return texts

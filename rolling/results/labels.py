@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
+from rolling.check.finding import table
 from rolling.scene.named import NAMES
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Section
@@ -28,12 +27,7 @@ class Word(NamedTuple):
     minor: bool = False
 
 
-WORDS = {
-    key: Word(**words)
-    for key, words in tomllib.loads(
-        files("rolling.results").joinpath("words.toml").read_text(encoding="utf-8")
-    ).items()
-}
+WORDS = {key: Word(**words) for key, words in table("rolling.results", "words").items()}
 
 
 class Labelled(Protocol):
@@ -73,10 +67,8 @@ def labels(runs: Sequence[Labelled]) -> list[str]:
         texts = [f"{name}, {text}" for name, text in zip(names, texts, strict=True)]
     homes = [(run.folder.parent if run.values else run.folder).resolve().name for run in runs]
     shared = Counter(text for text, _ in {*zip(texts, homes, strict=True)})
-    texts = [
-        f"{text} ({printable(home)})" if shared[text] > 1 else text
-        for text, home in zip(texts, homes, strict=True)
-    ]
+    for k, (text, home) in enumerate(zip(texts, homes, strict=True)):
+        texts[k] = f"{text} ({printable(home)})" if shared[text] > 1 else text
     return _numbered([_cut(text, LONGEST) for text in texts])
 
 

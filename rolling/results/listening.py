@@ -19,8 +19,9 @@ import numpy as np
 
 from acoustics import wav
 from acoustics.arrays import Array
-from acoustics.numbers import decibels_a, rounded
+from acoustics.numbers import decibels_a
 from rolling.marches.result import Result
+from rolling.results.sentences import say
 from rolling.scene.scene import Scene
 from rolling.sound import long_listening
 from rolling.sound.contact_sound import ContactSound, contact_sound
@@ -34,13 +35,6 @@ if TYPE_CHECKING:
 Speed = float | tuple[float, float]  # [m/s], constant or from start to end
 
 LEAST_S = 5.0  # [s] of listen.wav; a shorter record is a click
-CONSEQUENCES = {  # of the rule that sets a gain
-    "silence": "the record is silent, and the gain is 1",
-    "the largest gain": "the gain is the largest there is, that of a record at 0 dB(A): this"
-    " record is below and stays quieter than others",
-    "equal loudness": "the gain makes runs equally loud, so compare their levels by the"
-    " numbers, not by ear",
-}
 PLAYERS = ("afplay", "pw-play", "paplay", "aplay", "ffplay -nodisp -autoexit", "xdg-open")
 LEAST_POSITIONS = 64  # of a solved track; fewer have no spectrum
 COARSE_HZ = 10e3  # highest frequency of the steps below which the sound is dull
@@ -69,15 +63,12 @@ def laps_in_words(sound: ContactSound) -> str:
     lap, rate = sound.lap, sound.sample_rate
     if sound.once or len(sound.pressure) >= LEAST_S * rate:
         return f"the record, {sound.ends}"
-    count = f"{len(laps(sound)) // len(lap)} laps of the record"
+    numbers = {"count": len(laps(sound)) // len(lap), "duration": sound.duration}
     if sound.loops:
-        return f"{count} of {rounded(sound.duration, 3)} s, which closes on itself"
+        return say("laps.closed", **numbers)
     change = round(20 * math.log10(lap.factor), 1) + 0.0  # without the sign of a zero
-    return (
-        f"{count}, which does not close: {rounded(len(lap) / rate, 3)} s of its"
-        f" {rounded(sound.duration, 3)} s, cross-faded over {rounded(lap.overlap / rate * 1e3)} ms"
-        f" at points of equal slope and scaled by {change:+.1f} dB to its LAeq"
-    )
+    overlap_ms = lap.overlap / rate * 1e3
+    return say("laps", lap=len(lap) / rate, overlap_ms=overlap_ms, change=change, **numbers)
 
 
 def heard(run: Run) -> tuple[Array, str]:
@@ -98,8 +89,7 @@ def listen_wav(run: Run) -> tuple[bytes, dict[str, Any]]:
     return written, {
         "content": content,
         "duration_s": len(record) / run.sound.sample_rate,
-        "meaning": "Samples times pascal_per_full_scale are sound pressure in Pa at the listener;"
-        f" {CONSEQUENCES[rule]}.",
+        "meaning": say("listen", consequence=say(f"listen.{rule}")),
         "pascal_per_full_scale": 1.0 / gain,
         "gain_full_scale_per_pa": gain,
         "gain_db_re_1_per_pa": 20.0 * math.log10(gain),
@@ -188,7 +178,7 @@ def reason_against(run: Run) -> str:
     """Return the reason why a run has no long record; empty if it has one."""
     steps, sound = run.result.solved_steps, run.sound
     if steps < LEAST_POSITIONS:
-        return f"its solved track has {steps} steps, and a continuation needs {LEAST_POSITIONS}"
+        return say("refused.short", steps=steps, least=LEAST_POSITIONS)
     if sound.source == "vibration" or not sound.pressure.any():
         return "" if sound.pressure.any() else "its record is silent"
     if not sound.constant_speed:
@@ -207,10 +197,7 @@ def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) 
     scene = run.scene if speed is None else with_speed(run.scene, speed, seconds)
     positions = float(scene.motion.distance(seconds)) / run.result.step
     if positions > (most := defaults.MOST_LISTENED_POSITIONS):
-        raise ListeningError(
-            f"speed: the sphere passes {positions:.2g} positions, allowed is up to {most:.2g},"
-            " which take ten minutes"
-        )
+        raise ListeningError(say("refused.positions", positions=positions, most=most))
     if run.vibration is not None and run.sound.source == "vibration":
         record = long_listening.listen_to_vibration(scene, run.vibration.law, seconds, seed)
     else:
@@ -227,60 +214,38 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
     """Refuse a length and a speed that are not possible."""
     least, most = defaults.LEAST_LISTENED_SECONDS, defaults.MOST_LISTENED_SECONDS
     if not least <= seconds <= most:
-        raise ListeningError(
-            f"seconds: got {seconds:g}, allowed is {least:g} to {most:g}, for which memory suffices"
-        )
+        raise ListeningError(say("refused.seconds", seconds=seconds, least=least, most=most))
     speeds = () if speed is None else np.atleast_1d(speed).tolist()
     if speeds and not (all(0 <= v < math.inf for v in speeds) and max(speeds) > 0):
         got = ":".join(f"{v:g}" for v in speeds)
-        raise ListeningError(f"speed: got {got}, allowed: at least 0 m/s, and not only 0")
+        raise ListeningError(say("refused.speed", got=got))
 
 
 def sentence(run: Run, long: Listening) -> str:
     """Say length, level, kurtosis, impacts and the solved share of a long record."""
     numbers, own = long.numbers, decibels_a(run.sound.levels.laeq_db)
-    solved, rolled = (rounded(numbers[f"{name}_mm"], 3) for name in ("solved", "rolled"))
-    track = "all solved"
+    kurtosis = "-" if numbers["kurtosis"] is None else f"{numbers['kurtosis']:.2f}"
+    track = say("long.solved")
     if numbers["solved_mm"] < numbers["rolled_mm"]:
-        share = rounded(100 * numbers["solved_share"])
-        track = (
-            f"of which the first {solved} mm ({share} % of the time) are solved and the others"
-            f" follow their statistics at random (seed {numbers['seed']})"
-        )
-    text = (
-        f"{rounded(numbers['seconds'], 4)} s over {rolled} mm, {track}: LAeq"
-        f" {decibels_a(numbers['laeq_db'])} (the run {own}), kurtosis"
-        f" {'-' if numbers['kurtosis'] is None else format(numbers['kurtosis'], '.2f')}"
-    )
+        track = say("long.continued", percent=100 * numbers["solved_share"], **numbers)
+    words = {"track": track, "laeq": decibels_a(numbers["laeq_db"]), "own": own}
+    text = say("long", **numbers | words | {"kurtosis": kurtosis})
     if "impacts" in numbers:
-        text += f", {rounded(numbers['impacts'] / numbers['seconds'], 3)} impacts per second"
-    if numbers["stretches"]:
-        text += f", {numbers['stretches']} rare stretches inserted as solved"
-    return text
+        text += say("long.impacts", rate=numbers["impacts"] / numbers["seconds"])
+    return text + (say("long.stretches", **numbers) if numbers["stretches"] else "")
 
 
 def limits(numbers: dict[str, Any]) -> list[str]:
     """List the limits of a long record."""
-    texts = []
-    if numbers["highest_frequency_hz"] < COARSE_HZ:
-        texts.append(
-            "the steps of the track resolve sound up to"
-            f" {rounded(numbers['highest_frequency_hz'])} Hz at this speed; the rest is missing"
-        )
-    if (turn := numbers["turn_mm"]) is not None and numbers["solved_mm"] < turn:
-        texts.append(
-            f"the solved track is shorter than a turn of the ball ({rounded(turn, 3)} mm): it is"
-            " put in as solved once per turn, and the rest of the turn is random"
-        )
-    if numbers.get("force_outside_share", 0.0) > OFTEN:
-        texts.append(
-            f"the force lies beyond the marched loads for"
-            f" {100 * numbers['force_outside_share']:.0f} % of the time"
-        )
-    if numbers["lowest_frequency_hz"] > LONG_WAVES_HZ:
-        texts.append(
-            f"waves longer than the solved track sound below"
-            f" {rounded(numbers['lowest_frequency_hz'])} Hz, where the density is that of the"
-            " longest solved wave"
-        )
-    return texts
+    turn, outside = numbers["turn_mm"], numbers.get("force_outside_share", 0.0)
+    doubts = {
+        "coarse": numbers["highest_frequency_hz"] < COARSE_HZ,
+        "turn": turn is not None and numbers["solved_mm"] < turn,
+        "force": outside > OFTEN,
+        "waves": numbers["lowest_frequency_hz"] > LONG_WAVES_HZ,
+    }
+    return [
+        say(f"long.limit.{name}", percent=100 * outside, **numbers)
+        for name, doubt in doubts.items()
+        if doubt
+    ]

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Callable
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,18 +13,12 @@ import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
 from rolling.check.error_cost import DETAIL, LEVELS
+from rolling.check.finding import table
 from rolling.marches import observers
-from rolling.marches.observers import PressureMap, SlowMotion, Snapshot
+from rolling.marches.observers import PLACES, PressureMap, SlowMotion, Snapshot
 from rolling.marches.passes import SERIES as PASS_SERIES
 from rolling.marches.passes import Passes
-from rolling.marches.result import (
-    MOVING_SERIES,
-    ErrorStretches,
-    LoadMarches,
-    MovingRelease,
-    Result,
-    StretchMarch,
-)
+from rolling.marches.result import ErrorStretches, LoadMarches, MovingRelease, Result, StretchMarch
 from rolling.scene import file as scene_file
 from rolling.sound.vibration_sound import Vibration
 
@@ -36,9 +28,7 @@ if TYPE_CHECKING:
 FORMAT = 4
 Arrays = dict[str, NDArray[Any]]
 # Dimensions, unit and type of each variable by its path.
-TABLE: dict[str, tuple[str, str, str]] = tomllib.loads(
-    files("rolling.results").joinpath("arrays.toml").read_text(encoding="utf-8")
-)
+TABLE: dict[str, tuple[str, str, str]] = table("rolling.results", "arrays")
 Facts = dict[str, Any]
 Group = tuple[Arrays, Facts]  # arrays and attributes of a group
 
@@ -128,9 +118,6 @@ def _read_snapshot(arrays: Arrays, facts: Facts, result: Result) -> Snapshot:
     return Snapshot(facts["distance_m"], along, across, arrays["pressure"], arrays["deflection"])
 
 
-_PLACES = ("position", "distance", "along", "across", "cell")
-
-
 def _write_maps(maps: dict[int, PressureMap], run: Run) -> Group:
     """Return the maps [Pa], padded with NaN to a common shape, and their places [m]."""
     ordered = [maps[position] for position in sorted(maps)]
@@ -138,16 +125,16 @@ def _write_maps(maps: dict[int, PressureMap], run: Run) -> Group:
     padded = np.full((len(maps), *shapes.max(axis=0)), np.nan, dtype=np.float32)
     for block, drawn, (rows, columns) in zip(padded, ordered, shapes, strict=True):
         block[:rows, :columns] = drawn.pressure
-    arrays = {name: np.array([getattr(drawn, name) for drawn in ordered]) for name in _PLACES}
+    arrays = {name: np.array([getattr(drawn, name) for drawn in ordered]) for name in PLACES}
     return arrays | {"rows": shapes[:, 0], "columns": shapes[:, 1], "pressure": padded}, {}
 
 
 def _read_maps(arrays: Arrays, facts: Facts, result: Result) -> dict[int, PressureMap]:
     """Return the maps of a group by position, without their padding."""
     maps, shapes = {}, zip(arrays["rows"].tolist(), arrays["columns"].tolist(), strict=True)
-    places = zip(*(arrays[name].tolist() for name in _PLACES), strict=True)
+    places = zip(*(arrays[name].tolist() for name in PLACES), strict=True)
     for place, (rows, columns), padded in zip(places, shapes, arrays["pressure"], strict=True):
-        fields = dict(zip(_PLACES, place, strict=True))
+        fields = dict(zip(PLACES, place, strict=True))
         maps[place[0]] = PressureMap(**fields, pressure=padded[:rows, :columns].copy())
     return maps
 
@@ -249,7 +236,7 @@ def _read_moving(arrays: Arrays, facts: Facts, result: Result) -> MovingRelease:
     if facts["fault"]:
         return MovingRelease.impossible(facts["key"], result.solved_steps, facts["fault"])
     force, motion = arrays["force"], arrays["motion_approach"]
-    steps = {name: arrays[name] for name in MOVING_SERIES}
+    steps = {name: arrays[name] for name in observers.MOVING_SERIES}
     return MovingRelease(facts["key"], force, motion, arrays["approach"], steps)
 
 

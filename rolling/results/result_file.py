@@ -52,9 +52,8 @@ def write_result(run: Run) -> bytes:
             attributes = {"units": unit}
             if kind[0] == "u":  # whole numbers of a unit
                 attributes["scale_factor"] = facts[f"{name}_unit"]
-            variables[name] = xarray.Variable(
-                dimensions.split(), values.astype(kind), attributes, encoding
-            )
+            stored = values.astype(kind)
+            variables[name] = xarray.Variable(dimensions.split(), stored, attributes, encoding)
         beside = [name for name in _COORDINATES if name in variables]
         nodes[f"/{group}"] = xarray.Dataset(variables, attrs=facts).set_coords(beside)
     content = bytes(xarray.DataTree.from_dict(nodes).to_netcdf(engine="h5netcdf"))
@@ -86,9 +85,8 @@ def read_result(path: Path, scene: Scene) -> Result:
             arrays = _arrays(file)
             _refuse_shapes(arrays, result, len(content))
             nodes = {name: node for name, node in file.items() if name not in arrays}
-            groups: dict[str, Group] = {
-                name: ({}, _facts(node)) for name, node in ({"": file} | nodes).items()
-            }
+            nodes |= {"": file}
+            groups: dict[str, Group] = {name: ({}, _facts(node)) for name, node in nodes.items()}
             for place in arrays.keys() & TABLE.keys():
                 group, _, name = place.rpartition("/")
                 groups[group][0][name] = arrays[place][()]

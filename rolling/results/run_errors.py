@@ -59,14 +59,14 @@ def error_numbers(
         parts["subgrid"] = known(math.hypot(detail.laeq_db, detail.laeq_uncertainty_db))
     total = math.sqrt(sum(part**2 for part in parts.values() if part is not None))
     return {
-        "grid_error_db": _by_band(levels.grid_db),
-        "grid_error_uncertainty_db": _by_band(levels.grid_uncertainty_db),
-        "solver_error_db": _by_band(levels.solver_db),
+        "grid_error_db": known_bands(levels.grid_db),
+        "grid_error_uncertainty_db": known_bands(levels.grid_uncertainty_db),
+        "solver_error_db": known_bands(levels.solver_db),
         "laeq_grid_error_db": known(levels.laeq_grid_db),
         "laeq_grid_error_uncertainty_db": known(levels.laeq_grid_uncertainty_db),
         "laeq_solver_error_db": known(levels.laeq_solver_db),
-        "subgrid_error_db": _by_band(detail.bands_db),
-        "subgrid_error_uncertainty_db": _by_band(detail.bands_uncertainty_db),
+        "subgrid_error_db": known_bands(detail.bands_db),
+        "subgrid_error_uncertainty_db": known_bands(detail.bands_uncertainty_db),
         "laeq_subgrid_error_db": known(detail.laeq_db),
         "laeq_subgrid_error_uncertainty_db": known(detail.laeq_uncertainty_db),
         "plastic_ratio_grid_error": known(plastic[0]),
@@ -143,6 +143,6 @@ def _reason(scene: Scene, result: Result, sound: ContactSound) -> str | None:
     return "the record is silent" if sound.levels.level_db is None else None
 
 
-def _by_band(values: Array) -> dict[str, float | None]:
+def known_bands(values: Array) -> dict[str, float | None]:
     """Return values by nominal frequency, None where they are unknown."""
     return dict(zip(BAND_NAMES, map(known, values.tolist()), strict=True))

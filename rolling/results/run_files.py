@@ -39,10 +39,8 @@ def write_run(run: Run) -> None:
     make_below(run.home, run.folder)
     for name, content in contents.items():
         write_bytes(run.folder / name, content)
-    write_json(
-        run.folder / SUMMARY,
-        run.summary | {"listen": listen, "provenance": provenance(run.scene, run.label)},
-    )
+    facts = {"listen": listen, "provenance": provenance(run.scene, run.label)}
+    write_json(run.folder / SUMMARY, run.summary | facts)
 
 
 def read_run(folder: Path, scene: Scene, values: Mapping[str, Value], label: str) -> Run:

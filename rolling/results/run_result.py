@@ -295,9 +295,8 @@ def hear(
     """
     energy, closed = released(scene, result)
     moving = result.moving if scene.moves_release else None
-    release = contact_sound(
-        scene, energy, result.step, closed, result.solved_steps, scene_surface(scene).has_seam
-    )
+    lap, has_seam = result.solved_steps, scene_surface(scene).has_seam
+    release = contact_sound(scene, energy, result.step, closed, lap, has_seam)
     vibration = _vibration(scene, result, release)
     vibrates = vibration is not None and scene.sound.source == "vibration"
     sound = heard(release, vibration) if vibration and vibrates else release

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.bands import BAND_NAMES
-from acoustics.numbers import bracketed, decibels_a, rounded
+from acoustics.numbers import bracketed, decibels_a
 from rolling.check.finding import columns
 from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
 from rolling.results.labels import Labelled, labels
 from rolling.results.run_errors import LINEAR
+from rolling.results.sentences import say
 from rolling.results.summary_file import read_summary
 from rolling.results.verdict import above_vibration_db
 from rolling.terminal.streams import wrapped
@@ -88,10 +89,9 @@ def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
             cells["laeq_total_uncertainty_db"] = value
         elif key not in ("name", "levelling", "preparation") and not isinstance(value, Mapping):
             cells[key] = value
-    bands = {
-        f"{key}_{name}": level for key in BANDS for name, level in summary.get(key, {}).items()
-    }
-    return cells | bands
+    for key in BANDS:
+        cells |= {f"{key}_{name}": level for name, level in summary.get(key, {}).items()}
+    return cells
 
 
 def seed_statistics(table: pd.DataFrame, over: str = SEED) -> pd.DataFrame:
@@ -161,18 +161,14 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
     grid_spread = summary["laeq_grid_error_uncertainty_db"] or 0.0
     signals = {name: summary[f"{name}_signal_db"] for name in ("grid", "solver")}
     signal = [f"{db:.0f} dB from the {name}" for name, db in signals.items() if db is not None]
-    whole = spread and math.hypot(spread, grid_spread)
-    corrected, detail = uncertain(summary["laeq_db"] - grid - solver, whole), ""
+    whole, detail = spread and math.hypot(spread, grid_spread), ""
     if subgrid := summary.get("laeq_subgrid_error_db"):
         of_detail = summary["laeq_subgrid_error_uncertainty_db"] or 0.0
-        detail = f" {subgrid:+.2f} ± {of_detail:.2f} dB from missing detail below the spacing,"
-    return (
-        f"errors of {label}: LAeq {grid:+.2f} ± {grid_spread:.2f} dB from the grid,{detail}"
-        f" {solver:+.2f} dB from the solver, corrected {corrected}"
-        f" dB(A); rms error of the {summary['source']} over its fluctuation {', '.join(signal)};"
-        f" {estimate['stretches']} stretches of {estimate['steps']} steps, order"
-        f" {estimate['order']:.1f}"
-    )
+        detail = say("errors.detail", error=subgrid, spread=of_detail)
+    corrected = uncertain(summary["laeq_db"] - grid - solver, whole)
+    numbers = estimate | {"label": label, "grid": grid, "grid_spread": grid_spread}
+    numbers |= {"detail": detail, "solver": solver, "corrected": corrected}
+    return say("errors", **numbers | {"source": summary["source"], "signal": ", ".join(signal)})
 
 
 # Levels of a source that radiates evenly, beside that of a vibration: summary key and words.
@@ -204,24 +200,19 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
         return ""
     above = _range([above_vibration_db(summary) for summary in known])
     if sources == {"vibration"}:
-        words = f"the release with q = 1 is {above} dB above it: an upper bound"
+        words: str = say("beside.release", above=above)
         for key, name in MEANS.items():
-            present = [summary[key] for summary in known if key in summary]
-            if present:
+            if present := [summary[key] for summary in known if key in summary]:
                 mean = _range(present, 1)
                 words += f"; {name}: {f'{mean} dB(A)' if mean else 'not available'}"
         return words + (_others(known[0]) if len(known) == 1 else "")
-    if any(summary.get("vibration_laeq_db") is not None for summary in known):
-        level = _range([summary.get("vibration_laeq_db") for summary in known], 1)
-        return f"it lies {above} dB above the vibration, which has {level} dB(A)"
+    if level := _range([summary.get("vibration_laeq_db") for summary in known], 1):
+        return say("beside.vibration", above=above, level=level)
     level = _range([summary["vibration_estimate_laeq_db"] for summary in known])
     bodies = " or ".join(dict.fromkeys(summary["vibration_estimate_bodies"] for summary in known))
-    ratio = max(summary["vibration_estimate_force_ratio"] for summary in known)
-    lost = "; too high where the ball would lose contact" if ratio > LINEAR else ""
-    return (
-        f"it lies {above} dB above the vibration, which a linear chain estimates at {level} dB(A)"
-        f" for {bodies}{lost}"
-    )
+    ratio: float = max(summary["vibration_estimate_force_ratio"] for summary in known)
+    words = say("beside.estimate", above=above, level=level, bodies=bodies)
+    return words + say("beside.estimate.lost") * (ratio > LINEAR)
 
 
 def _others(summary: Mapping[str, Any]) -> str:
@@ -302,25 +293,17 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     """Write the caveats of the levels, the surfaces, the short repetitions and the warnings."""
     remarks = gathered(runs)
     beside = [caveat.line for caveat in remarks if caveat.key in HEADLINE]
-    surfaces = dict.fromkeys(
-        f"surface: Ra {rounded(s['ra'] * 1e6, 4)} µm, Rq {rounded(s['rq'] * 1e6, 4)} µm, skewness"
-        f" {s['skewness']:.2f}, kurtosis {s['kurtosis']:.2f}, rms slope"
-        f" {rounded(s['rms_slope'], 3)}{surface_parts(summary)}"
-        for summary, s in ((summary, summary["surface"]) for _, summary in runs)
-    )
-    steps = list(
-        dict.fromkeys(
-            f"{str(step['step']).replace('_', '-')}: {step['text']}"
-            for _, summary in runs
-            for step in summary.get("preparation", ())
-        )
-    )
+    summaries = [summary for _, summary in runs]
+    texts = (say("surface", **summary["surface"]) + surface_parts(summary) for summary in summaries)
+    surfaces = dict.fromkeys(texts)
+    prepared = [step for summary in summaries for step in summary.get("preparation", ())]
+    texts = (f"{str(step['step']).replace('_', '-')}: {step['text']}" for step in prepared)
+    steps = [*dict.fromkeys(texts)]
     if (more := len(steps) - MOST_STEPS) > 0:
         steps[MOST_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]
-    levelled = [levelling for _, summary in runs if (levelling := summary["levelling"])]
-    tilts = dict.fromkeys(
-        f"tilt: {x['text']}" for x in levelled if x["slope_along"] or x["slope_across"]
-    )
+    levelled = filter(None, (summary["levelling"] for summary in summaries))
+    tilted = (x["text"] for x in levelled if x["slope_along"] or x["slope_across"])
+    tilts = [f"tilt: {text}" for text in dict.fromkeys(tilted)]
     repeats = [f"note: {caveat.line}" for caveat in remarks if caveat.key in REPEATS]
     ranked = [f"warning: {caveat.line}" for caveat in warnings(runs)]
     if (more := len(ranked) - MOST_WARNINGS) > 0:
@@ -334,8 +317,7 @@ def surface_parts(summary: Mapping[str, Any]) -> str:
     """Write the roughness of plate and sphere, whose sum a sphere with a surface rolls over."""
     if "ball_ra_m" not in summary:
         return ""
-    plate, ball = (rounded(summary[f"{name}_ra_m"] * 1e6, 4) for name in ("plate", "ball"))
-    return f"; plate Ra {plate} µm and sphere Ra {ball} µm, added up over the turns"
+    return say("surface.parts", plate=summary["plate_ra_m"], ball=summary["ball_ra_m"])
 
 
 def _spread(key: str) -> str:

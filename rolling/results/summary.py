@@ -16,10 +16,9 @@ import numpy as np
 import rolling
 from acoustics import loudness, uncertainty, wav
 from acoustics.arrays import Array
-from acoustics.bands import BAND_NAMES
 from acoustics.level import SoundLevels, level_db
 from acoustics.modulation import envelope_spectrum, modulated_octave
-from rolling.check import cost, height_files
+from rolling.check import cost, heights
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.motion import BodyMotion
@@ -28,7 +27,7 @@ from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result
 from rolling.results import verdict
 from rolling.results.caveats import caveats
-from rolling.results.run_errors import error_numbers, known
+from rolling.results.run_errors import error_numbers, known, known_bands
 from rolling.scene.scene import Scene
 from rolling.sound import vibration_estimate
 from rolling.sound.contact_sound import ContactSound
@@ -71,6 +70,8 @@ def summarize(
     repeats = sound.source == "release" or bool(vibration and vibration.motion.settled)
     laps = result.steps / result.solved_steps if repeats else 1.0
     errors = error_numbers(scene, result, sound, vibration, origins)
+    left, approach = result.left_by_passes(surface.heights), result.series["approach"]
+    octaves = wavelength_octaves(scene, sound, left, approach)
     summary = {
         "name": scene.name,
         "load_n": scene.load,
@@ -94,12 +95,7 @@ def summarize(
         **surface.made,
         **({"preparation": [*map(asdict, surface.preparation)]} if surface.preparation else {}),
         **_turns(scene, surface, sound),
-        "wavelength_octaves": [
-            octave._asdict()
-            for octave in wavelength_octaves(
-                scene, sound, result.left_by_passes(surface.heights), result.series["approach"]
-            )
-        ],
+        "wavelength_octaves": [octave._asdict() for octave in octaves],
         **_vibration(scene, release, vibration),
         **law,
         **_moving(result, moving),
@@ -201,7 +197,7 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
         "seam_step_m": seam.step,
         "seam_neighbours_m": seam.neighbours,
         "seam_stands_out": seam.stands_out,
-        "text": height_files.tilt_text(levelling),
+        "text": heights.tilt_text(levelling),
     }
 
 
@@ -264,6 +260,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
     # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
     highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
     plate, edges = of_scene.plate(scene), of_scene.rectangular_plate(scene)
+    share = plate and of_scene.hertz_radius(scene) / of_scene.thickness_m(scene)
     mean = "compact_source_level_db" if edges is None else "hemisphere_mean_level_db"
     return {
         **_difference(scene, release.levels, vibration.levels),
@@ -279,9 +276,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "force_rms_ratio": vibration.rms_ratio,
         "force_max_ratio": float(ratio.max()),
         "force_min_ratio": float(ratio.min()),
-        "force_third_octave_n": dict(
-            zip(BAND_NAMES, map(known, vibration.force_bands.tolist()), strict=True)
-        ),
+        "force_third_octave_n": known_bands(vibration.force_bands),
         "largest_force_n": largest,
         "impacts_yield": bool(motion.impacts and highest > scene.hardness),
         "flight_share": motion.flight_share,
@@ -296,8 +291,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None)
         "critical_hz": plate and plate.critical_hz,
         "bending_limit_hz": plate and of_scene.bending_limit_hz(scene),
         "plate_deflection_m": float(np.ptp(motion.plate_m)),
-        "contact_radius_over_thickness": plate
-        and of_scene.hertz_radius(scene) / of_scene.thickness_m(scene),
+        "contact_radius_over_thickness": share,
         "force_outside_share": motion.outside_share,
         "comb_spread_db": vibration.spreads.get("comb"),
         "comb_mean_laeq_db": vibration.mean_laeq,
@@ -314,11 +308,11 @@ def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
     """Return places and levels of the listeners of a plate with edges."""
     if scene.plate.edges_mm is None:
         return {}
-    listeners = []
-    for place, levels in zip(scene.listeners, vibration.listener_levels(), strict=True):
-        at = {"at_mm": [round(1e3 * x, 6) for x in place]}
-        listeners.append({**at, "laeq_db": levels.laeq_db, "level_db": levels.level_db})
-    return {"listeners": listeners}
+    places = ([round(1e3 * x, 6) for x in place] for place in scene.listeners)
+    heard = zip(places, vibration.listener_levels(), strict=True)
+    keys = "at_mm", "laeq_db", "level_db"
+    rows = ((place, levels.laeq_db, levels.level_db) for place, levels in heard)
+    return {"listeners": [dict(zip(keys, row, strict=True)) for row in rows]}
 
 
 def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:

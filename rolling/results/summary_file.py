@@ -20,9 +20,8 @@ _MAPPINGS = (
     *("provenance", "packages", "listen", "error_estimate", "levelling"),
 )
 _TEXTS = ("name", "label", "source", "text")
-_NUMBER = re.compile(
-    r"surface|steps|impacts|.*_(db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|um|restitution)"
-)
+_UNITS = "db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|um|restitution"
+_NUMBER = re.compile(rf"surface|steps|impacts|.*_({_UNITS})")
 
 
 def read_summary(path: Path) -> dict[str, Any]:

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ
-from acoustics.numbers import rounded
-from rolling.check import error_cost, long_steps, resolution
+from rolling.check import error_cost, resolution
 from rolling.check.finding import Finding, computing
 from rolling.check.findings import Findings
+from rolling.results.sentences import say
 from rolling.scene.scene import Scene
 
 WORDS = TRUST, INDICATIVE, DO_NOT_QUOTE = "trust", "indicative", "do not quote"
@@ -82,7 +82,7 @@ def expected(scene: Scene, findings: Sequence[Finding]) -> tuple[str, str]:
     if scene.numerics.error_estimate and not error_cost.too_short(scene):
         summary |= {"laeq_grid_error_db": 0.0, "laeq_subgrid_error_db": 0.0}
     parts = contributions(summary, scene)
-    return (parts[0].word, parts[0].text) if parts else (TRUST, "no limit is broken")
+    return (parts[0].word, parts[0].text) if parts else (TRUST, say("verdict.none"))
 
 
 def conclusion(scene: Scene, findings: Findings) -> str:
@@ -100,10 +100,8 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     word, reason = max(words, key=lambda pair: WORDS.index(pair[0]))
     best = "" if word == DO_NOT_QUOTE else "at best "
     place = "" if len(words) == 1 else " of the worst run"
-    return (
-        f"It runs, in {computing(findings.seconds)}; the expected verdict{place} is {best}{word}:"
-        f" {reason}."
-    )
+    time = computing(findings.seconds)
+    return f"It runs, in {time}; the expected verdict{place} is {best}{word}: {reason}."
 
 
 def contributions(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
@@ -124,10 +122,21 @@ def ranks(summary: Mapping[str, Any]) -> dict[str, tuple[int, float]]:
     return {part["name"]: Contribution(**part).rank for part in stored}
 
 
-def _sized(name: str, decibels: float, text: str, least: str = TRUST) -> Contribution:
+def _sized(
+    name: str, decibels: float, variant: str = "", least: str = TRUST, **numbers: object
+) -> Contribution:
     """Return a contribution whose word follows from its decibels, and is no better than `least`."""
-    by_size = WORDS[sum(abs(decibels) > limit for limit in LIMITS_DB)]
-    return Contribution(name, max(by_size, least, key=WORDS.index), abs(decibels), text)
+    size = abs(decibels)
+    word = max(WORDS[sum(size > limit for limit in LIMITS_DB)], least, key=WORDS.index)
+    text = say(f"verdict.{name}{variant}", decibels=size, **numbers)
+    return Contribution(name, word, size, text)
+
+
+def _unsized(
+    name: str, variant: str = "", word: str = INDICATIVE, **numbers: object
+) -> Contribution:
+    """Return a contribution of unknown decibels."""
+    return Contribution(name, word, None, say(f"verdict.{name}{variant}", **numbers))
 
 
 # ---- contributions
@@ -137,15 +146,11 @@ def _source(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     """Return the bound that a level of the release is."""
     if summary.get("source") == "vibration":
         return []
-    key, above = "upper_bound", None
     if scene.sound.gain_pa_per_w_m2 is not None:
-        key, text = "fixed_gain", "the gain of the scene decides the level"
-    elif scene.sound.q != 1:
-        key, text = "assumed_q", f"the radiated share q = {scene.sound.q:g} is an assumption"
-    else:
-        above = above_vibration_db(summary)
-        text = "a level of the released power (q = 1) is an upper bound"
-    return [Contribution(key, INDICATIVE, above, text)]
+        return [_unsized("fixed_gain")]
+    if scene.sound.q != 1:
+        return [_unsized("assumed_q", q=scene.sound.q)]
+    return [_unsized("upper_bound")._replace(decibels=above_vibration_db(summary))]
 
 
 def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
@@ -158,21 +163,15 @@ def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
 
 def _record(summary: Mapping[str, Any]) -> list[Contribution]:
     """Return the parts of ±: length of the record, its comb of lines, and time steps."""
-    parts, spread = [], summary.get("uncertainty_db", {}).get("laeq")
-    texts = {
-        "comb_spread_db": "LAeq spreads by {} dB with the place of the lines of a repeated lap",
-        "motion_step_error_db": "the time steps of the motion leave {} dB",
-    }
-    heard = texts if summary.get("source") == "vibration" else ()  # the release has no such parts
-    others = {key: summary[key] for key in heard if summary.get(key) is not None}
-    for key, decibels in others.items():
-        parts.append(_sized(key, decibels, texts[key].format(rounded(decibels))))
+    keys = ["comb_spread_db", "motion_step_error_db"]
+    if summary.get("source") != "vibration":
+        keys = []  # the release has no such parts
+    parts = [_sized(key, summary[key]) for key in keys if summary.get(key) is not None]
+    spread = summary.get("uncertainty_db", {}).get("laeq")
     if spread is not None:
-        record = math.sqrt(max(spread**2 - sum(db**2 for db in others.values()), 0.0))
-        text = f"the length of the record leaves ± {rounded(record)} dB"
-        parts.append(_sized("uncertainty", record, text))
-        text = f"length, comb and time steps together leave ± {rounded(spread)} dB"
-        together = _sized("laeq_uncertainty", spread, text)
+        others = sum(part.decibels**2 for part in parts if part.decibels)
+        parts.append(_sized("uncertainty", math.sqrt(max(spread**2 - others, 0.0))))
+        together = _sized("laeq_uncertainty", spread)
         if all(together.rank[0] > part.rank[0] for part in parts):
             parts.append(together)
     return parts
@@ -180,26 +179,21 @@ def _record(summary: Mapping[str, Any]) -> list[Contribution]:
 
 def _grid(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     """Return the errors of grid, missing detail, solver and force law, known or unknown."""
-    names = {"laeq_solver_error_db": "solver"}
+    keys = ["laeq_solver_error_db"]
     if summary.get("source") == "vibration":
-        names["force_law_error_db"] = "force law"
-    parts = [
-        _sized(key, error, f"the {name} leaves {rounded(abs(error))} dB")
-        for key, name in names.items()
-        if (error := summary.get(key)) is not None
-    ]
-    grid = summary.get("laeq_grid_error_db")
-    if grid is None:
+        keys.append("force_law_error_db")
+    parts = [_sized(key, summary[key]) for key in keys if summary.get(key) is not None]
+    if (grid := _whole_error(summary, "laeq_grid_error")) is None:
         return [*parts, _unknown_grid(summary, scene)]
-    total = math.hypot(grid, summary.get("laeq_grid_error_uncertainty_db") or 0.0)
-    parts.append(_sized(resolution.KEY, total, f"the grid leaves up to {rounded(total)} dB"))
-    detail = summary.get("laeq_subgrid_error_db")
-    if detail is None:
-        text = "nothing is known of the surface below its spacing"
-        return [*parts, Contribution("subgrid", INDICATIVE, None, text)]
-    detail = math.hypot(detail, summary.get("laeq_subgrid_error_uncertainty_db") or 0.0)
-    text = f"the surface below its spacing changes LAeq by up to {rounded(detail)} dB"
-    return [*parts, _sized("subgrid", detail, text)]
+    detail = _whole_error(summary, "laeq_subgrid_error")
+    below = _unsized("subgrid", ".unknown") if detail is None else _sized("subgrid", detail)
+    return [*parts, _sized(resolution.KEY, grid), below]
+
+
+def _whole_error(summary: Mapping[str, Any], name: str) -> float | None:
+    """Return an error joined with its uncertainty [dB], None where it is unknown."""
+    error, spread = summary.get(f"{name}_db"), summary.get(f"{name}_uncertainty_db")
+    return None if error is None else math.hypot(error, spread or 0.0)
 
 
 def _unknown_grid(summary: Mapping[str, Any], scene: Scene) -> Contribution:
@@ -209,29 +203,24 @@ def _unknown_grid(summary: Mapping[str, Any], scene: Scene) -> Contribution:
         error = resolution.grid_signal_db(scene)
     if error is not None and error > resolution.WANTED_DB:
         decibels = 20 * math.log10(1 + 10 ** (error / 20))
-        text = f"the grid may leave {rounded(decibels)} dB, by a rule"
-        return _sized(resolution.KEY, decibels, text, INDICATIVE)
+        return _sized(resolution.KEY, decibels, ".rule", INDICATIVE)
     reason = (summary.get("error_estimate") or {}).get("reason")
     why = f"because {reason}" if reason else "without numerics.error_estimate"
-    text = f"the error of the grid is unknown, {why}"
-    return Contribution(resolution.KEY, INDICATIVE, None, text)
+    return _unsized(resolution.KEY, ".unknown", why=why)
 
 
 def _motion(summary: Mapping[str, Any]) -> list[Contribution]:
     """Return the limits of a motion: extrapolated forces, impacts and flight."""
     parts, outside = [], summary.get("force_outside_share") or 0.0
     if summary.get("impacts_yield"):
-        text = "impacts would yield, and the force law gives their work back"
-        parts.append(Contribution("impacts_yield", DO_NOT_QUOTE, None, text))
+        parts.append(_unsized("impacts_yield", word=DO_NOT_QUOTE))
     if outside > 0:  # the share that ends a level counts as the decibels that end it
-        text = f"the contact force is extrapolated for {rounded(100 * outside)} % of the time"
         decibels = LIMITS_DB[1] * outside / MOST_OUTSIDE
-        parts.append(_sized("force_outside", decibels, text))
+        parts.append(_sized("force_outside", decibels, percent=100 * outside))
     if (flight := summary.get("flight_share") or 0.0) > 0:
-        text = f"contact is lost for {rounded(100 * flight)} % of the time"
         # A fall is one event, and its parts differ in any case.
         scatter = 0.0 if "drop_mm" in summary else summary.get("record_scatter_db") or 0.0
-        parts.append(_sized("impacts", scatter, text, INDICATIVE))
+        parts.append(_sized("impacts", scatter, least=INDICATIVE, percent=100 * flight))
     return parts
 
 
@@ -241,13 +230,11 @@ def _limits(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     for caveat in summary.get("caveats", ()):
         key, text = caveat["key"], ": ".join(caveat["text"].split(": ")[:2])
         if key == "step_length":
-            error = long_steps.LEVEL_ERROR_DB * scene.track.step / long_steps.contact_radius(scene)
-            parts.append(_sized(key, error, text))
+            error = resolution.LEVEL_ERROR_DB * scene.track.step / resolution.contact_radius(scene)
+            parts.append(_sized(key, error, text=text))
         elif key == "half_space_sound" and (bands := summary.get("third_octave_a_db")):
             if summary.get("source") == "vibration":
-                error = _half_space_error_db(bands, scene.sound.distance_m)
-                text = f"the sound of the half-space is up to {rounded(error)} dB too loud so near"
-                parts.append(_sized(key, error, text))
+                parts.append(_sized(key, _half_space_error_db(bands, scene.sound.distance_m)))
         elif key in (*_BROKEN, *_DOUBTFUL):
             word = DO_NOT_QUOTE if key in _BROKEN else INDICATIVE
             parts.append(Contribution(key, word, None, text))

@@ -10,7 +10,7 @@ import pytest
 from helpers import STEEL, make_track, releases, roll, rough
 
 from acoustics import resampling
-from rolling.check import findings, long_steps
+from rolling.check import findings, resolution
 from rolling.contact import closed_forms
 from rolling.lee2025 import reproduce
 from rolling.scene.file import loads, read_scene
@@ -51,7 +51,7 @@ def test_a_smooth_elastic_sphere_loses_what_the_table_says(radii: float) -> None
     got = per_metre(np.zeros((256, 80)), round(2 * radii * NODES), times=2)[
         :2
     ] / closed_forms.smooth_release_power(LOAD, 1.0, RADIUS, STEEL)
-    assert 1 - got == pytest.approx(long_steps.lost_release(radii), abs=0.002)
+    assert 1 - got == pytest.approx(resolution.lost_release(radii), abs=0.002)
 
 
 @pytest.mark.law("Long steps: a rough contact loses no more than a smooth one.")
@@ -70,36 +70,36 @@ def test_rough_contacts_lose_no_more_and_levels_stay_within_their_bound(
         coarse = per_metre(heights, nodes, hardness)
         radii = nodes * A / NODES / max(A, np.sqrt(LOAD / (np.pi * hardness)))
         lost = 1 - coarse.mean() / fine.mean()
-        assert -0.01 < lost < long_steps.lost_release(radii) + 0.02
+        assert -0.01 < lost < resolution.lost_release(radii) + 0.02
         below = [resampling.undo_step_mean(series) for series in (coarse, fine)]
         lines = [
             np.abs(np.fft.rfft(series)[1 : len(coarse) // 2]) / len(series) for series in below
         ]
         off = 5 * np.log10(np.sum(lines[0] ** 2) / np.sum(lines[1] ** 2))  # 10 lg of the rms
-        assert abs(off) < long_steps.LEVEL_ERROR_DB * radii
+        assert abs(off) < resolution.LEVEL_ERROR_DB * radii
 
 
 def test_the_radius_is_the_larger_of_elastic_and_plastic() -> None:
     # (3 W R / 4 E*)^(1/3)
-    assert long_steps.contact_radius(loads(SCENE)) == pytest.approx(20.1e-6, rel=1e-2)
+    assert resolution.contact_radius(loads(SCENE)) == pytest.approx(20.1e-6, rel=1e-2)
     soft = loads(SCENE, ["plate.hardness_gpa=0.1"])
-    assert long_steps.contact_radius(soft) == pytest.approx(np.sqrt(0.5 / (np.pi * 1e8)))  # 39.9 um
-    assert long_steps.contact_radius(loads(SCENE, ["plate.hardness_gpa="])) == pytest.approx(
+    assert resolution.contact_radius(soft) == pytest.approx(np.sqrt(0.5 / (np.pi * 1e8)))  # 39.9 um
+    assert resolution.contact_radius(loads(SCENE, ["plate.hardness_gpa="])) == pytest.approx(
         20.1e-6, rel=1e-2
     )
 
 
 def test_steps_beyond_four_radii_are_refused_with_the_longest_step() -> None:
     """Four radii of 20.1 um are 40.2 nodes of 2 um; a sweep is refused by its shortest contact."""
-    long_steps.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=40"]))
+    resolution.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=40"]))
     with pytest.raises(SceneError, match=r"step_nodes: got 41.*4\.08 times.*nearest: 40"):
-        long_steps.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=41"]))
+        resolution.refuse_long_steps(loads(SCENE, ["numerics.step_nodes=41"]))
     swept = loads(SCENE, ["numerics.step_nodes=41", "sweep.rolling.load_n=[0.5, 5]"])
     with pytest.raises(SceneError, match=r"step_nodes: got 41.*load_n=0\.5") as error:
-        long_steps.refuse_long_steps(swept)
+        resolution.refuse_long_steps(swept)
     assert len(error.value.faults) == 1
     with pytest.raises(SceneError, match=r"surface\.spacing_um, 0\.101"):
-        long_steps.refuse_long_steps(loads(SCENE, ["rolling.load_n=1e-9"]))
+        resolution.refuse_long_steps(loads(SCENE, ["rolling.load_n=1e-9"]))
 
 
 def test_warning_gives_the_expected_errors() -> None:
@@ -120,9 +120,9 @@ def test_scenes_of_the_repository_have_short_steps() -> None:
     for path in sorted(root.glob("*.yaml")):
         scene = read_scene(path)
         if scene.height_path is None:
-            long_steps.refuse_long_steps(scene)
+            resolution.refuse_long_steps(scene)
             assert all(
-                run.step <= long_steps.DOUBTFUL_RADII * long_steps.contact_radius(run)
+                run.step <= resolution.DOUBTFUL_RADII * resolution.contact_radius(run)
                 for _, run in scene.runs()
             )
     files = sorted((root / "lee2025").glob("*/*.yaml"))
@@ -130,4 +130,4 @@ def test_scenes_of_the_repository_have_short_steps() -> None:
     for path in files:
         quick = read_scene(path, reproduce.quick_overrides(read_scene(path)))
         for _, run in quick.runs():
-            assert run.step <= long_steps.DOUBTFUL_RADII * long_steps.contact_radius(run)
+            assert run.step <= resolution.DOUBTFUL_RADII * resolution.contact_radius(run)

@@ -12,7 +12,7 @@ from scipy.signal import fftconvolve
 
 from rolling import Scene, read_scene, simulate
 from rolling.dynamics.of_scene import hertz_radius
-from rolling.figures.wavelengths import reading
+from rolling.figures.origins import reading
 from rolling.sound import wavelengths
 from rolling.sound.contact_sound import contact_sound
 from rolling.surface.scene_surface import scene_surface

@@ -1,17 +1,20 @@
-"""Heights from a file: resolution, tilt, seam and form."""
+"""Heights: resolution, tilt, seam and form of a file; moments, spectrum and waves of made ones."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 from acoustics.numbers import rounded
-from rolling.check import long_steps
-from rolling.check.finding import Finding, rounded_down, si
+from rolling.check import cost, refusals, resolution
+from rolling.check.finding import Finding, judged, sentence, si
 from rolling.scene.instruments import is_instrument, read
+from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling
+from rolling.surface.made import is_described
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
@@ -19,12 +22,14 @@ MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
 # variance; noise of 4 % doubles that difference.
 MAX_NOISE = 0.05
 MAX_FORM = 0.5  # share of the variance that a plane and a parabola may make up
+OFF = 0.005  # difference of skewness or kurtosis that is named
+ROLLOFF_WAVES = 4.0  # of the roll-off that a period should hold
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """Judge the heights of a file; generated surfaces have no such findings."""
+    """Judge the heights of a file, and made heights that are self-affine or not Gaussian."""
     if not isinstance(scene.surface, HeightFile):
-        return []
+        return _made(scene)
     surface, path = scene_surface(scene), scene.height_path
     assert surface.levelling is not None and path is not None  # every file has both
     return [
@@ -42,13 +47,9 @@ def findings(scene: Scene) -> list[Finding]:
 
 def tilt_text(levelling: Levelling) -> str:
     """Write the slopes that were taken off and the roughness, or the slopes that stay."""
-    taken = any(levelling.taken)
-    slopes = zip(
-        levelling.taken if taken else levelling.plane,
-        levelling.lengths,
-        ("along", "across"),
-        strict=True,
-    )
+    taken, directions = any(levelling.taken), ("along", "across")
+    own = levelling.taken if taken else levelling.plane
+    slopes = zip(own, levelling.lengths, directions, strict=True)
     plane = ", ".join(
         f"{rounded(slope * 1e3, 3)} um/mm {direction} ({si(slope * length, 'm')} over the file)"
         for slope, length, direction in slopes
@@ -57,10 +58,9 @@ def tilt_text(levelling: Levelling) -> str:
     if not taken:
         return f"nothing taken off, the plane has {plane}"
     before, after = si(levelling.ra_before, "m"), si(levelling.ra_after, "m")
-    second = (
-        "second order taken off with the plane" if levelling.is_quadratic else "plane taken off"
-    )
-    return f"{second}: {plane}; Ra {before} before, {after} after"
+    order = "second order taken off with the plane"
+    order = order if levelling.is_quadratic else "plane taken off"
+    return f"{order}: {plane}; Ra {before} before, {after} after"
 
 
 def _file(path: Path, surface: HeightFile) -> list[Finding]:
@@ -82,27 +82,18 @@ def _resolution(surface: SceneSurface) -> list[Finding]:
     length, noise = min(along.length, across.length), max(along.noise, across.noise)
     if not math.isfinite(length):
         return []
-    nodes, warnings = length / surface.spacing, []
-    least = f"{MIN_CORRELATION_NODES:g} are wanted"
+    nodes, kinds = length / surface.spacing, list[str]()
     if nodes < 1:
-        warnings.append(
-            f"less than 1 node per correlation length (1/e of the autocorrelation), {least}: a"
-            " finer measurement is needed, or noise must be filtered out"
-        )
+        kinds.append("none")
     elif round(nodes, 1) < MIN_CORRELATION_NODES:
-        spacing = rounded_down(length / MIN_CORRELATION_NODES * 1e6)
-        warnings.append(
-            f"{rounded(nodes)} nodes per correlation length ({si(length, 'm')}, 1/e of the"
-            f" autocorrelation), {least}: a finer measurement is needed, with a spacing of at most"
-            f" {spacing} um"
-        )
+        kinds.append("few")
     if noise > MAX_NOISE and nodes >= 1:
-        warnings.append(
-            f"{rounded(100 * noise)} % of the variance of the heights changes from each node to the"
-            " next: filter noise out, or take a finer measurement"
-        )
-    quantity, warning = "nodes per correlation length", "; ".join(warnings) or None
-    return [Finding("correlation_nodes", quantity, rounded(nodes, 3), warning)]
+        kinds.append("noise")
+    key, spacing_um = "correlation_nodes", length / MIN_CORRELATION_NODES * 1e6
+    numbers = {"nodes": nodes, "least": MIN_CORRELATION_NODES, "length": length}
+    numbers |= {"spacing_um": spacing_um, "percent": 100 * noise}
+    warning = "; ".join(sentence(key, kind, **numbers) for kind in kinds)
+    return [replace(judged(key, rounded(nodes, 3), False), warning=warning or None)]
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Finding:
@@ -110,18 +101,10 @@ def _seam(scene: Scene, levelling: Levelling) -> Finding:
     seam = levelling.seams[0]
     sizes = f"{si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between neighbouring rows"
     if not seam.stands_out:
-        return Finding("seam", "step across the seam", sizes)
-    share = _share_on_seam(scene, long_steps.contact_radius(scene))
-    warning = None
-    if share > 0:
-        on_seam, record = si(share * scene.duration, "s"), si(scene.duration, "s")
-        warning = (
-            f"the file is no period of a surface. The contact is on that step for {on_seam} of the"
-            f" record's {record} ({rounded(100 * share)} %); the sound of that time belongs to the"
-            " cut, and the record does not loop: roll over the middle of the file only"
-            " (rolling.start_um, rolling.duration_s), or set surface.periodic to blend"
-        )
-    return Finding("seam", "step across the seam", f"{sizes}, stands out", warning)
+        return judged("seam", sizes, False)
+    share, record = _share_on_seam(scene, resolution.contact_radius(scene)), scene.duration
+    numbers = {"on_seam": share * record, "record": record, "percent": 100 * share}
+    return judged("seam", f"{sizes}, stands out", share > 0, **numbers)
 
 
 def _share_on_seam(scene: Scene, radius: float) -> float:
@@ -138,13 +121,36 @@ def _share_on_seam(scene: Scene, radius: float) -> float:
 
 
 def _form(surface: SceneSurface) -> list[Finding]:
-    share = surface.form_share
-    warning = None
-    if share > MAX_FORM:
-        warning = (
-            f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights and"
-            " pass for roughness: take them off with surface.level quadratic"
-        )
-    return [
-        Finding("form", "plane and parabola", f"{rounded(100 * share)} % of the variance", warning)
-    ]
+    """Judge the share of the variance that a plane and a parabola make up."""
+    percent, doubt = 100 * surface.form_share, surface.form_share > MAX_FORM
+    return [judged("form", f"{rounded(percent)} % of the variance", doubt, percent=percent)]
+
+
+# ---- made heights
+
+
+def _made(scene: Scene) -> list[Finding]:
+    """Judge heights that are self-affine or not Gaussian; they are made for that."""
+    laws = [law for law in scene.laws if is_described(law)]
+    if not laws or refusals.excess([scene], 1, None):
+        return []
+    result = []
+    for law, (key, heights) in zip(laws, scene_surface(scene).made.items(), strict=True):
+        of = "sphere " * key.startswith("ball")
+        if not law.is_gaussian:
+            skewness, kurtosis = heights["skewness"], heights["kurtosis"]
+            wanted = {"wanted_skewness": law.moments[0], "wanted_kurtosis": law.moments[1]}
+            got = {"skewness": skewness, "kurtosis": kurtosis}
+            value = sentence("surface_made", "value", **got, **wanted)
+            off = max(abs(skewness - law.moments[0]), abs(kurtosis - law.moments[1])) > OFF
+            result.append(replace(judged("surface_made", value, off, of=of, value=value), key=key))
+        errors, chances = heights["spectrum_error_db"], heights["spectrum_chance_db"]
+        octave = max(errors, key=lambda name: abs(errors[name]) / max(chances[name], 0.1))
+        numbers = {"octave": octave, "error": errors[octave], "chance": chances[octave]}
+        value = sentence("surface_spectrum", "value", **numbers)
+        least_um = ROLLOFF_WAVES * law.rolloff_um if isinstance(law, SelfAffineLaw) else 0.0
+        few = cost.shortest_period(scene) * 1e6 < least_um
+        words = {"of": of, "waves": ROLLOFF_WAVES, "least_um": least_um}
+        spectrum = judged("surface_spectrum", value, few, **words)
+        result.append(replace(spectrum, key=f"{key}_spectrum"))
+    return result

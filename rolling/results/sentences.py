@@ -1,0 +1,12 @@
+"""Sentences of results on terminal, page and in files, from sentences.toml."""
+
+from __future__ import annotations
+
+from rolling.check.finding import table, written
+
+SENTENCES: dict[str, str] = table("rolling.results", "sentences")
+
+
+def say(key: str, /, **numbers: object) -> str:
+    """Write the sentence of a key with its numbers."""
+    return written(SENTENCES[key], **numbers)
