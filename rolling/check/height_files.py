@@ -41,7 +41,7 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def tilt_text(levelling: Levelling) -> str:
-    """Write the slopes that were taken off and the roughness, or the slopes that stay."""
+    """Write the slopes that were removed and the roughness, or the slopes that stay."""
     taken = any(levelling.taken)
     slopes = zip(
         levelling.taken if taken else levelling.plane,
@@ -55,11 +55,9 @@ def tilt_text(levelling: Levelling) -> str:
         if slope or not taken
     )
     if not taken:
-        return f"nothing taken off, the plane has {plane}"
+        return f"nothing removed, the plane has {plane}"
     before, after = si(levelling.ra_before, "m"), si(levelling.ra_after, "m")
-    second = (
-        "second order taken off with the plane" if levelling.is_quadratic else "plane taken off"
-    )
+    second = "second order removed with the plane" if levelling.is_quadratic else "plane removed"
     return f"{second}: {plane}; Ra {before} before, {after} after"
 
 
@@ -143,7 +141,7 @@ def _form(surface: SceneSurface) -> list[Finding]:
     if share > MAX_FORM:
         warning = (
             f"a plane and a parabola make up {100 * share:.0f} % of the variance of the heights and"
-            " pass for roughness: take them off with surface.level quadratic"
+            " pass for roughness: remove them with surface.level quadratic"
         )
     return [
         Finding("form", "plane and parabola", f"{rounded(100 * share)} % of the variance", warning)

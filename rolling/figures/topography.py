@@ -41,7 +41,7 @@ def topography(
     values : dict
         Its parameters, in SI.
     heights : (m, n) array, m
-        Heights along and across, NaN where not measured.
+        Heights along and across, NaN at unmeasured points.
     steps : (2,) array, m
         Node spacings along and across.
     wrap : bool

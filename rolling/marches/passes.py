@@ -49,7 +49,7 @@ def _is_groove(scene: Scene) -> bool:
 
 
 def run_in(scene: Scene, first: int) -> int:
-    """Return the positions that are marched before a first position, so that the start is gone."""
+    """Return the number of positions before the first that a march needs to forget its start."""
     steps = math.ceil((RUN_IN_GROOVE if _is_groove(scene) else RUN_IN) * _width_steps(scene))
     is_lap = scene.track.solved_steps == scene.track.lap_steps
     return steps if is_lap else min(steps, first)
@@ -65,7 +65,7 @@ def pass_pieces(scene: Scene) -> list[tuple[int, int]]:
 
 
 def unrolled(scene: Scene, heights: Array, steps: int) -> Array:
-    """Return so many periods of heights that a march of so many steps covers no place twice."""
+    """Repeat heights by whole periods until a march of some steps covers no place twice."""
     nodes = (steps + 2 * _width_steps(scene)) * scene.numerics.step_nodes
     return np.tile(heights, (math.ceil(nodes / len(heights)), 1))
 
@@ -77,7 +77,7 @@ class Sinking:
     """
 
     def __init__(self, contact: RollingContact, start: int, first: int, along: int) -> None:
-        """Begin with the heights of a contact, periodic after so many nodes `along`."""
+        """Begin with the heights of a contact, whose period is `along` nodes."""
         self._contact, self._start, self._first, self._along = contact, start, first, along
         self._begin = contact.heights.copy()
         self._work: list[float] = []
@@ -105,7 +105,7 @@ class Sinking:
 
 @dataclass
 class Passes:
-    """Passes of a run over a plate that remembers; what is not solved yet is NaN.
+    """Passes of a run over a plate that remembers; unsolved entries are NaN.
 
     series : dict. Release energy and plastic work of each step, (passes, steps) J, and approach at
         each position, (passes, steps + 1) m.
@@ -146,10 +146,10 @@ class Passes:
         )
 
     def refuse_yielding(self) -> None:
-        """Raise ContactError while the last pass yields: a force law needs a settled surface."""
+        """Raise ContactError while the last pass yields: a force law needs a run-in plate."""
         if self.yielding > YIELDING:
             raise ContactError(
-                f"a force law needs a surface that has run in, and in pass {len(self.depth)} of"
+                f"a force law needs a plate that has run in, and in pass {len(self.depth)} of"
                 f" {len(self.depth)} the plastic work is {rounded(self.yielding)} of the release,"
                 f" allowed: {rounded(YIELDING)}; raise rolling.passes, or leave out dynamics"
             )

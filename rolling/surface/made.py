@@ -1,4 +1,4 @@
-"""Random heights of a law: waves of its spectrum, and the skewness and kurtosis it asks for.
+"""Random heights of a law: the waves of its spectrum, its skewness and its kurtosis.
 
 Heights that are not Gaussian are found by iteration between distribution and spectrum (IAAFT):
 the heights take the values of the distribution in their order, and then the waves their amplitudes.
