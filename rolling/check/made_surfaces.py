@@ -16,7 +16,7 @@ ROLLOFF_WAVES = 4.0  # of the roll-off that a period should hold
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """Judge heights that are self-affine or not Gaussian; they are made for that."""
+    """Make heights that are self-affine or not Gaussian, and judge them."""
     laws = [law for law in scene.laws if is_described(law)]
     if not laws or refusals.excess([scene], 1, None):
         return []

@@ -161,7 +161,7 @@ class Passes:
         return [ends for ends in pass_pieces(scene) if ends[0] not in self._parts]
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
-        """Add a piece of the present pass; the plate sinks when all are there, in their order."""
+        """Add a piece of the present pass; after the last missing piece the plate sinks."""
         number, end = self.finished, piece.last + 1
         for name in ("release_energy", "plastic_work"):
             self.series[name][number, piece.first : piece.last] = arrays[name]

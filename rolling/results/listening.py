@@ -237,7 +237,7 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
 
 
 def sentence(run: Run, long: Listening) -> str:
-    """Say length, level, kurtosis, impacts and the solved share of a long record."""
+    """Describe length, level, kurtosis, impacts and the solved share of a long record."""
     numbers, own = long.numbers, decibels_a(run.sound.levels.laeq_db)
     solved, rolled = (rounded(numbers[f"{name}_mm"], 3) for name in ("solved", "rolled"))
     track = "all solved"

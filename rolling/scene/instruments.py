@@ -83,7 +83,7 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
 
 
 def missing(ending: str, error: ModuleNotFoundError) -> str:
-    """Say which package a file with an ending needs, and the command that installs it."""
+    """Name the package that files with an ending need, and the command that installs it."""
     return f"a {ending} file needs the package {error.name}: {_INSTALL}"
 
 

@@ -81,7 +81,7 @@ class Preparation:
 def prepare(
     heights: Array, surface: HeightFile, grid: HeightGrid
 ) -> tuple[Array, Levelling, list[Effect]]:
-    """Prepare heights [m] about their mean as the keys of the surface say.
+    """Prepare heights [m] about their mean by the keys of the surface.
 
     Returns
     -------
@@ -133,7 +133,7 @@ def _complete(work: Preparation, surface: HeightFile, is_period: bool) -> None:
 
 
 def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
-    """Resample to square nodes; warn where they are coarser and no filter goes before."""
+    """Resample to square nodes; warn where they are coarser and no S-filter precedes."""
     sides, least = " x ".join(f"{1e6 * step:.4g}" for step in grid.steps), 2e6 * grid.spacing
     warning = None
     if grid.spacing > min(grid.steps) and (surface.s_filter_um or 0) < least * (1 - SAME):
