@@ -118,7 +118,7 @@ def without_plane(heights: Array) -> Array:
 
 
 def about_mean(heights: Array) -> Array:
-    """Return heights [m] about their mean, NaN where unmeasured; equal heights become exact zeros."""
+    """Return heights [m] about their mean, NaN where unmeasured; equal heights become zeros."""
     gaps = ~np.isfinite(heights)
     if gaps.any():
         heights = np.where(gaps, np.nan, heights)
