@@ -12,6 +12,7 @@ from rolling.scene.instruments import is_instrument, read
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling
+from rolling.surface.preparation import STEP_NAMES
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
@@ -31,8 +32,10 @@ def findings(scene: Scene) -> list[Finding]:
         *_resolution(surface),
         *_file(path, scene.surface),
         *(
-            Finding(e.step, e.step.replace("_", "-"), e.text, e.warning)
-            for e in surface.preparation
+            Finding(
+                effect.step, STEP_NAMES.get(effect.step, effect.step), effect.text, effect.warning
+            )
+            for effect in surface.preparation
         ),
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),

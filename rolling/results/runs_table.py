@@ -16,6 +16,7 @@ from rolling.results.labels import Labelled, labels
 from rolling.results.run_errors import LINEAR
 from rolling.results.summary_file import read_summary
 from rolling.results.verdict import above_vibration_db
+from rolling.surface.preparation import STEP_NAMES
 from rolling.terminal.streams import wrapped
 
 if TYPE_CHECKING:
@@ -310,7 +311,7 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     )
     steps = list(
         dict.fromkeys(
-            f"{str(step['step']).replace('_', '-')}: {step['text']}"
+            f"{STEP_NAMES.get(str(step['step']), step['step'])}: {step['text']}"
             for _, summary in runs
             for step in summary.get("preparation", ())
         )
