@@ -377,7 +377,7 @@ def surface(
         name, words = source.name, "less its least-squares plane"
         heights, steps = measured.levelled(source, spacing_um, channel, unit)
         if gaps := np.count_nonzero(np.isnan(heights)):
-            words += f", {gaps} not measured"
+            words += f", {gaps} unmeasured"
     with progress.step("computing the parameters, drawing the picture"):
         values = parameters(heights, steps, is_scene)
         drawn = topography(name, values, heights, steps, is_scene)

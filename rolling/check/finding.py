@@ -75,7 +75,7 @@ def sentence(key: str, variant: str, /, **numbers: object) -> str:
 
 
 def judged(key: str, value: str, doubt: bool | str, /, **numbers: object) -> Finding:
-    """Return a finding of findings.toml, with its warning, or a variant of it, in case of doubt."""
+    """Return a finding of findings.toml; in doubt it has its warning, or a variant of it."""
     variant = doubt if isinstance(doubt, str) else "warning"
     warning = sentence(key, variant, **numbers) if doubt else None
     return Finding(key, sentence(key, "name", **numbers), value, warning)

@@ -15,6 +15,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling
 from rolling.surface.made import is_described
+from rolling.surface.preparation import STEP_NAMES
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
@@ -36,8 +37,10 @@ def findings(scene: Scene) -> list[Finding]:
         *_resolution(surface),
         *_file(path, scene.surface),
         *(
-            Finding(e.step, e.step.replace("_", "-"), e.text, e.warning)
-            for e in surface.preparation
+            Finding(
+                effect.step, STEP_NAMES.get(effect.step, effect.step), effect.text, effect.warning
+            )
+            for effect in surface.preparation
         ),
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
@@ -46,7 +49,7 @@ def findings(scene: Scene) -> list[Finding]:
 
 
 def tilt_text(levelling: Levelling) -> str:
-    """Write the slopes that were taken off and the roughness, or the slopes that stay."""
+    """Write the slopes that were removed and the roughness, or the slopes that stay."""
     taken, directions = any(levelling.taken), ("along", "across")
     own = levelling.taken if taken else levelling.plane
     slopes = zip(own, levelling.lengths, directions, strict=True)
@@ -56,10 +59,10 @@ def tilt_text(levelling: Levelling) -> str:
         if slope or not taken
     )
     if not taken:
-        return f"nothing taken off, the plane has {plane}"
+        return f"nothing removed, the plane has {plane}"
     before, after = si(levelling.ra_before, "m"), si(levelling.ra_after, "m")
-    order = "second order taken off with the plane"
-    order = order if levelling.is_quadratic else "plane taken off"
+    order = "second order removed with the plane"
+    order = order if levelling.is_quadratic else "plane removed"
     return f"{order}: {plane}; Ra {before} before, {after} after"
 
 
@@ -130,7 +133,7 @@ def _form(surface: SceneSurface) -> list[Finding]:
 
 
 def _made(scene: Scene) -> list[Finding]:
-    """Judge heights that are self-affine or not Gaussian; they are made for that."""
+    """Make heights that are self-affine or not Gaussian, and judge them."""
     laws = [law for law in scene.laws if is_described(law)]
     if not laws or refusals.excess([scene], 1, None):
         return []

@@ -46,7 +46,7 @@ def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
 
 
 def _refuse_interleaved(scene: Scene) -> None:
-    """Refuse steps that meet a height file at other nodes each time round, on a plate with memory.
+    """Refuse steps that meet a height file at other nodes in each lap, on a plate with memory.
 
     A lap would roll over each place several times.
     """

@@ -2,8 +2,8 @@
 
 At a solved position with the gap h = e + u - approach, a node at the hardness H sinks by
 w = max(0, -h). Heights lose w and the undeformed gap e gains it, so that the same pressures and
-deflections fulfil the contact conditions of the new surface. A node of area dA takes the energy
-H w dA.
+deflections fulfil the contact conditions of the new surface. A node of area dA does the plastic
+work H w dA.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ def plastic_overlap(contact: RollingContact, state: ContactState) -> Array:
 
 
 def sink(contact: RollingContact, state: ContactState) -> float:
-    """Lower the heights of a contact by the plastic overlap; return the energy that it takes [J].
+    """Lower the heights of a contact by the plastic overlap; return the plastic work [J].
 
-    The maxima of the heights stay, and bound the overlap of sphere and lower heights as well.
+    The stored maxima of the heights are not lowered; they bound the overlap all the same.
     """
     if state.max_pressure < contact.hardness:
         return 0.0

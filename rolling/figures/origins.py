@@ -157,7 +157,7 @@ def modulation_table(run: Run) -> pd.DataFrame:
 
 
 def running_in(run: Run, ax: Axes | None = None) -> Axes:
-    """Plot level, release, plastic work and depth of the passes of a run over those of the first.
+    """Plot level, release, plastic work and depth of the passes of a run over the first pass.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def running_in(run: Run, ax: Axes | None = None) -> Axes:
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("pass")
     ax.set_ylabel("over pass 1 [dB]")
-    facts = [*distance_and_duration([run]), "10 lg of release and depth over those of pass 1"]
+    facts = [*distance_and_duration([run]), "10 lg of release and depth over pass 1"]
     return finish(finish_grid(ax), f"Running-in: {run.title}", facts)
 
 

@@ -41,7 +41,7 @@ def topography(
     values : dict
         Its parameters, in SI.
     heights : (m, n) array, m
-        Heights along and across, NaN where not measured.
+        Heights along and across, NaN at unmeasured points.
     steps : (2,) array, m
         Node spacings along and across.
     wrap : bool
@@ -96,7 +96,7 @@ def _map(ax: Axes, z: Array, steps: Array, descending: Array) -> None:
     image = ax.imshow(shown.T, "cividis", origin="lower", interpolation="none", extent=extent)
     image.set_clim(min(descending[-1], -1e-3), max(descending[0], 1e-3))  # above any rounding
     ax.set_aspect("equal" if min(shape) > 1 else "auto")
-    ax.set_facecolor("0.7")  # where nothing was measured
+    ax.set_facecolor("0.7")  # unmeasured points
     ax.figure.colorbar(image, ax=ax, label="height [µm]", shrink=0.8, extend="both")
     ax.set(xlabel="along [µm]", ylabel="across [µm]")
 

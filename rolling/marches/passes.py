@@ -50,7 +50,7 @@ def _is_groove(scene: Scene) -> bool:
 
 
 def run_in(scene: Scene, first: int) -> int:
-    """Return the positions that are marched before a first position, so that the start is gone."""
+    """Return the number of positions before the first that a march needs to forget its start."""
     steps = math.ceil((RUN_IN_GROOVE if _is_groove(scene) else RUN_IN) * _width_steps(scene))
     is_lap = scene.track.solved_steps == scene.track.lap_steps
     return steps if is_lap else min(steps, first)
@@ -66,7 +66,7 @@ def pass_pieces(scene: Scene) -> list[tuple[int, int]]:
 
 
 def unrolled(scene: Scene, heights: Array, steps: int) -> Array:
-    """Return so many periods of heights that a march of so many steps covers no place twice."""
+    """Repeat heights by whole periods until a march of some steps covers no place twice."""
     nodes = (steps + 2 * _width_steps(scene)) * scene.numerics.step_nodes
     return np.tile(heights, (math.ceil(nodes / len(heights)), 1))
 
@@ -78,7 +78,7 @@ class Sinking:
     """
 
     def __init__(self, contact: RollingContact, start: int, first: int, along: int) -> None:
-        """Begin with the heights of a contact, periodic after so many nodes `along`."""
+        """Begin with the heights of a contact, whose period is `along` nodes."""
         self._contact, self._start, self._first, self._along = contact, start, first, along
         self._begin = contact.heights.copy()
         self._work: list[float] = []
@@ -106,7 +106,7 @@ class Sinking:
 
 @dataclass
 class Passes:
-    """Passes of a run over a plate that remembers; what is not solved yet is NaN.
+    """Passes of a run over a plate that remembers; unsolved entries are NaN.
 
     series : dict. Release energy and plastic work of each step, (passes, steps) J, and approach at
         each position, (passes, steps + 1) m.
@@ -146,7 +146,7 @@ class Passes:
         return float(work.sum() / release.sum())
 
     def refuse_yielding(self) -> None:
-        """Raise ContactError while the last pass yields: a force law needs a settled surface."""
+        """Raise ContactError while the last pass yields: a force law needs a run-in plate."""
         if self.yielding > YIELDING:
             numbers = {"count": len(self.depth), "share": self.yielding, "most": YIELDING}
             raise ContactError(sentence("refused", "yielding", **numbers))
@@ -158,7 +158,7 @@ class Passes:
         return [ends for ends in pass_pieces(scene) if ends[0] not in self._parts]
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
-        """Add a piece of the present pass; the plate sinks when all are there, in their order."""
+        """Add a piece of the present pass; after the last missing piece the plate sinks."""
         number, end = self.finished, piece.last + 1
         for name in ("release_energy", "plastic_work"):
             self.series[name][number, piece.first : piece.last] = arrays[name]

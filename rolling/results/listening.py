@@ -222,7 +222,7 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
 
 
 def sentence(run: Run, long: Listening) -> str:
-    """Say length, level, kurtosis, impacts and the solved share of a long record."""
+    """Describe length, level, kurtosis, impacts and the solved share of a long record."""
     numbers, own = long.numbers, decibels_a(run.sound.levels.laeq_db)
     kurtosis = "-" if numbers["kurtosis"] is None else f"{numbers['kurtosis']:.2f}"
     track = say("long.solved")

@@ -94,7 +94,7 @@ class Run:
 
     @cached_property
     def wavelength_octaves(self) -> list[WavelengthOctave]:
-        """Octaves of roughness wavelength with their parts of the sound; none of a silent run."""
+        """Octaves of roughness wavelength with their parts of the sound; none for a silent run."""
         heights = None
         if self.vibration:
             heights = self.result.left_by_passes(scene_surface(self.scene).heights)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rolling.results.run_result import Run
 
 PASS_S, PAUSE_S = 1.5, 0.25  # [s] of a pass for the ear, and of the silence after it
-MOST_HEARD = 12  # passes; of more, the later ones are heard ever more rarely
+MOST_HEARD = 12  # passes in the WAV; of more, it holds passes in a geometric sequence
 
 
 def pass_sounds(scene: Scene, result: Result, closed: bool, has_seam: bool) -> list[ContactSound]:
@@ -63,7 +63,7 @@ def pass_numbers(
 
 
 def passes_wav(run: Run, bits: Literal[16, 24] = 24) -> tuple[bytes, str]:
-    """Return a WAV of the passes of a run one after the other, and say it."""
+    """Return a WAV of the passes of a run in sequence, and a description of its content."""
     count, rate = len(run.pass_sounds), wav.SAMPLE_RATE_HZ
     chosen = np.unique(np.geomspace(1, count, MOST_HEARD).round().astype(int))
     chosen = np.arange(1, count + 1) if count <= MOST_HEARD else chosen

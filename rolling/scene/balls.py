@@ -169,7 +169,7 @@ class BallHeightFile(RoundSurface):
     Attributes
     ----------
     kind : "file"
-        Heights from a file of one turn; their mean and the wave of order 1 are taken off
+        Heights from a file of one turn; their mean and the wave of order 1 are removed
     path : str
         File of heights, .npy, .npz, .csv or .txt, relative to the scene file: (along the
         circumference, across), or one line that is laid across the width

@@ -1,8 +1,8 @@
 """Files of profilometers and microscopes: heights with a spacing of their own, in SI.
 
 The packages of the extra `surfaces` read the formats, each imported when a file asks for it. A row
-of heights is a line along x, and the rows follow y, as in a matrix of text. Points that were not
-measured are NaN.
+of heights is a line along x, and the rows follow y, as in a matrix of text. Unmeasured points are
+NaN.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Measured:
 
     __repr__ = short_repr
 
-    heights: Array  # [m], shape (rows, columns) = (along, across), NaN where nothing was measured
+    heights: Array  # [m], shape (rows, columns) = (along, across), NaN at unmeasured points
     spacing_m: tuple[float, float] | None  # [m] along and across; None: the file has none
     channels: tuple[str, ...] = ()  # names of the channels with heights
 
@@ -83,7 +83,7 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
 
 
 def missing(ending: str, error: ModuleNotFoundError) -> str:
-    """Say which package a file with an ending needs, and the command that installs it."""
+    """Name the package that files with an ending need, and the command that installs it."""
     return f"a {ending} file needs the package {error.name}: {_INSTALL}"
 
 

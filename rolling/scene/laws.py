@@ -43,8 +43,8 @@ class Distribution(Section):
     def _has_distribution(self) -> Distribution:
         skewness, kurtosis = self.moments
         if not kurtosis > (least := skewness**2 + 1):
-            words = f"more than {rounded(least, 6)}, the square of the skewness plus 1, as no other"
-            words += f" heights have it; nearest: {math.ceil(101 * least) / 100:g}"
+            words = f"more than {rounded(least, 6)}, the square of the skewness plus 1, because no"
+            words += f" heights have less; nearest: {math.ceil(101 * least) / 100:g}"
             raise self.wrong("kurtosis", words, kurtosis)
         return self
 
@@ -102,7 +102,7 @@ class Roughness(Distribution):
     @model_validator(mode="after")
     def _has_lay(self) -> Roughness:
         if self.lay_deg is not None and self.correlation_length_across_um is None:
-            words = "none without correlation_length_across_um, as it turns two lengths"
+            words = "none without correlation_length_across_um, because it turns two lengths"
             raise self.wrong("lay_deg", words, self.lay_deg)
         return self
 
@@ -237,7 +237,7 @@ class SelfAffineLaw(Distribution):
         return 1e-6 * (self.rq_um or (self.roughness_ra_um or 0.0) / RA_OF_RQ)
 
     def rms_slope(self, spacing_um: float) -> float:
-        """Return the rms norm of the gradient, that of the waves, over any spacing."""
+        """Return the rms norm of the gradient of the waves, the same over any spacing."""
         return self.rq_m * self.gradient_m
 
     @property

@@ -159,7 +159,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
 
 
 WEIGHT: Literal["weight"] = "weight"
-MOST_PASSES = 100  # all are heard; plastic work falls by half or more from pass to pass
+MOST_PASSES = 100  # plastic work falls by half or more from pass to pass
 SPEED = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 
 

@@ -76,7 +76,7 @@ class Gaussian(Roughness, MadeSurface):
     kind : "gaussian"
         A random surface by its autocorrelation
     finish : str, optional
-        Name of a finish, which gives Ra, correlation lengths and law; values beside it win
+        Name of a finish, which gives Ra and correlation length; values beside it win
     """
 
     NAMED: ClassVar[str] = "surface"
@@ -145,18 +145,18 @@ class HeightFile(SurfaceKind):
         absent: the finer spacing of the file
     outliers : float, optional
         Threshold for outliers in robust standard deviations of the heights about their plane: a
-        node that differs by more from the median of its 5 x 5 neighbours counts as not measured
+        node that differs by more from the median of its 5 x 5 neighbours counts as unmeasured
     unmeasured : str, optional
-        Points that were not measured: refuse (default), or fill from their surroundings by the
-        equation of Laplace
+        Unmeasured points: refuse (default), or fill from their surroundings by the equation of
+        Laplace
     s_filter_um : float, optional
-        Cut-off wavelength [um] of the Gaussian S-filter, which takes shorter waves off
+        Cut-off wavelength [um] of the Gaussian S-filter, which removes shorter waves
     level : str
-        F-operator: auto takes the least-squares plane off where the step from the last row to the
+        F-operator: auto removes the least-squares plane where the step from the last row to the
         first stands out and the plane lowers it, and always from a measurement that is made
-        periodic; plane always, quadratic a surface of second order, none never
+        periodic; plane removes it always, quadratic a surface of second order, none nothing
     l_filter_um : float, optional
-        Cut-off wavelength [um] of the Gaussian L-filter, which takes longer waves off
+        Cut-off wavelength [um] of the Gaussian L-filter, which removes longer waves
     periodic : str, optional
         Period of a measurement: blend fades the end of each side into its beginning, mirror
         continues it backwards, none takes the file as a period; absent: blend for .xyz and formats
@@ -199,7 +199,7 @@ class HeightFile(SurfaceKind):
             words = f"got {shown(self.height_unit)}, but a {ending} file holds its own units"
             raise fault(words, "surface", "height_unit")
         if self.outliers is not None and self.unmeasured != "fill":
-            words = "only goes with surface.unmeasured fill, because outliers count as not measured"
+            words = "only goes with surface.unmeasured fill, because outliers count as unmeasured"
             raise fault(words, "surface", "outliers")
         if self.overlap_um is not None and self.made_periodic != "blend":
             raise fault("only goes with surface.periodic blend", "surface", "overlap_um")

@@ -390,7 +390,7 @@ def refuse_turn(path: Path, name: str, track: Track) -> None:
 
 
 def readable(path: Path, name: str, at: tuple[str, ...], read: Callable[[], Read]) -> Read:
-    """Return what `read` reads of a file; raise a fault at a key where it holds no heights.
+    """Return the result of `read` on a file; raise a fault at a key where it holds no heights.
 
     `name` is the path as the scene has it.
     """

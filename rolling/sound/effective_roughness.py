@@ -48,7 +48,7 @@ def wavelength_bands(profiles: Array, spacing: float, closed: bool) -> Wavelengt
     spacing : float, m
         Distance of the heights.
     closed : bool
-        If true, the end leads to the beginning. Otherwise a straight line is taken off, and the
+        If true, the end leads to the beginning. Otherwise a straight line is removed, and the
         ends are faded.
     """
     heights = profiles.reshape(len(profiles), -1)

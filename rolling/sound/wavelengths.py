@@ -2,7 +2,8 @@
 
 A wave of length L along the track sounds at the frequency v/L. The record holds the contact filter
 already. Waves much shorter than the contact are averaged out, and the sound at their frequencies
-comes from the nonlinear contact of longer waves. The coherence of surface and approach tells.
+comes from the nonlinear contact of longer waves. The coherence of surface and approach tells both
+apart.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from rolling.sound.contact_sound import ContactSound
 EDGE_UM = 10.0  # an edge of the octaves
 FOLLOWS = 0.5  # linear share from which the sound of an octave counts as made by its waves
 LEAST_SHARE = 1e-3  # of the energy in an octave that is shown
-_ALL = 1e-6  # share of the energy besides an octave, below which nothing is left without it
+_ALL = 1e-6  # share of the energy outside an octave, below which the rest is silent
 _LEAST_LINES = 8  # of an octave whose coherence is estimated, which is wrong by one over them
 _MOST_NODES = 20_000_000  # under the contact; of longer tracks fewer lines count
 
@@ -31,9 +32,9 @@ _MOST_NODES = 20_000_000  # under the contact; of longer tracks fewer lines coun
 class WavelengthOctave(NamedTuple):
     """Octave of wavelengths: its share of the A-weighted energy, and the fall without it.
 
-    linear_share : share of the approach in the octave that follows its waves; None of a release,
+    linear_share : share of the approach in the octave that follows its waves; None for a release,
         and where it is unknown.
-    fall_db : fall of LAeq without the waves of the octave; None where nothing is left.
+    fall_db : fall of LAeq without the waves of the octave; None where the rest is silent.
     """
 
     from_um: float
@@ -62,7 +63,7 @@ def wavelength_octaves(
     """Return the octaves within hearing, short waves first, with heights and approach [m].
 
     The approach of the solved steps under the constant load is compared with the heights, which
-    only a vibration needs. A silent record has no octaves, nor has a fall.
+    only a vibration needs. A silent record and a fall have no octaves.
     """
     frequency, square, weighted = weighted_lines(sound)
     if scene.rolling.drop_mm is not None or not weighted.sum() > 0:
@@ -90,7 +91,7 @@ def _fall_db(
     scene: Scene, sound: ContactSound, share: float, plain: float, linear: float | None
 ) -> float | None:
     """Return the fall of LAeq without the A- and Z-weighted shares of an octave [dB]."""
-    if sound.source == "vibration":  # of which only the linear share goes with the waves
+    if sound.source == "vibration":  # only its linear share goes with the waves
         share *= 1.0 if linear is None else linear
     # The default factor makes p^2 proportional to the rms of the power: half of the fall.
     by_rms = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None

@@ -39,7 +39,7 @@ def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
         Node spacing along and across.
     **keys
         Other keys of `HeightFile`, such as `periodic="blend"` for a measurement,
-        `unmeasured="fill"` where NaN marks points that were not measured, and `height_unit`.
+        `unmeasured="fill"` where NaN marks unmeasured points, and `height_unit`.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
 
 @cache
 def _folder() -> Path:
-    """Make the folder of the arrays of this process, which goes with it."""
+    """Make the folder of the arrays of this process, which its end removes."""
     folder = Path(tempfile.mkdtemp(prefix="rolling-heights-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return folder

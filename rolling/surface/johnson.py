@@ -24,10 +24,10 @@ Shape = Callable[[Array], Array]
 
 
 def johnson_heights(skewness: float, kurtosis: float, count: int) -> Array:
-    """Return so many ascending heights of mean 0, mean square 1, a skewness and a kurtosis.
+    """Return ascending heights of mean 0 and mean square 1 with a skewness and a kurtosis.
 
-    They are quantiles at equal steps of probability. Where so few cannot have the kurtosis, theirs
-    is as near as the system comes.
+    They are quantiles at equal steps of probability. Where the count is too small for the kurtosis,
+    they come as near as the system allows.
     """
     quantiles = ndtri((np.arange(count) + 0.5) / count)
     u = np.linspace(-END, END, POINTS)

@@ -43,7 +43,7 @@ def read_heights(path: Path, unit: str = "m") -> Array:
 
 
 def in_metres(values: np.ndarray, unit: str, name: str, has_gaps: bool = False) -> Array:
-    """Return heights in a unit of UNITS as metres about their mean, NaN where not measured.
+    """Return heights in a unit of UNITS as metres about their mean, NaN at unmeasured points.
 
     Raise SurfaceError, with the name of the heights, where some are no numbers and gaps are not
     allowed, where they are above 1000 km, or Ra is above 1 mm.
@@ -58,7 +58,7 @@ def in_metres(values: np.ndarray, unit: str, name: str, has_gaps: bool = False) 
         i, j = np.argwhere(~finite)[0]
         raise SurfaceError(
             f"{name}: {gaps} of {heights.size} heights are not numbers, the first at ({i}, {j});"
-            " surface.unmeasured fill closes such gaps of the plate"
+            " surface.unmeasured fill fills such points of the plate"
         )
     if gaps:
         heights[~finite] = np.nan
@@ -90,15 +90,15 @@ class Seam:
 
 @dataclass(frozen=True)
 class Levelling:
-    """Plane of the heights of a file, along and across, and the part of it that was taken off."""
+    """Plane of the heights of a file, along and across, and the part of it that was removed."""
 
     plane: tuple[float, float]  # [m/m] slopes of the least-squares plane of the heights as read
-    taken: tuple[float, float]  # [m/m] slopes that were taken off, or 0
+    taken: tuple[float, float]  # [m/m] slopes that were removed, or 0
     lengths: tuple[float, float]  # [m]
     ra_before: float  # [m]
     ra_after: float  # [m]
     seams: tuple[Seam, Seam]  # of the heights that are used
-    is_quadratic: bool = False  # whether a surface of second order was taken off with the plane
+    is_quadratic: bool = False  # whether a surface of second order was removed with the plane
 
     @property
     def rises(self) -> tuple[float, float]:
@@ -118,7 +118,7 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
     spacing : float, m
         Node spacing.
     mode : str
-        "auto", "plane", "quadratic" or "none". "auto" takes off each direction by itself, where the
+        "auto", "plane", "quadratic" or "none". "auto" removes each direction by itself, where the
         seam stands out and the plane lowers it. "quadratic" takes a surface of second order off.
     """
     seams = seam(heights, 0), seam(heights, 1)

@@ -1,4 +1,4 @@
-"""Random heights of a law: waves of its spectrum, and the skewness and kurtosis it asks for.
+"""Random heights of a law: the waves of its spectrum, its skewness and its kurtosis.
 
 Heights that are not Gaussian are found by iteration between distribution and spectrum (IAAFT):
 the heights take the values of the distribution in their order, and then the waves their amplitudes.
@@ -179,7 +179,7 @@ def _with_amplitudes(heights: Array, amplitudes: Array) -> Array:
 
 
 def _corrected(z: Array, amplitudes: Array, missing: Array) -> Array:
-    """Add a square and a cube to heights, by a step of Newton's method for their moments."""
+    """Add a square and a cube to heights by a step of Newton's method for their moments."""
     steps = [power - power.mean() for power in (z**2, z**3)]
     steps = [step / np.sqrt(np.mean(step**2)) for step in steps]
     moved = [moments(_with_amplitudes(z + SMALL * step, amplitudes)) for step in steps]

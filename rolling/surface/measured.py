@@ -34,7 +34,7 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
     Returns
     -------
     measured : Measured
-        Heights [m], shape (along, across), NaN where nothing was measured, and their spacing,
+        Heights [m], shape (along, across), NaN at unmeasured points, and their spacing,
         None for arrays and rows of text.
 
     Raises
@@ -86,7 +86,7 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
     path : Path
         File to write, completely or not at all.
     heights_m : (rows, columns) array, m
-        Heights along and across; NaN where nothing was measured.
+        Heights along and across; NaN at unmeasured points.
     spacing_m : (float, float), m
         Node spacings along and across; a .npy or .csv file does not hold them.
 

@@ -2,8 +2,7 @@
 
 Heights are taken about their mean; form and tilt are to be removed before. A periodic surface goes
 on at its edges with its other end; a measured one ends there. Heights that are not finite are
-unmeasured and do not count. A value without a meaning, such as the skewness of a flat surface, is
-NaN.
+unmeasured and do not count. An undefined parameter, such as the skewness of a flat surface, is NaN.
 """
 
 from __future__ import annotations
@@ -36,8 +35,8 @@ def surface_parameters(
     Parameters
     ----------
     heights : array (m, n), m
-        Heights along and across the track, without form and tilt; NaN where not measured. A profile
-        is an array (m, 1).
+        Heights along and across the track, without form and tilt; NaN at unmeasured points. A
+        profile is an array (m, 1).
     spacing_um : float or pair of float, um
         Node spacing, or the spacings along and across.
     periodic : bool
@@ -119,7 +118,7 @@ def without_plane(heights: Array) -> Array:
 
 
 def about_mean(heights: Array) -> Array:
-    """Return heights [m] about their mean, NaN at gaps; equal heights become exact zeros."""
+    """Return heights [m] about their mean, NaN where unmeasured; equal heights become zeros."""
     gaps = ~np.isfinite(heights)
     if gaps.any():
         heights = np.where(gaps, np.nan, heights)

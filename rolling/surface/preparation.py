@@ -1,8 +1,8 @@
 """Preparation of measured heights in the terms and the order of ISO 25178-3.
 
-Outliers become points that were not measured, and these are filled. The S-filter takes short waves
-off, and the heights are resampled to square nodes. The F-operator takes the form off, the L-filter
-long waves. Last, the end of each side is led into its beginning, so that the surface is periodic.
+Outliers become unmeasured points, and these are filled. The S-filter removes short waves, and the
+heights are resampled to square nodes. The F-operator removes the form, the L-filter long waves.
+Last, the end of each side is led into its beginning, so that the surface is periodic.
 """
 
 from __future__ import annotations
@@ -26,6 +26,13 @@ from rolling.surface.levelling import Levelling
 from rolling.surface.parameters import roughness, without_plane
 
 NAMES = "Sa", "Sq", "Ssk", "Sku", "Sdq"  # of the roughness before and after a step
+STEP_NAMES = {  # of steps whose key is no word for readers
+    "unmeasured": "unmeasured points",
+    "s_filter": "S-filter",
+    "f_operator": "F-operator",
+    "l_filter": "L-filter",
+    "periodic": "period",
+}
 ALPHA = float(np.sqrt(np.log(2) / np.pi))  # 0.4697, of the Gaussian filter of ISO 16610-61
 NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
 ROBUST = 1.4826  # standard deviation of Gaussian numbers over the median of their magnitudes
@@ -46,9 +53,9 @@ class Effect:
 
 
 def read(path: Path, surface: HeightFile) -> Array:
-    """Read the heights of the plate [m], (along, across), about their mean; gaps are NaN.
+    """Read the heights of the plate [m], (along, across), about their mean; NaN is unmeasured.
 
-    Raise SurfaceError for heights that cannot be used, or that have gaps that may not be filled.
+    Raise SurfaceError for unusable heights, and for unmeasured points that may not be filled.
     """
     has_unit, unit = is_instrument(path), surface.height_unit
     try:
@@ -81,7 +88,7 @@ class Preparation:
 def prepare(
     heights: Array, surface: HeightFile, grid: HeightGrid
 ) -> tuple[Array, Levelling, list[Effect]]:
-    """Prepare heights [m] about their mean as the keys of the surface say.
+    """Prepare heights [m] about their mean by the keys of the surface.
 
     Returns
     -------
@@ -102,7 +109,7 @@ def prepare(
     _complete(work, surface, is_period)
     if cutoff := surface.s_filter_um:
         long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
-        work.take(long, "s_filter", f"shorter waves than {cutoff:g} um taken off")
+        work.take(long, "s_filter", f"waves shorter than {cutoff:g} um removed")
     if is_other(grid.steps, grid.spacing):
         _resample(work, surface, grid)
     mode = "plane" if surface.level == "auto" and not is_period else surface.level
@@ -111,7 +118,7 @@ def prepare(
         work.take(heights, "f_operator", "second order" if plane.is_quadratic else "plane")
     if cutoff := surface.l_filter_um:
         long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
-        work.take(work.heights - long, "l_filter", f"longer waves than {cutoff:g} um taken off")
+        work.take(work.heights - long, "l_filter", f"waves longer than {cutoff:g} um removed")
     if not is_period:
         _close(work, surface, grid)
     if work.effects:
@@ -122,7 +129,7 @@ def prepare(
 
 
 def _complete(work: Preparation, surface: HeightFile, is_period: bool) -> None:
-    """Take outliers out, and fill all points that were not measured."""
+    """Make outliers unmeasured points, and fill all unmeasured points."""
     if threshold := surface.outliers:
         heights, count = without_outliers(work.heights, threshold)
         text = f"{count} of {heights.size} nodes, at a threshold of {threshold:g}"
@@ -133,7 +140,7 @@ def _complete(work: Preparation, surface: HeightFile, is_period: bool) -> None:
 
 
 def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
-    """Resample to square nodes; warn where they are coarser and no filter goes before."""
+    """Resample to square nodes; warn where they are coarser and no S-filter precedes."""
     sides, least = " x ".join(f"{1e6 * step:.4g}" for step in grid.steps), 2e6 * grid.spacing
     warning = None
     if grid.spacing > min(grid.steps) and (surface.s_filter_um or 0) < least * (1 - SAME):
@@ -157,7 +164,7 @@ def _close(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
 
 
 def values(heights: Array, steps: Sequence[float]) -> dict[str, float]:
-    """Return Sa, Sq [m], Ssk, Sku and Sdq of the measured points, without unknown ones."""
+    """Return Sa, Sq [m], Ssk, Sku and Sdq of the measured points, but for undefined ones."""
     numbers = roughness(heights, steps)
     return {name: numbers[name] for name in NAMES if not np.isnan(numbers[name])}
 
@@ -184,7 +191,7 @@ def without_outliers(heights: Array, threshold: float) -> tuple[Array, int]:
 
     gaps = np.isnan(heights)
     z = heights
-    if gaps.any():  # the median takes the nearest measured node for a missing one
+    if gaps.any():  # the median takes the nearest measured node for an unmeasured one
         nearest = ndimage.distance_transform_edt(gaps, return_distances=False, return_indices=True)
         z = heights[tuple(nearest)]
     edge = NEIGHBOURS // 2  # beyond which slopes go on
@@ -200,7 +207,7 @@ def filled(heights: Array, wraps: bool) -> Array:
     """Fill the NaN of heights by the equation of Laplace, with measured nodes as its boundary.
 
     At the edges of heights that do not wrap the normal slope is zero. Raise SurfaceError where more
-    than half of the nodes are missing.
+    than half of the nodes are unmeasured.
     """
     from scipy import sparse
     from scipy.sparse import linalg
@@ -208,7 +215,7 @@ def filled(heights: Array, wraps: bool) -> Array:
     gaps = np.isnan(heights)
     count = int(np.count_nonzero(gaps))
     if count > MOST_UNMEASURED * heights.size:
-        share = f"{rounded(100 * count / heights.size)} % of the nodes were not measured"
+        share = f"{rounded(100 * count / heights.size)} % of the nodes are unmeasured"
         raise SurfaceError(f"{share}, allowed: up to {100 * MOST_UNMEASURED:.0f} %")
     number = np.full(heights.shape, -1)
     number[gaps] = np.arange(count)
@@ -277,7 +284,7 @@ def resampled(heights: Array, grid: HeightGrid) -> Array:
 
 
 def blended(heights: Array, overlap: Sequence[int], spacing: float) -> tuple[Array, str]:
-    """Blend the last nodes of each side of heights about zero into the first; say how it went.
+    """Blend the last nodes of each side of heights about zero into the first; describe the blend.
 
     The weights are cosine and sine over a quarter of a turn, scaled by the correlation r of both
     parts, so that the variance c^2 + s^2 + 2 r c s stays.

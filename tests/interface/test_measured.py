@@ -53,7 +53,7 @@ def found(folder: Path, heights: np.ndarray, *overrides: str) -> dict[str, Findi
 
 def test_check_says_what_was_taken_off_and_what_stays(tmp_path: Path) -> None:
     got = found(tmp_path, tilted_crop())
-    assert got["level"].value.startswith("plane taken off: ")
+    assert got["level"].value.startswith("plane removed: ")
     # 1 um over 199 of 200 nodes of 2 um is 2.51 um/mm; the crop has a random slope of its own.
     slope = float(got["level"].value.split(": ")[1].split()[0])
     assert slope == pytest.approx(2.51, rel=0.05)
@@ -82,7 +82,7 @@ def test_a_stretch_that_avoids_the_seam_is_not_warned(tmp_path: Path) -> None:
 def test_periodic_heights_have_no_finding_but_values(tmp_path: Path) -> None:
     heights = gaussian(200, 80)
     got = found(tmp_path, heights)
-    assert got["level"].value.startswith("nothing taken off, the plane has ")
+    assert got["level"].value.startswith("nothing removed, the plane has ")
     assert {
         key: got[key].warning for key in ("level", "seam", "form", "correlation_nodes")
     } == dict.fromkeys(("level", "seam", "form", "correlation_nodes"))
@@ -115,7 +115,7 @@ def test_a_file_written_again_is_read_again(tmp_path: Path) -> None:
 
 def test_none_says_that_a_plane_passes_for_roughness(tmp_path: Path) -> None:
     got = found(tmp_path, tilted_crop(), "surface.level=none")
-    assert got["level"].value.startswith("nothing taken off, the plane has 2.")
+    assert got["level"].value.startswith("nothing removed, the plane has 2.")
     assert "a plane and a parabola make up 8" in str(
         got["form"].warning
     ) and "surface.level quadratic" in str(got["form"].warning)
@@ -125,7 +125,7 @@ def test_none_says_that_a_plane_passes_for_roughness(tmp_path: Path) -> None:
 
 def test_level_is_a_key_with_three_values(tmp_path: Path) -> None:
     assert found(tmp_path, gaussian(200, 80), "surface.level=plane")["level"].value.startswith(
-        "plane taken off"
+        "plane removed"
     )
     with pytest.raises(Exception, match=r"surface\.level: got \"plain\", allowed: .*plane"):
         scene(tmp_path, gaussian(200, 80), "surface.level=plain")

@@ -156,4 +156,4 @@ def test_the_check_names_materials_and_doubts_what_the_model_does_not_hold_for()
     assert own["plate_material"].value == "steel-100cr6, own hardness_gpa 5.0"
     assert "sphere_yields" not in own  # glass bears 6 GPa
     soft = {finding.key: finding for finding in findings(scene())}
-    assert "yield first, at 6 GPa" in (soft["sphere_yields"].warning or "")
+    assert "yield at 6 GPa, before the plate" in (soft["sphere_yields"].warning or "")

@@ -54,7 +54,7 @@ def test_the_parameters_of_a_file_are_printed_and_written(
         assert written[name] == pytest.approx(value, rel=1e-8, nan_ok=True)
         assert f"\n{name} " in said
     assert 0.9e-7 < direct["Sq"] < 1.1e-7  # the noise without the plane of 90 um
-    assert "40 x 30 nodes of 1.0 x 2.0 um, less its least-squares plane, 1 not measured" in said
+    assert "40 x 30 nodes of 1.0 x 2.0 um, less its least-squares plane, 1 unmeasured" in said
     assert Path("outputs/scan.xyz-surface/surface.png").read_bytes().startswith(b"\x89PNG")
 
 

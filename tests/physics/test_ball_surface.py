@@ -164,7 +164,7 @@ def test_another_surface_of_the_ball_is_another_march(changed: dict[str, Any]) -
 
 
 def test_a_file_of_a_turn_is_laid_around_the_ball(tmp_path: Any) -> None:
-    """Its mean and the wave of order 1 are taken off; a line is the same all across."""
+    """Its mean and the wave of order 1 are removed; a line is the same all across."""
     angle = 2 * np.pi * np.arange(TURN) / TURN
     line = 2e-9 * np.cos(5 * angle + 1)
     np.save(tmp_path / "turn.npy", 1e-6 + 3e-9 * np.sin(angle) + line)

@@ -232,7 +232,7 @@ def test_impossible_laws_are_refused(override: str, words: str) -> None:
     ("override", "quantity", "value", "warning"),
     [
         ("surface.kurtosis=4", "skewness and kurtosis", "0 and 4, requested 0 and 4", None),
-        ("surface.kurtosis=1.05", "skewness and kurtosis", "requested 0 and 1.05", "a nearer pair"),
+        ("surface.kurtosis=1.05", "skewness and kurtosis", "requested 0 and 1.05", "another pair"),
         (
             AFFINE % "rq_um: 0.02" + ", width_um: 48, seed: 1}",
             "spectrum against its law, by octave",
