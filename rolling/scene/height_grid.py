@@ -67,8 +67,11 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
     _refuse_filters(surface, 1e6 * min(shape[k] * steps[k] for k in (0, 1)[: 2 - is_profile]))
     resampled = shape
     if is_other(steps, spacing):
-        lengths = ((shape[k] - 1) * steps[k] / spacing for k in (0, 1))
-        along, across = (int(min(length, 2e9) + SAME) + 1 for length in lengths)
+        wraps = surface.made_periodic == "none"  # a period keeps its length, to half a node
+        sizes = ((shape[k] - (not wraps)) * steps[k] / spacing for k in (0, 1))
+        along, across = (
+            round(min(size, 2e9)) if wraps else int(min(size, 2e9) + SAME) + 1 for size in sizes
+        )
         resampled = along, across
     if resampled != shape and 8 * resampled[0] * resampled[1] > MAX_BYTES:
         got = f"got {rounded(spacing * 1e6, 4)}, which makes {resampled[0]} x {resampled[1]} nodes"

@@ -104,7 +104,7 @@ def prepare(
         long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
         work.take(long, "s_filter", f"shorter waves than {cutoff:g} um taken off")
     if is_other(grid.steps, grid.spacing):
-        _resample(work, surface, grid)
+        _resample(work, surface, grid, is_period)
     mode = "plane" if surface.level == "auto" and not is_period else surface.level
     heights, plane = levelling.level(work.heights, grid.spacing, mode)
     if any(plane.taken) or plane.is_quadratic:
@@ -132,7 +132,7 @@ def _complete(work: Preparation, surface: HeightFile, is_period: bool) -> None:
         work.take(filled(work.heights, is_period), "unmeasured", text)
 
 
-def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
+def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid, is_period: bool) -> None:
     """Resample to square nodes; warn where they are coarser and no filter goes before."""
     sides, least = " x ".join(f"{1e6 * step:.4g}" for step in grid.steps), 2e6 * grid.spacing
     warning = None
@@ -141,7 +141,7 @@ def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
         warning += f" at least {least:.4g}"
     work.steps = grid.spacing, grid.spacing
     text = f"from {sides} um to {1e6 * grid.spacing:.4g} um"
-    work.take(resampled(work.heights, grid), "resampling", text, warning)
+    work.take(resampled(work.heights, grid, is_period), "resampling", text, warning)
 
 
 def _close(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
@@ -261,14 +261,24 @@ def smoothed(heights: Array, steps: Sequence[float], cutoff: float, wraps: bool)
     return np.asarray(z + plane)
 
 
-def resampled(heights: Array, grid: HeightGrid) -> Array:
-    """Return heights at the square nodes of a grid, by cubic splines along each axis."""
+def resampled(heights: Array, grid: HeightGrid, wraps: bool) -> Array:
+    """Return heights at the square nodes of a grid, by cubic splines along each axis.
+
+    The splines of a period are periodic, and its nodes divide it into equal parts.
+    """
     from scipy import interpolate
 
     for axis, (step, count) in enumerate(zip(grid.steps, grid.resampled, strict=True)):
-        own = np.arange(heights.shape[axis]) * step
-        places = np.minimum(np.arange(count) * grid.spacing, own[-1])
-        if len(own) != count or abs(step / grid.spacing - 1) > 1e-12:
+        n = heights.shape[axis]
+        if n == count and (wraps or abs(step / grid.spacing - 1) <= 1e-12):
+            continue
+        if wraps:
+            z = np.take(heights, range(n + 1), axis, mode="wrap")
+            spline = interpolate.CubicSpline(np.arange(n + 1), z, axis, "periodic")
+            heights = spline(np.arange(count) * (n / count))
+        else:
+            own = np.arange(n) * step
+            places = np.minimum(np.arange(count) * grid.spacing, own[-1])
             heights = interpolate.make_interp_spline(own, heights, axis=axis)(places)
     return np.asarray(heights)
 
