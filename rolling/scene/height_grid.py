@@ -109,7 +109,7 @@ def _overlap(surface: HeightFile, count: int, spacing: float) -> int:
     overlap = round(min(surface.overlap_um * 1e-6 / spacing, 2e9))
     if not 1 <= overlap <= MOST_OVERLAP * count:
         got, most = plain_number(surface.overlap_um), int(MOST_OVERLAP * count) * spacing * 1e6
-        allowed = f"{rounded(spacing * 1e6, 4)} to {rounded(most, 4)}, half of the shorter side"
+        allowed = f"{rounded(spacing * 1e6, 4)} to {rounded(most, 4)}, half of a side"
         raise fault(f"got {got}, allowed: {allowed}", "surface", "overlap_um")
     return overlap
 
@@ -118,6 +118,6 @@ def _refuse_filters(surface: HeightFile, side_um: float) -> None:
     """Refuse cut-offs above the shorter side of the file [um]."""
     for key in ("s_filter_um", "l_filter_um"):
         cutoff = getattr(surface, key)
-        if cutoff is not None and cutoff > side_um:
+        if cutoff is not None and cutoff > side_um * (1 + SAME):
             words = f"up to {rounded(side_um, 4)}, the shorter side of {surface.path}"
             raise fault(f"got {plain_number(cutoff)}, allowed: {words}", "surface", key)

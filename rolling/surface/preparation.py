@@ -303,14 +303,17 @@ def blended(heights: Array, overlap: Sequence[int], spacing: float) -> tuple[Arr
         turn = np.pi / 2 * (np.arange(count) + 0.5) / count
         c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
         zone, rest = (c * last + s * first) / np.sqrt(1 + 2 * r * c * s), z[count:-count]
-        sizes = [f"{1e6 * np.sqrt(np.mean(part**2)):.3g}" for part in (zone, rest)]
         joined = np.concatenate([zone, rest])
         slopes = np.square(np.diff(joined, axis=0, append=joined[:1]) / spacing).mean(axis=1)
         ends = np.append(slopes[:count], slopes[-1])
-        slope = [f"{np.sqrt(np.mean(part)):.3g}" for part in (ends, slopes[count:-1])]
+        squares = [np.square(part).mean(axis=1) for part in (zone, rest)]
+        rq, slope = (
+            [f"{scale * np.sqrt(part.mean()):.3g}" if part.size else "-" for part in parts]
+            for scale, parts in ((1e6, squares), (1.0, (ends, slopes[count:-1])))
+        )
         words.append(
-            f"{count * spacing * 1e6:.4g} um blended {('along', 'across')[axis]} (Sq {sizes[0]} um"
-            f" there, {sizes[1]} um elsewhere; rms slope {slope[0]}, {slope[1]})"
+            f"{count * spacing * 1e6:.4g} um blended {('along', 'across')[axis]} (Sq {rq[0]} um"
+            f" there, {rq[1]} um elsewhere; rms slope {slope[0]}, {slope[1]})"
         )
         heights = np.moveaxis(joined, 0, axis)
     return heights, ", ".join(words)

@@ -222,6 +222,34 @@ def test_resampling_keeps_a_period_closed(tmp_path: Path, spacing_um: float) -> 
     assert not any(seam.stands_out for seam in levelling_of.seams)
 
 
+@pytest.mark.parametrize("ending", [".csv", ".xyz", ".npy"])
+def test_nan_in_text_is_a_point_that_was_not_measured(tmp_path: Path, ending: str) -> None:
+    """It is refused with its place or filled, alike in each format."""
+    z = rough(24, 18)
+    z[3, 5] = np.nan
+    measured.write(path := tmp_path / f"z{ending}", z, (UM, UM))
+    if ending == ".xyz":
+        path.write_text(path.read_text() + f"{5 * UM} {3 * UM} nan\n")
+    keys = {"path": str(path), "spacing_um": 1, "periodic": "none", "level": "none"}
+    with pytest.raises(
+        SurfaceError, match=r"1 of 432 heights are not numbers, the first at \(3, 5"
+    ):
+        preparation.read(path, HeightFile(**keys))
+    filling = HeightFile(**keys, unmeasured="fill")
+    out, _, _ = preparation.prepare(
+        preparation.read(path, filling), filling, height_grid(path, filling)
+    )
+    want = (z[2, 5] + z[4, 5] + z[3, 4] + z[3, 6]) / 4 - np.nanmean(z)
+    assert out[3, 5] == pytest.approx(want, abs=1e-15)
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_overlap_of_a_whole_half_leaves_nothing_elsewhere() -> None:
+    heights, text = preparation.blended(rough(40, 30), (20, 15), UM)
+    assert heights.shape == (20, 15) and np.isfinite(heights).all()
+    assert "there, - um elsewhere" in text and "nan" not in text
+
+
 def test_gaps_without_neighbours_have_no_slope() -> None:
     """On a checkerboard of gaps no slope is known, and nothing is not a number."""
     z = np.where(np.add.outer(np.arange(8), np.arange(9)) % 2, np.nan, rough(8, 9))
