@@ -140,9 +140,8 @@ def spectral_density(
     Its mean over all waves is 1. Parameters as in `filtered`.
     """
     decay, exponent = AUTOCORRELATIONS[autocorrelation]
-    x, y = (
-        spacing * np.asarray((np.arange(n) + n // 2) % n - n // 2, float) for n in shape
-    )  # lags
+    # Lags along and across.
+    x, y = (spacing * np.asarray((np.arange(n) + n // 2) % n - n // 2, float) for n in shape)
     first, second = correlation_length
 
     def law(x: Array, y: Array) -> Array:
