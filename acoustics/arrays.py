@@ -19,6 +19,8 @@ def real_array(name: str, values: Any, dimensions: int, gaps: bool = False) -> A
     try:
         if np.iscomplexobj(values):
             raise TypeError
+        if gaps and np.ma.isMaskedArray(values):
+            values = np.ma.filled(values.astype(float), np.nan)
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: got {_short(values)}, {allowed}") from None

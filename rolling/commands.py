@@ -364,6 +364,8 @@ def surface(
     for path in (save, out):
         if path is not None and path.exists() and (path is save or not path.is_dir()):
             raise FolderError(f"{path}: exists; take another name, or remove it")
+    if save is not None and not save.parent.is_dir():
+        raise FolderError(f"--save {save}: no such folder")
     is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
     if is_scene:
         if spacing_um or channel:

@@ -168,3 +168,13 @@ def test_the_first_table_of_the_readme_has_both_levels_of_the_same_runs():
     levels = [[float(cell.split("±")[0]) for cell in row[1:3]] for row in rows]
     # 26 to 70 dB were measured on 71 runs.
     assert levels and all(25 < release - vibration < 75 for vibration, release in levels)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=_name)
+def test_scenes_that_examples_simulate_are_of_a_single_run(page: Path):
+    """`simulate` refuses a scene that sweeps, as quickstart does."""
+    import rolling as rc
+
+    text = page.read_text(encoding="utf-8")
+    for scene in re.findall(r"simulate\((rc\.read_scene\([^()]*\)(?:\.with_\([^()]*\))?)", text):
+        assert not eval(scene, {"rc": rc}).sweep, scene

@@ -237,8 +237,8 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
         raise HeightFormatError(f"got {text}, allowed: {_NUMBERS}; {words}", place)
     try:
         row = [float(field) for field in fields]
-        if all(map(math.isfinite, row)) and "_" not in line:
-            return row
+        if not any(map(math.isinf, row)) and "_" not in line:
+            return row  # nan stands for a point that was not measured
     except ValueError:
         pass
     wrong = next((field for field in fields if not _is_number(field)), line)
@@ -251,6 +251,6 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
 
 def _is_number(field: str) -> bool:
     try:
-        return math.isfinite(float(field)) and "_" not in field
+        return not math.isinf(float(field)) and "_" not in field
     except ValueError:
         return False

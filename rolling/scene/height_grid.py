@@ -67,8 +67,11 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
     _refuse_filters(surface, 1e6 * min(shape[k] * steps[k] for k in (0, 1)[: 2 - is_profile]))
     resampled = shape
     if is_other(steps, spacing):
-        lengths = ((shape[k] - 1) * steps[k] / spacing for k in (0, 1))
-        along, across = (int(min(length, 2e9) + SAME) + 1 for length in lengths)
+        wraps = surface.made_periodic == "none"  # a period keeps its length, to half a node
+        sizes = ((shape[k] - (not wraps)) * steps[k] / spacing for k in (0, 1))
+        along, across = (
+            round(min(size, 2e9)) if wraps else int(min(size, 2e9) + SAME) + 1 for size in sizes
+        )
         resampled = along, across
     if resampled != shape and 8 * resampled[0] * resampled[1] > MAX_BYTES:
         got = f"got {rounded(spacing * 1e6, 4)}, which makes {resampled[0]} x {resampled[1]} nodes"
@@ -106,7 +109,7 @@ def _overlap(surface: HeightFile, count: int, spacing: float) -> int:
     overlap = round(min(surface.overlap_um * 1e-6 / spacing, 2e9))
     if not 1 <= overlap <= MOST_OVERLAP * count:
         got, most = plain_number(surface.overlap_um), int(MOST_OVERLAP * count) * spacing * 1e6
-        allowed = f"{rounded(spacing * 1e6, 4)} to {rounded(most, 4)}, half of the shorter side"
+        allowed = f"{rounded(spacing * 1e6, 4)} to {rounded(most, 4)}, half of a side"
         raise fault(f"got {got}, allowed: {allowed}", "surface", "overlap_um")
     return overlap
 
@@ -115,6 +118,6 @@ def _refuse_filters(surface: HeightFile, side_um: float) -> None:
     """Refuse cut-offs above the shorter side of the file [um]."""
     for key in ("s_filter_um", "l_filter_um"):
         cutoff = getattr(surface, key)
-        if cutoff is not None and cutoff > side_um:
+        if cutoff is not None and cutoff > side_um * (1 + SAME):
             words = f"up to {rounded(side_um, 4)}, the shorter side of {surface.path}"
             raise fault(f"got {plain_number(cutoff)}, allowed: {words}", "surface", key)

@@ -221,13 +221,15 @@ def _triples(path: Path, unit: str) -> _Channels:
     table = height_files.numbers_of_text(path)
     if table.ndim != 2 or table.shape[1] != 3:
         raise HeightFormatError(f"got {table.shape[1]} numbers on a line, allowed: x, y, z")
+    if (gaps := np.isnan(table[:, :2]).any(axis=1)).any():
+        raise HeightFormatError(f"the point {gaps.argmax() + 1} has no place, only z may be nan")
     (x, columns, dx), (y, rows, dy) = (_axis(table[:, k], "xy"[k]) for k in (0, 1))
     if rows * columns > _SPARSE * len(table) + _SPARSE:
         words = f"{len(table)} points on {rows} x {columns} nodes are no regular grid"
         raise HeightFormatError(words)
     heights = np.full((rows, columns), np.nan)
     heights[y, x] = table[:, 2]
-    if np.count_nonzero(np.isfinite(heights)) < len(table):
+    if len(np.unique(y * columns + x)) < len(table):
         raise HeightFormatError("several points lie on the same node, allowed: a regular grid")
     steps = [(dy or dx) * UNITS[unit], (dx or dy) * UNITS[unit]]
     return {"heights": lambda: (heights * UNITS[unit], steps)}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +14,9 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.scene.laws import AUTOCORRELATIONS as AUTOCORRELATIONS
 from rolling.surface.parameters import roughness
+
+_NEGLIGIBLE = 1e-7  # autocorrelation
+_MOST_LAGS = 2e8  # nodes of a turned law
 
 
 class SurfaceError(ValueError):
@@ -135,12 +140,52 @@ def spectral_density(
     Its mean over all waves is 1. Parameters as in `filtered`.
     """
     decay, exponent = AUTOCORRELATIONS[autocorrelation]
-    x, y = (((np.arange(n) + n // 2) % n - n // 2) * spacing for n in shape)  # lags
+    # Lags along and across.
+    x, y = (spacing * np.asarray((np.arange(n) + n // 2) % n - n // 2, float) for n in shape)
     first, second = correlation_length
-    along, across = turned(x[:, None], y, angle)
-    r2 = (along / first) ** 2 + (across / second) ** 2
+
+    def law(x: Array, y: Array) -> Array:
+        """Return the autocorrelation at lags along and across [m]."""
+        along, across = turned(x[:, None], y, angle)
+        r2 = (along / first) ** 2 + (across / second) ** 2
+        return np.asarray(np.exp(-decay * r2 ** (exponent / 2)))
+
+    periodic = law(x, y)
+    if angle:
+        reach = (-np.log(_NEGLIGIBLE) / decay) ** (1 / exponent)
+        cosine, sine = np.cos(angle), np.sin(angle)
+        ends = np.hypot(first * cosine, second * sine), np.hypot(first * sine, second * cosine)
+        _add_neighbours(periodic, (x, y), (reach * ends[0], reach * ends[1]), law)
     # On a periodic grid the law can have slightly negative spectral densities from rounding.
-    return np.maximum(np.fft.rfft2(np.exp(-decay * r2 ** (exponent / 2))).real, 0.0)
+    density = np.maximum(np.fft.rfft2(periodic).real, 0.0)
+    return density / periodic[0, 0] if angle else density
+
+
+def _add_neighbours(
+    periodic: Array,
+    lags: tuple[Array, Array],
+    ends: tuple[float, float],
+    law: Callable[[Array, Array], Array],
+) -> None:
+    """Add a turned law about the neighbouring origins of a periodic grid, out to its ends [m].
+
+    Without them the law, which is no function of the magnitudes of both lags, would have a step
+    where a period ends, and the surface a roughness in short waves.
+    """
+    spacing = lags[0][1] - lags[0][0]
+    if 4 * ends[0] * ends[1] > _MOST_LAGS * spacing**2:
+        longest = math.sqrt(_MOST_LAGS / (4 * ends[0] * ends[1])) * spacing
+        raise SurfaceError(
+            "lay_deg: got correlation lengths that reach too far to be turned, allowed: up to"
+            f" {rounded(longest, 2)} times as long"
+        )
+    sizes = [len(lag) * spacing for lag in lags]
+    counts = [max(0, math.ceil(end / size - 0.5)) for end, size in zip(ends, sizes, strict=True)]
+    for i, j in itertools.product(*(range(-count, count + 1) for count in counts)):
+        if (i, j) != (0, 0):
+            x, y = lags[0] + i * sizes[0], lags[1] + j * sizes[1]
+            rows = np.flatnonzero(np.abs(x) <= ends[0])
+            periodic[rows] += law(x[rows], y)
 
 
 def turned(x: Any, y: Any, angle: float) -> tuple[Any, Any]:

@@ -93,7 +93,7 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
     Raises
     ------
     HeightFormatError
-        The ending is of no such format, its package is not installed, or text has no NaN.
+        The ending is of no such format, its package is not installed.
     OSError
         The file cannot be written.
     """
@@ -104,8 +104,6 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
         if ending == ".npy":
             np.save(stream, heights)
         elif ending == ".csv":
-            if not np.isfinite(heights).all():
-                raise HeightFormatError("a .csv file holds no unmeasured points; take .xyz or .x3p")
             np.savetxt(stream, heights, "%.17g", ",")
         elif ending == ".xyz":
             row, column = np.nonzero(np.isfinite(heights))

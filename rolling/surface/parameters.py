@@ -35,8 +35,8 @@ def surface_parameters(
     Parameters
     ----------
     heights : array (m, n), m
-        Heights along and across the track, without form and tilt; NaN at unmeasured points. A
-        profile is an array (m, 1).
+        Heights along and across the track, without form and tilt; NaN or masked at unmeasured
+        points. A profile is an array (m, 1).
     spacing_um : float or pair of float, um
         Node spacing, or the spacings along and across.
     periodic : bool

@@ -111,7 +111,7 @@ def prepare(
         long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
         work.take(long, "s_filter", f"waves shorter than {cutoff:g} um removed")
     if is_other(grid.steps, grid.spacing):
-        _resample(work, surface, grid)
+        _resample(work, surface, grid, is_period)
     mode = "plane" if surface.level == "auto" and not is_period else surface.level
     heights, plane = levelling.level(work.heights, grid.spacing, mode)
     if any(plane.taken) or plane.is_quadratic:
@@ -139,7 +139,7 @@ def _complete(work: Preparation, surface: HeightFile, is_period: bool) -> None:
         work.take(filled(work.heights, is_period), "unmeasured", text)
 
 
-def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
+def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid, is_period: bool) -> None:
     """Resample to square nodes; warn where they are coarser and no S-filter precedes."""
     sides, least = " x ".join(f"{1e6 * step:.4g}" for step in grid.steps), 2e6 * grid.spacing
     warning = None
@@ -148,7 +148,7 @@ def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
         warning += f" at least {least:.4g}"
     work.steps = grid.spacing, grid.spacing
     text = f"from {sides} um to {1e6 * grid.spacing:.4g} um"
-    work.take(resampled(work.heights, grid), "resampling", text, warning)
+    work.take(resampled(work.heights, grid, is_period), "resampling", text, warning)
 
 
 def _close(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
@@ -268,14 +268,24 @@ def smoothed(heights: Array, steps: Sequence[float], cutoff: float, wraps: bool)
     return np.asarray(z + plane)
 
 
-def resampled(heights: Array, grid: HeightGrid) -> Array:
-    """Return heights at the square nodes of a grid, by cubic splines along each axis."""
+def resampled(heights: Array, grid: HeightGrid, wraps: bool) -> Array:
+    """Return heights at the square nodes of a grid, by cubic splines along each axis.
+
+    The splines of a period are periodic, and its nodes divide it into equal parts.
+    """
     from scipy import interpolate
 
     for axis, (step, count) in enumerate(zip(grid.steps, grid.resampled, strict=True)):
-        own = np.arange(heights.shape[axis]) * step
-        places = np.minimum(np.arange(count) * grid.spacing, own[-1])
-        if len(own) != count or abs(step / grid.spacing - 1) > 1e-12:
+        n = heights.shape[axis]
+        if n == count and (wraps or abs(step / grid.spacing - 1) <= 1e-12):
+            continue
+        if wraps:
+            z = np.take(heights, range(n + 1), axis, mode="wrap")
+            spline = interpolate.CubicSpline(np.arange(n + 1), z, axis, "periodic")
+            heights = spline(np.arange(count) * (n / count))
+        else:
+            own = np.arange(n) * step
+            places = np.minimum(np.arange(count) * grid.spacing, own[-1])
             heights = interpolate.make_interp_spline(own, heights, axis=axis)(places)
     return np.asarray(heights)
 
@@ -300,14 +310,17 @@ def blended(heights: Array, overlap: Sequence[int], spacing: float) -> tuple[Arr
         turn = np.pi / 2 * (np.arange(count) + 0.5) / count
         c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
         zone, rest = (c * last + s * first) / np.sqrt(1 + 2 * r * c * s), z[count:-count]
-        sizes = [f"{1e6 * np.sqrt(np.mean(part**2)):.3g}" for part in (zone, rest)]
         joined = np.concatenate([zone, rest])
         slopes = np.square(np.diff(joined, axis=0, append=joined[:1]) / spacing).mean(axis=1)
         ends = np.append(slopes[:count], slopes[-1])
-        slope = [f"{np.sqrt(np.mean(part)):.3g}" for part in (ends, slopes[count:-1])]
+        squares = [np.square(part).mean(axis=1) for part in (zone, rest)]
+        rq, slope = (
+            [f"{scale * np.sqrt(part.mean()):.3g}" if part.size else "-" for part in parts]
+            for scale, parts in ((1e6, squares), (1.0, (ends, slopes[count:-1])))
+        )
         words.append(
-            f"{count * spacing * 1e6:.4g} um blended {('along', 'across')[axis]} (Sq {sizes[0]} um"
-            f" there, {sizes[1]} um elsewhere; rms slope {slope[0]}, {slope[1]})"
+            f"{count * spacing * 1e6:.4g} um blended {('along', 'across')[axis]} (Sq {rq[0]} um"
+            f" there, {rq[1]} um elsewhere; rms slope {slope[0]}, {slope[1]})"
         )
         heights = np.moveaxis(joined, 0, axis)
     return heights, ", ".join(words)

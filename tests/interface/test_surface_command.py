@@ -83,6 +83,7 @@ def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFix
         (["scan.xyz", "--save", "scan.xyz"], "scan.xyz: exists"),
         (["scan.xyz", "--out", "plate.yaml"], "plate.yaml: exists"),
         (["scan.xyz", "--save", "saved.doc"], "--save saved.doc: got the ending .doc"),
+        (["scan.xyz", "--save", "none/z.npy"], "--save none/z.npy: no such folder"),
         (["plate.yaml", "--spacing-um", "1"], "only go with a file"),
         (["plate.yaml", "--set", "surface.sed=1"], "nearest: surface.seed"),
         (["flat.npy"], "--spacing-um: missing"),

@@ -187,6 +187,34 @@ def test_lay_along_and_across_is_that_of_both_lengths(lay: float, lengths: tuple
     )
 
 
+@pytest.mark.parametrize(
+    ("name", "nodes"), [("gaussian", 64), ("exponential", 64), ("gaussian", 16)]
+)
+def test_a_turned_lay_on_a_narrow_period_has_the_spectrum_of_its_law(name: str, nodes: int) -> None:
+    """The waves of a period are those of the plane (Poisson's sum), but for folded ones.
+
+    The nearest lag alone left steps: Sdq was 1.68 times that of the Gaussian law on 64 nodes.
+    """
+    lengths = {"correlation_length_um": 100, "correlation_length_across_um": 10, "lay_deg": 37}
+    law, shape, spacing = roughness(autocorrelation=name, **lengths), (512, nodes), 2e-6
+    density = made.spectral_density(shape, spacing, law)
+    along, across = np.fft.fftfreq(shape[0], spacing), np.fft.rfftfreq(nodes, spacing)
+    waves = 2 * np.pi * along[:, None], 2 * np.pi * across
+    kept = np.hypot(*waves) < 2 * np.pi / 32e-6
+    both = density, made.plane_density(law, *waves)
+    shares = [values[kept] / values[kept].sum() for values in both]
+    assert shares[0] == pytest.approx(shares[1], rel=0.1, abs=1e-7)
+    if name == "gaussian":
+        slopes = [((waves[0] ** 2 + waves[1] ** 2) * values).sum() for values in both]
+        assert slopes[0] / density.sum() == pytest.approx(slopes[1] / both[1].sum(), rel=0.01)
+
+
+def test_a_lay_that_reaches_too_far_is_refused() -> None:
+    lengths = {"correlation_length_um": 1e9, "correlation_length_across_um": 10, "lay_deg": 37}
+    with pytest.raises(surface.SurfaceError, match="too far to be turned, allowed: up to"):
+        made.of_law(SHAPE, SPACING, roughness(**lengths), 4)
+
+
 def scene(*overrides: str) -> Scene:
     return scene_file.loads(PLAIN, list(overrides))
 

@@ -11,7 +11,7 @@ import pytest
 from rolling.scene.height_grid import HeightGrid, height_grid
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import heights as surface
-from rolling.surface import levelling, preparation
+from rolling.surface import levelling, measured, preparation
 from rolling.surface.heights import SurfaceError
 
 UM = 1e-6
@@ -197,10 +197,57 @@ def test_resampling_keeps_waves_and_lengths() -> None:
     """Cubic splines hold a wave of 16 nodes within 1e-3 between its nodes."""
     grid = HeightGrid((2 * UM, 3 * UM), 1.5 * UM, (106, 119), (0, 0), (106, 119))
     x, y = 2.0 * np.arange(80)[:, None], 3.0 * np.arange(60)
-    out = preparation.resampled(np.cos(x * np.pi / 16) * np.cos(y * np.pi / 24), grid)
+    out = preparation.resampled(np.cos(x * np.pi / 16) * np.cos(y * np.pi / 24), grid, False)
     x, y = 1.5 * np.arange(106)[:, None], 1.5 * np.arange(119)
     want = np.cos(x * np.pi / 16) * np.cos(y * np.pi / 24)
     assert np.abs(out - want)[8:-8, 8:-8].max() < 1e-3
+
+
+@pytest.mark.parametrize("spacing_um", [0.5, 2.3, 3.0])
+def test_resampling_keeps_a_period_closed(tmp_path: Path, spacing_um: float) -> None:
+    """Whole waves stay whole: the interpolation is exact to 1e-3 on the seam as elsewhere.
+
+    A resampled crop that ends with the last node would miss up to a node at the seam.
+    """
+    along, across = (np.arange(n) / n for n in (64, 40))
+    z = 1e-7 * np.cos(4 * np.pi * along[:, None] + 1) * np.cos(2 * np.pi * across)
+    measured.write(path := tmp_path / "wave.xyz", z, (2 * UM, 3 * UM))
+    keys = HeightFile(path=str(path), spacing_um=spacing_um, periodic="none", level="none")
+    grid = height_grid(path, keys)
+    assert grid.nodes == (round(128 / spacing_um), round(120 / spacing_um))
+    out, levelling_of, _ = preparation.prepare(preparation.read(path, keys), keys, grid)
+    along, across = (np.arange(n) / n for n in grid.nodes)
+    want = 1e-7 * np.cos(4 * np.pi * along[:, None] + 1) * np.cos(2 * np.pi * across)
+    assert np.abs(out - want).max() < 1e-3 * 1e-7
+    assert not any(seam.stands_out for seam in levelling_of.seams)
+
+
+@pytest.mark.parametrize("ending", [".csv", ".xyz", ".npy"])
+def test_nan_in_text_is_a_point_that_was_not_measured(tmp_path: Path, ending: str) -> None:
+    """It is refused with its place or filled, alike in each format."""
+    z = rough(24, 18)
+    z[3, 5] = np.nan
+    measured.write(path := tmp_path / f"z{ending}", z, (UM, UM))
+    if ending == ".xyz":
+        path.write_text(path.read_text() + f"{5 * UM} {3 * UM} nan\n")
+    keys = {"path": str(path), "spacing_um": 1, "periodic": "none", "level": "none"}
+    with pytest.raises(
+        SurfaceError, match=r"1 of 432 heights are not numbers, the first at \(3, 5"
+    ):
+        preparation.read(path, HeightFile(**keys))
+    filling = HeightFile(**keys, unmeasured="fill")
+    out, _, _ = preparation.prepare(
+        preparation.read(path, filling), filling, height_grid(path, filling)
+    )
+    want = (z[2, 5] + z[4, 5] + z[3, 4] + z[3, 6]) / 4 - np.nanmean(z)
+    assert out[3, 5] == pytest.approx(want, abs=1e-15)
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_overlap_of_a_whole_half_leaves_nothing_elsewhere() -> None:
+    heights, text = preparation.blended(rough(40, 30), (20, 15), UM)
+    assert heights.shape == (20, 15) and np.isfinite(heights).all()
+    assert "there, - um elsewhere" in text and "nan" not in text
 
 
 def test_gaps_without_neighbours_have_no_slope() -> None:

@@ -106,6 +106,8 @@ def test_unmeasured_nodes_do_not_count() -> None:
     whole = iso.parameters(heights, STEP)
     heights[np.random.default_rng(4).random(heights.shape) < 0.1] = np.nan
     gaps = iso.parameters(heights, STEP)
+    masked = np.ma.masked_array(np.nan_to_num(heights, nan=1.0), np.isnan(heights))
+    assert iso.surface_parameters(masked, 1e6 * STEP)["Sq"] == pytest.approx(gaps["Sq"])
     for name in ("Sa", "Sq", "Sku", "Sdq", "Sdr", "Sal", "Str", "Sk", "Spk", "Svk", "Smrk1"):
         assert gaps[name] == pytest.approx(whole[name], rel=0.1), name
 

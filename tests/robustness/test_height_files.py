@@ -156,7 +156,7 @@ def test_a_profile_needs_a_width_and_nothing_else_may_have_one(tmp_path: Path) -
         (1, "x [um], y [um]", '1: got "x [um]", allowed: numbers by comma, semicolon, tab or '),
         (3, "1,2,abc", '3: got "abc", allowed: numbers'),
         (3, "1,,3", '3: got "", allowed: numbers'),
-        (3, "1,nan,3", '3: got "nan", allowed: numbers'),
+        (3, "1,-inf,3", '3: got "-inf", allowed: numbers'),
         (3, "1,1e999,3", '3: got "1e999", allowed: numbers'),
         (3, "1,1_0,3", '3: got "1_0", allowed: numbers'),
         (3, "1,2,3", "3: got 3 numbers, allowed: 32, as on the lines before"),
