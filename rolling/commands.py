@@ -13,6 +13,7 @@ import numpy as np
 
 from rolling.results import labels, listening, runs_table
 from rolling.results.listening import ListeningError
+from rolling.results.run_files import PASSES
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.folder import Part, RunFolder, default_folder
@@ -131,6 +132,8 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
     if many:
         print(f"{len(done) - defaults.FEW_RUNS} more runs, a row each in {TABLE}")
     places = {"listen": done[0].folder / "listen.wav", "all files": folder}
+    if (passes := done[0].folder / PASSES).is_file():
+        places["pass by pass"] = passes
     if len(runs) > 1:
         places["a row per run"] = folder / TABLE
     if (folder / PAGE).is_file():

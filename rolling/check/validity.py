@@ -94,6 +94,9 @@ def _bouncing(scene: Scene) -> Finding:
 
 def _materials(scene: Scene) -> Iterator[Finding]:
     """State the materials of plate and sphere; warn where the model does not hold for them."""
+    if scene.is_permanent and scene.dynamics is not None:  # which the passes alone decide
+        value = f"{scene.passes} passes; the run is refused after them if the last still yields"
+        yield Finding("running_in", "running-in before dynamics", value)
     for body in ("plate", "sphere"):
         section = getattr(scene, body)
         if (name := section.material) is not None:

@@ -178,6 +178,8 @@ class RunLoop:
         reason = ""
         try:
             value = future.result()
+            if value is None and task.piece is not None:  # its file holds the arrays
+                value = solve_piece(task.piece, self._pieces)
         except BrokenExecutor:
             return False
         except CancelledError:

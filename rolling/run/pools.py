@@ -146,8 +146,10 @@ class LocalPool(Pool):
         self._pool.shutdown(wait=True, kill_workers=True)
 
     def submit(self, task: Task) -> Future[Any]:
-        """Hand a task to a process."""
-        future: Future[Any] = self._pool.submit(task.function, *task.arguments)
+        """Hand a task to a process, which stores a piece in its file rather than to send it."""
+        has_file = task.function is worker.solve_piece and task.arguments[1] is not None
+        function = worker.store_piece if has_file else task.function
+        future: Future[Any] = self._pool.submit(function, *task.arguments)
         return future
 
     def rebuild(self) -> None:

@@ -89,6 +89,16 @@ def solve_piece(piece: Piece, pieces: Path | None) -> Arrays | Failure:
     return arrays
 
 
+def store_piece(piece: Piece, pieces: Path) -> Failure | None:
+    """March a piece into its file, and return nothing that could fill a pipe.
+
+    A worker that is killed while it sends more than the pipe takes at once leaves a reader that
+    waits for ever, because the reader's own process keeps the other end open as well.
+    """
+    value = solve_piece(piece, pieces)
+    return value if isinstance(value, Failure) else None
+
+
 def read_piece(path: Path) -> Arrays | None:
     """Read the file of a piece; return None for a missing or damaged file."""
     try:

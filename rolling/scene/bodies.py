@@ -209,7 +209,7 @@ class Plate(Section):
         key, part, share = "hardness_gpa", "fifth", HARDEST
         if self.yield_strength_gpa is not None:
             key, part, share = "yield_strength_gpa", "fifteenth", HARDEST * named.YIELDS
-            if self.hardness_gpa not in (None, named.NONE):
+            if self.hardness_gpa is not None:
                 words = f"not beside hardness_gpa, which is {named.YIELDS} times as much"
                 raise fault(words, "plate", key)
         if self.youngs_modulus_gpa / HARDEST <= self.cap_gpa < math.inf:

@@ -129,6 +129,7 @@ def test_a_sweep_over_names_has_the_values_and_labels_of_each() -> None:
             "surface.finish: unknown key of kind smooth",
         ),
         ({"plate.yield_strength_gpa": 1, "plate.hardness_gpa": 3}, "not beside hardness_gpa"),
+        ({"plate.yield_strength_gpa": 1, "plate.hardness_gpa": "none"}, "not beside hardness_gpa"),
         ({"plate.yield_strength_gpa": 14}, "below a fifteenth of youngs_modulus_gpa, 14"),
         ({"plate.hardness_gpa": "hard"}, 'got "hard", allowed: a finite number, or none'),
         ({"sweep": {"plate.material": ["oak", "oke"]}}, "sweep.plate.material[1]: got"),

@@ -14,6 +14,7 @@ from memory_scenes import MEMORY
 
 import rolling as rc
 from acoustics import wav
+from rolling import cli
 from rolling.check import cost, refusals
 from rolling.marches import slow_motion
 from rolling.marches.piece import contact_identity
@@ -116,6 +117,22 @@ def test_files(run: Run, tmp_path: Path) -> None:
     assert tree["passes/sunk"].attrs["units"] == "m" and tree["passes/depth"].shape == (2,)
 
 
+def test_a_run_names_its_passes_for_the_ear(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "scene.yaml").write_text(MEMORY)
+    words = ["run", str(tmp_path / "scene.yaml"), "--out", str(tmp_path / "run"), "--no-report"]
+    assert cli.main([*words, "--workers", "1"]) == 0
+    assert f"pass by pass: {tmp_path / 'run' / 'passes.wav'}" in capsys.readouterr().out
+
+
+def test_check_says_that_a_vibration_waits_for_the_passes() -> None:
+    """Two passes still yield, which only the march can tell."""
+    table = {finding.key: finding for finding in loads(MEMORY, ("dynamics={}",)).check(solve=False)}
+    assert table["running_in"].value.startswith("2 passes; the run is refused")
+    assert "running_in" not in {finding.key for finding in loads(MEMORY).check(solve=False)}
+
+
 def test_figure_and_page(run: Run) -> None:
     ax = rc.plot.running_in(run)
     curves = {line.get_label(): line.get_ydata() for line in ax.lines}
@@ -124,5 +141,6 @@ def test_figure_and_page(run: Run) -> None:
     assert release == pytest.approx([0, 10 * np.log10(power[1] / power[0])])
     html = page([run]).decode()
     assert "Running-in</h2>" in html and "pass by pass" in html and "permanent indentation" in html
+    assert "<td>-0.0</td>" not in html  # falls of less than 0.05 dB, of either sign
     with pytest.raises(ValueError, match="its plate has no memory"):
         rc.plot.running_in(run_of(loads(MEMORY, ("plate.plasticity=", "rolling.passes="))))

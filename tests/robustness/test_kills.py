@@ -161,3 +161,30 @@ def test_a_run_that_kills_its_workers_fails_alone_and_by_name(
     assert cli.main(words_of(scene, out, "--workers", "1")) == 0  # without the killer
     assert not (out / "load_n=2" / "failed.json").exists()
     assert contents(out) == whole
+
+
+# Workers say which messages they send that are longer than those that a pipe takes whole.
+SPEAKER = """\
+import os, sys
+from multiprocessing.connection import Connection
+
+inner = Connection._send_bytes
+
+def sending(self, content):
+    if len(content) > 4096 and "popen_loky" in " ".join(sys.orig_argv):
+        os.write(2, b"a long message, %d bytes\\n" % len(content))
+    return inner(self, content)
+
+Connection._send_bytes = sending
+"""
+
+
+def test_workers_of_a_folder_send_no_message_that_a_kill_could_cut(
+    tmp_path: Path, scene: Path, whole: dict[str, bytes]
+) -> None:
+    """pipe(7): a write of up to PIPE_BUF = 4096 bytes is whole or not there; pieces are longer."""
+    (tmp_path / "sitecustomize.py").write_text(SPEAKER)
+    path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[2])])
+    done = rolling(words_of(scene, tmp_path / "out", "--workers", "2"), tmp_path, PYTHONPATH=path)
+    assert done.returncode == 0 and "long message" not in done.stderr
+    assert contents(tmp_path / "out") == whole
