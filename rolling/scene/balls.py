@@ -13,8 +13,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from acoustics.numbers import rounded
-from rolling.scene.faults import SurfaceFault, SurfaceKind
-from rolling.scene.laws import Roughness
+from rolling.scene.laws import Roughness, SurfaceFault, SurfaceKind
 from rolling.scene.messages import fault, is_number, plain_number, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES
 

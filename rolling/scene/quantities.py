@@ -15,9 +15,8 @@ from acoustics.numbers import bracketed
 from rolling.scene import named
 from rolling.scene.balls import BallHeightFile, turn_nodes
 from rolling.scene.bodies import Plate, Sphere
-from rolling.scene.faults import SurfaceFault, refuse_misplaced
 from rolling.scene.height_grid import height_grid
-from rolling.scene.laws import HeightLaw
+from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
 from rolling.scene.messages import Key, SceneError, dotted, fault, shown
 from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Section, Sound
 from rolling.scene.surfaces import HeightFile, Surface

@@ -10,9 +10,8 @@ from pydantic import Field, model_validator
 from acoustics.numbers import rounded
 from rolling.scene import named
 from rolling.scene.balls import WAVE_NODES
-from rolling.scene.faults import SurfaceFault, SurfaceKind
 from rolling.scene.instruments import TRIPLES, is_instrument
-from rolling.scene.laws import Roughness, SelfAffineLaw
+from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
 from rolling.scene.messages import fault, plain_number, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
-from rolling.scene.faults import SurfaceFault
+from rolling.scene.laws import SurfaceFault
 
 RIM = 4.0  # radii of a dent within which its rim dies out
 

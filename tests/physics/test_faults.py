@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rolling.scene.faults import SurfaceFault
+from rolling.scene.laws import SurfaceFault
 from rolling.surface.faults import add_faults
 
 NODES, SPACING = (400, 101), 1e-6
