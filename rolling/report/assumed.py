@@ -9,16 +9,17 @@ from acoustics.radiation import RHO_C
 from rolling.report.text import NOTHING
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
-from rolling.scene.balls import (
+from rolling.scene.scene import Scene
+from rolling.scene.sections import WEIGHT
+from rolling.scene.surfaces import (
     GRADES,
     BallHeightFile,
     BallSurface,
     GradedBall,
+    HeightFile,
     RoundSurface,
+    Surface,
 )
-from rolling.scene.scene import Scene
-from rolling.scene.sections import WEIGHT
-from rolling.scene.surfaces import HeightFile, Surface
 
 
 def assumptions(run: Run) -> dict[str, str]:

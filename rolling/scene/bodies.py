@@ -9,7 +9,6 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene import named
-from rolling.scene.balls import BallSurface
 from rolling.scene.messages import (
     MATERIALS,
     fault,
@@ -20,6 +19,7 @@ from rolling.scene.messages import (
     shown,
 )
 from rolling.scene.sections import Section
+from rolling.scene.surfaces import BallSurface
 
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
 DENSITY = MATERIALS["density_kg_m3"]

@@ -13,13 +13,12 @@ from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
 from rolling.scene import named
-from rolling.scene.balls import BallHeightFile, turn_nodes
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.height_grid import height_grid
 from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
 from rolling.scene.messages import Key, SceneError, dotted, fault, shown
 from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Section, Sound
-from rolling.scene.surfaces import HeightFile, Surface
+from rolling.scene.surfaces import BallHeightFile, HeightFile, Surface, turn_nodes
 from rolling.scene.track import (
     Motion,
     Track,

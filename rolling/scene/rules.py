@@ -13,11 +13,10 @@ from typing import Any
 
 from acoustics.numbers import rounded
 from rolling.scene import quantities
-from rolling.scene.balls import refuse_ball
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.messages import fault, plain_number, shown
 from rolling.scene.sections import WEIGHT, Dynamics, Numerics, Rolling, Sound, refuse_free_factors
-from rolling.scene.surfaces import HeightFile, MadeSurface
+from rolling.scene.surfaces import HeightFile, MadeSurface, refuse_ball
 from rolling.scene.track import ROUNDING
 
 EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.scene.balls import GRADES, WAVE_NODES, BallHeightFile, BallSurface, GradedBall
 from rolling.scene.scene import Scene
+from rolling.scene.surfaces import GRADES, WAVE_NODES, BallHeightFile, BallSurface, GradedBall
 from rolling.scene.track import Track
 from rolling.surface import heights as surface
 from rolling.surface import levelling, made
