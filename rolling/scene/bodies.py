@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene import named
+from rolling.scene import library
 from rolling.scene.messages import (
     MATERIALS,
     fault,
@@ -26,7 +26,9 @@ DENSITY = MATERIALS["density_kg_m3"]
 Material = Annotated[
     str,
     Field(
-        json_schema_extra=lambda schema: schema.update(enum=[*named.data("materials")["materials"]])
+        json_schema_extra=lambda schema: schema.update(
+            enum=[*library.data("materials")["materials"]]
+        )
     ),
 ]
 HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
@@ -34,11 +36,11 @@ HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and a
 
 def _hardness(value: Any) -> Any:
     """Return a hardness, or the word for a plate without one."""
-    if value == named.NONE:
+    if value == library.NONE:
         return value
     if is_number(value) and HARDNESS.least <= value <= HARDNESS.most:
         return float(value)
-    words = f"got {shown(value)}, allowed: a finite number, or {named.NONE}"
+    words = f"got {shown(value)}, allowed: a finite number, or {library.NONE}"
     raise fault(implausible(value, HARDNESS) if is_number(value) else words)
 
 
@@ -46,7 +48,7 @@ _NUMBER = {"type": "number", "minimum": HARDNESS.least, "maximum": HARDNESS.most
 Hardness = Annotated[
     float | Literal["none"],
     BeforeValidator(_hardness),
-    WithJsonSchema({"anyOf": [_NUMBER, {"type": "string", "const": named.NONE}]}),
+    WithJsonSchema({"anyOf": [_NUMBER, {"type": "string", "const": library.NONE}]}),
 ]
 
 
@@ -169,7 +171,7 @@ class Plate(Section):
     youngs_modulus_gpa: float = Field(ge=YOUNG.least, le=YOUNG.most)
     poissons_ratio: float = Field(ge=0, le=0.5)
     hardness_gpa: Hardness | None = None
-    yield_strength_gpa: float | None = Field(default=None, gt=0, le=HARDNESS.most / named.YIELDS)
+    yield_strength_gpa: float | None = Field(default=None, gt=0, le=HARDNESS.most / library.YIELDS)
     plasticity: Literal["memoryless", "permanent"] | None = None
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     thickness_mm: float | None = Field(default=None, gt=0)
@@ -185,7 +187,7 @@ class Plate(Section):
     def cap_gpa(self) -> float:
         """Maximum pressure [GPa] that the plate bears, infinite for a purely elastic plate."""
         if self.yield_strength_gpa is not None:
-            return named.YIELDS * self.yield_strength_gpa
+            return library.YIELDS * self.yield_strength_gpa
         return self.hardness_gpa if isinstance(self.hardness_gpa, float) else math.inf
 
     @property
@@ -208,9 +210,9 @@ class Plate(Section):
         """Refuse a hardness beside a yield strength, and a pressure that no bonds bear."""
         key, part, share = "hardness_gpa", "fifth", HARDEST
         if self.yield_strength_gpa is not None:
-            key, part, share = "yield_strength_gpa", "fifteenth", HARDEST * named.YIELDS
-            if self.hardness_gpa not in (None, named.NONE):
-                words = f"not beside hardness_gpa, which is {named.YIELDS} times as much"
+            key, part, share = "yield_strength_gpa", "fifteenth", HARDEST * library.YIELDS
+            if self.hardness_gpa not in (None, library.NONE):
+                words = f"not beside hardness_gpa, which is {library.YIELDS} times as much"
                 raise fault(words, "plate", key)
         if self.youngs_modulus_gpa / HARDEST <= self.cap_gpa < math.inf:
             words = (

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
-from rolling.scene import library, messages, named, yaml_text
+from rolling.scene import library, messages, yaml_text
 from rolling.scene.bodies import VIBRATING_PLATE, Sphere
 from rolling.scene.messages import Key, SceneError, all_keys, shown
 from rolling.scene.quantities import motion_of
@@ -115,7 +115,7 @@ def _flowing(value: Any) -> Any:
 def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]) -> list[str]:
     """Put overrides into `data` and `places`, and return the faults of wrong overrides."""
     faults = []
-    for override in sorted(overrides, key=lambda text: named.names_first(text.partition("=")[0])):
+    for override in sorted(overrides, key=lambda text: library.names_first(text.partition("=")[0])):
         name, equals, text = override.partition("=")
         name = name.strip()
         if not equals or not name:

@@ -11,8 +11,8 @@ from typing import Any
 
 from rolling.scene import sweep as sweeps
 from rolling.scene.bodies import VIBRATING_PLATE
+from rolling.scene.library import NAME_KEYS
 from rolling.scene.messages import SceneError, shown
-from rolling.scene.named import NAME_KEYS
 from rolling.scene.scene import Scene
 from rolling.scene.yaml_text import open_regular
 

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, field_validator
 from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
-from rolling.scene import named
+from rolling.scene import library
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.height_grid import height_grid
 from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
@@ -78,7 +78,7 @@ class SceneQuantities(Section):
     @classmethod
     def _of_kind(cls, surface: Any) -> Any:
         """Fill in a surface with a finish, whose kind may be missing."""
-        return named.validated("surface", surface)
+        return library.validated("surface", surface)
 
     @property
     def folder(self) -> Path:

@@ -21,7 +21,7 @@ from pydantic import (
     field_validator,
 )
 
-from rolling.scene import messages, named, rules
+from rolling.scene import library, messages, rules
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import Key, SceneError
 from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
@@ -230,7 +230,7 @@ class Scene(SceneQuantities):
             del data["sound"]["source"]
         given: set[str] = set()
         listed = [*(changes or {}).items(), *keys.items()]
-        for short, value in sorted(listed, key=lambda item: named.names_first(item[0])):
+        for short, value in sorted(listed, key=lambda item: library.names_first(item[0])):
             try:
                 key = messages.full_key(short, type(self))
                 if key in given:

@@ -29,7 +29,7 @@ from pydantic import (
 )
 
 from acoustics.numbers import rounded
-from rolling.scene import named
+from rolling.scene import library
 from rolling.scene.messages import (
     SceneError,
     cut,
@@ -96,7 +96,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
     IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
-    NAMED: ClassVar[str] = ""  # section of `named.NAMES` whose name gives values
+    NAMED: ClassVar[str] = ""  # section of `library.NAMES` whose name gives values
 
     @classmethod
     def descriptions(cls) -> dict[str, str]:
@@ -119,7 +119,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
         if cls.IN_FILES:
             schema["properties"][cls.IN_FILES].pop("default", None)
             schema["required"] = [cls.IN_FILES, *schema.get("required", [])]
-        by_name = named.NAMES.get(cls.NAMED)
+        by_name = library.NAMES.get(cls.NAMED)
         if by_name and cls.NAMED != "sphere":  # whose named keys are optional anyway
             given = [key for key in schema["required"] if key in (*by_name.gives, "kind")]
             schema["required"] = [key for key in schema["required"] if key not in given]
@@ -142,7 +142,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
     @model_validator(mode="before")
     @classmethod
     def _of_name(cls, values: Any) -> Any:
-        return named.validated(cls.NAMED, values) if cls.NAMED else values
+        return library.validated(cls.NAMED, values) if cls.NAMED else values
 
     @field_validator("*")
     @classmethod

@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene import named
+from rolling.scene import library
 from rolling.scene.instruments import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
 from rolling.scene.messages import fault, is_number, plain_number, shown
@@ -67,7 +67,7 @@ def refuse_width(width_um: float, spacing_um: float) -> None:
 Finish = Annotated[
     str,
     Field(
-        json_schema_extra=lambda schema: schema.update(enum=[*named.data("finishes")["finishes"]])
+        json_schema_extra=lambda schema: schema.update(enum=[*library.data("finishes")["finishes"]])
     ),
 ]
 

@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
-from rolling.scene import messages, named
+from rolling.scene import library, messages
 from rolling.scene.messages import Key, dotted, fault, plain_number, shown
 from rolling.scene.sections import MAX_FAULTS
 
@@ -151,11 +151,11 @@ def product(sweep: Mapping[str, Any]) -> Iterator[tuple[dict[str, Value], dict[s
 def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, Any]:
     """Return the plain values of a scene with the values of one run, sections first."""
     result: Any = data
-    for name in sorted(forms, key=lambda name: (name.count("."), named.names_first(name))):
-        result = named.freed(result, name, forms[name])
+    for name in sorted(forms, key=lambda name: (name.count("."), library.names_first(name))):
+        result = library.freed(result, name, forms[name])
         result = _changed(result, messages.key_of(name), forms[name])
     return {
-        name: named.filled(name, part) if name in named.NAMES else part
+        name: library.filled(name, part) if name in library.NAMES else part
         for name, part in result.items()
     }
 
@@ -163,9 +163,13 @@ def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, 
 def with_value(data: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
     """Return plain values with the value of a dotted name, which leaves the sweep."""
     key = messages.key_of(name)
-    if name == "plate.hardness_gpa" and value is None and named.name_of("plate", data.get("plate")):
-        value = named.NONE  # which the material would give again
-    result: dict[str, Any] = _changed(named.freed(data, name, value), key, value)
+    if (
+        name == "plate.hardness_gpa"
+        and value is None
+        and library.name_of("plate", data.get("plate"))
+    ):
+        value = library.NONE  # which the material would give again
+    result: dict[str, Any] = _changed(library.freed(data, name, value), key, value)
     if len(key) > 1 and key[0] != "sweep" and isinstance(swept := result.get("sweep"), dict):
         result["sweep"] = {other: listed for other, listed in swept.items() if other != name}
     return result
