@@ -31,10 +31,10 @@ from rolling.check import long_steps
 from rolling.contact.solver import ContactError
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
+from rolling.scene.height_files import read_regular
 from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import run_name
-from rolling.scene.yaml_text import read_regular
 from rolling.sound.contact_sound import contact_sound
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError

@@ -18,9 +18,9 @@ from pathlib import Path
 import rolling
 from rolling.scene import file, identity
 from rolling.scene import sweep as sweeps
+from rolling.scene.height_files import open_regular, read_regular
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value, run_name
-from rolling.scene.yaml_text import open_regular, read_regular
 from rolling.terminal import files, program
 from rolling.terminal.files import FolderError
 

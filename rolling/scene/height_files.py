@@ -1,4 +1,4 @@
-"""Files of heights: .npy and .npz of numpy, and text with a row of numbers on each line."""
+"""Regular files, and heights in them: .npy and .npz of numpy, and text with rows of numbers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import io
 import itertools
 import lzma
 import math
+import os
 import re
+import stat
 import struct
 import tokenize
 import warnings
@@ -23,7 +25,6 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.scene.messages import shown
-from rolling.scene.yaml_text import open_regular
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
@@ -254,3 +255,38 @@ def _is_number(field: str) -> bool:
         return math.isfinite(float(field)) and "_" not in field
     except ValueError:
         return False
+
+
+# ---- regular files
+
+
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+
+def open_regular(path: Path) -> io.FileIO:
+    """Open a regular file for reading; raise OSError for any other, and never wait for a pipe."""
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        descriptor = os.open(path, flags)
+    except ValueError as error:  # a zero byte in the name
+        raise OSError(0, str(error)) from error
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
+        return io.FileIO(descriptor, "rb")
+    os.close(descriptor)
+    kind = next((kind for is_kind, kind in _KINDS if is_kind(mode)), "no regular file")
+    raise OSError(0, f"is {kind}")
+
+
+def read_regular(path: Path, most: int) -> bytes:
+    """Read a regular file of at most `most` bytes; raise OSError for any other."""
+    with io.BufferedReader(open_regular(path)) as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise OSError(0, f"is larger than {most:,} bytes")
+    return content

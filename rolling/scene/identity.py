@@ -11,10 +11,10 @@ from typing import Any
 
 from rolling.scene import sweep as sweeps
 from rolling.scene.bodies import VIBRATING_PLATE
+from rolling.scene.height_files import open_regular
 from rolling.scene.library import NAME_KEYS
 from rolling.scene.messages import SceneError, shown
 from rolling.scene.scene import Scene
-from rolling.scene.yaml_text import open_regular
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and
 # speed. Densities, thickness, edges and loss factors belong to the vibration. A name stands beside
