@@ -8,7 +8,8 @@ from pathlib import Path
 from acoustics.numbers import rounded
 from rolling.check import long_steps
 from rolling.check.finding import Finding, rounded_down, si
-from rolling.scene.instruments import is_instrument, read
+from rolling.scene.height_files import is_instrument
+from rolling.scene.height_grid import read
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling

@@ -32,6 +32,16 @@ MAX_LINE = 20_000_000  # letters
 NAME = "heights.npy"  # of the array in an archive of several
 _TEXT_ENDINGS = (".csv", ".txt")
 _ENDINGS = (".npy", ".npz", *_TEXT_ENDINGS)
+TRIPLES = ".xyz"
+# Formats of SurfaceTopography with heights in a unit of length; text without sizes is left out.
+_TOPOGRAPHY = (
+    *(".001", ".002", ".003", ".004", ".005", ".al3d", ".apx", ".bcr", ".bcrf", ".cur", ".dat"),
+    *(".datx", ".ezd", ".frt", ".gwy", ".ibw", ".jpk", ".lext", ".mdt", ".mi", ".mnt", ".nc"),
+    *(".nid", ".oir", ".opd", ".opdx", ".os3d", ".plu", ".plux", ".poir", ".qep", ".spm", ".stp"),
+    *(".sur", ".tif", ".tiff", ".tmd", ".tom", ".top", ".vk3", ".vk4", ".vk6", ".vk7", ".xlsx"),
+    *(".zmg", ".zon"),
+)
+INSTRUMENTS = (TRIPLES, ".x3p", ".sdf", *_TOPOGRAPHY)
 _DECIMALS = re.compile(r"\s*-?0\d+\s*")  # no whole number begins with 0
 _SHAPES = "one 2-D array of real heights, (along track, across), or a profile of one line"
 _NUMBERS = "numbers by comma, semicolon, tab or whitespace"
@@ -54,6 +64,11 @@ class HeightFormatError(Exception):
     def of(self, name: object) -> str:
         """Write the reason behind the name of the file and the line."""
         return f"{name}: {self}" if self.line is None else f"{name}:{self.line}: {self}"
+
+
+def is_instrument(path: Path | str) -> bool:
+    """Tell whether the ending of a name is of a format that holds its own spacing."""
+    return Path(path).suffix.lower() in INSTRUMENTS
 
 
 def nodes(path: Path) -> tuple[int, int]:

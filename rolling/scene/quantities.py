@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 from acoustics.numbers import bracketed
 from rolling.scene import library
 from rolling.scene.bodies import Plate, Sphere
-from rolling.scene.height_grid import height_grid
+from rolling.scene.height_grid import height_grid, refuse_turn
 from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
 from rolling.scene.messages import Key, SceneError, dotted, fault, shown
 from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Section, Sound
@@ -24,7 +24,6 @@ from rolling.scene.track import (
     Track,
     file_track,
     made_track,
-    refuse_turn,
     rolled,
 )
 

@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene import library
-from rolling.scene.instruments import TRIPLES, is_instrument
+from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
 from rolling.scene.messages import fault, is_number, plain_number, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES

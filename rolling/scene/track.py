@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene import height_files
-from rolling.scene.messages import cut, fault, plain_number
+from rolling.scene.messages import fault, plain_number
 
 ROUNDING = 1e-9  # relative; a smaller excess over the last distance reached counts as rounding
 
@@ -189,7 +187,6 @@ MAX_NODES = 10**9  # maximum of nodes and steps along the track; more is an erro
 MARGIN_WIDTHS = 2
 _SPEED = "rolling", "speed_m_s"
 _RESISTANCE = "rolling", "resistance"
-Read = TypeVar("Read")
 _DURATION, _DISTANCE = ("rolling", "duration_s"), ("rolling", "distance_mm")
 
 
@@ -370,33 +367,3 @@ def _within_reach(distance: float, length: float, motion: Motion) -> int:
 def _fraction(step_nodes: float) -> Fraction:
     """Return the step in nodes as a fraction."""
     return Fraction(step_nodes).limit_denominator(16)
-
-
-def refuse_turn(path: Path, name: str, track: Track) -> None:
-    """Raise a fault for a height file that holds no turn of the sphere over the width.
-
-    `name` is the path as the scene has it.
-    """
-    at = "sphere", "surface", "path"
-    rows, columns = readable(path, name, at, lambda: height_files.nodes(path))
-    if rows != track.turn_nodes or columns not in (1, track.n_across):
-        radius = rounded(rows * track.spacing * 1e3 / (2 * math.pi), 8)
-        raise fault(
-            f"{name}: got {rows} x {columns} nodes, allowed: {track.turn_nodes} nodes around the"
-            f" sphere x 1 or {track.n_across} across; {rows} nodes are a turn of sphere.radius_mm"
-            f" {radius}",
-            *at,
-        )
-
-
-def readable(path: Path, name: str, at: tuple[str, ...], read: Callable[[], Read]) -> Read:
-    """Return what `read` reads of a file; raise a fault at a key where it holds no heights.
-
-    `name` is the path as the scene has it.
-    """
-    try:
-        return read()
-    except height_files.HeightFormatError as error:
-        missing = isinstance(error.__cause__, FileNotFoundError)
-        place = f" (looked in {path.parent.absolute()})" if missing else ""
-        raise fault(f"{error.of(cut(name))}{place}", *at) from error

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.scene import height_files, instruments
+from rolling.scene import height_files, height_grid
 from rolling.scene.height_files import UNITS, HeightFormatError
-from rolling.scene.instruments import Measured
+from rolling.scene.height_grid import Measured
 from rolling.surface.levelling import HIGHEST, LARGEST_RA
 from rolling.surface.parameters import without_plane
 from rolling.terminal import files
@@ -43,8 +43,8 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
         The file is missing, damaged or too large, holds no such heights, or needs a package that
         is not installed.
     """
-    if instruments.is_instrument(path):
-        return instruments.read(path, channel, unit)
+    if height_files.is_instrument(path):
+        return height_grid.read(path, channel, unit)
     if channel is not None:
         raise HeightFormatError(f"a {path.suffix.lower()} file has no channels")
     with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused later
@@ -123,5 +123,5 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
             got = f"the ending {path.suffix}" if ending else "no ending"
             raise HeightFormatError(f"got {got}, allowed: {', '.join(WRITTEN)}")
     except ModuleNotFoundError as error:
-        raise HeightFormatError(instruments.missing(ending, error)) from error
+        raise HeightFormatError(height_grid.missing(ending, error)) from error
     files.write_bytes(path, stream.getvalue())
