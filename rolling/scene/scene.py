@@ -1,4 +1,4 @@
-"""Scene: its sections, its sweep, and its quantities in SI.
+"""Scene: its sections, its sweep, the rules that join them, and its quantities in SI.
 
 `Scene` is built from sections in Python, or from the plain values of a scene file, which `file`
 reads and writes. It is frozen, and `with_` gives a changed copy.
@@ -6,6 +6,7 @@ reads and writes. It is frozen, and `with_` gives a changed copy.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -21,11 +22,24 @@ from pydantic import (
     field_validator,
 )
 
-from rolling.scene import library, messages, rules
+from acoustics.numbers import rounded
+from rolling.scene import library, messages, quantities
 from rolling.scene import sweep as sweeps
-from rolling.scene.messages import Key, SceneError
+from rolling.scene.bodies import Plate, Sphere
+from rolling.scene.messages import Key, SceneError, fault, plain_number, shown
 from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
-from rolling.scene.sections import MAX_FAULTS, Dynamics, Numerics, Rolling, Sound, plain
+from rolling.scene.sections import (
+    MAX_FAULTS,
+    WEIGHT,
+    Dynamics,
+    Numerics,
+    Rolling,
+    Sound,
+    plain,
+    refuse_free_factors,
+)
+from rolling.scene.surfaces import HeightFile, MadeSurface, refuse_ball
+from rolling.scene.track import ROUNDING
 
 
 class SweepRun(NamedTuple):
@@ -97,27 +111,27 @@ class Scene(SceneQuantities):
     @field_validator("rolling")
     @classmethod
     def _can_roll(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
-        rules.refuse_rolling(rolling, info.data)
+        refuse_rolling(rolling, info.data)
         return rolling
 
     @field_validator("numerics")
     @classmethod
     def _has_track(cls, numerics: Numerics, info: ValidationInfo) -> Numerics:
-        rules.refuse_numerics(numerics, info.data)
-        rules.refuse_memory(numerics, info.data)
+        refuse_numerics(numerics, info.data)
+        refuse_memory(numerics, info.data)
         return numerics
 
     @field_validator("dynamics")
     @classmethod
     def _has_masses(cls, dynamics: Dynamics | None, info: ValidationInfo) -> Dynamics | None:
-        rules.refuse_dynamics(dynamics, info.data)
+        refuse_dynamics(dynamics, info.data)
         return dynamics
 
     @field_validator("sound")
     @classmethod
     def _has_source(cls, sound: Sound, info: ValidationInfo) -> Sound:
-        sound = rules.with_source(sound, info.data)
-        rules.refuse_listeners(sound, info.data)
+        sound = with_source(sound, info.data)
+        refuse_listeners(sound, info.data)
         return sound
 
     def __eq__(self, other: object) -> bool:
@@ -264,3 +278,173 @@ class Scene(SceneQuantities):
         swept: Key = ("sweep", name)
         key = swept if swept in self._places else messages.key_of(name)
         return messages.place(key, self._places)
+
+
+# ---- rules that join sections: each takes the values that are valid so far, by section
+
+
+EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
+MOST_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
+_IN_FLIGHT = "which a sphere with rolling.drop_mm has not: nothing is released in flight"
+_DEFAULTS = "`dynamics: {}` takes its defaults"
+
+Values = Mapping[str, Any]
+
+
+def refuse_rolling(rolling: Rolling, values: Values) -> None:
+    """Refuse a rolling without length, load or way, or with a contact too near an edge."""
+    lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance or None
+    if not any(lengths) and isinstance(values.get("surface"), MadeSurface):
+        words = "missing; give it or a rolling.distance_mm"
+        raise fault(words, "rolling", "duration_s")
+    sphere, plate = values.get("sphere"), values.get("plate")
+    if sphere is None:
+        return
+    _refuse_weight(rolling, sphere)
+    if plate is not None and plate.edges_mm is not None:
+        _refuse_edges(rolling, sphere, plate)
+
+
+def _refuse_weight(rolling: Rolling, sphere: Sphere) -> None:
+    """Refuse an unknown mass where it counts, and a sphere that rests before the end."""
+    if rolling.load_n == WEIGHT and sphere.density_kg_m3 is None:
+        words = f"got {WEIGHT}, which needs sphere.density_kg_m3"
+        if "load_n" not in rolling.model_fields_set:
+            words = "missing; give it, or sphere.density_kg_m3 for the weight of the sphere"
+        raise fault(words, "rolling", "load_n")
+    if rolling.resistance is not None and sphere.density_kg_m3 is None:
+        words = "missing; rolling.resistance needs the mass of the sphere"
+        raise fault(words, "sphere", "density_kg_m3")
+    rest = quantities.motion_of(sphere, rolling).rest_time
+    if rolling.resistance and rolling.duration_s and rolling.duration_s > rest * (1 + ROUNDING):
+        raise fault(
+            f"the sphere comes to rest after {rounded(rest, 6)} s, rolling.duration_s is"
+            f" {plain_number(rolling.duration_s)}: give it more speed, or leave out the duration",
+            *("rolling", "duration_s"),
+        )
+
+
+def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
+    """Refuse a contact too near an edge of the plate, and more modes than can be moved."""
+    assert plate.edges_mm is not None  # asked for by the caller
+    load, radius = quantities.load(sphere, rolling), sphere.radius_mm * 1e-3
+    contact = (3 * load * radius / (4 * quantities.contact_modulus(sphere, plate))) ** (1 / 3)
+    least = EDGE_RADII * contact * 1e3
+    for key, point in plate.contact_ends_mm.items():
+        edge = min(min(x, side - x) for x, side in zip(point, plate.edges_mm, strict=True))
+        if edge < least:
+            narrow = "length_mm" if plate.edges_mm[0] < plate.edges_mm[1] else "width_mm"
+            words = (
+                f"the contact is {rounded(edge)} mm from an edge, allowed: at least"
+                f" {rounded(least, 3)}, ten contact radii"
+            )
+            raise fault(words, "plate", key if getattr(plate, key) is not None else narrow)
+    if (modes := quantities.plate_modes(plate)) > MOST_MODES:
+        words = (
+            f"the plate has some {rounded(modes)} modes in hearing, allowed: {MOST_MODES};"
+            " choose a smaller or thicker plate, or an infinite one without edges"
+        )
+        raise fault(words, "plate", "length_mm")
+
+
+def refuse_numerics(numerics: Numerics, values: Values) -> None:
+    """Refuse a surface of the sphere, and a track, that whole nodes and steps do not hold."""
+    surface, rolling, sphere = (values.get(name) for name in ("surface", "rolling", "sphere"))
+    if surface is None or sphere is None:
+        return
+    if sphere.surface is not None:
+        if surface.spacing_um is None:
+            raise fault("missing; the surface of the sphere has the same", "surface", "spacing_um")
+        refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
+    if rolling is not None and not isinstance(surface, HeightFile):
+        quantities.track_of(sphere, surface, rolling, numerics, Path())
+
+
+def refuse_memory(numerics: Numerics, values: Values) -> None:
+    """Refuse passes without memory, and memory of parts of nodes or of a rough sphere."""
+    plate, rolling, sphere = (values.get(name) for name in ("plate", "rolling", "sphere"))
+    if plate is None:
+        return
+    memory = "plate.plasticity: permanent"
+    if plate.plasticity != "permanent":
+        if rolling is not None and (rolling.passes or 1) > 1:
+            rule = "without memory all passes are equal"
+            words = f"got {rolling.passes}, which needs {memory}: {rule}"
+            raise fault(words, "rolling", "passes")
+        return
+    if sphere is not None and sphere.surface is not None:
+        rule = "each turn of a rough sphere meets other places of the plate"
+        words = f'got "permanent", which only goes with a smooth sphere: {rule}'
+        raise fault(words, "plate", "plasticity")
+    for key, value, allowed, rule in (
+        ("edges", numerics.edges, ("sharp",), "nodes sink as a whole"),
+        ("subcells", numerics.subcells, (1, "auto"), "nodes sink as a whole"),
+        ("error_estimate", numerics.error_estimate, (False,), "its grids have no earlier passes"),
+    ):
+        if value not in allowed:
+            words = f"got {shown(value)}, allowed with {memory}: {shown(allowed[0])}; {rule}"
+            raise fault(words, "numerics", key)
+
+
+def refuse_dynamics(dynamics: Dynamics | None, values: Values) -> None:
+    """Refuse keys that need dynamics without it, and dynamics of bodies without a mass."""
+    bodies = {name: values[name] for name in ("sphere", "plate") if name in values}
+    dropped = "rolling" in values and values["rolling"].drop_mm is not None
+    if dynamics is not None:
+        if dynamics.release and dropped:
+            raise fault(f"got true, {_IN_FLIGHT}", "dynamics", "release")
+        for name, body in bodies.items():
+            if body.density_kg_m3 is None:
+                words = f"missing; dynamics needs the mass of the {name}"
+                raise fault(words, name, "density_kg_m3")
+        return
+    if dropped:
+        raise fault(f"only goes with dynamics; {_DEFAULTS}", "rolling", "drop_mm")
+    for key, rule in (
+        ("thickness_mm", "the plate does not bend"),
+        ("contact_loss_factor", "nothing vibrates"),
+    ):
+        if getattr(bodies.get("plate"), key, None) is not None:
+            raise fault(f"only goes with dynamics: without that section {rule}", "plate", key)
+
+
+def with_source(sound: Sound, values: Values) -> Sound:
+    """Return the sound with its source; refuse a source that the scene has not."""
+    sphere, dynamics = values.get("sphere"), values.get("dynamics", ...)
+    if sphere is not None and sound.distance_m <= sphere.radius_mm * 1e-3:
+        words = f"more than {rounded(sphere.radius_mm * 1e-3, 6)}, the sphere's radius in m"
+        got, rule = plain_number(sound.distance_m), "the listener stands outside the sphere"
+        raise fault(f"got {got}, allowed: {words}: {rule}", "sound", "distance_m")
+    if sound.source is None and dynamics is not ...:
+        source = "release" if dynamics is None else "vibration"
+        sound = sound.model_copy(update={"source": source})
+        refuse_free_factors(sound)
+    elif sound.source == "vibration" and dynamics is None:
+        words = f'got "vibration", which needs the section dynamics; {_DEFAULTS}'
+        raise fault(words, "sound", "source")
+    rolling = values.get("rolling")
+    if sound.source == "release" and rolling is not None and rolling.drop_mm is not None:
+        raise fault(f'got "release", {_IN_FLIGHT}', "sound", "source")
+    return sound
+
+
+def refuse_listeners(sound: Sound, values: Values) -> None:
+    """Refuse listeners of a plate without edges, and listeners inside the sphere."""
+    sphere, plate = values.get("sphere"), values.get("plate")
+    if sound.listener_mm is None or sphere is None or plate is None:
+        return
+    if plate.edges_mm is None:
+        rule = "an infinite plate is heard on the axis, at distance_m"
+        words = f"only goes with plate.length_mm and plate.width_mm: {rule}"
+        raise fault(words, "sound", "listener_mm")
+    ends = list(plate.contact_ends_mm.values())
+    (x, y), (to_x, to_y) = ends[0], ends[-1]
+    square = (to_x - x) ** 2 + (to_y - y) ** 2
+    for at in sound.listener_mm:
+        along = (at[0] - x) * (to_x - x) + (at[1] - y) * (to_y - y)
+        share = min(max(along / square, 0.0), 1.0) if square else 0.0
+        nearest = x + share * (to_x - x), y + share * (to_y - y), sphere.radius_mm
+        if math.dist(at, nearest) <= sphere.radius_mm:
+            rule = "more than its radius from the middle of the sphere"
+            words = f"got {shown(list(at))}, inside the sphere, allowed: {rule}"
+            raise fault(words, "sound", "listener_mm")
