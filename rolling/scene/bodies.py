@@ -23,14 +23,7 @@ from rolling.scene.surfaces import BallSurface
 
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
 DENSITY = MATERIALS["density_kg_m3"]
-Material = Annotated[
-    str,
-    Field(
-        json_schema_extra=lambda schema: schema.update(
-            enum=[*library.data("materials")["materials"]]
-        )
-    ),
-]
+Material = Annotated[str, library.listed("materials")]
 HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
 
 

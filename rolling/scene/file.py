@@ -19,7 +19,7 @@ from ruamel.yaml.events import AliasEvent
 
 from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE, Sphere
-from rolling.scene.height_files import open_regular
+from rolling.scene.height_files import read_regular
 from rolling.scene.messages import Key, SceneError, all_keys, cut, dotted, first_line, shown
 from rolling.scene.quantities import motion_of
 from rolling.scene.scene import Scene
@@ -70,10 +70,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     """
     path = Path(path)
     file = library.find(path)
-    try:
-        text = read_text(file)
-    except TextError as error:
-        raise SceneError([str(error)]) from error
+    text = read_text(file)
     is_whole = file == path or library.companions(file)
     return loads(text, overrides, str(file), file.parent if is_whole else Path())
 
@@ -90,10 +87,7 @@ def loads(
     folder : Path
         Folder that a relative `surface.path` starts from.
     """
-    try:
-        data, lines = parse(text, where)
-    except TextError as error:
-        raise SceneError([str(error)]) from error
+    data, lines = parse(text, where)
     if data is None:
         needed = ", ".join(name for name, key in Scene.model_fields.items() if key.is_required())
         raise SceneError([f"{where}: empty, a scene needs at least name, {needed}"])
@@ -104,7 +98,7 @@ def loads(
     return Scene.from_dict(data, folder, places, _override(data, places, overrides))
 
 
-def _bare(error: TextError) -> str:
+def _bare(error: SceneError) -> str:
     """Return the message of a fault without its place."""
     return re.sub(r"^[^ ]*: (\d+: )?", "", str(error))
 
@@ -146,7 +140,7 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
         else:
             try:
                 data |= with_value(data, name, parse(text, "--set")[0])
-            except TextError as error:
+            except SceneError as error:
                 faults.append(f"--set: {name}: {_bare(error)}")
                 continue
             key = messages.key_of(name)
@@ -249,32 +243,24 @@ def schema() -> dict[str, Any]:
 # ---- YAML text
 
 
-class TextError(Exception):
-    """Fault of a text in one line, with its place."""
-
-
 def read_text(path: Path) -> str:
-    """Read a regular file of UTF-8 text of at most MAX_BYTES; raise TextError where it is none."""
+    """Read a regular file of UTF-8 text of at most MAX_BYTES; raise SceneError where it is none."""
     try:
-        with io.BufferedReader(open_regular(path)) as file:
-            content = file.read(MAX_BYTES + 1)
+        return read_regular(path, MAX_BYTES).decode("utf-8-sig")
     except FileNotFoundError as error:
-        raise TextError(f"{path}: no such file{library.hint(path)}") from error
+        raise SceneError([f"{path}: no such file{library.hint(path)}"]) from error
     except OSError as error:
-        reason = error.strerror or str(error)
-        text = f"{reason}, a scene file is needed" if reason.startswith("is ") else None
-        raise TextError(f"{path}: {text or f'not readable ({reason})'}") from error
-    if len(content) > MAX_BYTES:
-        raise TextError(
-            f"{path}: is larger than {MAX_BYTES:,} bytes, allowed: a scene file of at most that"
-            " size"
-        )
-    try:
-        return content.decode("utf-8-sig")
+        words = error.strerror or str(error)
+        if words.startswith("is larger"):
+            words += ", allowed: a scene file of at most that size"
+        elif words.startswith("is "):
+            words += ", a scene file is needed"
+        else:
+            words = f"not readable ({words})"
+        raise SceneError([f"{path}: {words}"]) from error
     except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        byte = error.object[error.start]
-        raise TextError(f"{path}:{line}: not UTF-8 text (byte {byte:#04x})") from error
+        line, byte = error.object[: error.start].count(b"\n") + 1, error.object[error.start]
+        raise SceneError([f"{path}:{line}: not UTF-8 text (byte {byte:#04x})"]) from error
 
 
 def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
@@ -282,31 +268,31 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
 
     Raises
     ------
-    TextError
+    SceneError
         The text is no YAML 1.2 of plain values, or beyond a limit.
     """
     if len(text) > MAX_BYTES:
-        raise TextError(f"{where}: got {len(text):,} letters, allowed: at most {MAX_BYTES:,}")
+        raise SceneError([f"{where}: got {len(text):,} letters, allowed: at most {MAX_BYTES:,}"])
     if number := _LONG_NUMBER.search(text):
         line = text.count("\n", 0, number.start()) + 1
         digits = f"{len(number[0]):,} digits, allowed: shorter ones"
-        raise TextError(f"{where}:{line}: got a whole number of {digits}")
+        raise SceneError([f"{where}:{line}: got a whole number of {digits}"])
     yaml = YAML(typ="rt")
     yaml.Composer = _LimitedComposer
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # YAML 1.2 allows anchors that are given twice
             loaded = yaml.load(text)
-    except TextError as error:
-        raise TextError(f"{where}:{error}") from error
+    except SceneError as error:
+        raise SceneError([f"{where}:{error}"]) from error
     except YAMLError as error:
         mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
         problem = getattr(error, "problem", None) or getattr(error, "reason", None)
         problem = (problem or first_line(error)).replace("<stream end>", "the end").splitlines()[0]
         place = f"{where}:{mark.line + 1}" if mark else where
-        raise TextError(f"{place}: not YAML: {problem}") from error
+        raise SceneError([f"{place}: not YAML: {problem}"]) from error
     except _READER_ERRORS as error:
-        raise TextError(f"{where}: not YAML: {first_line(error)}") from error
+        raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error
     return _plain(loaded, where)
 
 
@@ -319,16 +305,16 @@ class _LimitedComposer(Composer):
         self._open: list[str | None] = []  # anchors of the nodes that are being composed
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        """Compose a node and the nodes in it; raise TextError beyond a limit."""
+        """Compose a node and the nodes in it; raise SceneError beyond a limit."""
         event = self.parser.peek_event()
         line, is_alias = event.start_mark.line + 1, isinstance(event, AliasEvent)
         self._aliases += is_alias
         if len(self._open) >= _MAX_DEPTH:
-            raise TextError(f"{line}: nested too deeply")
+            raise SceneError([f"{line}: nested too deeply"])
         if self._aliases > MAX_ALIASES:
-            raise TextError(f"{line}: more than {MAX_ALIASES} aliases")
+            raise SceneError([f"{line}: more than {MAX_ALIASES} aliases"])
         if is_alias and event.anchor in self._open:
-            raise TextError(f"{line}: an alias of a value that contains it")
+            raise SceneError([f"{line}: an alias of a value that contains it"])
         self._open.append(None if is_alias else event.anchor)
         node = super().compose_node(parent, index)
         self._open.pop()
@@ -344,9 +330,9 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
 
     def plain(value: Any, key: Key) -> Any:
         if len(key) > MAX_NESTING:
-            raise TextError(f"{at(key)}: nested too deeply")
+            raise SceneError([f"{at(key)}: nested too deeply"])
         if len(lines) > MAX_VALUES:
-            raise TextError(f"{where}:{lines[key]}: more than {MAX_VALUES:,} keys and values")
+            raise SceneError([f"{where}:{lines[key]}: more than {MAX_VALUES:,} keys and values"])
         if isinstance(value, CommentedMap):
             for name in value:
                 line = _line(value, name, lines[key])
@@ -358,10 +344,10 @@ def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
             return [plain(item, (*key, i)) for i, item in enumerate(value)]
         if isinstance(value, TaggedScalar):
             tag = shown(value.tag.value).strip('"')
-            raise TextError(f"{at(key)}: got the tag {tag}, allowed: plain values")
+            raise SceneError([f"{at(key)}: got the tag {tag}, allowed: plain values"])
         if isinstance(value, int) and value.bit_length() > _MAX_BITS:
             digits = f"more than {_MAX_BITS * math.log10(2):.0f} digits, allowed: shorter ones"
-            raise TextError(f"{at(key)}: got a whole number of {digits}")
+            raise SceneError([f"{at(key)}: got a whole number of {digits}"])
         # ruamel keeps the notation of a number. bool comes before int because it is a subclass.
         for kind in (bool, int, float, str):
             if isinstance(value, kind):
@@ -378,9 +364,9 @@ def _line(container: CommentedMap | CommentedSeq, name: Any, outer: int) -> int:
 
 
 def _name(name: Any, at: str) -> str:
-    """Return a key as text; raise TextError for a list, a section or a very long number."""
+    """Return a key as text; raise SceneError for a list, a section or a very long number."""
     if isinstance(name, tuple | Mapping):
-        raise TextError(f"{at}: got a list or section as a key, allowed: the name of a key")
+        raise SceneError([f"{at}: got a list or section as a key, allowed: the name of a key"])
     if isinstance(name, int) and name.bit_length() > _MAX_BITS:
-        raise TextError(f"{at}: got a very long whole number as a key, allowed: its name")
+        raise SceneError([f"{at}: got a very long whole number as a key, allowed: its name"])
     return str(name)

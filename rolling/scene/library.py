@@ -17,6 +17,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pydantic import Field
 from ruamel.yaml import YAML
 
 from acoustics.numbers import rounded
@@ -162,6 +163,11 @@ def named_values(section: str, name: str) -> dict[str, Any]:
     if entry:
         values.setdefault("hardness_gpa", NONE)
     return {key: values[key] for key in NAMES[section].gives if key in values}
+
+
+def listed(table: str) -> Any:
+    """Return a field whose JSON Schema lists the names of a table, read when it is made."""
+    return Field(json_schema_extra=lambda schema: schema.update(enum=[*data(table)[table]]))
 
 
 # ---- sections with a name

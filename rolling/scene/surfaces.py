@@ -64,12 +64,7 @@ def refuse_width(width_um: float, spacing_um: float) -> None:
         raise fault(f"got {plain_number(width_um)}, allowed: {words}", "surface", "width_um")
 
 
-Finish = Annotated[
-    str,
-    Field(
-        json_schema_extra=lambda schema: schema.update(enum=[*library.data("finishes")["finishes"]])
-    ),
-]
+Finish = Annotated[str, library.listed("finishes")]
 
 
 class Gaussian(Roughness, MadeSurface):
@@ -287,6 +282,9 @@ _AMPLITUDES = {"type": "object", "minProperties": 1, "additionalProperties": Fal
     "patternProperties": {r"^[0-9]+$": _AMPLITUDE}
 }
 Waviness = Annotated[dict[int, float], BeforeValidator(_orders), WithJsonSchema(_AMPLITUDES)]
+Grading = Annotated[
+    str, BeforeValidator(_grade), WithJsonSchema({"type": "string", "enum": [*GRADES]})
+]
 
 
 class RoundSurface(SurfaceKind):
@@ -354,10 +352,7 @@ class GradedBall(RoundSurface):
     """
 
     kind: Literal["graded"] = "graded"
-    grade: Annotated[
-        Literal["G3", "G5", "G10", "G16", "G20", "G24", "G28", "G40", "G60", "G100", "G200"],
-        BeforeValidator(_grade),
-    ]
+    grade: Grading
     correlation_length_um: float = Field(default=10.0, gt=0)
     seed: int = Field(default=1, ge=0)
 
