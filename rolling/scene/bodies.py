@@ -15,7 +15,7 @@ from rolling.scene.messages import (
     implausible,
     is_number,
     numbers,
-    plain_number,
+    refusal,
     shown,
 )
 from rolling.scene.sections import Section
@@ -199,72 +199,47 @@ class Plate(Section):
         return {key: point for key, point in ends.items() if point is not None}
 
     @model_validator(mode="after")
-    def _softer_than_bonds(self) -> Plate:
-        """Refuse a hardness beside a yield strength, and a pressure that no bonds bear."""
+    def _yields(self) -> Plate:
+        """Refuse a hardness beside a yield strength, a pressure that no bonds bear, and memory."""
         key, part, share = "hardness_gpa", "fifth", HARDEST
         if self.yield_strength_gpa is not None:
             key, part, share = "yield_strength_gpa", "fifteenth", HARDEST * library.YIELDS
             if self.hardness_gpa not in (None, library.NONE):
-                words = f"not beside hardness_gpa, which is {library.YIELDS} times as much"
-                raise fault(words, "plate", key)
+                raise refusal("plate.yield_strength_gpa beside", times=library.YIELDS)
         if self.youngs_modulus_gpa / HARDEST <= self.cap_gpa < math.inf:
-            words = (
-                f"got {plain_number(getattr(self, key))}, allowed: below a {part} of"
-                f" youngs_modulus_gpa, {rounded(self.youngs_modulus_gpa / share, 4)}; without a"
-                " hardness the plate is purely elastic"
-            )
-            raise fault(words, "plate", key)
-        return self
-
-    @model_validator(mode="after")
-    def _yields(self) -> Plate:
+            words = {"part": part, "most": rounded(self.youngs_modulus_gpa / share, 4)}
+            raise refusal("plate.hardness_gpa bonds", "plate", key, got=getattr(self, key), **words)
         if self.plasticity == "permanent" and math.isinf(self.cap_gpa):
-            words = "missing; plasticity: permanent needs it, an elastic plate keeps its surface"
-            raise fault(words, "plate", "hardness_gpa")
-        return self
-
-    @model_validator(mode="after")
-    def _loss_of_bending(self) -> Plate:
-        if self.loss_factor is not None and self.thickness_mm is None:
-            reason = "a half-space has no bending waves"
-            raise fault(f"only goes with thickness_mm: {reason}", "plate", "loss_factor")
+            raise refusal("plate.hardness_gpa memory")
         return self
 
     @model_validator(mode="after")
     def _all_edges(self) -> Plate:
         """Refuse half a rectangle, and keys of a contact point without edges."""
+        if self.loss_factor is not None and self.thickness_mm is None:
+            raise refusal("plate.loss_factor bends")
         if self.edges_mm is None:
             rule = "a plate with edges needs both, an infinite plate neither"
             _refuse_half(self, ("length_mm", "width_mm"), rule)
             for key in ("contact_mm", "contact_path", "contact_end_mm"):
                 if getattr(self, key) is not None:
-                    rule = "a point on an infinite plate is like any other"
-                    raise fault(f"only goes with length_mm and width_mm: {rule}", "plate", key)
+                    raise refusal("plate.contact_mm edges", "plate", key)
             return self
-        for key, part in (("thickness_mm", "bends"), ("loss_factor", "has modes, which decay")):
+        for key in ("thickness_mm", "loss_factor"):
             if getattr(self, key) is None:
-                raise fault(f"missing; a plate with edges {part}", "plate", key)
+                raise refusal(f"plate.{key} edges")
+        for key, point in self.contact_ends_mm.items():
+            for axis, place, edge in zip("xy", point, self.edges_mm, strict=True):
+                if not 0 < place < edge:
+                    words = {"got": list(point), "axis": axis, "edge": edge}
+                    raise refusal("plate.contact_mm beyond", "plate", key, **words)
+        self._refuse_path()
         return self
 
-    @model_validator(mode="after")
-    def _contact_on_the_plate(self) -> Plate:
-        """Refuse contact points beyond the edges, and a path without two ends."""
-        if self.edges_mm is None:
-            return self
-        for key, point in self.contact_ends_mm.items():
-            for name, place, edge in zip("xy", point, self.edges_mm, strict=True):
-                if not 0 < place < edge:
-                    within = f"a point within the edges, {name} above 0 and below"
-                    words = f"got {shown(list(point))}, allowed: {within} {plain_number(edge)}"
-                    raise fault(words, "plate", key)
-        moves = self.contact_path == "to-and-fro"
-        if moves and self.contact_end_mm is None:
-            raise fault("missing; contact_path: to-and-fro needs it", "plate", "contact_end_mm")
-        if not moves and self.contact_end_mm is not None:
-            words = "only goes with contact_path: to-and-fro"
-            raise fault(words, "plate", "contact_end_mm")
-        if moves and self.contact_end_mm == self.contact_ends_mm["contact_mm"]:
-            got = shown(list(self.contact_end_mm))
-            words = f"got {got}, the point contact_mm, allowed: another point"
-            raise fault(words, "plate", "contact_end_mm")
-        return self
+    def _refuse_path(self) -> None:
+        """Refuse a path of the contact without two ends."""
+        end = self.contact_end_mm
+        if (self.contact_path == "to-and-fro") != (end is not None):
+            raise refusal(f"plate.contact_end_mm {'missing' if end is None else 'path'}")
+        if end is not None and end == self.contact_ends_mm["contact_mm"]:
+            raise refusal("plate.contact_end_mm same", got=list(end))

@@ -10,9 +10,11 @@ import difflib
 import json
 import math
 import re
+import tomllib
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 from pydantic import BaseModel
@@ -24,6 +26,9 @@ from acoustics.numbers import rounded
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
 
+_FAULTS: dict[str, str] = tomllib.loads(
+    Path(__file__).with_name("faults.toml").read_text(encoding="utf-8")
+)
 _LONGEST = 60  # letters of a value in a message
 # Allowed values by the types of faults for which pydantic has words of Python.
 _WORDS = {
@@ -83,6 +88,12 @@ class SceneError(Exception):
 def fault(message: str, *at: str | int) -> PydanticCustomError:
     """Make a fault for pydantic to collect, at a key that may differ from the validated key."""
     return PydanticCustomError("fault", "{message}", {"message": writable(message), "at": at})
+
+
+def refusal(rule: str, *at: str | int, **values: Any) -> PydanticCustomError:
+    """Make the fault of a rule of faults.toml with its values, at its key or at another."""
+    texts = {name: as_typed(value) for name, value in values.items()}
+    return fault(_FAULTS[rule].format(**texts), *(at or key_of(rule.partition(" ")[0])))
 
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
@@ -180,6 +191,13 @@ def numbers(value: Any, count: int) -> tuple[float, ...] | None:
 def plain_number(value: float) -> str:
     """Write a number without a needless decimal point."""
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
+
+
+def as_typed(value: Any) -> str:
+    """Write a value of a scene as plain text, numbers without a needless decimal point."""
+    if isinstance(value, float):
+        return plain_number(value)
+    return value if isinstance(value, str) else shown(value)
 
 
 def shown(value: Any) -> str:

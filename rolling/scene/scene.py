@@ -26,7 +26,7 @@ from acoustics.numbers import rounded
 from rolling.scene import library, messages, quantities
 from rolling.scene import sweep as sweeps
 from rolling.scene.bodies import Plate, Sphere
-from rolling.scene.messages import Key, SceneError, fault, plain_number, shown
+from rolling.scene.messages import Key, SceneError, refusal, shown
 from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
 from rolling.scene.sections import (
     MAX_FAULTS,
@@ -108,31 +108,12 @@ class Scene(SceneQuantities):
 
     _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
 
-    @field_validator("rolling")
+    @field_validator("rolling", "numerics", "dynamics", "sound")
     @classmethod
-    def _can_roll(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
-        refuse_rolling(rolling, info.data)
-        return rolling
-
-    @field_validator("numerics")
-    @classmethod
-    def _has_track(cls, numerics: Numerics, info: ValidationInfo) -> Numerics:
-        refuse_numerics(numerics, info.data)
-        refuse_memory(numerics, info.data)
-        return numerics
-
-    @field_validator("dynamics")
-    @classmethod
-    def _has_masses(cls, dynamics: Dynamics | None, info: ValidationInfo) -> Dynamics | None:
-        refuse_dynamics(dynamics, info.data)
-        return dynamics
-
-    @field_validator("sound")
-    @classmethod
-    def _has_source(cls, sound: Sound, info: ValidationInfo) -> Sound:
-        sound = with_source(sound, info.data)
-        refuse_listeners(sound, info.data)
-        return sound
+    def _goes_together(cls, section: Any, info: ValidationInfo) -> Any:
+        for rule in RULES[str(info.field_name)]:
+            section = rule(section, info.data) or section
+        return section
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.model_dump() == other.model_dump()
@@ -285,8 +266,6 @@ class Scene(SceneQuantities):
 
 EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
 MOST_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
-_IN_FLIGHT = "which a sphere with rolling.drop_mm has not: nothing is released in flight"
-_DEFAULTS = "`dynamics: {}` takes its defaults"
 
 Values = Mapping[str, Any]
 
@@ -295,33 +274,21 @@ def refuse_rolling(rolling: Rolling, values: Values) -> None:
     """Refuse a rolling without length, load or way, or with a contact too near an edge."""
     lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance or None
     if not any(lengths) and isinstance(values.get("surface"), MadeSurface):
-        words = "missing; give it or a rolling.distance_mm"
-        raise fault(words, "rolling", "duration_s")
+        raise refusal("rolling.duration_s missing")
     sphere, plate = values.get("sphere"), values.get("plate")
     if sphere is None:
         return
-    _refuse_weight(rolling, sphere)
+    if sphere.density_kg_m3 is None:
+        if rolling.load_n == WEIGHT:
+            given = "load_n" in rolling.model_fields_set
+            raise refusal(f"rolling.load_n {'weight' if given else 'missing'}")
+        if rolling.resistance is not None:
+            raise refusal("sphere.density_kg_m3 resistance")
+    rest, duration = quantities.motion_of(sphere, rolling).rest_time, rolling.duration_s
+    if rolling.resistance and duration and duration > rest * (1 + ROUNDING):
+        raise refusal("rolling.duration_s rests", rest=rounded(rest, 6), duration=duration)
     if plate is not None and plate.edges_mm is not None:
         _refuse_edges(rolling, sphere, plate)
-
-
-def _refuse_weight(rolling: Rolling, sphere: Sphere) -> None:
-    """Refuse an unknown mass where it counts, and a sphere that rests before the end."""
-    if rolling.load_n == WEIGHT and sphere.density_kg_m3 is None:
-        words = f"got {WEIGHT}, which needs sphere.density_kg_m3"
-        if "load_n" not in rolling.model_fields_set:
-            words = "missing; give it, or sphere.density_kg_m3 for the weight of the sphere"
-        raise fault(words, "rolling", "load_n")
-    if rolling.resistance is not None and sphere.density_kg_m3 is None:
-        words = "missing; rolling.resistance needs the mass of the sphere"
-        raise fault(words, "sphere", "density_kg_m3")
-    rest = quantities.motion_of(sphere, rolling).rest_time
-    if rolling.resistance and rolling.duration_s and rolling.duration_s > rest * (1 + ROUNDING):
-        raise fault(
-            f"the sphere comes to rest after {rounded(rest, 6)} s, rolling.duration_s is"
-            f" {plain_number(rolling.duration_s)}: give it more speed, or leave out the duration",
-            *("rolling", "duration_s"),
-        )
 
 
 def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
@@ -334,17 +301,11 @@ def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
         edge = min(min(x, side - x) for x, side in zip(point, plate.edges_mm, strict=True))
         if edge < least:
             narrow = "length_mm" if plate.edges_mm[0] < plate.edges_mm[1] else "width_mm"
-            words = (
-                f"the contact is {rounded(edge)} mm from an edge, allowed: at least"
-                f" {rounded(least, 3)}, ten contact radii"
-            )
-            raise fault(words, "plate", key if getattr(plate, key) is not None else narrow)
+            at = "plate", key if getattr(plate, key) is not None else narrow
+            sizes = {"edge": rounded(edge), "least": rounded(least, 3)}
+            raise refusal("plate.contact_mm edge", *at, **sizes)
     if (modes := quantities.plate_modes(plate)) > MOST_MODES:
-        words = (
-            f"the plate has some {rounded(modes)} modes in hearing, allowed: {MOST_MODES};"
-            " choose a smaller or thicker plate, or an infinite one without edges"
-        )
-        raise fault(words, "plate", "length_mm")
+        raise refusal("plate.length_mm modes", modes=rounded(modes), most=MOST_MODES)
 
 
 def refuse_numerics(numerics: Numerics, values: Values) -> None:
@@ -354,7 +315,7 @@ def refuse_numerics(numerics: Numerics, values: Values) -> None:
         return
     if sphere.surface is not None:
         if surface.spacing_um is None:
-            raise fault("missing; the surface of the sphere has the same", "surface", "spacing_um")
+            raise refusal("surface.spacing_um missing")
         refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
     if rolling is not None and not isinstance(surface, HeightFile):
         quantities.track_of(sphere, surface, rolling, numerics, Path())
@@ -365,25 +326,17 @@ def refuse_memory(numerics: Numerics, values: Values) -> None:
     plate, rolling, sphere = (values.get(name) for name in ("plate", "rolling", "sphere"))
     if plate is None:
         return
-    memory = "plate.plasticity: permanent"
     if plate.plasticity != "permanent":
         if rolling is not None and (rolling.passes or 1) > 1:
-            rule = "without memory all passes are equal"
-            words = f"got {rolling.passes}, which needs {memory}: {rule}"
-            raise fault(words, "rolling", "passes")
+            raise refusal("rolling.passes memory", got=rolling.passes)
         return
     if sphere is not None and sphere.surface is not None:
-        rule = "each turn of a rough sphere meets other places of the plate"
-        words = f'got "permanent", which only goes with a smooth sphere: {rule}'
-        raise fault(words, "plate", "plasticity")
-    for key, value, allowed, rule in (
-        ("edges", numerics.edges, ("sharp",), "nodes sink as a whole"),
-        ("subcells", numerics.subcells, (1, "auto"), "nodes sink as a whole"),
-        ("error_estimate", numerics.error_estimate, (False,), "its grids have no earlier passes"),
-    ):
-        if value not in allowed:
-            words = f"got {shown(value)}, allowed with {memory}: {shown(allowed[0])}; {rule}"
-            raise fault(words, "numerics", key)
+        raise refusal("plate.plasticity turns")
+    allowed = {"edges": ("sharp",), "subcells": (1, "auto"), "error_estimate": (False,)}
+    for key, choices in allowed.items():
+        if (value := getattr(numerics, key)) not in choices:
+            words = {"got": shown(value), "allowed": shown(choices[0])}
+            raise refusal(f"numerics.{key} memory", **words)
 
 
 def refuse_dynamics(dynamics: Dynamics | None, values: Values) -> None:
@@ -392,39 +345,33 @@ def refuse_dynamics(dynamics: Dynamics | None, values: Values) -> None:
     dropped = "rolling" in values and values["rolling"].drop_mm is not None
     if dynamics is not None:
         if dynamics.release and dropped:
-            raise fault(f"got true, {_IN_FLIGHT}", "dynamics", "release")
+            raise refusal("dynamics.release flight")
         for name, body in bodies.items():
             if body.density_kg_m3 is None:
-                words = f"missing; dynamics needs the mass of the {name}"
-                raise fault(words, name, "density_kg_m3")
+                raise refusal(f"{name}.density_kg_m3 dynamics")
         return
     if dropped:
-        raise fault(f"only goes with dynamics; {_DEFAULTS}", "rolling", "drop_mm")
-    for key, rule in (
-        ("thickness_mm", "the plate does not bend"),
-        ("contact_loss_factor", "nothing vibrates"),
-    ):
+        raise refusal("rolling.drop_mm dynamics")
+    for key in ("thickness_mm", "contact_loss_factor"):
         if getattr(bodies.get("plate"), key, None) is not None:
-            raise fault(f"only goes with dynamics: without that section {rule}", "plate", key)
+            raise refusal(f"plate.{key} dynamics")
 
 
 def with_source(sound: Sound, values: Values) -> Sound:
     """Return the sound with its source; refuse a source that the scene has not."""
     sphere, dynamics = values.get("sphere"), values.get("dynamics", ...)
     if sphere is not None and sound.distance_m <= sphere.radius_mm * 1e-3:
-        words = f"more than {rounded(sphere.radius_mm * 1e-3, 6)}, the sphere's radius in m"
-        got, rule = plain_number(sound.distance_m), "the listener stands outside the sphere"
-        raise fault(f"got {got}, allowed: {words}: {rule}", "sound", "distance_m")
+        radius = rounded(sphere.radius_mm * 1e-3, 6)
+        raise refusal("sound.distance_m inside", got=sound.distance_m, radius=radius)
     if sound.source is None and dynamics is not ...:
         source = "release" if dynamics is None else "vibration"
         sound = sound.model_copy(update={"source": source})
         refuse_free_factors(sound)
     elif sound.source == "vibration" and dynamics is None:
-        words = f'got "vibration", which needs the section dynamics; {_DEFAULTS}'
-        raise fault(words, "sound", "source")
+        raise refusal("sound.source dynamics")
     rolling = values.get("rolling")
     if sound.source == "release" and rolling is not None and rolling.drop_mm is not None:
-        raise fault(f'got "release", {_IN_FLIGHT}', "sound", "source")
+        raise refusal("sound.source flight")
     return sound
 
 
@@ -434,9 +381,7 @@ def refuse_listeners(sound: Sound, values: Values) -> None:
     if sound.listener_mm is None or sphere is None or plate is None:
         return
     if plate.edges_mm is None:
-        rule = "an infinite plate is heard on the axis, at distance_m"
-        words = f"only goes with plate.length_mm and plate.width_mm: {rule}"
-        raise fault(words, "sound", "listener_mm")
+        raise refusal("sound.listener_mm edges")
     ends = list(plate.contact_ends_mm.values())
     (x, y), (to_x, to_y) = ends[0], ends[-1]
     square = (to_x - x) ** 2 + (to_y - y) ** 2
@@ -445,6 +390,13 @@ def refuse_listeners(sound: Sound, values: Values) -> None:
         share = min(max(along / square, 0.0), 1.0) if square else 0.0
         nearest = x + share * (to_x - x), y + share * (to_y - y), sphere.radius_mm
         if math.dist(at, nearest) <= sphere.radius_mm:
-            rule = "more than its radius from the middle of the sphere"
-            words = f"got {shown(list(at))}, inside the sphere, allowed: {rule}"
-            raise fault(words, "sound", "listener_mm")
+            raise refusal("sound.listener_mm inside", got=list(at))
+
+
+# Rules of a section, which see the sections before it; one of them may return the section changed.
+RULES: dict[str, tuple[Callable[[Any, Values], Any], ...]] = {
+    "rolling": (refuse_rolling,),
+    "numerics": (refuse_numerics, refuse_memory),
+    "dynamics": (refuse_dynamics,),
+    "sound": (with_source, refuse_listeners),
+}

@@ -39,6 +39,7 @@ from rolling.scene.messages import (
     is_number,
     numbers,
     plain_number,
+    refusal,
     shown,
     writable,
 )
@@ -254,14 +255,9 @@ class Rolling(Section):
     @model_validator(mode="after")
     def _one_length(self) -> Rolling:
         if self.duration_s is not None and self.distance_mm is not None:
-            raise fault("given beside duration_s, allowed: one of them", "rolling", "distance_mm")
-        return self
-
-    @model_validator(mode="after")
-    def _rolls_out(self) -> Rolling:
+            raise refusal("rolling.distance_mm beside")
         if self.resistance is not None and isinstance(self.speed_m_s, tuple):
-            words = "only goes with one speed_m_s, at which the sphere starts, not with pairs"
-            raise fault(words, "rolling", "resistance")
+            raise refusal("rolling.resistance pairs")
         return self
 
 

@@ -17,10 +17,8 @@ from acoustics.numbers import rounded
 from rolling.scene import library
 from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
-from rolling.scene.messages import fault, is_number, plain_number, shown
+from rolling.scene.messages import fault, is_number, plain_number, refusal, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES
-
-_CHANNEL, _S_FILTER = ("surface", "channel"), ("surface", "s_filter_um")
 
 
 class MadeSurface(SurfaceKind):
@@ -190,21 +188,18 @@ class HeightFile(SurfaceKind):
         ending = Path(self.path).suffix.lower()
         if not is_instrument(self.path):
             if self.spacing_um is None:
-                words = "missing; files of arrays and of rows of text do not hold their spacing"
-                raise fault(words, "surface", "spacing_um")
+                raise refusal("surface.spacing_um format")
             if self.channel is not None:
-                raise fault(f"only goes with a file of an instrument, not {ending}", *_CHANNEL)
+                raise refusal("surface.channel format", ending=ending)
         elif ending != TRIPLES and self.height_unit != "m":
-            words = f"got {shown(self.height_unit)}, but a {ending} file holds its own units"
-            raise fault(words, "surface", "height_unit")
+            raise refusal("surface.height_unit format", got=shown(self.height_unit), ending=ending)
         if self.outliers is not None and self.unmeasured != "fill":
-            words = "only goes with surface.unmeasured fill, because outliers count as not measured"
-            raise fault(words, "surface", "outliers")
+            raise refusal("surface.outliers fill")
         if self.overlap_um is not None and self.made_periodic != "blend":
-            raise fault("only goes with surface.periodic blend", "surface", "overlap_um")
+            raise refusal("surface.overlap_um blend")
         if self.s_filter_um and self.l_filter_um and self.s_filter_um >= self.l_filter_um:
-            got, words = plain_number(self.s_filter_um), plain_number(self.l_filter_um)
-            raise fault(f"got {got}, allowed: less than {words}, the L-filter", *_S_FILTER)
+            sizes = {"got": self.s_filter_um, "most": self.l_filter_um}
+            raise refusal("surface.s_filter_um l_filter", **sizes)
         if self.width_um is not None and self.spacing_um is not None:
             refuse_width(self.width_um, self.spacing_um)
         return self
