@@ -24,7 +24,7 @@ from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.scene import height_files
 from rolling.scene.height_files import MAX_BYTES, TRIPLES, UNITS, HeightFormatError, is_instrument
-from rolling.scene.messages import cut, fault, first_line, plain_number, shown
+from rolling.scene.messages import cut, fault, first_line, refusal, shown
 from rolling.scene.surfaces import HeightFile, refuse_width
 from rolling.scene.track import MAX_NODES, MIN_NODES, Track
 
@@ -284,12 +284,8 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
     steps = steps or (spacing, spacing)
     is_profile = shape[1] == 1
     if is_profile != (surface.width_um is not None):
-        lines = f"{surface.path} has {shape[1]} lines side by side"
-        words = f"only goes with a profile of one line, but {lines}"
-        if is_profile:
-            words = f"missing; {surface.path} is a profile of one line, which is laid across the"
-            words += " track over that width"
-        raise fault(words, "surface", "width_um")
+        form = "profile" if is_profile else "lines"
+        raise refusal(f"surface.width_um {form}", path=surface.path, lines=shape[1])
     if surface.width_um is not None:
         refuse_width(surface.width_um, spacing * 1e6)
         shape, steps = (shape[0], round(surface.width_um * 1e-6 / spacing)), (steps[0], spacing)
@@ -300,9 +296,9 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
         along, across = (int(min(length, 2e9) + SAME) + 1 for length in lengths)
         resampled = along, across
     if resampled != shape and 8 * resampled[0] * resampled[1] > MAX_BYTES:
-        got = f"got {rounded(spacing * 1e6, 4)}, which makes {resampled[0]} x {resampled[1]} nodes"
-        most = f"less than {rounded(MAX_BYTES / 8)} nodes"
-        raise fault(f"{got} of {surface.path}, allowed: {most}", "surface", "spacing_um")
+        sides = {"along": resampled[0], "across": resampled[1], "path": surface.path}
+        sizes = {"got": rounded(spacing * 1e6, 4), "most": rounded(MAX_BYTES / 8)}
+        raise refusal("surface.spacing_um nodes", **sides, **sizes)
     overlap, nodes = [0, 0], [*resampled]
     for axis in (0,) if is_profile else (0, 1):
         if surface.made_periodic == "blend":
@@ -311,11 +307,8 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
         elif surface.made_periodic == "mirror":
             nodes[axis] = 2 * resampled[axis] - 2
     if not MIN_NODES <= min(nodes) <= max(nodes) < MAX_NODES:
-        raise fault(
-            f"{surface.path}: got {nodes[0]} x {nodes[1]} nodes, allowed: at least {MIN_NODES} each"
-            f" way and less than {rounded(MAX_NODES)}",
-            *("surface", "path"),
-        )
+        sides = {"along": nodes[0], "across": nodes[1], "path": surface.path}
+        raise refusal("surface.path nodes", least=MIN_NODES, most=rounded(MAX_NODES), **sides)
     return HeightGrid(steps, spacing, resampled, (overlap[0], overlap[1]), (nodes[0], nodes[1]))
 
 
@@ -334,9 +327,9 @@ def _overlap(surface: HeightFile, count: int, spacing: float) -> int:
         return round(DEFAULT_OVERLAP * count)
     overlap = round(min(surface.overlap_um * 1e-6 / spacing, 2e9))
     if not 1 <= overlap <= MOST_OVERLAP * count:
-        got, most = plain_number(surface.overlap_um), int(MOST_OVERLAP * count) * spacing * 1e6
-        allowed = f"{rounded(spacing * 1e6, 4)} to {rounded(most, 4)}, half of the shorter side"
-        raise fault(f"got {got}, allowed: {allowed}", "surface", "overlap_um")
+        ends = (rounded(nodes * spacing * 1e6, 4) for nodes in (1, int(MOST_OVERLAP * count)))
+        sizes = dict(zip(("least", "most"), ends, strict=True))
+        raise refusal("surface.overlap_um side", got=surface.overlap_um, **sizes)
     return overlap
 
 
@@ -345,8 +338,8 @@ def _refuse_filters(surface: HeightFile, side_um: float) -> None:
     for key in ("s_filter_um", "l_filter_um"):
         cutoff = getattr(surface, key)
         if cutoff is not None and cutoff > side_um:
-            words = f"up to {rounded(side_um, 4)}, the shorter side of {surface.path}"
-            raise fault(f"got {plain_number(cutoff)}, allowed: {words}", "surface", key)
+            words = {"most": rounded(side_um, 4), "path": surface.path}
+            raise refusal(f"surface.{key} side", got=cutoff, **words)
 
 
 def refuse_turn(path: Path, name: str, track: Track) -> None:
@@ -358,12 +351,9 @@ def refuse_turn(path: Path, name: str, track: Track) -> None:
     rows, columns = readable(path, name, at, lambda: height_files.nodes(path))
     if rows != track.turn_nodes or columns not in (1, track.n_across):
         radius = rounded(rows * track.spacing * 1e3 / (2 * math.pi), 8)
-        raise fault(
-            f"{name}: got {rows} x {columns} nodes, allowed: {track.turn_nodes} nodes around the"
-            f" sphere x 1 or {track.n_across} across; {rows} nodes are a turn of sphere.radius_mm"
-            f" {radius}",
-            *at,
-        )
+        file = {"path": name, "rows": rows, "columns": columns, "radius": radius}
+        turn = {"nodes": track.turn_nodes, "across": track.n_across}
+        raise refusal("sphere.surface.path turn", **file, **turn)
 
 
 def readable(path: Path, name: str, at: tuple[str, ...], read: Callable[[], Read]) -> Read:

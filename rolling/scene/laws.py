@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene.messages import Key, fault, plain_number
+from rolling.scene.messages import Key, fault, plain_number, refusal
 from rolling.scene.sections import Section
 
 AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
@@ -357,17 +357,12 @@ def refuse_misplaced(
         if not listed.crosses:
             longest = min(length_um, width_um)
         if listed.size_um < spacing_um:
-            words = f"got {plain_number(listed.size_um)}, allowed: at least a node of"
-            raise fault(f"{words} {spacing_um:g} um", *at, number, "size_um")
+            sizes = {"got": listed.size_um, "spacing": f"{spacing_um:g}"}
+            raise refusal("faults node", *at, number, "size_um", **sizes)
         if size > longest:
             name = "size_um" if size == listed.size_um else "length_um"
-            words = f"got {plain_number(size)}, allowed: at most {rounded(longest, 6)}"
-            raise fault(f"{words}, the size of the surface in um", *at, number, name)
+            raise refusal("faults side", *at, number, name, got=size, most=rounded(longest, 6))
         x, y = listed.at_mm or (0.0, 0.0)
         if not 0 <= x * 1e3 < length_um or abs(y) * 2e3 > width_um:
-            words = (
-                f"x from 0 to {rounded(length_um * 1e-3, 6)} mm, y within"
-                f" {rounded(width_um * 5e-4, 6)} mm of the line of the sphere"
-            )
-            got = f"got [{plain_number(x)}, {plain_number(y)}], which is beyond the surface"
-            raise fault(f"{got}, allowed: {words}", *at, number, "at_mm")
+            ends = {"length": rounded(length_um * 1e-3, 6), "half": rounded(width_um * 5e-4, 6)}
+            raise refusal("faults beyond", *at, number, "at_mm", x=x, y=y, **ends)

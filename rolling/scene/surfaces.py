@@ -17,7 +17,7 @@ from acoustics.numbers import rounded
 from rolling.scene import library
 from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
-from rolling.scene.messages import fault, is_number, plain_number, refusal, shown
+from rolling.scene.messages import fault, is_number, refusal, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 
@@ -51,15 +51,12 @@ class MadeSurface(SurfaceKind):
 def refuse_width(width_um: float, spacing_um: float) -> None:
     """Raise a fault for a width that is no whole number of nodes, too small or too large."""
     nodes = width_um / spacing_um
-    words = ""
     if not nodes < MAX_NODES:
-        words = f"less than {rounded(MAX_NODES)} nodes"
-    elif round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
-        fitting = max(MIN_NODES, round(nodes)) * spacing_um
-        words = f"a whole number of nodes of {spacing_um:g} um, at least {MIN_NODES};"
-        words += f" nearest: {fitting:.10g}"
-    if words:
-        raise fault(f"got {plain_number(width_um)}, allowed: {words}", "surface", "width_um")
+        raise refusal("surface.width_um most", got=width_um, most=rounded(MAX_NODES))
+    if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
+        nearest = f"{max(MIN_NODES, round(nodes)) * spacing_um:.10g}"
+        sizes = {"spacing": f"{spacing_um:g}", "least": MIN_NODES, "nearest": nearest}
+        raise refusal("surface.width_um whole", got=width_um, **sizes)
 
 
 Finish = Annotated[str, library.listed("finishes")]
@@ -393,15 +390,13 @@ def turn_nodes(radius_mm: float, spacing_um: float) -> int:
 
 def refuse_ball(surface: BallSurface, radius_mm: float, spacing_um: float) -> None:
     """Raise a fault for a surface of a sphere that does not fit its circumference in nodes."""
-    at = "sphere", "surface"
     circumference = 2e3 * math.pi * radius_mm
     if not MIN_NODES <= circumference / spacing_um < MAX_NODES:
-        words = f"{MIN_NODES} to {rounded(MAX_NODES)} nodes of {spacing_um:g} um around the sphere"
-        raise fault(f"got a circumference of {rounded(circumference, 4)} um, allowed: {words}", *at)
+        sizes = {"least": MIN_NODES, "most": rounded(MAX_NODES), "spacing": f"{spacing_um:g}"}
+        raise refusal("sphere.surface circumference", got=rounded(circumference, 4), **sizes)
     most = turn_nodes(radius_mm, spacing_um) // WAVE_NODES
     if (highest := max(surface.waviness or {0: 0})) > most:
-        words = f"up to {most}, waves of at least {WAVE_NODES} nodes"
-        raise fault(f"got the order {highest}, allowed: {words}", *at, "waviness")
+        raise refusal("sphere.surface.waviness order", got=highest, most=most, least=WAVE_NODES)
     if isinstance(surface, BallHeightFile) and surface.spacing_um != spacing_um:
-        words = f"got {plain_number(surface.spacing_um)}, allowed: {plain_number(spacing_um)},"
-        raise fault(f"{words} the spacing of the plate's surface", *at, "spacing_um")
+        sizes = {"got": surface.spacing_um, "spacing": spacing_um}
+        raise refusal("sphere.surface.spacing_um other", **sizes)
