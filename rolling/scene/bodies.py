@@ -101,15 +101,8 @@ _PAIR = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "numbe
 Point = Annotated[tuple[float, float], BeforeValidator(_point), WithJsonSchema(_PAIR)]
 # Keys of the plate that change its vibration, and not the march of the contact.
 VIBRATING_PLATE = (
-    "density_kg_m3",
-    "thickness_mm",
-    "loss_factor",
-    "length_mm",
-    "width_mm",
-    "contact_mm",
-    "contact_path",
-    "contact_end_mm",
-    "contact_loss_factor",
+    *("density_kg_m3", "thickness_mm", "loss_factor", "length_mm", "width_mm"),
+    *("contact_mm", "contact_path", "contact_end_mm", "contact_loss_factor"),
 )
 CONTACT_AT = 0.43, 0.37  # default over length and width: many modes have nodal lines in the middle
 

@@ -282,23 +282,11 @@ def first_errors(error: ValidationError) -> list[Any]:
 # speed. Densities, thickness, edges and loss factors belong to the vibration. A name stands beside
 # its values. Passes count with memory only.
 _NOT_CONTACT = {
-    "name",
-    "title",
-    "description",
-    "sound",
-    "sweep",
-    "dynamics",
-    "rolling.speed_m_s",
-    "rolling.duration_s",
-    "rolling.distance_mm",
-    "rolling.resistance",
-    "rolling.drop_mm",
-    "rolling.passes",
-    "plate.plasticity",
-    "sphere.density_kg_m3",
+    *("name", "title", "description", "sound", "sweep", "dynamics", "numerics.error_estimate"),
+    *("rolling.speed_m_s", "rolling.duration_s", "rolling.distance_mm", "rolling.resistance"),
+    *("rolling.drop_mm", "rolling.passes", "plate.plasticity", "sphere.density_kg_m3"),
     *NAME_KEYS,
     *(f"plate.{name}" for name in VIBRATING_PLATE),
-    "numerics.error_estimate",
 }
 _CHUNK = 2**20  # bytes
 

@@ -165,15 +165,9 @@ def statistics(heights: Array, spacing: float) -> Statistics:
     """
     values = roughness(heights, spacing, wrap=True)
     rough = values["Sq"] > 0
-    return Statistics(
-        ra=values["Sa"],
-        rq=values["Sq"],
-        skewness=values["Ssk"] if rough else 0.0,
-        kurtosis=values["Sku"] if rough else 0.0,
-        rms_slope=values["Sdq"],
-        highest=values["Sp"],
-        lowest=0.0 - values["Sv"],
-    )
+    moments = (values["Ssk"], values["Sku"]) if rough else (0.0, 0.0)
+    ends = values["Sdq"], values["Sp"], 0.0 - values["Sv"]
+    return Statistics(values["Sa"], values["Sq"], *moments, *ends)
 
 
 def moments(heights: Array, weights: Array | None = None) -> Array:

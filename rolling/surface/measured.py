@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import atexit
 import hashlib
+import importlib
 import io
 import shutil
 import tempfile
@@ -124,14 +125,9 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
             row, column = np.nonzero(np.isfinite(heights))
             points = np.column_stack([column * across, row * along, heights[row, column]])
             np.savetxt(stream, points, "%.17g")
-        elif ending == ".x3p":
-            import x3pio
-
-            x3pio.write(stream, heights, x_scale=across, y_scale=along)
-        elif ending == ".sdf":
-            import sdfio
-
-            sdfio.write(stream, heights, x_scale=across, y_scale=along)
+        elif ending in WRITTEN:  # a package writes each format of ISO 25178-7
+            package = importlib.import_module(f"{ending[1:]}io")
+            package.write(stream, heights, x_scale=across, y_scale=along)
         else:
             got = f"the ending {path.suffix}" if ending else "no ending"
             raise HeightFormatError(f"got {got}, allowed: {', '.join(WRITTEN)}")
