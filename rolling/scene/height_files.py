@@ -24,7 +24,7 @@ from typing import IO, Any
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.scene.messages import shown
+from rolling.scene.messages import TABLES, shown
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
@@ -33,15 +33,7 @@ NAME = "heights.npy"  # of the array in an archive of several
 _TEXT_ENDINGS = (".csv", ".txt")
 _ENDINGS = (".npy", ".npz", *_TEXT_ENDINGS)
 TRIPLES = ".xyz"
-# Formats of SurfaceTopography with heights in a unit of length; text without sizes is left out.
-_TOPOGRAPHY = (
-    *(".001", ".002", ".003", ".004", ".005", ".al3d", ".apx", ".bcr", ".bcrf", ".cur", ".dat"),
-    *(".datx", ".ezd", ".frt", ".gwy", ".ibw", ".jpk", ".lext", ".mdt", ".mi", ".mnt", ".nc"),
-    *(".nid", ".oir", ".opd", ".opdx", ".os3d", ".plu", ".plux", ".poir", ".qep", ".spm", ".stp"),
-    *(".sur", ".tif", ".tiff", ".tmd", ".tom", ".top", ".vk3", ".vk4", ".vk6", ".vk7", ".xlsx"),
-    *(".zmg", ".zon"),
-)
-INSTRUMENTS = (TRIPLES, ".x3p", ".sdf", *_TOPOGRAPHY)
+INSTRUMENTS = (TRIPLES, ".x3p", ".sdf", *TABLES["formats"])
 _DECIMALS = re.compile(r"\s*-?0\d+\s*")  # no whole number begins with 0
 _SHAPES = "one 2-D array of real heights, (along track, across), or a profile of one line"
 _NUMBERS = "numbers by comma, semicolon, tab or whitespace"

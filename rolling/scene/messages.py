@@ -26,8 +26,11 @@ from acoustics.numbers import rounded
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
 
-_FAULTS: dict[str, str] = tomllib.loads(
-    Path(__file__).with_name("faults.toml").read_text(encoding="utf-8")
+TABLES: dict[str, Any]
+_FAULTS: dict[str, str]
+TABLES, _FAULTS = (
+    tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
+    for name in ("tables", "faults")
 )
 _LONGEST = 60  # letters of a value in a message
 # Allowed values by the types of faults for which pydantic has words of Python.
@@ -52,16 +55,7 @@ class Plausible(NamedTuple):
     slips: Mapping[str, float]  # size of each unit in the unit of the key
 
 
-_PRESSURES = {"MPa": 1e-3, "Pa": 1e-9}
-MATERIALS = {
-    "youngs_modulus_gpa": Plausible(1e-3, 1200, "GPa, from gels to diamond", _PRESSURES),
-    "hardness_gpa": Plausible(
-        1e-3, 150, "GPa, from gels to diamond", _PRESSURES | {"HV": 9.80665e-3}
-    ),
-    "density_kg_m3": Plausible(
-        10, 25000, "kg/m3, from foams to osmium", {"g/cm3": 1e3, "kg/mm3": 1e9, "t/mm3": 1e12}
-    ),
-}
+MATERIALS = {key: Plausible(**sizes) for key, sizes in TABLES["materials"].items()}
 
 
 class SceneError(Exception):
@@ -247,19 +241,17 @@ def key_of(name: str) -> Key:
 @cache
 def keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
     """Map every dotted key inside the sections to its field, keys of inner sections last."""
-    listed = {
-        f"{section}.{name}": field
-        for section, outer in root.model_fields.items()
-        for model in _models(outer)
-        for name, field in model.model_fields.items()
-    }
-    inner = {
-        f"{section}.{name}": field
-        for section, outer in listed.items()
-        for model in _models(outer)
-        for name, field in model.model_fields.items()
-    }
-    return listed | inner
+
+    def inside(fields: Mapping[str, FieldInfo]) -> dict[str, FieldInfo]:
+        return {
+            f"{section}.{name}": field
+            for section, outer in fields.items()
+            for model in _models(outer)
+            for name, field in model.model_fields.items()
+        }
+
+    listed = inside(root.model_fields)
+    return listed | inside(listed)
 
 
 @cache

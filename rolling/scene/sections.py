@@ -38,7 +38,6 @@ from rolling.scene.messages import (
     fault,
     is_number,
     numbers,
-    plain_number,
     refusal,
     shown,
     writable,
@@ -273,9 +272,7 @@ def _step_nodes(value: float) -> float:
     """Return the allowed value that a rounded value stands for, such as a third for 0.333333."""
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
-        words = "a whole number from 1 to 64, or one over a whole number down to 1/16"
-        near = plain_number(closest)
-        raise fault(f"got {plain_number(value)}, allowed: {words}; nearest: {near}")
+        raise refusal("numerics.step_nodes fraction", got=value, nearest=closest)
     return closest
 
 
@@ -434,6 +431,4 @@ def refuse_free_factors(sound: Sound) -> None:
     for key, default in (("q", 1), ("gain_pa_per_w_m2", None)):
         value = getattr(sound, key)
         if sound.source == "vibration" and value != default:
-            rule = "the pressure of the vibration has no free factor"
-            words = f"got {plain_number(value)}, which only goes with source: release; {rule}"
-            raise fault(words, "sound", key)
+            raise refusal("sound.q vibration", "sound", key, got=float(value))

@@ -17,7 +17,7 @@ from acoustics.numbers import rounded
 from rolling.scene import library
 from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
-from rolling.scene.messages import fault, is_number, refusal, shown
+from rolling.scene.messages import TABLES, fault, is_number, refusal, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 
@@ -224,20 +224,7 @@ class Grade(NamedTuple):
     deviation_um: float  # from spherical form
 
 
-# ISO 3290-1:2014, table of tolerances for form and surface roughness.
-GRADES = {
-    "G3": Grade(0.010, 0.08),
-    "G5": Grade(0.014, 0.13),
-    "G10": Grade(0.020, 0.25),
-    "G16": Grade(0.025, 0.4),
-    "G20": Grade(0.032, 0.5),
-    "G24": Grade(0.040, 0.6),
-    "G28": Grade(0.050, 0.7),
-    "G40": Grade(0.060, 1.0),
-    "G60": Grade(0.080, 1.5),
-    "G100": Grade(0.100, 2.5),
-    "G200": Grade(0.150, 5.0),
-}
+GRADES = {name: Grade(*limits) for name, limits in TABLES["grades"].items()}  # of ISO 3290-1
 
 
 def _grade(value: Any) -> Any:

@@ -24,7 +24,7 @@ from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.height_files import open_regular
 from rolling.scene.library import NAME_KEYS
-from rolling.scene.messages import Key, SceneError, dotted, fault, plain_number, shown
+from rolling.scene.messages import Key, SceneError, dotted, fault, plain_number, refusal, shown
 from rolling.scene.sections import MAX_FAULTS
 
 if TYPE_CHECKING:
@@ -78,8 +78,7 @@ def _digest(text: str) -> str:
 def validated(sweep: Any, root: type[BaseModel]) -> dict[str, Any]:
     """Turn the lists of a sweep into tuples; raise its first fault at its own place."""
     if not isinstance(sweep, dict):
-        form = "lists of numbers by dotted key, as in rolling.load_n: [5, 20]"
-        raise fault(f"got {shown(sweep)}, allowed: {form}", "sweep")
+        raise refusal("sweep form", got=shown(sweep))
     for name, listed in sweep.items():
         _refuse_form(name, listed, root)
     runs = math.prod(map(len, sweep.values()))
@@ -123,8 +122,7 @@ def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
         if isinstance(listed, dict):
             at = ("sweep", name)
             if not isinstance(value, str) or not 0 < len(value) <= LONGEST_LABEL:
-                words = f"text of 1 to {LONGEST_LABEL} letters"
-                raise fault(f"got {shown(value)} as a label, allowed: {words}", *at)
+                raise refusal("sweep label", *at, got=shown(value), most=LONGEST_LABEL)
             if name in messages.section_keys(root) and not isinstance(form, dict):
                 raise fault(f"got {shown(form)}, allowed: a section", *at, value)
         elif numeric and not messages.is_number(value) and value not in words_too:
@@ -134,8 +132,7 @@ def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
             raise fault(f"got {shown(value)}, allowed: text{labelled}", *at)
         before = seen.setdefault(_written(value).casefold(), value)
         if before != value:
-            words = "texts that differ in more than upper and lower case"
-            raise fault(f"got {shown(value)} beside {shown(before)}, allowed: {words}", *at)
+            raise refusal("sweep alike", *at, got=shown(value), before=shown(before))
         if len(seen) <= i:
             raise fault(f"got {shown(value)} twice, allowed: different values", *at)
 
