@@ -24,7 +24,7 @@ from typing import IO, Any
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.scene.messages import TABLES, shown
+from rolling.scene.messages import TABLES, shown, worded
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
@@ -35,8 +35,6 @@ _ENDINGS = (".npy", ".npz", *_TEXT_ENDINGS)
 TRIPLES = ".xyz"
 INSTRUMENTS = (TRIPLES, ".x3p", ".sdf", *TABLES["formats"])
 _DECIMALS = re.compile(r"\s*-?0\d+\s*")  # no whole number begins with 0
-_SHAPES = "one 2-D array of real heights, (along track, across), or a profile of one line"
-_NUMBERS = "numbers by comma, semicolon, tab or whitespace"
 # Errors of numpy and zipfile for damaged files. Their texts are not repeated: some of them advise
 # to load objects, which would run code of the file.
 _DAMAGE = (
@@ -80,16 +78,13 @@ def nodes(path: Path) -> tuple[int, int]:
     if any(count < 0 for count in shape):
         raise HeightFormatError("a damaged file: its header says a negative shape")
     if dtype.kind not in "fiu":
-        raise HeightFormatError(f"got {len(shape)}-D {dtype}, allowed: {_SHAPES}")
+        raise HeightFormatError(worded("file type", dimensions=len(shape), type=str(dtype)))
     counts = _rows_and_columns(shape)
     needed, there = math.prod(shape) * dtype.itemsize, max(size - begin, 0)
     if needed > there:
         large = needed >= 10**15
         count = f"10^{len(str(needed)) - 1} or more" if large else f"{needed:,}"
-        raise HeightFormatError(
-            f"a file that is not whole: its header says {count} bytes of heights, it holds"
-            f" {there:,}"
-        )
+        raise HeightFormatError(worded("file short", needed=count, there=f"{there:,}"))
     return counts
 
 
@@ -120,18 +115,15 @@ def _ending(path: Path) -> str:
     refuse_missing(path)
     ending = path.suffix.lower()
     if ending not in _ENDINGS:
-        raise HeightFormatError(
-            f"got {f'the ending {path.suffix}' if ending else 'no ending'}, allowed: .npy, .npz,"
-            " .csv or .txt, of a plate .xyz and formats of instruments such as .x3p, .sdf or .sur;"
-            ' export others as a matrix of numbers, in Gwyddion "ASCII data matrix (.txt)"'
-        )
+        got = f"the ending {path.suffix}" if ending else "no ending"
+        raise HeightFormatError(worded("file ending", got=got))
     return ending
 
 
 def _rows_and_columns(shape: tuple[int, ...]) -> tuple[int, int]:
     """Return the nodes along and across in an array of one or two dimensions."""
     if len(shape) not in (1, 2):
-        raise HeightFormatError(f"got a {len(shape)}-D array, allowed: {_SHAPES}")
+        raise HeightFormatError(worded("file shape", dimensions=len(shape)))
     return (math.prod(shape), 1) if len(shape) == 1 or 1 in shape else (shape[0], shape[1])
 
 
@@ -166,7 +158,7 @@ def _member(names: list[str]) -> str:
         return NAME if NAME in arrays else arrays[0]
     listed = ", ".join(repr(name.removesuffix(".npy"))[:60] for name in arrays[:5])
     got = f"{len(arrays)} arrays ({listed}{', ...' * (len(arrays) > 5)})" if arrays else "no array"
-    raise HeightFormatError(f'got {got}, allowed: one array, or one that is named "heights"')
+    raise HeightFormatError(worded("file arrays", got=got))
 
 
 def _array_header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[Any], int]:
@@ -190,9 +182,7 @@ def numbers_of_text(path: Path) -> Array:
     """
     status = path.stat()
     if status.st_size > MAX_BYTES:
-        raise HeightFormatError(
-            f"is larger than {MAX_BYTES:,} bytes of text; a .npy file may be larger"
-        )
+        raise HeightFormatError(worded("file large", most=f"{MAX_BYTES:,}"))
     return _table(path, (status.st_mtime_ns, status.st_size, status.st_ino))
 
 
@@ -205,12 +195,11 @@ def _table(path: Path, stamp: tuple[int, ...]) -> Array:
         separator = separator or next((sign for sign in (";", "\t", ",") if sign in line), None)
         row = _row(line, separator, place)
         if width and len(row) != width:
-            words = f"got {len(row)} numbers, allowed: {width}, as on the lines before"
-            raise HeightFormatError(words, place)
+            raise HeightFormatError(worded("file ragged", got=len(row), width=width), place)
         width, rows = len(row), rows + 1
         values.extend(row)
     if not rows:
-        raise HeightFormatError(f"holds no heights, allowed: {_NUMBERS}")
+        raise HeightFormatError(worded("file empty"))
     table = np.frombuffer(values, dtype=float).reshape(rows, width)
     table.flags.writeable = False
     return table
@@ -225,7 +214,7 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
         for number in itertools.count(1):
             line = stream.readline(MAX_LINE)
             if len(line) == MAX_LINE:
-                raise HeightFormatError(f"a line of more than {MAX_LINE:,} letters", number)
+                raise HeightFormatError(worded("file line", most=f"{MAX_LINE:,}"), number)
             if not line:
                 return
             # The mark of UTF-8 may stand before the first number.
@@ -240,9 +229,7 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
     if separator and not fields[-1].strip():
         fields.pop()
     if separator == "," and (part := next(filter(_DECIMALS.fullmatch, fields), None)):
-        text = shown(f"...,{part.strip()}")
-        words = "a comma is either before decimals or between numbers: write points or semicolons"
-        raise HeightFormatError(f"got {text}, allowed: {_NUMBERS}; {words}", place)
+        raise HeightFormatError(worded("file comma", got=shown(f"...,{part.strip()}")), place)
     try:
         row = [float(field) for field in fields]
         if all(map(math.isfinite, row)) and "_" not in line:
@@ -254,7 +241,7 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
     advice = ", with a point before the decimals" if decimal_comma else ""
     # The letters were read as Latin-1, and are probably UTF-8.
     text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
-    raise HeightFormatError(f"got {shown(text)}, allowed: {_NUMBERS}{advice}", place)
+    raise HeightFormatError(worded("file number", got=shown(text), advice=advice), place)
 
 
 def _is_number(field: str) -> bool:

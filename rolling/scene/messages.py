@@ -33,17 +33,6 @@ TABLES, _FAULTS = (
     for name in ("tables", "faults")
 )
 _LONGEST = 60  # letters of a value in a message
-# Allowed values by the types of faults for which pydantic has words of Python.
-_WORDS = {
-    "bool_type": "true or false",
-    "dict_type": "a section of keys",
-    "float_type": "a number",
-    "list_type": "a list",
-    "int_type": "a whole number",
-    "model_type": "a section of keys",
-    "model_attributes_type": "a section of keys",
-    "string_type": "text",
-}
 
 
 class Plausible(NamedTuple):
@@ -86,8 +75,12 @@ def fault(message: str, *at: str | int) -> PydanticCustomError:
 
 def refusal(rule: str, *at: str | int, **values: Any) -> PydanticCustomError:
     """Make the fault of a rule of faults.toml with its values, at its key or at another."""
-    texts = {name: as_typed(value) for name, value in values.items()}
-    return fault(_FAULTS[rule].format(**texts), *(at or key_of(rule.partition(" ")[0])))
+    return fault(worded(rule, **values), *(at or key_of(rule.partition(" ")[0])))
+
+
+def worded(rule: str, **values: Any) -> str:
+    """Write the words of a rule of faults.toml with its values."""
+    return _FAULTS[rule].format(**{name: as_typed(value) for name, value in values.items()})
 
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
@@ -120,7 +113,7 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
     if kind in ("greater_than_equal", "less_than_equal") and key[-1] in MATERIALS:
         return key, implausible(value, MATERIALS[str(key[-1])])
     like = nearest(value, choices) if isinstance(value, str) else ""
-    return key, f"got {shown(value)}, allowed: {_WORDS.get(kind, words)}{like}"
+    return key, f"got {shown(value)}, allowed: {TABLES['kinds'].get(kind, words)}{like}"
 
 
 def implausible(value: float, sizes: Plausible) -> str:
