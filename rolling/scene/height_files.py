@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import itertools
 import lzma
@@ -24,10 +25,11 @@ from typing import IO, Any
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.scene.messages import TABLES, shown, worded
+from rolling.scene.messages import TABLES, SceneError, shown, worded
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
+_CHUNK = 2**20  # bytes that are read at a time for a digest
 MAX_LINE = 20_000_000  # letters
 NAME = "heights.npy"  # of the array in an archive of several
 _TEXT_ENDINGS = (".csv", ".txt")
@@ -284,3 +286,23 @@ def read_regular(path: Path, most: int) -> bytes:
     if len(content) > most:
         raise OSError(0, f"is larger than {most:,} bytes")
     return content
+
+
+def file_digest(path: Path) -> str:
+    """Return the SHA-256 of the bytes of a height file; raise SceneError if it is unreadable."""
+    try:
+        stamp = path.stat()
+        return _file_digest(path, (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
+    except OSError as error:
+        raise SceneError(
+            [f"surface.path: {path}: not readable ({error.strerror or error})"]
+        ) from error
+
+
+@lru_cache(maxsize=1000)
+def _file_digest(path: Path, stamp: tuple[int, ...]) -> str:
+    result = hashlib.sha256()
+    with open_regular(path) as file:
+        while chunk := file.read(_CHUNK):
+            result.update(chunk)
+    return result.hexdigest()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import os
 import re
 import tomllib
 import types
@@ -214,6 +215,35 @@ def writable(text: str) -> str:
 def first_line(error: BaseException) -> str:
     """Return the first line of the message of an error."""
     return (str(error).strip().splitlines() or [type(error).__name__])[0]
+
+
+# ---- plain values
+
+
+_MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
+_MAX_DEPTH = 16  # maximum nesting of values typed in Python
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """Turn a value typed in Python into the plain value of a scene file, without keys of None."""
+    if depth > _MAX_DEPTH:
+        raise SceneError([f"scene: values are nested more than {_MAX_DEPTH} times"])
+    if isinstance(value, BaseModel):
+        value = value.model_dump()
+    if isinstance(value, Mapping):
+        return {
+            writable(name) if isinstance(name, str) else name: plain(item, depth + 1)
+            for name, item in value.items()
+            if item is not None
+        }
+    if isinstance(value, list | tuple):
+        return [plain(item, depth + 1) for item in value]
+    if hasattr(value, "tolist"):  # numbers and arrays of numpy, which is slow to import
+        return value.tolist()
+    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+        return math.inf if value > 0 else -math.inf
+    value = os.fspath(value) if isinstance(value, os.PathLike) else value
+    return writable(value) if isinstance(value, str) else value
 
 
 # ---- keys

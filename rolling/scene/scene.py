@@ -26,7 +26,7 @@ from acoustics.numbers import rounded
 from rolling.scene import library, messages, quantities
 from rolling.scene import sweep as sweeps
 from rolling.scene.bodies import Plate, Sphere
-from rolling.scene.messages import Key, SceneError, refusal, shown
+from rolling.scene.messages import Key, SceneError, plain, refusal, shown
 from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
 from rolling.scene.sections import (
     MAX_FAULTS,
@@ -35,7 +35,6 @@ from rolling.scene.sections import (
     Numerics,
     Rolling,
     Sound,
-    plain,
     refuse_free_factors,
 )
 from rolling.scene.surfaces import HeightFile, MadeSurface, refuse_ball

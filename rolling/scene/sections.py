@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import inspect
 import math
-import os
 import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
@@ -38,9 +37,9 @@ from rolling.scene.messages import (
     fault,
     is_number,
     numbers,
+    plain,
     refusal,
     shown,
-    writable,
 )
 from rolling.scene.track import Motion
 
@@ -53,30 +52,6 @@ MAX_FAULTS = 100  # maximum number of faults that are named
 # Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
 # maximum.
 _SMALLEST = 1e-15
-_MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
-_MAX_DEPTH = 16  # maximum nesting of values typed in Python
-
-
-def plain(value: Any, depth: int = 0) -> Any:
-    """Turn a value typed in Python into the plain value of a scene file, without keys of None."""
-    if depth > _MAX_DEPTH:
-        raise SceneError([f"scene: values are nested more than {_MAX_DEPTH} times"])
-    if isinstance(value, BaseModel):
-        value = value.model_dump()
-    if isinstance(value, Mapping):
-        return {
-            writable(name) if isinstance(name, str) else name: plain(item, depth + 1)
-            for name, item in value.items()
-            if item is not None
-        }
-    if isinstance(value, list | tuple):
-        return [plain(item, depth + 1) for item in value]
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
-        return math.inf if value > 0 else -math.inf
-    value = os.fspath(value) if isinstance(value, os.PathLike) else value
-    return writable(value) if isinstance(value, str) else value
 
 
 @dataclass_transform(kw_only_default=True, field_specifiers=(Field,))

@@ -13,7 +13,6 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,9 +21,9 @@ from pydantic_core import PydanticCustomError
 
 from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE
-from rolling.scene.height_files import open_regular
+from rolling.scene.height_files import file_digest
 from rolling.scene.library import NAME_KEYS
-from rolling.scene.messages import Key, SceneError, dotted, fault, plain_number, refusal, shown
+from rolling.scene.messages import Key, dotted, fault, plain_number, refusal, shown
 from rolling.scene.sections import MAX_FAULTS
 
 if TYPE_CHECKING:
@@ -285,7 +284,6 @@ _NOT_CONTACT = {
     *NAME_KEYS,
     *(f"plate.{name}" for name in VIBRATING_PLATE),
 }
-_CHUNK = 2**20  # bytes
 
 
 def contact_keys(scene: Scene) -> dict[str, Any]:
@@ -354,26 +352,6 @@ def digest(values: Any) -> str:
     """Return the SHA-256 of plain values as canonical JSON."""
     text = json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def file_digest(path: Path) -> str:
-    """Return the SHA-256 of the bytes of a height file; raise SceneError if it is unreadable."""
-    try:
-        stamp = path.stat()
-        return _file_digest(path, (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
-    except OSError as error:
-        raise SceneError(
-            [f"surface.path: {path}: not readable ({error.strerror or error})"]
-        ) from error
-
-
-@lru_cache(maxsize=1000)
-def _file_digest(path: Path, stamp: tuple[int, ...]) -> str:
-    result = hashlib.sha256()
-    with open_regular(path) as file:
-        while chunk := file.read(_CHUNK):
-            result.update(chunk)
-    return result.hexdigest()
 
 
 def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
