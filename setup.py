@@ -43,7 +43,14 @@ def index_page(readme: str, repository: str | None, revision: str) -> str:
     return page
 
 
-TABLES = "check", "lee2025", "results", "surface", "terminal"  # rooms with tables beside their code
+TABLES = (
+    "check",
+    "lee2025",
+    "results",
+    "scene",
+    "surface",
+    "terminal",
+)  # rooms with tables beside their code
 
 
 def project_page() -> str:
@@ -60,10 +67,9 @@ if __name__ == "__main__":
         package_dir={SCENES: "scenarios"},
         package_data={
             "rolling": ["py.typed", "*.pyi"],
-            **{f"rolling.{room}": ["*.toml"] for room in TABLES},
+            **{f"rolling.{room}": ["*.toml", "*.yaml"] for room in TABLES},
             "acoustics": ["py.typed"],
             "rolling.report": ["assets/*"],
-            "rolling.scene": ["*.yaml"],
             SCENES: ["*.yaml", "*.sdf", "scene.schema.json", "*/*/*.yaml"],
         },
         include_package_data=False,

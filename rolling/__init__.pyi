@@ -12,14 +12,10 @@ from rolling.interface import open_run as open_run
 from rolling.interface import save_run as save_run
 from rolling.interface import simulate as simulate
 from rolling.interface import simulate_sweep as simulate_sweep
-from rolling.scene.balls import BallHeightFile as BallHeightFile
-from rolling.scene.balls import GaussianBall as GaussianBall
-from rolling.scene.balls import GradedBall as GradedBall
-from rolling.scene.balls import SmoothBall as SmoothBall
 from rolling.scene.bodies import Plate as Plate
 from rolling.scene.bodies import Sphere as Sphere
-from rolling.scene.faults import SurfaceFault as SurfaceFault
 from rolling.scene.file import read_scene as read_scene
+from rolling.scene.laws import SurfaceFault as SurfaceFault
 from rolling.scene.messages import SceneError as SceneError
 from rolling.scene.scene import Scene as Scene
 from rolling.scene.sections import Dynamics as Dynamics
@@ -27,11 +23,15 @@ from rolling.scene.sections import Numerics as Numerics
 from rolling.scene.sections import Recovery as Recovery
 from rolling.scene.sections import Rolling as Rolling
 from rolling.scene.sections import Sound as Sound
+from rolling.scene.surfaces import BallHeightFile as BallHeightFile
 from rolling.scene.surfaces import Gaussian as Gaussian
+from rolling.scene.surfaces import GaussianBall as GaussianBall
+from rolling.scene.surfaces import GradedBall as GradedBall
 from rolling.scene.surfaces import HeightFile as HeightFile
 from rolling.scene.surfaces import SelfAffine as SelfAffine
 from rolling.scene.surfaces import Smooth as Smooth
-from rolling.surface.height_array import HeightArray as HeightArray
+from rolling.scene.surfaces import SmoothBall as SmoothBall
+from rolling.surface.measured import HeightArray as HeightArray
 from rolling.surface.parameters import surface_parameters as surface_parameters
 from rolling.terminal.files import FolderError as FolderError
 

@@ -24,7 +24,7 @@ from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import Value
-from rolling.surface.height_array import HeightArray, with_copy
+from rolling.surface.measured import HeightArray, with_copy
 from rolling.terminal import progress as terminal
 from rolling.terminal.files import FolderError
 

@@ -161,11 +161,11 @@ def _values(field: Json, sections: list[Json]) -> str:
 
 def name_tables() -> str:
     """Return the tables of materials and finishes, each value with the number of its source."""
-    from rolling.scene import named
+    from rolling.scene import library
 
     parts = []
     for table in ("materials", "finishes"):
-        entries, sources = named.data(table)[table], named.data(table)["sources"]
+        entries, sources = library.data(table)[table], library.data(table)["sources"]
         numbers = {key: n for n, key in enumerate(sources, 1)}
         keys = list(
             dict.fromkeys(

@@ -31,10 +31,9 @@ from rolling.check import resolution
 from rolling.contact.solver import ContactError
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
-from rolling.scene.identity import digest, scene_identity
+from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import run_name
-from rolling.scene.yaml_text import read_regular
+from rolling.scene.sweep import digest, run_name, scene_identity
 from rolling.sound.contact_sound import contact_sound
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError

@@ -26,11 +26,10 @@ from rolling.check.finding import (
     surface_time,
 )
 from rolling.contact import closed_forms
-from rolling.scene.identity import contact_keys, digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
-from rolling.scene.sweep import run_name
+from rolling.scene.sweep import contact_keys, digest, run_name
 from rolling.surface import scene_surface
 from rolling.terminal import progress
 from rolling.terminal.streams import wrapped

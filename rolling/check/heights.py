@@ -9,7 +9,8 @@ from pathlib import Path
 from acoustics.numbers import rounded
 from rolling.check import cost, refusals, resolution
 from rolling.check.finding import Finding, judged, sentence, si
-from rolling.scene.instruments import is_instrument, read
+from rolling.scene.height_files import is_instrument
+from rolling.scene.height_grid import read
 from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile

@@ -11,7 +11,7 @@ from rolling.check.finding import Finding, judged, sentence, si
 from rolling.check.resolution import HEARING
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
-from rolling.scene import named
+from rolling.scene import library
 from rolling.scene.quantities import STEEL_DENSITY
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
@@ -100,13 +100,13 @@ def _materials(scene: Scene) -> Iterator[Finding]:
     for body in ("plate", "sphere"):
         section = getattr(scene, body)
         if (name := section.material) is not None:
-            value, reason = name, named.data("materials")["materials"][name].get("sound_only")
-            for key, usual in named.named_values(body, name).items():
+            value, reason = name, library.data("materials")["materials"][name].get("sound_only")
+            for key, usual in library.named_values(body, name).items():
                 if (own := getattr(section, key)) not in (None, usual):
                     value += f", own {key} {own}"
             yield judged(f"{body}_material", value, bool(reason), material=name, reason=reason)
     material = scene.sphere.material
-    hardness = material and named.named_values("plate", material)["hardness_gpa"]
+    hardness = material and library.named_values("plate", material)["hardness_gpa"]
     if isinstance(hardness, float) and 1e9 * hardness < scene.hardness:
         yield judged("sphere_yields", si(1e9 * hardness, "Pa"), True, pressure=1e9 * hardness)
 

@@ -10,10 +10,17 @@ from rolling.report.text import NOTHING
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.results.sentences import say
-from rolling.scene.balls import GRADES, BallHeightFile, BallSurface, GradedBall, RoundSurface
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
-from rolling.scene.surfaces import HeightFile, Surface
+from rolling.scene.surfaces import (
+    GRADES,
+    BallHeightFile,
+    BallSurface,
+    GradedBall,
+    HeightFile,
+    RoundSurface,
+    Surface,
+)
 
 
 def assumptions(run: Run) -> dict[str, str]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from rolling.check.finding import table
-from rolling.scene.named import NAMES
+from rolling.scene.library import NAMES
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Section
 from rolling.scene.sweep import Value

@@ -21,8 +21,8 @@ from rolling.check import cost
 from rolling.marches.result import Result
 from rolling.results import result_arrays
 from rolling.results.result_arrays import FORMAT, TABLE, Facts, Group
+from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
-from rolling.scene.yaml_text import read_regular
 from rolling.terminal.files import FolderError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from rolling.scene.yaml_text import read_regular
+from rolling.scene.height_files import read_regular
 from rolling.terminal.files import FolderError
 
 MOST_BYTES = 10_000_000

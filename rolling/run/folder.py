@@ -16,11 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import rolling
-from rolling.scene import file, identity
+from rolling.scene import file
 from rolling.scene import sweep as sweeps
+from rolling.scene.height_files import open_regular, read_regular
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value, run_name
-from rolling.scene.yaml_text import open_regular, read_regular
 from rolling.terminal import files, program
 from rolling.terminal.files import FolderError
 
@@ -189,8 +189,8 @@ def refuse_other(folder: Path, scene: Scene) -> bool:
             )
         return False
     old, new = stored_scene(folder), seen_from(folder, scene)
-    lines = identity.differences(old, new)
-    if lines and not (old.sweep and new.sweep and identity.contains(old, new)):
+    lines = sweeps.differences(old, new)
+    if lines and not (old.sweep and new.sweep and sweeps.contains(old, new)):
         text = "".join(f"\n  {text}" for text in lines)
         raise FolderError(
             f"{folder}: holds runs of another scene; take another --out, such as"
@@ -254,7 +254,7 @@ def seen_from(folder: Path, scene: Scene) -> Scene:
 
 def default_folder(scene: Scene) -> Path:
     """Return the folder of a scene that is given without --out."""
-    return Path("outputs") / f"{scene.name}-{identity.scene_identity(scene)[:8]}"
+    return Path("outputs") / f"{scene.name}-{sweeps.scene_identity(scene)[:8]}"
 
 
 # ---- the lock

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rolling.scene.yaml_text import read_regular
+from rolling.scene.height_files import read_regular
 from rolling.terminal import progress
 from rolling.terminal.files import make_below, write_bytes
 from rolling.terminal.program import Program, identity

@@ -8,37 +8,32 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene import named
-from rolling.scene.balls import BallSurface
+from rolling.scene import library
 from rolling.scene.messages import (
     MATERIALS,
     fault,
     implausible,
     is_number,
     numbers,
-    plain_number,
+    refusal,
     shown,
 )
 from rolling.scene.sections import Section
+from rolling.scene.surfaces import BallSurface
 
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
 DENSITY = MATERIALS["density_kg_m3"]
-Material = Annotated[
-    str,
-    Field(
-        json_schema_extra=lambda schema: schema.update(enum=[*named.data("materials")["materials"]])
-    ),
-]
+Material = Annotated[str, library.listed("materials")]
 HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
 
 
 def _hardness(value: Any) -> Any:
     """Return a hardness, or the word for a plate without one."""
-    if value == named.NONE:
+    if value == library.NONE:
         return value
     if is_number(value) and HARDNESS.least <= value <= HARDNESS.most:
         return float(value)
-    words = f"got {shown(value)}, allowed: a finite number, or {named.NONE}"
+    words = f"got {shown(value)}, allowed: a finite number, or {library.NONE}"
     raise fault(implausible(value, HARDNESS) if is_number(value) else words)
 
 
@@ -46,7 +41,7 @@ _NUMBER = {"type": "number", "minimum": HARDNESS.least, "maximum": HARDNESS.most
 Hardness = Annotated[
     float | Literal["none"],
     BeforeValidator(_hardness),
-    WithJsonSchema({"anyOf": [_NUMBER, {"type": "string", "const": named.NONE}]}),
+    WithJsonSchema({"anyOf": [_NUMBER, {"type": "string", "const": library.NONE}]}),
 ]
 
 
@@ -106,15 +101,8 @@ _PAIR = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "numbe
 Point = Annotated[tuple[float, float], BeforeValidator(_point), WithJsonSchema(_PAIR)]
 # Keys of the plate that change its vibration, and not the march of the contact.
 VIBRATING_PLATE = (
-    "density_kg_m3",
-    "thickness_mm",
-    "loss_factor",
-    "length_mm",
-    "width_mm",
-    "contact_mm",
-    "contact_path",
-    "contact_end_mm",
-    "contact_loss_factor",
+    *("density_kg_m3", "thickness_mm", "loss_factor", "length_mm", "width_mm"),
+    *("contact_mm", "contact_path", "contact_end_mm", "contact_loss_factor"),
 )
 CONTACT_AT = 0.43, 0.37  # default over length and width: many modes have nodal lines in the middle
 
@@ -169,7 +157,7 @@ class Plate(Section):
     youngs_modulus_gpa: float = Field(ge=YOUNG.least, le=YOUNG.most)
     poissons_ratio: float = Field(ge=0, le=0.5)
     hardness_gpa: Hardness | None = None
-    yield_strength_gpa: float | None = Field(default=None, gt=0, le=HARDNESS.most / named.YIELDS)
+    yield_strength_gpa: float | None = Field(default=None, gt=0, le=HARDNESS.most / library.YIELDS)
     plasticity: Literal["memoryless", "permanent"] | None = None
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     thickness_mm: float | None = Field(default=None, gt=0)
@@ -185,7 +173,7 @@ class Plate(Section):
     def cap_gpa(self) -> float:
         """Maximum pressure [GPa] that the plate bears, infinite for a purely elastic plate."""
         if self.yield_strength_gpa is not None:
-            return named.YIELDS * self.yield_strength_gpa
+            return library.YIELDS * self.yield_strength_gpa
         return self.hardness_gpa if isinstance(self.hardness_gpa, float) else math.inf
 
     @property
@@ -204,72 +192,47 @@ class Plate(Section):
         return {key: point for key, point in ends.items() if point is not None}
 
     @model_validator(mode="after")
-    def _softer_than_bonds(self) -> Plate:
-        """Refuse a hardness beside a yield strength, and a pressure that no bonds bear."""
+    def _yields(self) -> Plate:
+        """Refuse a hardness beside a yield strength, a pressure that no bonds bear, and memory."""
         key, part, share = "hardness_gpa", "fifth", HARDEST
         if self.yield_strength_gpa is not None:
-            key, part, share = "yield_strength_gpa", "fifteenth", HARDEST * named.YIELDS
+            key, part, share = "yield_strength_gpa", "fifteenth", HARDEST * library.YIELDS
             if self.hardness_gpa is not None:
-                words = f"not beside hardness_gpa, which is {named.YIELDS} times as much"
-                raise fault(words, "plate", key)
+                raise refusal("plate.yield_strength_gpa beside", times=library.YIELDS)
         if self.youngs_modulus_gpa / HARDEST <= self.cap_gpa < math.inf:
-            words = (
-                f"got {plain_number(getattr(self, key))}, allowed: below a {part} of"
-                f" youngs_modulus_gpa, {rounded(self.youngs_modulus_gpa / share, 4)}; without a"
-                " hardness the plate is purely elastic"
-            )
-            raise fault(words, "plate", key)
-        return self
-
-    @model_validator(mode="after")
-    def _yields(self) -> Plate:
+            words = {"part": part, "most": rounded(self.youngs_modulus_gpa / share, 4)}
+            raise refusal("plate.hardness_gpa bonds", "plate", key, got=getattr(self, key), **words)
         if self.plasticity == "permanent" and math.isinf(self.cap_gpa):
-            words = "missing; plasticity: permanent needs it, an elastic plate keeps its surface"
-            raise fault(words, "plate", "hardness_gpa")
-        return self
-
-    @model_validator(mode="after")
-    def _loss_of_bending(self) -> Plate:
-        if self.loss_factor is not None and self.thickness_mm is None:
-            reason = "a half-space has no bending waves"
-            raise fault(f"only goes with thickness_mm: {reason}", "plate", "loss_factor")
+            raise refusal("plate.hardness_gpa memory")
         return self
 
     @model_validator(mode="after")
     def _all_edges(self) -> Plate:
         """Refuse half a rectangle, and keys of a contact point without edges."""
+        if self.loss_factor is not None and self.thickness_mm is None:
+            raise refusal("plate.loss_factor bends")
         if self.edges_mm is None:
             rule = "a plate with edges needs both, an infinite plate neither"
             _refuse_half(self, ("length_mm", "width_mm"), rule)
             for key in ("contact_mm", "contact_path", "contact_end_mm"):
                 if getattr(self, key) is not None:
-                    rule = "a point on an infinite plate is like any other"
-                    raise fault(f"only goes with length_mm and width_mm: {rule}", "plate", key)
+                    raise refusal("plate.contact_mm edges", "plate", key)
             return self
-        for key, part in (("thickness_mm", "bends"), ("loss_factor", "has modes, which decay")):
+        for key in ("thickness_mm", "loss_factor"):
             if getattr(self, key) is None:
-                raise fault(f"missing; a plate with edges {part}", "plate", key)
+                raise refusal(f"plate.{key} edges")
+        for key, point in self.contact_ends_mm.items():
+            for axis, place, edge in zip("xy", point, self.edges_mm, strict=True):
+                if not 0 < place < edge:
+                    words = {"got": list(point), "axis": axis, "edge": edge}
+                    raise refusal("plate.contact_mm beyond", "plate", key, **words)
+        self._refuse_path()
         return self
 
-    @model_validator(mode="after")
-    def _contact_on_the_plate(self) -> Plate:
-        """Refuse contact points beyond the edges, and a path without two ends."""
-        if self.edges_mm is None:
-            return self
-        for key, point in self.contact_ends_mm.items():
-            for name, place, edge in zip("xy", point, self.edges_mm, strict=True):
-                if not 0 < place < edge:
-                    within = f"a point within the edges, {name} above 0 and below"
-                    words = f"got {shown(list(point))}, allowed: {within} {plain_number(edge)}"
-                    raise fault(words, "plate", key)
-        moves = self.contact_path == "to-and-fro"
-        if moves and self.contact_end_mm is None:
-            raise fault("missing; contact_path: to-and-fro needs it", "plate", "contact_end_mm")
-        if not moves and self.contact_end_mm is not None:
-            words = "only goes with contact_path: to-and-fro"
-            raise fault(words, "plate", "contact_end_mm")
-        if moves and self.contact_end_mm == self.contact_ends_mm["contact_mm"]:
-            got = shown(list(self.contact_end_mm))
-            words = f"got {got}, the point contact_mm, allowed: another point"
-            raise fault(words, "plate", "contact_end_mm")
-        return self
+    def _refuse_path(self) -> None:
+        """Refuse a path of the contact without two ends."""
+        end = self.contact_end_mm
+        if (self.contact_path == "to-and-fro") != (end is not None):
+            raise refusal(f"plate.contact_end_mm {'missing' if end is None else 'path'}")
+        if end is not None and end == self.contact_ends_mm["contact_mm"]:
+            raise refusal("plate.contact_end_mm same", got=list(end))

@@ -1,26 +1,46 @@
-"""Reading of scenes from YAML, writing, overrides, and the JSON Schema for editors."""
+"""Scenes as YAML within limits of size and depth, overrides, and the JSON Schema for editors."""
 
 from __future__ import annotations
 
 import io
+import math
 import re
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedSeq
+from ruamel.yaml.comments import CommentedMap, CommentedSeq, TaggedScalar
+from ruamel.yaml.composer import Composer
+from ruamel.yaml.error import YAMLError
+from ruamel.yaml.events import AliasEvent
 
-from rolling.scene import library, messages, named, yaml_text
+from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE, Sphere
-from rolling.scene.messages import Key, SceneError, all_keys, shown
+from rolling.scene.height_files import read_regular
+from rolling.scene.messages import Key, SceneError, all_keys, cut, dotted, first_line, shown
 from rolling.scene.quantities import motion_of
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT, Rolling, Sound
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import with_value
-from rolling.scene.yaml_text import TextError
+
+MAX_BYTES = 1_000_000  # maximum size of a file
+MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
+MAX_ALIASES = 100  # maximum number of aliases; each may merge a whole section into another
+MAX_NESTING = 7  # maximum depth of values, such as a speed profile in a swept section
+_MAX_DEPTH = 20  # maximum depth of a text; deeper values are reported without their key
+_MAX_BITS = 1000  # maximum length of a whole number; Python refuses to write much longer numbers
+_LONG_NUMBER = re.compile(r"[0-9_]{4301,}")  # Python reads no longer numbers
+
+# Besides its own errors ruamel.yaml raises these, for example on a directive of YAML 1.164.
+_READER_ERRORS = (
+    *(ArithmeticError, AssertionError, AttributeError, LookupError),
+    *(RuntimeError, TypeError, ValueError),
+)
+
 
 # ---- reading, writing, overriding
 
@@ -50,10 +70,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     """
     path = Path(path)
     file = library.find(path)
-    try:
-        text = yaml_text.read_text(file)
-    except TextError as error:
-        raise SceneError([str(error)]) from error
+    text = read_text(file)
     is_whole = file == path or library.companions(file)
     return loads(text, overrides, str(file), file.parent if is_whole else Path())
 
@@ -70,10 +87,7 @@ def loads(
     folder : Path
         Folder that a relative `surface.path` starts from.
     """
-    try:
-        data, lines = yaml_text.parse(text, where)
-    except TextError as error:
-        raise SceneError([str(error)]) from error
+    data, lines = parse(text, where)
     if data is None:
         needed = ", ".join(name for name, key in Scene.model_fields.items() if key.is_required())
         raise SceneError([f"{where}: empty, a scene needs at least name, {needed}"])
@@ -84,7 +98,7 @@ def loads(
     return Scene.from_dict(data, folder, places, _override(data, places, overrides))
 
 
-def _bare(error: TextError) -> str:
+def _bare(error: SceneError) -> str:
     """Return the message of a fault without its place."""
     return re.sub(r"^[^ ]*: (\d+: )?", "", str(error))
 
@@ -115,7 +129,7 @@ def _flowing(value: Any) -> Any:
 def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]) -> list[str]:
     """Put overrides into `data` and `places`, and return the faults of wrong overrides."""
     faults = []
-    for override in sorted(overrides, key=lambda text: named.names_first(text.partition("=")[0])):
+    for override in sorted(overrides, key=lambda text: library.names_first(text.partition("=")[0])):
         name, equals, text = override.partition("=")
         name = name.strip()
         if not equals or not name:
@@ -125,8 +139,8 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
             faults.append(f"--set: {name}: {messages.unknown_name(name, Scene)}")
         else:
             try:
-                data |= with_value(data, name, yaml_text.parse(text, "--set")[0])
-            except TextError as error:
+                data |= with_value(data, name, parse(text, "--set")[0])
+            except SceneError as error:
                 faults.append(f"--set: {name}: {_bare(error)}")
                 continue
             key = messages.key_of(name)
@@ -224,3 +238,135 @@ def schema() -> dict[str, Any]:
         "additionalProperties": False,
     }
     return result
+
+
+# ---- YAML text
+
+
+def read_text(path: Path) -> str:
+    """Read a regular file of UTF-8 text of at most MAX_BYTES; raise SceneError where it is none."""
+    try:
+        return read_regular(path, MAX_BYTES).decode("utf-8-sig")
+    except FileNotFoundError as error:
+        raise SceneError([f"{path}: no such file{library.hint(path)}"]) from error
+    except OSError as error:
+        words = error.strerror or str(error)
+        if words.startswith("is larger"):
+            words += ", allowed: a scene file of at most that size"
+        elif words.startswith("is "):
+            words += ", a scene file is needed"
+        else:
+            words = f"not readable ({words})"
+        raise SceneError([f"{path}: {words}"]) from error
+    except UnicodeDecodeError as error:
+        line, byte = error.object[: error.start].count(b"\n") + 1, error.object[error.start]
+        raise SceneError([f"{path}:{line}: not UTF-8 text (byte {byte:#04x})"]) from error
+
+
+def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
+    """Read plain values and the line of every key; `where` names the text in messages.
+
+    Raises
+    ------
+    SceneError
+        The text is no YAML 1.2 of plain values, or beyond a limit.
+    """
+    if len(text) > MAX_BYTES:
+        raise SceneError([f"{where}: got {len(text):,} letters, allowed: at most {MAX_BYTES:,}"])
+    if number := _LONG_NUMBER.search(text):
+        line = text.count("\n", 0, number.start()) + 1
+        digits = f"{len(number[0]):,} digits, allowed: shorter ones"
+        raise SceneError([f"{where}:{line}: got a whole number of {digits}"])
+    yaml = YAML(typ="rt")
+    yaml.Composer = _LimitedComposer
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # YAML 1.2 allows anchors that are given twice
+            loaded = yaml.load(text)
+    except SceneError as error:
+        raise SceneError([f"{where}:{error}"]) from error
+    except YAMLError as error:
+        mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+        problem = getattr(error, "problem", None) or getattr(error, "reason", None)
+        problem = (problem or first_line(error)).replace("<stream end>", "the end").splitlines()[0]
+        place = f"{where}:{mark.line + 1}" if mark else where
+        raise SceneError([f"{place}: not YAML: {problem}"]) from error
+    except _READER_ERRORS as error:
+        raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error
+    return _plain(loaded, where)
+
+
+class _LimitedComposer(Composer):
+    """Composer that limits the depth of a text and the number of its aliases."""
+
+    def __init__(self, loader: Any = None) -> None:
+        super().__init__(loader)
+        self._aliases = 0
+        self._open: list[str | None] = []  # anchors of the nodes that are being composed
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        """Compose a node and the nodes in it; raise SceneError beyond a limit."""
+        event = self.parser.peek_event()
+        line, is_alias = event.start_mark.line + 1, isinstance(event, AliasEvent)
+        self._aliases += is_alias
+        if len(self._open) >= _MAX_DEPTH:
+            raise SceneError([f"{line}: nested too deeply"])
+        if self._aliases > MAX_ALIASES:
+            raise SceneError([f"{line}: more than {MAX_ALIASES} aliases"])
+        if is_alias and event.anchor in self._open:
+            raise SceneError([f"{line}: an alias of a value that contains it"])
+        self._open.append(None if is_alias else event.anchor)
+        node = super().compose_node(parent, index)
+        self._open.pop()
+        return node
+
+
+def _plain(loaded: Any, where: str) -> tuple[Any, dict[Key, int]]:
+    """Turn the values of ruamel.yaml into plain values, and list the line of every key."""
+    lines: dict[Key, int] = {(): 1}
+
+    def at(key: Key) -> str:
+        return f"{where}:{lines[key]}: {cut(dotted(key))}"
+
+    def plain(value: Any, key: Key) -> Any:
+        if len(key) > MAX_NESTING:
+            raise SceneError([f"{at(key)}: nested too deeply"])
+        if len(lines) > MAX_VALUES:
+            raise SceneError([f"{where}:{lines[key]}: more than {MAX_VALUES:,} keys and values"])
+        if isinstance(value, CommentedMap):
+            for name in value:
+                line = _line(value, name, lines[key])
+                lines[(*key, _name(name, f"{where}:{line}"))] = line
+            return {str(name): plain(item, (*key, str(name))) for name, item in value.items()}
+        if isinstance(value, CommentedSeq):
+            for i in range(len(value)):
+                lines[(*key, i)] = _line(value, i, lines[key])
+            return [plain(item, (*key, i)) for i, item in enumerate(value)]
+        if isinstance(value, TaggedScalar):
+            tag = shown(value.tag.value).strip('"')
+            raise SceneError([f"{at(key)}: got the tag {tag}, allowed: plain values"])
+        if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+            digits = f"more than {_MAX_BITS * math.log10(2):.0f} digits, allowed: shorter ones"
+            raise SceneError([f"{at(key)}: got a whole number of {digits}"])
+        # ruamel keeps the notation of a number. bool comes before int because it is a subclass.
+        for kind in (bool, int, float, str):
+            if isinstance(value, kind):
+                return kind(value)
+        return value
+
+    return plain(loaded, ()), lines
+
+
+def _line(container: CommentedMap | CommentedSeq, name: Any, outer: int) -> int:
+    """Return the line of a key or place; for merged keys, the line of the container."""
+    place = (container.lc.data or {}).get(name)
+    return place[0] + 1 if place else outer
+
+
+def _name(name: Any, at: str) -> str:
+    """Return a key as text; raise SceneError for a list, a section or a very long number."""
+    if isinstance(name, tuple | Mapping):
+        raise SceneError([f"{at}: got a list or section as a key, allowed: the name of a key"])
+    if isinstance(name, int) and name.bit_length() > _MAX_BITS:
+        raise SceneError([f"{at}: got a very long whole number as a key, allowed: its name"])
+    return str(name)

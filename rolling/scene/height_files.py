@@ -1,12 +1,15 @@
-"""Files of heights: .npy and .npz of numpy, and text with a row of numbers on each line."""
+"""Regular files, and heights in them: .npy and .npz of numpy, and text with rows of numbers."""
 
 from __future__ import annotations
 
+import hashlib
 import io
 import itertools
 import lzma
 import math
+import os
 import re
+import stat
 import struct
 import tokenize
 import warnings
@@ -22,18 +25,18 @@ from typing import IO, Any
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.scene.messages import shown
-from rolling.scene.yaml_text import open_regular
+from rolling.scene.messages import TABLES, SceneError, shown, worded
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
+_CHUNK = 2**20  # bytes that are read at a time for a digest
 MAX_LINE = 20_000_000  # letters
 NAME = "heights.npy"  # of the array in an archive of several
 _TEXT_ENDINGS = (".csv", ".txt")
 _ENDINGS = (".npy", ".npz", *_TEXT_ENDINGS)
+TRIPLES = ".xyz"
+INSTRUMENTS = (TRIPLES, ".x3p", ".sdf", *TABLES["formats"])
 _DECIMALS = re.compile(r"\s*-?0\d+\s*")  # no whole number begins with 0
-_SHAPES = "one 2-D array of real heights, (along track, across), or a profile of one line"
-_NUMBERS = "numbers by comma, semicolon, tab or whitespace"
 # Errors of numpy and zipfile for damaged files. Their texts are not repeated: some of them advise
 # to load objects, which would run code of the file.
 _DAMAGE = (
@@ -55,6 +58,11 @@ class HeightFormatError(Exception):
         return f"{name}: {self}" if self.line is None else f"{name}:{self.line}: {self}"
 
 
+def is_instrument(path: Path | str) -> bool:
+    """Tell whether the ending of a name is of a format that holds its own spacing."""
+    return Path(path).suffix.lower() in INSTRUMENTS
+
+
 def nodes(path: Path) -> tuple[int, int]:
     """Read the nodes along and across of a height file; a profile of one line is one column.
 
@@ -72,16 +80,13 @@ def nodes(path: Path) -> tuple[int, int]:
     if any(count < 0 for count in shape):
         raise HeightFormatError("a damaged file: its header says a negative shape")
     if dtype.kind not in "fiu":
-        raise HeightFormatError(f"got {len(shape)}-D {dtype}, allowed: {_SHAPES}")
+        raise HeightFormatError(worded("file type", dimensions=len(shape), type=str(dtype)))
     counts = _rows_and_columns(shape)
     needed, there = math.prod(shape) * dtype.itemsize, max(size - begin, 0)
     if needed > there:
         large = needed >= 10**15
         count = f"10^{len(str(needed)) - 1} or more" if large else f"{needed:,}"
-        raise HeightFormatError(
-            f"a file that is not whole: its header says {count} bytes of heights, it holds"
-            f" {there:,}"
-        )
+        raise HeightFormatError(worded("file short", needed=count, there=f"{there:,}"))
     return counts
 
 
@@ -112,18 +117,15 @@ def _ending(path: Path) -> str:
     refuse_missing(path)
     ending = path.suffix.lower()
     if ending not in _ENDINGS:
-        raise HeightFormatError(
-            f"got {f'the ending {path.suffix}' if ending else 'no ending'}, allowed: .npy, .npz,"
-            " .csv or .txt, of a plate .xyz and formats of instruments such as .x3p, .sdf or .sur;"
-            ' export others as a matrix of numbers, in Gwyddion "ASCII data matrix (.txt)"'
-        )
+        got = f"the ending {path.suffix}" if ending else "no ending"
+        raise HeightFormatError(worded("file ending", got=got))
     return ending
 
 
 def _rows_and_columns(shape: tuple[int, ...]) -> tuple[int, int]:
     """Return the nodes along and across in an array of one or two dimensions."""
     if len(shape) not in (1, 2):
-        raise HeightFormatError(f"got a {len(shape)}-D array, allowed: {_SHAPES}")
+        raise HeightFormatError(worded("file shape", dimensions=len(shape)))
     return (math.prod(shape), 1) if len(shape) == 1 or 1 in shape else (shape[0], shape[1])
 
 
@@ -158,7 +160,7 @@ def _member(names: list[str]) -> str:
         return NAME if NAME in arrays else arrays[0]
     listed = ", ".join(repr(name.removesuffix(".npy"))[:60] for name in arrays[:5])
     got = f"{len(arrays)} arrays ({listed}{', ...' * (len(arrays) > 5)})" if arrays else "no array"
-    raise HeightFormatError(f'got {got}, allowed: one array, or one that is named "heights"')
+    raise HeightFormatError(worded("file arrays", got=got))
 
 
 def _array_header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[Any], int]:
@@ -182,9 +184,7 @@ def numbers_of_text(path: Path) -> Array:
     """
     status = path.stat()
     if status.st_size > MAX_BYTES:
-        raise HeightFormatError(
-            f"is larger than {MAX_BYTES:,} bytes of text; a .npy file may be larger"
-        )
+        raise HeightFormatError(worded("file large", most=f"{MAX_BYTES:,}"))
     return _table(path, (status.st_mtime_ns, status.st_size, status.st_ino))
 
 
@@ -197,12 +197,11 @@ def _table(path: Path, stamp: tuple[int, ...]) -> Array:
         separator = separator or next((sign for sign in (";", "\t", ",") if sign in line), None)
         row = _row(line, separator, place)
         if width and len(row) != width:
-            words = f"got {len(row)} numbers, allowed: {width}, as on the lines before"
-            raise HeightFormatError(words, place)
+            raise HeightFormatError(worded("file ragged", got=len(row), width=width), place)
         width, rows = len(row), rows + 1
         values.extend(row)
     if not rows:
-        raise HeightFormatError(f"holds no heights, allowed: {_NUMBERS}")
+        raise HeightFormatError(worded("file empty"))
     table = np.frombuffer(values, dtype=float).reshape(rows, width)
     table.flags.writeable = False
     return table
@@ -217,7 +216,7 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
         for number in itertools.count(1):
             line = stream.readline(MAX_LINE)
             if len(line) == MAX_LINE:
-                raise HeightFormatError(f"a line of more than {MAX_LINE:,} letters", number)
+                raise HeightFormatError(worded("file line", most=f"{MAX_LINE:,}"), number)
             if not line:
                 return
             # The mark of UTF-8 may stand before the first number.
@@ -232,13 +231,11 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
     if separator and not fields[-1].strip():
         fields.pop()
     if separator == "," and (part := next(filter(_DECIMALS.fullmatch, fields), None)):
-        text = shown(f"...,{part.strip()}")
-        words = "a comma is either before decimals or between numbers: write points or semicolons"
-        raise HeightFormatError(f"got {text}, allowed: {_NUMBERS}; {words}", place)
+        raise HeightFormatError(worded("file comma", got=shown(f"...,{part.strip()}")), place)
     try:
         row = [float(field) for field in fields]
         if not any(map(math.isinf, row)) and "_" not in line:
-            return row  # nan stands for a point that was not measured
+            return row  # nan stands for an unmeasured point
     except ValueError:
         pass
     wrong = next((field for field in fields if not _is_number(field)), line)
@@ -246,7 +243,7 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
     advice = ", with a point before the decimals" if decimal_comma else ""
     # The letters were read as Latin-1, and are probably UTF-8.
     text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
-    raise HeightFormatError(f"got {shown(text)}, allowed: {_NUMBERS}{advice}", place)
+    raise HeightFormatError(worded("file number", got=shown(text), advice=advice), place)
 
 
 def _is_number(field: str) -> bool:
@@ -254,3 +251,58 @@ def _is_number(field: str) -> bool:
         return not math.isinf(float(field)) and "_" not in field
     except ValueError:
         return False
+
+
+# ---- regular files
+
+
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+
+def open_regular(path: Path) -> io.FileIO:
+    """Open a regular file for reading; raise OSError for any other, and never wait for a pipe."""
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        descriptor = os.open(path, flags)
+    except ValueError as error:  # a zero byte in the name
+        raise OSError(0, str(error)) from error
+    mode = os.fstat(descriptor).st_mode
+    if stat.S_ISREG(mode):
+        return io.FileIO(descriptor, "rb")
+    os.close(descriptor)
+    kind = next((kind for is_kind, kind in _KINDS if is_kind(mode)), "no regular file")
+    raise OSError(0, f"is {kind}")
+
+
+def read_regular(path: Path, most: int) -> bytes:
+    """Read a regular file of at most `most` bytes; raise OSError for any other."""
+    with io.BufferedReader(open_regular(path)) as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise OSError(0, f"is larger than {most:,} bytes")
+    return content
+
+
+def file_digest(path: Path) -> str:
+    """Return the SHA-256 of the bytes of a height file; raise SceneError if it is unreadable."""
+    try:
+        stamp = path.stat()
+        return _file_digest(path, (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
+    except OSError as error:
+        raise SceneError(
+            [f"surface.path: {path}: not readable ({error.strerror or error})"]
+        ) from error
+
+
+@lru_cache(maxsize=1000)
+def _file_digest(path: Path, stamp: tuple[int, ...]) -> str:
+    result = hashlib.sha256()
+    with open_regular(path) as file:
+        while chunk := file.read(_CHUNK):
+            result.update(chunk)
+    return result.hexdigest()

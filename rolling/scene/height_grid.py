@@ -1,25 +1,254 @@
-"""Grid that a height file becomes: its nodes as read, resampled and made periodic.
+"""Heights with a spacing: files of profilometers and microscopes, and the grid a file becomes.
 
-The track needs the nodes before the heights are prepared. They follow from the shape and the
-spacing of the file and from the keys of the surface.
+The packages of the extra `surfaces` read the formats, each imported when a file asks for it. A row
+of heights is a line along x, and the rows follow y, as in a matrix of text. Unmeasured points
+are NaN. The track needs the nodes before the heights are prepared: as read, resampled and
+made periodic. They follow from the shape and the spacing of the file and from the keys of the
+surface.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import warnings
+import zipfile
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache, partial
 from pathlib import Path
+from typing import Any, TypeVar
 
+import numpy as np
+
+from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
-from rolling.scene import height_files, instruments
-from rolling.scene.height_files import MAX_BYTES
-from rolling.scene.messages import fault, plain_number
+from rolling.scene import height_files
+from rolling.scene.height_files import MAX_BYTES, TRIPLES, UNITS, HeightFormatError, is_instrument
+from rolling.scene.messages import cut, fault, first_line, refusal, shown
 from rolling.scene.surfaces import HeightFile, refuse_width
-from rolling.scene.track import MAX_NODES, MIN_NODES, readable
+from rolling.scene.track import MAX_NODES, MIN_NODES, Track
+
+_INSTALL = 'pip install "rolling-contact-noise[surfaces]"'
+_OFF_GRID = 0.05  # of a spacing that a point of a regular grid may lie off its node
+_SPARSE = 4  # nodes of a grid for each point of a file, at most
+_REASON = 120  # letters of an error of a reader
+_SPACINGS = 1e-12, 1.0  # [m]
+
+# Heights [m] (y, x) with their spacings [m] along y and x, made when a channel is asked for.
+_Channels = dict[str, Callable[[], tuple[Any, Sequence[float]]]]
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Heights as an instrument measured them."""
+
+    __repr__ = short_repr
+
+    heights: Array  # [m], shape (rows, columns) = (along, across), NaN at unmeasured points
+    spacing_m: tuple[float, float] | None  # [m] along and across; None: the file has none
+    channels: tuple[str, ...] = ()  # names of the channels with heights
+
+
+def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
+    """Read the heights of a channel, by default the first; the last files are kept.
+
+    Parameters
+    ----------
+    path : Path
+        File of a format of INSTRUMENTS.
+    channel : str, optional
+        Name of the channel.
+    unit : str
+        Unit of UNITS of the numbers in a file of triples x, y, z; other files have their own.
+
+    Raises
+    ------
+    HeightFormatError
+        The file is missing, damaged, too large or without heights on a regular grid, has no such
+        channel, or its reader is not installed.
+    """
+    height_files.refuse_missing(path)
+    status = path.stat()
+    return _read(path, channel, unit, (status.st_mtime_ns, status.st_size, status.st_ino))
+
+
+def missing(ending: str, error: ModuleNotFoundError) -> str:
+    """Name the package that files with an ending need, and the command that installs it."""
+    return f"a {ending} file needs the package {error.name}: {_INSTALL}"
+
+
+@lru_cache(maxsize=2)
+def _read(path: Path, channel: str | None, unit: str, stamp: tuple[int, ...]) -> Measured:
+    """Read a file that was last written at a stamp."""
+    ending = path.suffix.lower()
+    try:
+        _refuse_large(path, stamp[1])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of readers about the contents of the file
+            if ending == TRIPLES:
+                channels = _triples(path, unit)
+            else:
+                channels = {".x3p": _x3p, ".sdf": _sdf}.get(ending, _topography)(path)
+            heights, spacing = _chosen(channels, channel)
+    except HeightFormatError:
+        raise
+    except ModuleNotFoundError as error:
+        raise HeightFormatError(missing(ending, error)) from error
+    except Exception as error:  # readers raise whatever the bytes of a damaged file lead to
+        raise HeightFormatError(f"no readable {ending} file ({_reason(error)})") from error
+    values = np.array(np.ma.filled(np.ma.asarray(heights, dtype=float), np.nan), dtype=np.float64)
+    if values.ndim != 2 or not values.size:
+        raise HeightFormatError("holds no heights")
+    values[~np.isfinite(values)] = np.nan
+    along, across = (float(f"{step:.12g}") for step in spacing)  # units leave noise
+    if not all(_SPACINGS[0] <= step <= _SPACINGS[1] for step in (along, across)):
+        got = f"got a spacing of {along:g} m along and {across:g} m across"
+        raise HeightFormatError(f"{got}, allowed: {_SPACINGS[0]:g} to {_SPACINGS[1]:g} m")
+    values.flags.writeable = False
+    return Measured(values, (along, across), tuple(channels))
+
+
+def _reason(error: Exception) -> str:
+    """Return the beginning of the message of a reader, which may quote any byte of a file."""
+    return "".join(filter(str.isprintable, first_line(error)))[:_REASON]
+
+
+def _refuse_large(path: Path, size: int) -> None:
+    """Refuse files that are too large, packed or not."""
+    if zipfile.is_zipfile(path):
+        with zipfile.ZipFile(path) as archive:
+            size = max(size, sum(member.file_size for member in archive.infolist()))
+    _refuse_bytes(size)
+
+
+def _refuse_bytes(size: int) -> None:
+    """Refuse heights of more bytes than MAX_BYTES."""
+    if size > MAX_BYTES:
+        raise HeightFormatError(f"holds {size:,} bytes of heights, allowed: {MAX_BYTES:,}")
+
+
+def _chosen(channels: _Channels, wanted: str | None) -> tuple[Any, Sequence[float]]:
+    """Read the wanted channel, or the first."""
+    if not channels:
+        raise HeightFormatError("holds no channel of heights")
+    channel = next(iter(channels)) if wanted is None else wanted
+    if channel not in channels:
+        names = ", ".join(map(shown, list(channels)[:20]))
+        raise HeightFormatError(f"got the channel {shown(wanted)}, allowed: {names}")
+    return channels[channel]()
+
+
+# ---- formats: each gives its channels
+
+
+def _x3p(path: Path) -> _Channels:
+    """Return the layers of a file of ISO 25178-72."""
+    import x3pio
+
+    summary = x3pio.info(path)
+    _refuse_bytes(8 * math.prod(summary.shape) * summary.layer_count)
+    file = x3pio.read(path)
+    if not getattr(file, "is_regular_grid", False):
+        raise HeightFormatError("the points lie on no regular grid")
+    axes = file.header.y, file.header.x
+    profile = isinstance(file, x3pio.Profile)
+    steps = [axes[1 if profile else k].increment for k in (0, 1)]
+    return {
+        f"layer {k}": lambda layer=layer: (np.atleast_2d(layer.z), steps)  # type: ignore[misc]
+        for k, layer in enumerate(file.layers, 1)
+    }
+
+
+def _sdf(path: Path) -> _Channels:
+    """Return the heights of a file of ISO 25178-71."""
+    import sdfio
+
+    file = sdfio.read(path)
+    steps = file.header.x_scale if file.is_profile else file.header.y_scale, file.header.x_scale
+    return {"heights": lambda: (file.data, steps)}
+
+
+def _topography(path: Path) -> _Channels:
+    """Return the channels of heights of a file that SurfaceTopography reads by its ending."""
+    with warnings.catch_warnings():
+        # It says at import that it works without MPI.
+        warnings.filterwarnings("ignore", "Could not import mpi4py", ImportWarning)
+        from SurfaceTopography.IO import readers
+
+    ending, reasons = path.suffix.lower().removeprefix("."), []
+    for kind in readers:
+        # A text without sizes has a reader under many endings; it would ask for the sizes.
+        if ending not in kind.file_extensions() or kind.format() == "asc":
+            continue
+        try:
+            file = kind(str(path))
+        except Exception as error:
+            reasons.append(_reason(error))
+            continue
+        heights = (channel for channel in file.channels if channel.is_height_channel)
+        return {channel.channel_id: partial(_of_channel, channel) for channel in heights}
+    raise HeightFormatError(f"no readable .{ending} file ({'; '.join(reasons)})")
+
+
+def _of_channel(channel: Any) -> tuple[Any, list[float]]:
+    """Return heights [m] (y, x) and spacings [m] of a channel, which holds them as (x, y)."""
+    from SurfaceTopography.Support.UnitConversion import get_unit_conversion_factor
+
+    _refuse_bytes(8 * math.prod(channel.nb_grid_pts or (0,)))
+    if channel.physical_sizes is None or channel.unit is None:
+        raise HeightFormatError(f"the channel {shown(channel.name)} has no sizes in a unit")
+    topography = channel.topography()
+    if not topography.is_uniform:
+        raise HeightFormatError("the points lie on no regular grid")
+    factor = get_unit_conversion_factor(topography.unit, "m")
+    heights = np.ma.atleast_2d(np.ma.asarray(topography.heights()).T) * factor
+    steps = [factor * step for step in np.ravel(topography.pixel_size)]
+    return heights, [steps[-1], steps[0]]
+
+
+def _triples(path: Path, unit: str) -> _Channels:
+    """Return the heights of a text of triples x, y, z on a regular grid."""
+    table = height_files.numbers_of_text(path)
+    if table.ndim != 2 or table.shape[1] != 3:
+        raise HeightFormatError(f"got {table.shape[1]} numbers on a line, allowed: x, y, z")
+    if (gaps := np.isnan(table[:, :2]).any(axis=1)).any():
+        raise HeightFormatError(f"the point {gaps.argmax() + 1} has no place, only z may be nan")
+    (x, columns, dx), (y, rows, dy) = (_axis(table[:, k], "xy"[k]) for k in (0, 1))
+    if rows * columns > _SPARSE * len(table) + _SPARSE:
+        words = f"{len(table)} points on {rows} x {columns} nodes are no regular grid"
+        raise HeightFormatError(words)
+    heights = np.full((rows, columns), np.nan)
+    heights[y, x] = table[:, 2]
+    if len(np.unique(y * columns + x)) < len(table):
+        raise HeightFormatError("several points lie on the same node, allowed: a regular grid")
+    steps = [(dy or dx) * UNITS[unit], (dx or dy) * UNITS[unit]]
+    return {"heights": lambda: (heights * UNITS[unit], steps)}
+
+
+def _axis(values: Array, name: str) -> tuple[Any, int, float]:
+    """Return the numbers of the nodes of points along an axis, the count of nodes, the spacing."""
+    places = np.unique(values)
+    if len(places) == 1:
+        return np.zeros(len(values), dtype=int), 1, 0.0
+    span = places[-1] - places[0]
+    count = round(float(span / np.median(np.diff(places))))
+    step = float(span / count)
+    nodes = np.rint((values - places[0]) / step)
+    off = np.abs(values - places[0] - nodes * step)
+    if off.max() > _OFF_GRID * step:
+        point = int(off.argmax())
+        words = f"the point {point + 1} with {name} = {values[point]:g} lies on no regular grid"
+        raise HeightFormatError(words)
+    return nodes.astype(int), count + 1, step
+
+
+# ---- grid of a file
+
 
 DEFAULT_OVERLAP, MOST_OVERLAP = 0.1, 0.5  # of each side
 SAME = 1e-6  # relative difference of spacings that count as equal
 Pair = tuple[int, int]
+Read = TypeVar("Read")
 
 
 @dataclass(frozen=True)
@@ -48,19 +277,17 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
 
     Raise a fault where the file has no heights or does not go with the keys of the surface.
     """
-    shape, steps = readable(path, surface.path, ("surface", "path"), lambda: _read(path, surface))
+    shape, steps = readable(
+        path, surface.path, ("surface", "path"), lambda: _shape_and_steps(path, surface)
+    )
     if is_turned(shape, surface):
         shape, steps = shape[::-1], steps and steps[::-1]
     spacing = min(steps or (0.0,)) if surface.spacing_um is None else surface.spacing_um * 1e-6
     steps = steps or (spacing, spacing)
     is_profile = shape[1] == 1
     if is_profile != (surface.width_um is not None):
-        lines = f"{surface.path} has {shape[1]} lines side by side"
-        words = f"only goes with a profile of one line, but {lines}"
-        if is_profile:
-            words = f"missing; {surface.path} is a profile of one line, which is laid across the"
-            words += " track over that width"
-        raise fault(words, "surface", "width_um")
+        form = "profile" if is_profile else "lines"
+        raise refusal(f"surface.width_um {form}", path=surface.path, lines=shape[1])
     if surface.width_um is not None:
         refuse_width(surface.width_um, spacing * 1e6)
         shape, steps = (shape[0], round(surface.width_um * 1e-6 / spacing)), (steps[0], spacing)
@@ -68,15 +295,16 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
     resampled = shape
     if is_other(steps, spacing):
         wraps = surface.made_periodic == "none"  # a period keeps its length, to half a node
-        sizes = ((shape[k] - (not wraps)) * steps[k] / spacing for k in (0, 1))
+        lengths = ((shape[k] - (not wraps)) * steps[k] / spacing for k in (0, 1))
         along, across = (
-            round(min(size, 2e9)) if wraps else int(min(size, 2e9) + SAME) + 1 for size in sizes
+            round(min(length, 2e9)) if wraps else int(min(length, 2e9) + SAME) + 1
+            for length in lengths
         )
         resampled = along, across
     if resampled != shape and 8 * resampled[0] * resampled[1] > MAX_BYTES:
-        got = f"got {rounded(spacing * 1e6, 4)}, which makes {resampled[0]} x {resampled[1]} nodes"
-        most = f"less than {rounded(MAX_BYTES / 8)} nodes"
-        raise fault(f"{got} of {surface.path}, allowed: {most}", "surface", "spacing_um")
+        sides = {"along": resampled[0], "across": resampled[1], "path": surface.path}
+        sizes = {"got": rounded(spacing * 1e6, 4), "most": rounded(MAX_BYTES / 8)}
+        raise refusal("surface.spacing_um nodes", **sides, **sizes)
     overlap, nodes = [0, 0], [*resampled]
     for axis in (0,) if is_profile else (0, 1):
         if surface.made_periodic == "blend":
@@ -85,19 +313,16 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
         elif surface.made_periodic == "mirror":
             nodes[axis] = 2 * resampled[axis] - 2
     if not MIN_NODES <= min(nodes) <= max(nodes) < MAX_NODES:
-        raise fault(
-            f"{surface.path}: got {nodes[0]} x {nodes[1]} nodes, allowed: at least {MIN_NODES} each"
-            f" way and less than {rounded(MAX_NODES)}",
-            *("surface", "path"),
-        )
+        sides = {"along": nodes[0], "across": nodes[1], "path": surface.path}
+        raise refusal("surface.path nodes", least=MIN_NODES, most=rounded(MAX_NODES), **sides)
     return HeightGrid(steps, spacing, resampled, (overlap[0], overlap[1]), (nodes[0], nodes[1]))
 
 
-def _read(path: Path, surface: HeightFile) -> tuple[Pair, tuple[float, float] | None]:
+def _shape_and_steps(path: Path, surface: HeightFile) -> tuple[Pair, tuple[float, float] | None]:
     """Read the shape of a file, and the spacings [m] of a file that has its own."""
-    if not instruments.is_instrument(path):
+    if not is_instrument(path):
         return height_files.nodes(path), None
-    measured = instruments.read(path, surface.channel, surface.height_unit)
+    measured = read(path, surface.channel, surface.height_unit)
     rows, columns = measured.heights.shape
     return (rows, columns), measured.spacing_m
 
@@ -108,9 +333,9 @@ def _overlap(surface: HeightFile, count: int, spacing: float) -> int:
         return round(DEFAULT_OVERLAP * count)
     overlap = round(min(surface.overlap_um * 1e-6 / spacing, 2e9))
     if not 1 <= overlap <= MOST_OVERLAP * count:
-        got, most = plain_number(surface.overlap_um), int(MOST_OVERLAP * count) * spacing * 1e6
-        allowed = f"{rounded(spacing * 1e6, 4)} to {rounded(most, 4)}, half of a side"
-        raise fault(f"got {got}, allowed: {allowed}", "surface", "overlap_um")
+        ends = (rounded(nodes * spacing * 1e6, 4) for nodes in (1, int(MOST_OVERLAP * count)))
+        sizes = dict(zip(("least", "most"), ends, strict=True))
+        raise refusal("surface.overlap_um side", got=surface.overlap_um, **sizes)
     return overlap
 
 
@@ -119,5 +344,32 @@ def _refuse_filters(surface: HeightFile, side_um: float) -> None:
     for key in ("s_filter_um", "l_filter_um"):
         cutoff = getattr(surface, key)
         if cutoff is not None and cutoff > side_um * (1 + SAME):
-            words = f"up to {rounded(side_um, 4)}, the shorter side of {surface.path}"
-            raise fault(f"got {plain_number(cutoff)}, allowed: {words}", "surface", key)
+            words = {"most": rounded(side_um, 4), "path": surface.path}
+            raise refusal(f"surface.{key} side", got=cutoff, **words)
+
+
+def refuse_turn(path: Path, name: str, track: Track) -> None:
+    """Raise a fault for a height file that holds no turn of the sphere over the width.
+
+    `name` is the path as the scene has it.
+    """
+    at = "sphere", "surface", "path"
+    rows, columns = readable(path, name, at, lambda: height_files.nodes(path))
+    if rows != track.turn_nodes or columns not in (1, track.n_across):
+        radius = rounded(rows * track.spacing * 1e3 / (2 * math.pi), 8)
+        file = {"path": name, "rows": rows, "columns": columns, "radius": radius}
+        turn = {"nodes": track.turn_nodes, "across": track.n_across}
+        raise refusal("sphere.surface.path turn", **file, **turn)
+
+
+def readable(path: Path, name: str, at: tuple[str, ...], read: Callable[[], Read]) -> Read:
+    """Return the result of `read` on a file; raise a fault at a key where it holds no heights.
+
+    `name` is the path as the scene has it.
+    """
+    try:
+        return read()
+    except height_files.HeightFormatError as error:
+        missing = isinstance(error.__cause__, FileNotFoundError)
+        place = f" (looked in {path.parent.absolute()})" if missing else ""
+        raise fault(f"{error.of(cut(name))}{place}", *at) from error

@@ -1,12 +1,27 @@
-"""The library of scenes that come with the program: found by name, listed, and copied."""
+"""The library that comes with the program: scenes, materials and finishes by name.
+
+The tables of materials and finishes are data, `materials.yaml` and `finishes.yaml` in this folder.
+A section is filled in when it is read and stored with all values, so that a change of a table
+changes no stored run.
+"""
 
 from __future__ import annotations
 
 import difflib
 import itertools
 import re
+from collections.abc import Mapping
 from contextlib import suppress
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import Field
+from ruamel.yaml import YAML
+
+from acoustics.numbers import rounded
+from rolling.scene.messages import fault, shown
 
 # In an installed package the scenes stand inside of it, in a checkout beside it.
 _PLACES = (Path(__file__).parents[1] / "scenarios", Path(__file__).parents[2] / "scenarios")
@@ -102,3 +117,111 @@ def _write_new(path: Path, content: bytes) -> None:
         except OSError:
             path.unlink()
             raise
+
+
+# ---- materials and finishes
+
+
+HV_GPA = 9.80665e-3 / 0.927  # mean pressure under a Vickers indenter over the hardness number
+NONE = "none"  # hardness of a plate that is purely elastic
+_ELASTIC = ("youngs_modulus_gpa", "poissons_ratio", "density_kg_m3")
+YIELDS = 3  # hardness over yield strength of metals, by Tabor's rule
+_HARDNESS = {"hardness_hv": HV_GPA, "yield_strength_gpa": YIELDS}  # factors of keys of the data
+
+
+class Name(NamedTuple):
+    """Key of a section that takes a name, the table of names, and the keys that they give."""
+
+    key: str
+    table: str
+    gives: tuple[str, ...]
+
+
+NAMES = {
+    "plate": Name("material", "materials", (*_ELASTIC, "hardness_gpa", "loss_factor")),
+    "sphere": Name("material", "materials", _ELASTIC),
+    "surface": Name("finish", "finishes", ("roughness_ra_um", "correlation_length_um")),
+}
+NAME_KEYS = tuple(f"{section}.{name.key}" for section, name in NAMES.items())
+
+
+@cache
+def data(table: str) -> dict[str, dict[str, Any]]:
+    """Return a table: its `sources` by key, its entries by name, each value before its source."""
+    text = files("rolling.scene").joinpath(f"{table}.yaml").read_text(encoding="utf-8")
+    return dict(YAML(typ="safe", pure=True).load(text))
+
+
+def named_values(section: str, name: str) -> dict[str, Any]:
+    """Return the values that a name gives to a section; none for an unknown name."""
+    table = NAMES[section].table
+    entry = data(table)[table].get(name, {})
+    values = {key: pair[0] for key, pair in entry.items() if isinstance(pair, list)}
+    for key, factor in _HARDNESS.items():
+        if key in values:
+            values["hardness_gpa"] = float(rounded(factor * values[key], 3))
+    if entry:
+        values.setdefault("hardness_gpa", NONE)
+    return {key: values[key] for key in NAMES[section].gives if key in values}
+
+
+def listed(table: str) -> Any:
+    """Return a field whose JSON Schema lists the names of a table, read when it is made."""
+    return Field(json_schema_extra=lambda schema: schema.update(enum=[*data(table)[table]]))
+
+
+# ---- sections with a name
+
+
+def name_of(section: str, values: Any) -> str | None:
+    """Return the name in the plain values of a section, None without one."""
+    name = values.get(NAMES[section].key) if isinstance(values, Mapping) else None
+    return name if isinstance(name, str) else None
+
+
+def filled(section: str, values: Any) -> Any:
+    """Fill in the keys that the name in a section gives; keys that stand beside it win."""
+    if name_of(section, values) is None:
+        return values
+    given = {key: value for key, value in values.items() if value is not None}
+    table = named_values(section, given[NAMES[section].key])
+    if "thickness_mm" not in given:
+        table.pop("loss_factor", None)
+    if "yield_strength_gpa" in given:
+        table.pop("hardness_gpa", None)
+    if section == "surface" and given.setdefault("kind", "gaussian") != "gaussian":
+        return values
+    return table | given
+
+
+def validated(section: str, values: Any) -> Any:
+    """Fill in a section; raise a fault for a name that its table does not have."""
+    name = NAMES[section]
+    given = values.get(name.key) if isinstance(values, Mapping) else None
+    known = data(name.table)[name.table] if given is not None else {}
+    if given is None or (isinstance(given, str) and given in known):
+        return filled(section, values)
+    forms = {other.partition("-")[0]: other for other in reversed(known)} | {x: x for x in known}
+    near = difflib.get_close_matches(str(given).casefold().replace(" ", "-"), forms, 1)
+    like = f"; nearest: {forms[near[0]]}" if near else ""
+    raise fault(f"got {shown(given)}, allowed: {', '.join(known)}{like}", section, name.key)
+
+
+def freed(data: Mapping[str, Any], key: str, value: Any) -> Mapping[str, Any]:
+    """Return plain values without the values that a change of one key replaces."""
+    section, _, last = key.partition(".")
+    values = data.get(section)
+    if section not in NAMES or not isinstance(values, Mapping) or not last or "." in last:
+        return data
+    old, renamed = name_of(section, values), last == NAMES[section].key
+    if (renamed and value is None) or not (renamed or old):
+        return data
+    # The values of the old name are filled in anew; a first name replaces all that it gives.
+    table = named_values(section, str(old or value))
+    kept = {k: v for k, v in values.items() if k not in table or (old and v != table[k])}
+    return {**data, section: kept}
+
+
+def names_first(key: str) -> bool:
+    """Return the order of changes: a name is set before the values that may stand beside it."""
+    return key.rpartition(".")[2] not in {name.key for name in NAMES.values()}

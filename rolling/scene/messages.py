@@ -9,10 +9,13 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import os
 import re
+import tomllib
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 from pydantic import BaseModel
@@ -24,18 +27,13 @@ from acoustics.numbers import rounded
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
 
+TABLES: dict[str, Any]
+_FAULTS: dict[str, str]
+TABLES, _FAULTS = (
+    tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
+    for name in ("tables", "faults")
+)
 _LONGEST = 60  # letters of a value in a message
-# Allowed values by the types of faults for which pydantic has words of Python.
-_WORDS = {
-    "bool_type": "true or false",
-    "dict_type": "a section of keys",
-    "float_type": "a number",
-    "list_type": "a list",
-    "int_type": "a whole number",
-    "model_type": "a section of keys",
-    "model_attributes_type": "a section of keys",
-    "string_type": "text",
-}
 
 
 class Plausible(NamedTuple):
@@ -47,16 +45,7 @@ class Plausible(NamedTuple):
     slips: Mapping[str, float]  # size of each unit in the unit of the key
 
 
-_PRESSURES = {"MPa": 1e-3, "Pa": 1e-9}
-MATERIALS = {
-    "youngs_modulus_gpa": Plausible(1e-3, 1200, "GPa, from gels to diamond", _PRESSURES),
-    "hardness_gpa": Plausible(
-        1e-3, 150, "GPa, from gels to diamond", _PRESSURES | {"HV": 9.80665e-3}
-    ),
-    "density_kg_m3": Plausible(
-        10, 25000, "kg/m3, from foams to osmium", {"g/cm3": 1e3, "kg/mm3": 1e9, "t/mm3": 1e12}
-    ),
-}
+MATERIALS = {key: Plausible(**sizes) for key, sizes in TABLES["materials"].items()}
 
 
 class SceneError(Exception):
@@ -83,6 +72,16 @@ class SceneError(Exception):
 def fault(message: str, *at: str | int) -> PydanticCustomError:
     """Make a fault for pydantic to collect, at a key that may differ from the validated key."""
     return PydanticCustomError("fault", "{message}", {"message": writable(message), "at": at})
+
+
+def refusal(rule: str, *at: str | int, **values: Any) -> PydanticCustomError:
+    """Make the fault of a rule of faults.toml with its values, at its key or at another."""
+    return fault(worded(rule, **values), *(at or key_of(rule.partition(" ")[0])))
+
+
+def worded(rule: str, **values: Any) -> str:
+    """Write the words of a rule of faults.toml with its values."""
+    return _FAULTS[rule].format(**{name: as_typed(value) for name, value in values.items()})
 
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
@@ -115,7 +114,7 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
     if kind in ("greater_than_equal", "less_than_equal") and key[-1] in MATERIALS:
         return key, implausible(value, MATERIALS[str(key[-1])])
     like = nearest(value, choices) if isinstance(value, str) else ""
-    return key, f"got {shown(value)}, allowed: {_WORDS.get(kind, words)}{like}"
+    return key, f"got {shown(value)}, allowed: {TABLES['kinds'].get(kind, words)}{like}"
 
 
 def implausible(value: float, sizes: Plausible) -> str:
@@ -182,6 +181,13 @@ def plain_number(value: float) -> str:
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
 
 
+def as_typed(value: Any) -> str:
+    """Write a value of a scene as plain text, numbers without a needless decimal point."""
+    if isinstance(value, float):
+        return plain_number(value)
+    return value if isinstance(value, str) else shown(value)
+
+
 def shown(value: Any) -> str:
     """Write a value nearly as the user did, with text in quotes."""
     if value is None:
@@ -211,6 +217,35 @@ def first_line(error: BaseException) -> str:
     return (str(error).strip().splitlines() or [type(error).__name__])[0]
 
 
+# ---- plain values
+
+
+_MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
+_MAX_DEPTH = 16  # maximum nesting of values typed in Python
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """Turn a value typed in Python into the plain value of a scene file, without keys of None."""
+    if depth > _MAX_DEPTH:
+        raise SceneError([f"scene: values are nested more than {_MAX_DEPTH} times"])
+    if isinstance(value, BaseModel):
+        value = value.model_dump()
+    if isinstance(value, Mapping):
+        return {
+            writable(name) if isinstance(name, str) else name: plain(item, depth + 1)
+            for name, item in value.items()
+            if item is not None
+        }
+    if isinstance(value, list | tuple):
+        return [plain(item, depth + 1) for item in value]
+    if hasattr(value, "tolist"):  # numbers and arrays of numpy, which is slow to import
+        return value.tolist()
+    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
+        return math.inf if value > 0 else -math.inf
+    value = os.fspath(value) if isinstance(value, os.PathLike) else value
+    return writable(value) if isinstance(value, str) else value
+
+
 # ---- keys
 
 
@@ -229,19 +264,17 @@ def key_of(name: str) -> Key:
 @cache
 def keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
     """Map every dotted key inside the sections to its field, keys of inner sections last."""
-    listed = {
-        f"{section}.{name}": field
-        for section, outer in root.model_fields.items()
-        for model in _models(outer)
-        for name, field in model.model_fields.items()
-    }
-    inner = {
-        f"{section}.{name}": field
-        for section, outer in listed.items()
-        for model in _models(outer)
-        for name, field in model.model_fields.items()
-    }
-    return listed | inner
+
+    def inside(fields: Mapping[str, FieldInfo]) -> dict[str, FieldInfo]:
+        return {
+            f"{section}.{name}": field
+            for section, outer in fields.items()
+            for model in _models(outer)
+            for name, field in model.model_fields.items()
+        }
+
+    listed = inside(root.model_fields)
+    return listed | inside(listed)
 
 
 @cache

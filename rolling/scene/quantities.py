@@ -12,21 +12,18 @@ from pydantic import BeforeValidator, Field, PrivateAttr, field_validator
 from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
-from rolling.scene import named
-from rolling.scene.balls import BallHeightFile, turn_nodes
+from rolling.scene import library
 from rolling.scene.bodies import Plate, Sphere
-from rolling.scene.faults import SurfaceFault, refuse_misplaced
-from rolling.scene.height_grid import height_grid
-from rolling.scene.laws import HeightLaw
-from rolling.scene.messages import Key, SceneError, dotted, fault, shown
+from rolling.scene.height_grid import height_grid, refuse_turn
+from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
+from rolling.scene.messages import SceneError, dotted, fault, shown
 from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Section, Sound
-from rolling.scene.surfaces import HeightFile, Surface
+from rolling.scene.surfaces import BallHeightFile, HeightFile, Surface, turn_nodes
 from rolling.scene.track import (
     Motion,
     Track,
     file_track,
     made_track,
-    refuse_turn,
     rolled,
 )
 
@@ -80,7 +77,7 @@ class SceneQuantities(Section):
     @classmethod
     def _of_kind(cls, surface: Any) -> Any:
         """Fill in a surface with a finish, whose kind may be missing."""
-        return named.validated("surface", surface)
+        return library.validated("surface", surface)
 
     @property
     def folder(self) -> Path:
@@ -298,10 +295,8 @@ def track_of(
     """Return the track over a surface; raise a fault for a wrong length or a misplaced fault."""
     motion = motion_of(sphere, rolling)
     wanted = rolled(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
-    ball = sphere.surface
-    turn = 0
-    if ball is not None and surface.spacing_um is not None:
-        turn = turn_nodes(sphere.radius_mm, surface.spacing_um)
+    ball, given = sphere.surface, surface.spacing_um
+    turn = 0 if ball is None or given is None else turn_nodes(sphere.radius_mm, given)
     if isinstance(surface, HeightFile):
         grid = height_grid(folder / surface.path, surface)
         track = file_track(grid.nodes, grid.spacing, numerics.step_nodes, motion, wanted, turn)
@@ -310,14 +305,11 @@ def track_of(
         across, spacing = surface.n_across, surface.spacing_um * 1e-6
         track = made_track(across, spacing, numerics.step_nodes, motion, wanted, turn)
     spacing_um = surface.spacing_um or track.spacing * 1e6
-    placed: list[tuple[list[SurfaceFault] | None, int, Key]] = [
-        (surface.faults, track.plate_nodes, ("surface", "faults"))
-    ]
-    if ball is not None:
-        placed.append((ball.faults, turn, ("sphere", "surface", "faults")))
-    for faults, nodes_along, key in placed:
-        sizes = nodes_along * spacing_um, track.n_across * spacing_um
-        refuse_misplaced(faults or (), *sizes, spacing_um, key)
+    width_um = track.n_across * spacing_um
+    for part, nodes in ((surface, track.plate_nodes), (ball, turn)):
+        if part is not None and part.faults:
+            at = *part.SECTION.split("."), "faults"
+            refuse_misplaced(part.faults, nodes * spacing_um, width_um, spacing_um, at)
     return track
 
 

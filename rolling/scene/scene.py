@@ -1,4 +1,4 @@
-"""Scene: its sections, its sweep, and its quantities in SI.
+"""Scene: its sections, its sweep, the rules that join them, and its quantities in SI.
 
 `Scene` is built from sections in Python, or from the plain values of a scene file, which `file`
 reads and writes. It is frozen, and `with_` gives a changed copy.
@@ -6,6 +6,7 @@ reads and writes. It is frozen, and `with_` gives a changed copy.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -21,11 +22,23 @@ from pydantic import (
     field_validator,
 )
 
-from rolling.scene import messages, named, rules
+from acoustics.numbers import rounded
+from rolling.scene import library, messages, quantities
 from rolling.scene import sweep as sweeps
-from rolling.scene.messages import Key, SceneError
+from rolling.scene.bodies import Plate, Sphere
+from rolling.scene.messages import Key, SceneError, plain, refusal, shown
 from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
-from rolling.scene.sections import MAX_FAULTS, Dynamics, Numerics, Rolling, Sound, plain
+from rolling.scene.sections import (
+    MAX_FAULTS,
+    WEIGHT,
+    Dynamics,
+    Numerics,
+    Rolling,
+    Sound,
+    refuse_free_factors,
+)
+from rolling.scene.surfaces import HeightFile, MadeSurface, refuse_ball
+from rolling.scene.track import ROUNDING
 
 
 class SweepRun(NamedTuple):
@@ -94,31 +107,12 @@ class Scene(SceneQuantities):
 
     _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
 
-    @field_validator("rolling")
+    @field_validator("rolling", "numerics", "dynamics", "sound")
     @classmethod
-    def _can_roll(cls, rolling: Rolling, info: ValidationInfo) -> Rolling:
-        rules.refuse_rolling(rolling, info.data)
-        return rolling
-
-    @field_validator("numerics")
-    @classmethod
-    def _has_track(cls, numerics: Numerics, info: ValidationInfo) -> Numerics:
-        rules.refuse_numerics(numerics, info.data)
-        rules.refuse_memory(numerics, info.data)
-        return numerics
-
-    @field_validator("dynamics")
-    @classmethod
-    def _has_masses(cls, dynamics: Dynamics | None, info: ValidationInfo) -> Dynamics | None:
-        rules.refuse_dynamics(dynamics, info.data)
-        return dynamics
-
-    @field_validator("sound")
-    @classmethod
-    def _has_source(cls, sound: Sound, info: ValidationInfo) -> Sound:
-        sound = rules.with_source(sound, info.data)
-        rules.refuse_listeners(sound, info.data)
-        return sound
+    def _goes_together(cls, section: Any, info: ValidationInfo) -> Any:
+        for rule in RULES[str(info.field_name)]:
+            section = rule(section, info.data) or section
+        return section
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.model_dump() == other.model_dump()
@@ -230,7 +224,7 @@ class Scene(SceneQuantities):
             del data["sound"]["source"]
         given: set[str] = set()
         listed = [*(changes or {}).items(), *keys.items()]
-        for short, value in sorted(listed, key=lambda item: named.names_first(item[0])):
+        for short, value in sorted(listed, key=lambda item: library.names_first(item[0])):
             try:
                 key = messages.full_key(short, type(self))
                 if key in given:
@@ -264,3 +258,144 @@ class Scene(SceneQuantities):
         swept: Key = ("sweep", name)
         key = swept if swept in self._places else messages.key_of(name)
         return messages.place(key, self._places)
+
+
+# ---- rules that join sections: each takes the values that are valid so far, by section
+
+
+EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
+MOST_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
+
+Values = Mapping[str, Any]
+
+
+def refuse_rolling(rolling: Rolling, values: Values) -> None:
+    """Refuse a rolling without length, load or way, or with a contact too near an edge."""
+    lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance or None
+    if not any(lengths) and isinstance(values.get("surface"), MadeSurface):
+        raise refusal("rolling.duration_s missing")
+    sphere, plate = values.get("sphere"), values.get("plate")
+    if sphere is None:
+        return
+    if sphere.density_kg_m3 is None:
+        if rolling.load_n == WEIGHT:
+            given = "load_n" in rolling.model_fields_set
+            raise refusal(f"rolling.load_n {'weight' if given else 'missing'}")
+        if rolling.resistance is not None:
+            raise refusal("sphere.density_kg_m3 resistance")
+    rest, duration = quantities.motion_of(sphere, rolling).rest_time, rolling.duration_s
+    if rolling.resistance and duration and duration > rest * (1 + ROUNDING):
+        raise refusal("rolling.duration_s rests", rest=rounded(rest, 6), duration=duration)
+    if plate is not None and plate.edges_mm is not None:
+        _refuse_edges(rolling, sphere, plate)
+
+
+def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
+    """Refuse a contact too near an edge of the plate, and more modes than can be moved."""
+    assert plate.edges_mm is not None  # asked for by the caller
+    load, radius = quantities.load(sphere, rolling), sphere.radius_mm * 1e-3
+    contact = (3 * load * radius / (4 * quantities.contact_modulus(sphere, plate))) ** (1 / 3)
+    least = EDGE_RADII * contact * 1e3
+    for key, point in plate.contact_ends_mm.items():
+        edge = min(min(x, side - x) for x, side in zip(point, plate.edges_mm, strict=True))
+        if edge < least:
+            narrow = "length_mm" if plate.edges_mm[0] < plate.edges_mm[1] else "width_mm"
+            at = "plate", key if getattr(plate, key) is not None else narrow
+            sizes = {"edge": rounded(edge), "least": rounded(least, 3)}
+            raise refusal("plate.contact_mm edge", *at, **sizes)
+    if (modes := quantities.plate_modes(plate)) > MOST_MODES:
+        raise refusal("plate.length_mm modes", modes=rounded(modes), most=MOST_MODES)
+
+
+def refuse_numerics(numerics: Numerics, values: Values) -> None:
+    """Refuse a surface of the sphere, and a track, that whole nodes and steps do not hold."""
+    surface, rolling, sphere = (values.get(name) for name in ("surface", "rolling", "sphere"))
+    if surface is None or sphere is None:
+        return
+    if sphere.surface is not None:
+        if surface.spacing_um is None:
+            raise refusal("surface.spacing_um missing")
+        refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
+    if rolling is not None and not isinstance(surface, HeightFile):
+        quantities.track_of(sphere, surface, rolling, numerics, Path())
+
+
+def refuse_memory(numerics: Numerics, values: Values) -> None:
+    """Refuse passes without memory, and memory of parts of nodes or of a rough sphere."""
+    plate, rolling, sphere = (values.get(name) for name in ("plate", "rolling", "sphere"))
+    if plate is None:
+        return
+    if plate.plasticity != "permanent":
+        if rolling is not None and (rolling.passes or 1) > 1:
+            raise refusal("rolling.passes memory", got=rolling.passes)
+        return
+    if sphere is not None and sphere.surface is not None:
+        raise refusal("plate.plasticity turns")
+    allowed = {"edges": ("sharp",), "subcells": (1, "auto"), "error_estimate": (False,)}
+    for key, choices in allowed.items():
+        if (value := getattr(numerics, key)) not in choices:
+            words = {"got": shown(value), "allowed": shown(choices[0])}
+            raise refusal(f"numerics.{key} memory", **words)
+
+
+def refuse_dynamics(dynamics: Dynamics | None, values: Values) -> None:
+    """Refuse keys that need dynamics without it, and dynamics of bodies without a mass."""
+    bodies = {name: values[name] for name in ("sphere", "plate") if name in values}
+    dropped = "rolling" in values and values["rolling"].drop_mm is not None
+    if dynamics is not None:
+        if dynamics.release and dropped:
+            raise refusal("dynamics.release flight")
+        for name, body in bodies.items():
+            if body.density_kg_m3 is None:
+                raise refusal(f"{name}.density_kg_m3 dynamics")
+        return
+    if dropped:
+        raise refusal("rolling.drop_mm dynamics")
+    for key in ("thickness_mm", "contact_loss_factor"):
+        if getattr(bodies.get("plate"), key, None) is not None:
+            raise refusal(f"plate.{key} dynamics")
+
+
+def with_source(sound: Sound, values: Values) -> Sound:
+    """Return the sound with its source; refuse a source that the scene has not."""
+    sphere, dynamics = values.get("sphere"), values.get("dynamics", ...)
+    if sphere is not None and sound.distance_m <= sphere.radius_mm * 1e-3:
+        radius = rounded(sphere.radius_mm * 1e-3, 6)
+        raise refusal("sound.distance_m inside", got=sound.distance_m, radius=radius)
+    if sound.source is None and dynamics is not ...:
+        source = "release" if dynamics is None else "vibration"
+        sound = sound.model_copy(update={"source": source})
+        refuse_free_factors(sound)
+    elif sound.source == "vibration" and dynamics is None:
+        raise refusal("sound.source dynamics")
+    rolling = values.get("rolling")
+    if sound.source == "release" and rolling is not None and rolling.drop_mm is not None:
+        raise refusal("sound.source flight")
+    return sound
+
+
+def refuse_listeners(sound: Sound, values: Values) -> None:
+    """Refuse listeners of a plate without edges, and listeners inside the sphere."""
+    sphere, plate = values.get("sphere"), values.get("plate")
+    if sound.listener_mm is None or sphere is None or plate is None:
+        return
+    if plate.edges_mm is None:
+        raise refusal("sound.listener_mm edges")
+    ends = list(plate.contact_ends_mm.values())
+    (x, y), (to_x, to_y) = ends[0], ends[-1]
+    square = (to_x - x) ** 2 + (to_y - y) ** 2
+    for at in sound.listener_mm:
+        along = (at[0] - x) * (to_x - x) + (at[1] - y) * (to_y - y)
+        share = min(max(along / square, 0.0), 1.0) if square else 0.0
+        nearest = x + share * (to_x - x), y + share * (to_y - y), sphere.radius_mm
+        if math.dist(at, nearest) <= sphere.radius_mm:
+            raise refusal("sound.listener_mm inside", got=list(at))
+
+
+# Rules of a section, which see the sections before it; one of them may return the section changed.
+RULES: dict[str, tuple[Callable[[Any, Values], Any], ...]] = {
+    "rolling": (refuse_rolling,),
+    "numerics": (refuse_numerics, refuse_memory),
+    "dynamics": (refuse_dynamics,),
+    "sound": (with_source, refuse_listeners),
+}

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import inspect
 import math
-import os
 import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
@@ -29,7 +28,7 @@ from pydantic import (
 )
 
 from acoustics.numbers import rounded
-from rolling.scene import named
+from rolling.scene import library
 from rolling.scene.messages import (
     SceneError,
     cut,
@@ -38,9 +37,9 @@ from rolling.scene.messages import (
     fault,
     is_number,
     numbers,
-    plain_number,
+    plain,
+    refusal,
     shown,
-    writable,
 )
 from rolling.scene.track import Motion
 
@@ -53,30 +52,6 @@ MAX_FAULTS = 100  # maximum number of faults that are named
 # Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
 # maximum.
 _SMALLEST = 1e-15
-_MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show much longer ones
-_MAX_DEPTH = 16  # maximum nesting of values typed in Python
-
-
-def plain(value: Any, depth: int = 0) -> Any:
-    """Turn a value typed in Python into the plain value of a scene file, without keys of None."""
-    if depth > _MAX_DEPTH:
-        raise SceneError([f"scene: values are nested more than {_MAX_DEPTH} times"])
-    if isinstance(value, BaseModel):
-        value = value.model_dump()
-    if isinstance(value, Mapping):
-        return {
-            writable(name) if isinstance(name, str) else name: plain(item, depth + 1)
-            for name, item in value.items()
-            if item is not None
-        }
-    if isinstance(value, list | tuple):
-        return [plain(item, depth + 1) for item in value]
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    if isinstance(value, int) and value.bit_length() > _MAX_BITS:
-        return math.inf if value > 0 else -math.inf
-    value = os.fspath(value) if isinstance(value, os.PathLike) else value
-    return writable(value) if isinstance(value, str) else value
 
 
 @dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
@@ -96,7 +71,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
     IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
-    NAMED: ClassVar[str] = ""  # section of `named.NAMES` whose name gives values
+    NAMED: ClassVar[str] = ""  # section of `library.NAMES` whose name gives values
 
     @classmethod
     def descriptions(cls) -> dict[str, str]:
@@ -119,7 +94,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
         if cls.IN_FILES:
             schema["properties"][cls.IN_FILES].pop("default", None)
             schema["required"] = [cls.IN_FILES, *schema.get("required", [])]
-        by_name = named.NAMES.get(cls.NAMED)
+        by_name = library.NAMES.get(cls.NAMED)
         if by_name and cls.NAMED != "sphere":  # whose named keys are optional anyway
             given = [key for key in schema["required"] if key in (*by_name.gives, "kind")]
             schema["required"] = [key for key in schema["required"] if key not in given]
@@ -142,7 +117,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
     @model_validator(mode="before")
     @classmethod
     def _of_name(cls, values: Any) -> Any:
-        return named.validated(cls.NAMED, values) if cls.NAMED else values
+        return library.validated(cls.NAMED, values) if cls.NAMED else values
 
     @field_validator("*")
     @classmethod
@@ -254,14 +229,9 @@ class Rolling(Section):
     @model_validator(mode="after")
     def _one_length(self) -> Rolling:
         if self.duration_s is not None and self.distance_mm is not None:
-            raise fault("given beside duration_s, allowed: one of them", "rolling", "distance_mm")
-        return self
-
-    @model_validator(mode="after")
-    def _rolls_out(self) -> Rolling:
+            raise refusal("rolling.distance_mm beside")
         if self.resistance is not None and isinstance(self.speed_m_s, tuple):
-            words = "only goes with one speed_m_s, at which the sphere starts, not with pairs"
-            raise fault(words, "rolling", "resistance")
+            raise refusal("rolling.resistance pairs")
         return self
 
 
@@ -277,9 +247,7 @@ def _step_nodes(value: float) -> float:
     """Return the allowed value that a rounded value stands for, such as a third for 0.333333."""
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
-        words = "a whole number from 1 to 64, or one over a whole number down to 1/16"
-        near = plain_number(closest)
-        raise fault(f"got {plain_number(value)}, allowed: {words}; nearest: {near}")
+        raise refusal("numerics.step_nodes fraction", got=value, nearest=closest)
     return closest
 
 
@@ -438,6 +406,4 @@ def refuse_free_factors(sound: Sound) -> None:
     for key, default in (("q", 1), ("gain_pa_per_w_m2", None)):
         value = getattr(sound, key)
         if sound.source == "vibration" and value != default:
-            rule = "the pressure of the vibration has no free factor"
-            words = f"got {plain_number(value)}, which only goes with source: release; {rule}"
-            raise fault(words, "sound", key)
+            raise refusal("sound.q vibration", "sound", key, got=float(value))

@@ -1,22 +1,24 @@
-"""The kinds of surface of a scene, each with its keys."""
+"""The kinds of surface of plate and sphere, each with its keys.
+
+A sphere's surface has the spacing of the plate's, its width, and the circumference as its period.
+"""
 
 from __future__ import annotations
 
+import math
+import re
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene import named
-from rolling.scene.balls import WAVE_NODES
-from rolling.scene.faults import SurfaceFault, SurfaceKind
-from rolling.scene.instruments import TRIPLES, is_instrument
-from rolling.scene.laws import Roughness, SelfAffineLaw
-from rolling.scene.messages import fault, plain_number, shown
+from rolling.scene import library
+from rolling.scene.height_files import TRIPLES, is_instrument
+from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
+from rolling.scene.messages import TABLES, fault, is_number, refusal, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES
-
-_CHANNEL, _S_FILTER = ("surface", "channel"), ("surface", "s_filter_um")
 
 
 class MadeSurface(SurfaceKind):
@@ -49,23 +51,15 @@ class MadeSurface(SurfaceKind):
 def refuse_width(width_um: float, spacing_um: float) -> None:
     """Raise a fault for a width that is no whole number of nodes, too small or too large."""
     nodes = width_um / spacing_um
-    words = ""
     if not nodes < MAX_NODES:
-        words = f"less than {rounded(MAX_NODES)} nodes"
-    elif round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
-        fitting = max(MIN_NODES, round(nodes)) * spacing_um
-        words = f"a whole number of nodes of {spacing_um:g} um, at least {MIN_NODES};"
-        words += f" nearest: {fitting:.10g}"
-    if words:
-        raise fault(f"got {plain_number(width_um)}, allowed: {words}", "surface", "width_um")
+        raise refusal("surface.width_um most", got=width_um, most=rounded(MAX_NODES))
+    if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
+        nearest = f"{max(MIN_NODES, round(nodes)) * spacing_um:.10g}"
+        sizes = {"spacing": f"{spacing_um:g}", "least": MIN_NODES, "nearest": nearest}
+        raise refusal("surface.width_um whole", got=width_um, **sizes)
 
 
-Finish = Annotated[
-    str,
-    Field(
-        json_schema_extra=lambda schema: schema.update(enum=[*named.data("finishes")["finishes"]])
-    ),
-]
+Finish = Annotated[str, library.listed("finishes")]
 
 
 class Gaussian(Roughness, MadeSurface):
@@ -191,21 +185,18 @@ class HeightFile(SurfaceKind):
         ending = Path(self.path).suffix.lower()
         if not is_instrument(self.path):
             if self.spacing_um is None:
-                words = "missing; files of arrays and of rows of text do not hold their spacing"
-                raise fault(words, "surface", "spacing_um")
+                raise refusal("surface.spacing_um format")
             if self.channel is not None:
-                raise fault(f"only goes with a file of an instrument, not {ending}", *_CHANNEL)
+                raise refusal("surface.channel format", ending=ending)
         elif ending != TRIPLES and self.height_unit != "m":
-            words = f"got {shown(self.height_unit)}, but a {ending} file holds its own units"
-            raise fault(words, "surface", "height_unit")
+            raise refusal("surface.height_unit format", got=shown(self.height_unit), ending=ending)
         if self.outliers is not None and self.unmeasured != "fill":
-            words = "only goes with surface.unmeasured fill, because outliers count as unmeasured"
-            raise fault(words, "surface", "outliers")
+            raise refusal("surface.outliers fill")
         if self.overlap_um is not None and self.made_periodic != "blend":
-            raise fault("only goes with surface.periodic blend", "surface", "overlap_um")
+            raise refusal("surface.overlap_um blend")
         if self.s_filter_um and self.l_filter_um and self.s_filter_um >= self.l_filter_um:
-            got, words = plain_number(self.s_filter_um), plain_number(self.l_filter_um)
-            raise fault(f"got {got}, allowed: less than {words}, the L-filter", *_S_FILTER)
+            sizes = {"got": self.s_filter_um, "most": self.l_filter_um}
+            raise refusal("surface.s_filter_um l_filter", **sizes)
         if self.width_um is not None and self.spacing_um is not None:
             refuse_width(self.width_um, self.spacing_um)
         return self
@@ -217,3 +208,182 @@ class HeightFile(SurfaceKind):
 
 
 Surface = Annotated[Gaussian | Smooth | HeightFile | SelfAffine, Field(discriminator="kind")]
+
+
+# ---- surfaces of a sphere
+
+
+WAVE_NODES = 4  # minimum number of nodes of a wave
+LARGEST_UM = 1e3  # [um] amplitude of an order
+
+
+class Grade(NamedTuple):
+    """Limits of a grade of balls [um]."""
+
+    roughness_ra_um: float
+    deviation_um: float  # from spherical form
+
+
+GRADES = {name: Grade(*limits) for name, limits in TABLES["grades"].items()}  # of ISO 3290-1
+
+
+def _grade(value: Any) -> Any:
+    """Refuse a grade that is not in the table, with the nearest by its number."""
+    if isinstance(value, str) and value in GRADES:
+        return value
+    words = f"got {shown(value)}, allowed: {', '.join(GRADES)}"
+    if digits := re.sub(r"[^0-9]", "", str(value))[:9]:
+        words += f"; nearest: {min(GRADES, key=lambda name: abs(int(name[1:]) - int(digits)))}"
+    raise fault(words)
+
+
+def _orders(value: Any) -> Any:
+    """Return the amplitudes of the waves of a circumference by their whole orders."""
+    if not isinstance(value, dict) or not value:
+        form = "amplitudes in um by order, as in {3: 0.05, 7: 0.02}"
+        raise fault(f"got {shown(value)}, allowed: {form}")
+    orders: dict[int, float] = {}
+    for name, amplitude in value.items():
+        text = str(name).strip()
+        if not (text.isdecimal() and len(text) < 10 and int(text) >= 2):
+            rule = "order 1 moves the centre of a sphere that stays round"
+            words = "whole orders from 2 on, waves around the circumference"
+            raise fault(f"got the order {shown(name)}, allowed: {words}; {rule}")
+        if not (is_number(amplitude) and 0 < amplitude <= LARGEST_UM):
+            words = f"an amplitude > 0 and <= {LARGEST_UM:g} um"
+            raise fault(f"order {text}: got {shown(amplitude)}, allowed: {words}")
+        orders[int(text)] = float(amplitude)
+    return orders
+
+
+_AMPLITUDE = {"type": "number", "exclusiveMinimum": 0}
+_AMPLITUDES = {"type": "object", "minProperties": 1, "additionalProperties": False} | {
+    "patternProperties": {r"^[0-9]+$": _AMPLITUDE}
+}
+Waviness = Annotated[dict[int, float], BeforeValidator(_orders), WithJsonSchema(_AMPLITUDES)]
+Grading = Annotated[
+    str, BeforeValidator(_grade), WithJsonSchema({"type": "string", "enum": [*GRADES]})
+]
+
+
+class RoundSurface(SurfaceKind):
+    """Surface of a sphere of any kind.
+
+    Attributes
+    ----------
+    waviness : dict, optional
+        Amplitudes [um] of waves around the circumference by their order, with a crest at its start
+    """
+
+    SECTION: ClassVar[str] = "sphere.surface"
+
+    waviness: Waviness | None = None
+    faults: list[SurfaceFault] | None = None
+
+    @property
+    def has_form(self) -> bool:
+        """Whether the surface has waves around the circumference, of waviness or grade."""
+        return self.waviness is not None or self.kind == "graded"
+
+
+class GaussianBall(Roughness, RoundSurface):
+    """Random surface of a sphere by its autocorrelation.
+
+    Attributes
+    ----------
+    kind : "gaussian"
+        A random surface by its autocorrelation
+    """
+
+    kind: Literal["gaussian"] = "gaussian"
+
+
+class SmoothBall(RoundSurface):
+    """Smooth surface of a sphere, for waviness and faults alone.
+
+    Attributes
+    ----------
+    kind : "smooth"
+        Smooth but for waviness and faults
+    """
+
+    kind: Literal["smooth"] = "smooth"
+
+
+class GradedBall(RoundSurface):
+    """Surface of a sphere at the limits of a grade of ISO 3290-1.
+
+    Roughness is random. The deviation from spherical form is the peak-to-valley height of waves of
+    the orders 2 to 15, whose amplitudes fall with the order and whose phases are random.
+
+    Attributes
+    ----------
+    kind : "graded"
+        Roughness and form at the limits of a grade of ISO 3290-1
+    grade : str
+        Grade, whose limits are Ra and deviation from spherical form [um]: G3 0.010, 0.08; G5
+        0.014, 0.13; G10 0.020, 0.25; G16 0.025, 0.4; G20 0.032, 0.5; G24 0.040, 0.6; G28 0.050,
+        0.7; G40 0.060, 1; G60 0.080, 1.5; G100 0.100, 2.5; G200 0.150, 5
+    correlation_length_um : float
+        Correlation length of the roughness [um], which no grade states
+    seed : int
+        Seed of heights and phases
+    """
+
+    kind: Literal["graded"] = "graded"
+    grade: Grading
+    correlation_length_um: float = Field(default=10.0, gt=0)
+    seed: int = Field(default=1, ge=0)
+
+    @cached_property
+    def law(self) -> Roughness:
+        """Law of the random heights."""
+        return Roughness(
+            roughness_ra_um=GRADES[self.grade].roughness_ra_um,
+            correlation_length_um=self.correlation_length_um,
+            seed=self.seed,
+        )
+
+
+class BallHeightFile(RoundSurface):
+    """Surface of a sphere read from a file, which holds one turn of it.
+
+    Attributes
+    ----------
+    kind : "file"
+        Heights from a file of one turn; their mean and the wave of order 1 are removed
+    path : str
+        File of heights, .npy, .npz, .csv or .txt, relative to the scene file: (along the
+        circumference, across), or one line that is laid across the width
+    height_unit : str
+        Unit of the heights in the file
+    spacing_um : float
+        Node spacing [um], equal to the spacing of the plate's surface
+    """
+
+    kind: Literal["file"] = "file"
+    path: str = Field(min_length=1)
+    height_unit: Literal["m", "mm", "um", "nm"] = "m"
+    spacing_um: float = Field(gt=0)
+
+
+BallSurface = GaussianBall | SmoothBall | BallHeightFile | GradedBall
+
+
+def turn_nodes(radius_mm: float, spacing_um: float) -> int:
+    """Return the nodes of a turn, the circumference in whole nodes."""
+    return round(2e3 * math.pi * radius_mm / spacing_um)
+
+
+def refuse_ball(surface: BallSurface, radius_mm: float, spacing_um: float) -> None:
+    """Raise a fault for a surface of a sphere that does not fit its circumference in nodes."""
+    circumference = 2e3 * math.pi * radius_mm
+    if not MIN_NODES <= circumference / spacing_um < MAX_NODES:
+        sizes = {"least": MIN_NODES, "most": rounded(MAX_NODES), "spacing": f"{spacing_um:g}"}
+        raise refusal("sphere.surface circumference", got=rounded(circumference, 4), **sizes)
+    most = turn_nodes(radius_mm, spacing_um) // WAVE_NODES
+    if (highest := max(surface.waviness or {0: 0})) > most:
+        raise refusal("sphere.surface.waviness order", got=highest, most=most, least=WAVE_NODES)
+    if isinstance(surface, BallHeightFile) and surface.spacing_um != spacing_um:
+        sizes = {"got": surface.spacing_um, "spacing": spacing_um}
+        raise refusal("sphere.surface.spacing_um other", **sizes)

@@ -1,24 +1,33 @@
-"""Sweep of a scene: its lists of values, their product, the names and the faults of its runs.
+"""Sweep of a scene: its lists of values, their product, and names, faults, identities of its runs.
 
 Values are numbers, names, or anything under labels, such as two surfaces or two speed profiles.
-The model of a scene is handed in as `root`, because a scene holds its sweep.
+The model of a scene is handed in as `root`, because a scene holds its sweep. Keys that change the
+contact identify a march, and digests whole scenes.
 """
 
 from __future__ import annotations
 
 import hashlib
 import itertools
+import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
 
-from rolling.scene import messages, named
-from rolling.scene.messages import Key, dotted, fault, plain_number, shown
+from rolling.scene import library, messages
+from rolling.scene.bodies import VIBRATING_PLATE
+from rolling.scene.height_files import file_digest
+from rolling.scene.library import NAME_KEYS
+from rolling.scene.messages import Key, dotted, fault, plain_number, refusal, shown
 from rolling.scene.sections import MAX_FAULTS
+
+if TYPE_CHECKING:
+    from rolling.scene.scene import Scene
 
 MAX_RUNS = 10_000  # maximum number of runs of a sweep
 LONGEST_LABEL = 100  # letters
@@ -68,8 +77,7 @@ def _digest(text: str) -> str:
 def validated(sweep: Any, root: type[BaseModel]) -> dict[str, Any]:
     """Turn the lists of a sweep into tuples; raise its first fault at its own place."""
     if not isinstance(sweep, dict):
-        form = "lists of numbers by dotted key, as in rolling.load_n: [5, 20]"
-        raise fault(f"got {shown(sweep)}, allowed: {form}", "sweep")
+        raise refusal("sweep form", got=shown(sweep))
     for name, listed in sweep.items():
         _refuse_form(name, listed, root)
     runs = math.prod(map(len, sweep.values()))
@@ -113,8 +121,7 @@ def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
         if isinstance(listed, dict):
             at = ("sweep", name)
             if not isinstance(value, str) or not 0 < len(value) <= LONGEST_LABEL:
-                words = f"text of 1 to {LONGEST_LABEL} letters"
-                raise fault(f"got {shown(value)} as a label, allowed: {words}", *at)
+                raise refusal("sweep label", *at, got=shown(value), most=LONGEST_LABEL)
             if name in messages.section_keys(root) and not isinstance(form, dict):
                 raise fault(f"got {shown(form)}, allowed: a section", *at, value)
         elif numeric and not messages.is_number(value) and value not in words_too:
@@ -124,8 +131,7 @@ def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
             raise fault(f"got {shown(value)}, allowed: text{labelled}", *at)
         before = seen.setdefault(_written(value).casefold(), value)
         if before != value:
-            words = "texts that differ in more than upper and lower case"
-            raise fault(f"got {shown(value)} beside {shown(before)}, allowed: {words}", *at)
+            raise refusal("sweep alike", *at, got=shown(value), before=shown(before))
         if len(seen) <= i:
             raise fault(f"got {shown(value)} twice, allowed: different values", *at)
 
@@ -151,11 +157,11 @@ def product(sweep: Mapping[str, Any]) -> Iterator[tuple[dict[str, Value], dict[s
 def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, Any]:
     """Return the plain values of a scene with the values of one run, sections first."""
     result: Any = data
-    for name in sorted(forms, key=lambda name: (name.count("."), named.names_first(name))):
-        result = named.freed(result, name, forms[name])
+    for name in sorted(forms, key=lambda name: (name.count("."), library.names_first(name))):
+        result = library.freed(result, name, forms[name])
         result = _changed(result, messages.key_of(name), forms[name])
     return {
-        name: named.filled(name, part) if name in named.NAMES else part
+        name: library.filled(name, part) if name in library.NAMES else part
         for name, part in result.items()
     }
 
@@ -163,9 +169,13 @@ def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, 
 def with_value(data: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
     """Return plain values with the value of a dotted name, which leaves the sweep."""
     key = messages.key_of(name)
-    if name == "plate.hardness_gpa" and value is None and named.name_of("plate", data.get("plate")):
-        value = named.NONE  # which the material would give again
-    result: dict[str, Any] = _changed(named.freed(data, name, value), key, value)
+    if (
+        name == "plate.hardness_gpa"
+        and value is None
+        and library.name_of("plate", data.get("plate"))
+    ):
+        value = library.NONE  # which the material would give again
+    result: dict[str, Any] = _changed(library.freed(data, name, value), key, value)
     if len(key) > 1 and key[0] != "sweep" and isinstance(swept := result.get("sweep"), dict):
         result["sweep"] = {other: listed for other, listed in swept.items() if other != name}
     return result
@@ -259,3 +269,126 @@ def _errors(data: Mapping[str, Any], root: type[BaseModel]) -> list[Any]:
 def first_errors(error: ValidationError) -> list[Any]:
     """List the faults that pydantic reports, at most one more than are named."""
     return error.errors(include_url=False)[: MAX_FAULTS + 1]
+
+
+# ---- identities
+
+
+# The march does not depend on these keys. The number of steps stands for duration, distance and
+# speed. Densities, thickness, edges and loss factors belong to the vibration. A name stands beside
+# its values. Passes count with memory only.
+_NOT_CONTACT = {
+    *("name", "title", "description", "sound", "sweep", "dynamics", "numerics.error_estimate"),
+    *("rolling.speed_m_s", "rolling.duration_s", "rolling.distance_mm", "rolling.resistance"),
+    *("rolling.drop_mm", "rolling.passes", "plate.plasticity", "sphere.density_kg_m3"),
+    *NAME_KEYS,
+    *(f"plate.{name}" for name in VIBRATING_PLATE),
+}
+
+
+def contact_keys(scene: Scene) -> dict[str, Any]:
+    """Return the values by dotted key that change the march of a scene without a sweep.
+
+    The digest of a height file stands for its path. Raise SceneError for a missing height file.
+    """
+    track = scene.track
+    keys = {
+        key: value
+        for key, value in _flat(scene.model_dump(mode="json", exclude_none=True)).items()
+        if key not in _NOT_CONTACT and key.partition(".")[0] not in _NOT_CONTACT
+    }
+    keys |= {"numerics.tolerance": scene.tolerance, "rolling.load_n": scene.load}
+    if scene.is_permanent:
+        keys["passes"] = scene.passes
+    for section, path in scene.height_paths.items():
+        del keys[f"{section}.path"]
+        keys[f"{section}.sha256"] = file_digest(path)
+    return keys | {
+        "track.n_along": track.n_along,
+        "track.n_across": track.n_across,
+        "track.solved_steps": track.solved_steps,
+    }
+
+
+def scene_identity(scene: Scene) -> str:
+    """Return the SHA-256 of all values of all runs; height files count with their digests."""
+    return digest(list(_runs(scene)))
+
+
+def differences(old: Scene, new: Scene) -> list[str]:
+    """List the keys where two scenes differ, as "key: got VALUE of new, has VALUE of old"."""
+    before, after = _flat(_numbers(old.to_dict())), _flat(_numbers(new.to_dict()))
+    keys = list(dict.fromkeys([*after, *before]))
+    if before["surface.kind"] != after["surface.kind"]:
+        keys = [key for key in keys if key == "surface.kind" or not key.startswith("surface.")]
+    lines = [
+        f"{key}: got {shown(after.get(key))}, has {shown(before.get(key))}"
+        for key in keys
+        if before.get(key) != after.get(key) and not _is_path(key)
+    ]
+    if lines:
+        return lines
+    names, runs = [name for name, _ in _runs(old)], [name for name, _ in _runs(new)]
+    if names != runs:
+        return [f"sweep: got the runs {shown(runs)}, has {shown(names)}"]
+    if scene_identity(old) != scene_identity(new):
+        section = next(iter(new.height_paths), "surface")
+        return [f"{section}.path: the heights are others than those of the earlier run"]
+    return []
+
+
+def _is_path(key: str) -> bool:
+    """Tell whether a dotted key holds the path of a height file, swept or not."""
+    return "surface.path" in key or key.rpartition(".")[2] == "path"
+
+
+def contains(small: Scene, large: Scene) -> bool:
+    """Tell whether each run of one scene is a run, under the same name, of another scene."""
+    runs = dict(_runs(large))
+    return all(runs.get(name) == values for name, values in _runs(small))
+
+
+def digest(values: Any) -> str:
+    """Return the SHA-256 of plain values as canonical JSON."""
+    text = json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
+    """Yield name and plain values of each run of a scene."""
+    data = {name: value for name, value in scene.to_dict().items() if name != "sweep"}
+    for values, forms in product(scene.sweep):
+        swept = with_values(data, forms)
+        swept["surface"] = _digested(swept["surface"], scene.folder)
+        if "surface" in swept["sphere"]:
+            ball = _digested(swept["sphere"]["surface"], scene.folder)
+            swept["sphere"] = {**swept["sphere"], "surface": ball}
+        yield run_name(values), _numbers(swept)
+
+
+def _digested(surface: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the values of a surface with the digest of its file in place of the path."""
+    values = dict(surface)
+    if "path" in values:
+        values["sha256"] = file_digest(folder / values.pop("path"))
+    return values
+
+
+def _numbers(value: Any) -> Any:
+    """Return plain values whose whole numbers are integers, so that 5 and 5.0 are equal text."""
+    if isinstance(value, dict):
+        return {name: _numbers(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_numbers(item) for item in value]
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return values by dotted key; an empty section has the value true."""
+    flat: dict[str, Any] = {}
+    for name, value in data.items():
+        if isinstance(value, Mapping) and value:
+            flat |= _flat(value, f"{prefix}{name}.")
+        else:
+            flat[f"{prefix}{name}"] = True if isinstance(value, Mapping) else value
+    return flat

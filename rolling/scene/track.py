@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene import height_files
-from rolling.scene.messages import cut, fault, plain_number
+from rolling.scene.messages import refusal
 
 ROUNDING = 1e-9  # relative; a smaller excess over the last distance reached counts as rounding
 
@@ -187,9 +185,7 @@ MAX_NODES = 10**9  # maximum of nodes and steps along the track; more is an erro
 # surface: half a width at either end is as it would be on a longer track, and over a width the end
 # is faded into the beginning. A contact is narrower than the surface.
 MARGIN_WIDTHS = 2
-_SPEED = "rolling", "speed_m_s"
 _RESISTANCE = "rolling", "resistance"
-Read = TypeVar("Read")
 _DURATION, _DISTANCE = ("rolling", "duration_s"), ("rolling", "distance_mm")
 
 
@@ -265,11 +261,8 @@ def rolled(
             return Rolled(motion.final_distance, resistance, _RESISTANCE) if resistance else None
         return Rolled(float(motion.distance(duration_s)), duration_s, _DURATION)
     if distance_mm * 1e-3 > motion.final_distance * (1 + ROUNDING):
-        raise fault(
-            f"the sphere comes to rest after {rounded(motion.final_distance * 1e3, 6)} mm,"
-            f" rolling.distance_mm is {plain_number(distance_mm)}: give it more speed",
-            *_SPEED,
-        )
+        rest = rounded(motion.final_distance * 1e3, 6)
+        raise refusal("rolling.speed_m_s distance", rest=rest, distance=distance_mm)
     return Rolled(distance_mm * 1e-3, distance_mm, _DISTANCE)
 
 
@@ -290,25 +283,19 @@ def made_track(
     # The track is counted in the larger of step and node; the smaller then fits in whole numbers.
     unit_nodes = max(1, math.ceil(step))
     unit = unit_nodes * spacing
-    distance, got = wanted.distance, plain_number(wanted.value)
+    distance, got = wanted.distance, wanted.value
     if not distance / min(unit, spacing * float(step)) < MAX_NODES:
-        raise fault(
-            f"got {got}, which is more than {rounded(MAX_NODES)} nodes or steps", *wanted.key
-        )
+        raise refusal("rolling.duration_s nodes", *wanted.key, got=got, most=rounded(MAX_NODES))
     units, least = _within_reach(distance, unit, motion), math.ceil(MIN_NODES / unit_nodes)
     if units < least:
-        shortest = f"track is {least * unit_nodes} nodes, {rounded(least * unit * 1e6, 4)} um"
+        shortest = {"nodes": least * unit_nodes, "length": rounded(least * unit * 1e6, 4)}
         if least * unit > motion.final_distance * (1 + ROUNDING):
-            rest = f"the sphere comes to rest after {rounded(motion.final_distance * 1e6, 4)} um"
-            raise fault(f"{rest}, the shortest {shortest}: give it more speed", *_SPEED)
-        value = least * unit * 1e3
-        if wanted.key == _DURATION:
-            value = motion.duration(least * unit)
-        raise fault(
-            f"got {got}, in which the sphere rolls {rounded(distance * 1e6, 4)} um; the shortest"
-            f" {shortest}: at least {rounded(value, 4)}",
-            *wanted.key,
-        )
+            rest = rounded(motion.final_distance * 1e6, 4)
+            raise refusal("rolling.speed_m_s shortest", rest=rest, **shortest)
+        is_duration = wanted.key == _DURATION
+        value = motion.duration(least * unit) if is_duration else least * unit * 1e3
+        shortest |= {"rolled": rounded(distance * 1e6, 4), "least": rounded(value, 4)}
+        raise refusal("rolling.duration_s shortest", *wanted.key, got=got, **shortest)
     n_along = units * unit_nodes
     steps, length = int(n_along / step), spacing * float(step)
     if not turn_nodes or n_along % turn_nodes == 0:
@@ -334,16 +321,12 @@ def file_track(
     plate_nodes, n_across = nodes
     fraction, step, lap = _fraction(step_nodes), spacing * step_nodes, plate_nodes * spacing
     if wanted is None and motion.final_distance * (1 + ROUNDING) < lap:
-        raise fault(
-            f"the sphere comes to rest after {rounded(motion.final_distance, 4)} m, once round the"
-            f" height file is {rounded(lap, 4)} m: give it more speed or set rolling.duration_s",
-            *_SPEED,
-        )
+        rest = rounded(motion.final_distance, 4)
+        raise refusal("rolling.speed_m_s lap", rest=rest, lap=rounded(lap, 4))
     distance, _, key = wanted or Rolled(lap, lap, _DURATION)
     if not distance / step < MAX_NODES:
-        raise fault(
-            f"the sphere rolls {rounded(distance, 4)} m, more than {rounded(MAX_NODES)} steps", *key
-        )
+        sizes = {"distance": rounded(distance, 4), "most": rounded(MAX_NODES)}
+        raise refusal("rolling.duration_s steps", *key, **sizes)
     steps = max(1, _within_reach(distance, step, motion))
     n_along = math.lcm(plate_nodes, turn_nodes or 1)
     if turn_nodes:
@@ -370,33 +353,3 @@ def _within_reach(distance: float, length: float, motion: Motion) -> int:
 def _fraction(step_nodes: float) -> Fraction:
     """Return the step in nodes as a fraction."""
     return Fraction(step_nodes).limit_denominator(16)
-
-
-def refuse_turn(path: Path, name: str, track: Track) -> None:
-    """Raise a fault for a height file that holds no turn of the sphere over the width.
-
-    `name` is the path as the scene has it.
-    """
-    at = "sphere", "surface", "path"
-    rows, columns = readable(path, name, at, lambda: height_files.nodes(path))
-    if rows != track.turn_nodes or columns not in (1, track.n_across):
-        radius = rounded(rows * track.spacing * 1e3 / (2 * math.pi), 8)
-        raise fault(
-            f"{name}: got {rows} x {columns} nodes, allowed: {track.turn_nodes} nodes around the"
-            f" sphere x 1 or {track.n_across} across; {rows} nodes are a turn of sphere.radius_mm"
-            f" {radius}",
-            *at,
-        )
-
-
-def readable(path: Path, name: str, at: tuple[str, ...], read: Callable[[], Read]) -> Read:
-    """Return the result of `read` on a file; raise a fault at a key where it holds no heights.
-
-    `name` is the path as the scene has it.
-    """
-    try:
-        return read()
-    except height_files.HeightFormatError as error:
-        missing = isinstance(error.__cause__, FileNotFoundError)
-        place = f" (looked in {path.parent.absolute()})" if missing else ""
-        raise fault(f"{error.of(cut(name))}{place}", *at) from error

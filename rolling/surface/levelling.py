@@ -15,6 +15,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from rolling.scene.height_files import UNITS, HeightFormatError, numbers
+from rolling.scene.messages import worded
 from rolling.surface.heights import SurfaceError
 
 LARGEST_RA = 1e-3  # [m]; anything rougher is a file in other units
@@ -55,27 +56,21 @@ def in_metres(values: np.ndarray, unit: str, name: str, has_gaps: bool = False) 
     finite = np.isfinite(heights)
     gaps = heights.size - np.count_nonzero(finite)
     if gaps == heights.size or (gaps and not has_gaps):
-        i, j = np.argwhere(~finite)[0]
-        raise SurfaceError(
-            f"{name}: {gaps} of {heights.size} heights are not numbers, the first at ({i}, {j});"
-            " surface.unmeasured fill fills such points of the plate"
-        )
+        row, column = map(int, np.argwhere(~finite)[0])
+        counts = {"gaps": int(gaps), "count": heights.size, "row": row, "column": column}
+        raise SurfaceError(worded("heights gaps", name=name, **counts))
     if gaps:
         heights[~finite] = np.nan
     largest = float(np.nanmax(np.abs(heights)))
     if largest * UNITS[unit] > HIGHEST:
-        raise SurfaceError(
-            f"{name}: got a height of {rounded(largest, 4)} {unit}, allowed: up to"
-            f" {rounded(HIGHEST / UNITS[unit])} {unit}"
-        )
+        sizes = {"got": rounded(largest, 4), "most": rounded(HIGHEST / UNITS[unit])}
+        raise SurfaceError(worded("heights highest", name=name, unit=unit, **sizes))
     mean = np.nanmean if gaps else np.mean
     heights = (heights - mean(heights)) * UNITS[unit]
     ra = float(mean(np.abs(heights)))
     if ra > LARGEST_RA:
-        raise SurfaceError(
-            f"{name}: Ra would be {rounded(ra, 4)} m, more than {LARGEST_RA:g} m; set"
-            f" surface.height_unit, {unit} here, to the unit of the file ({', '.join(UNITS)})"
-        )
+        sizes = {"ra": rounded(ra, 4), "most": f"{LARGEST_RA:g}", "units": ", ".join(UNITS)}
+        raise SurfaceError(worded("heights rough", name=name, unit=unit, **sizes))
     return heights
 
 

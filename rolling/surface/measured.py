@@ -1,17 +1,31 @@
-"""Heights in files of all formats, read and written in SI."""
+"""Heights in files of all formats, read and written in SI, and heights of numpy arrays.
+
+A scene knows files. An array is written to a folder of this process under the digest of its bytes,
+where the workers read it, and a saved run has a copy.
+"""
 
 from __future__ import annotations
 
+import atexit
+import hashlib
+import importlib
 import io
+import shutil
+import tempfile
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from acoustics.arrays import Array
-from rolling.scene import height_files, instruments
+from acoustics.arrays import Array, positive
+from rolling.scene import height_files, height_grid
 from rolling.scene.height_files import UNITS, HeightFormatError
-from rolling.scene.instruments import Measured
-from rolling.surface.levelling import HIGHEST, LARGEST_RA
+from rolling.scene.height_grid import Measured
+from rolling.scene.scene import Scene
+from rolling.scene.surfaces import HeightFile
+from rolling.scene.track import MIN_NODES
+from rolling.surface.levelling import HIGHEST, LARGEST_RA, in_metres
 from rolling.surface.parameters import without_plane
 from rolling.terminal import files
 from rolling.terminal.files import FolderError
@@ -43,8 +57,8 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
         The file is missing, damaged or too large, holds no such heights, or needs a package that
         is not installed.
     """
-    if instruments.is_instrument(path):
-        return instruments.read(path, channel, unit)
+    if height_files.is_instrument(path):
+        return height_grid.read(path, channel, unit)
     if channel is not None:
         raise HeightFormatError(f"a {path.suffix.lower()} file has no channels")
     with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused later
@@ -109,17 +123,91 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
             row, column = np.nonzero(np.isfinite(heights))
             points = np.column_stack([column * across, row * along, heights[row, column]])
             np.savetxt(stream, points, "%.17g")
-        elif ending == ".x3p":
-            import x3pio
-
-            x3pio.write(stream, heights, x_scale=across, y_scale=along)
-        elif ending == ".sdf":
-            import sdfio
-
-            sdfio.write(stream, heights, x_scale=across, y_scale=along)
+        elif ending in WRITTEN:  # a package writes each format of ISO 25178-7
+            package = importlib.import_module(f"{ending[1:]}io")
+            package.write(stream, heights, x_scale=across, y_scale=along)
         else:
             got = f"the ending {path.suffix}" if ending else "no ending"
             raise HeightFormatError(f"got {got}, allowed: {', '.join(WRITTEN)}")
     except ModuleNotFoundError as error:
-        raise HeightFormatError(instruments.missing(ending, error)) from error
+        raise HeightFormatError(height_grid.missing(ending, error)) from error
     files.write_bytes(path, stream.getvalue())
+
+
+# ---- heights of arrays
+
+
+COPY = "heights.npy"  # name of the copy in the folder of a run
+
+
+def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
+    """Make a surface of an array of heights, for `Scene(surface=...)` and `simulate(heights=...)`.
+
+    Parameters
+    ----------
+    heights : (m, n) array_like, m
+        Real heights along and across the track, one period of at least 8 x 8 nodes; or a profile of
+        shape (m,), (m, 1) or (1, m) with the key `width_um`.
+    spacing_um : float, um
+        Node spacing along and across.
+    **keys
+        Other keys of `HeightFile`, such as `periodic="blend"` for a measurement,
+        `unmeasured="fill"` where NaN marks unmeasured points, and `height_unit`.
+
+    Returns
+    -------
+    surface : HeightFile. Its file lasts as long as this process.
+
+    Raises
+    ------
+    ValueError : the heights have another shape, or are not real, not finite or too large.
+    SceneError : a key is unknown or does not fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import rolling
+    >>> z = 1e-7 * np.random.default_rng(1).standard_normal((64, 32))
+    >>> rolling.HeightArray(z, spacing_um=2).spacing_um
+    2.0
+    """
+    allowed = f"allowed: real numbers, (along, across), at least {MIN_NODES} each way, or a profile"
+    try:
+        if np.ma.isMaskedArray(heights):
+            heights = np.ma.filled(heights.astype(float), np.nan)
+        values = np.asarray(heights)
+    except ValueError as error:  # rows of several lengths
+        raise ValueError(f"heights: got rows of several lengths, {allowed}") from error
+    if values.dtype.kind not in "fiu" or values.ndim not in (1, 2):
+        raise ValueError(f"heights: got {values.ndim}-D {values.dtype}, {allowed}")
+    is_profile = values.ndim == 1 or 1 in values.shape
+    if max(values.shape) < MIN_NODES or (min(values.shape) < MIN_NODES and not is_profile):
+        raise ValueError(f"heights: got an array of shape {values.shape}, {allowed}")
+    positive("spacing_um", spacing_um, 1e15)
+    surface = HeightFile(path=COPY, spacing_um=float(spacing_um), **keys)
+    in_metres(values, surface.height_unit, "heights", surface.unmeasured == "fill")
+    stream = io.BytesIO()
+    np.save(stream, values)
+    content = stream.getvalue()
+    path = _folder() / f"{hashlib.sha256(content).hexdigest()[:32]}.npy"
+    if not path.exists():
+        files.write_bytes(path, content)
+    return surface.model_copy(update={"path": str(path)})
+
+
+@cache
+def _folder() -> Path:
+    """Make the folder of the arrays of this process, which its end removes."""
+    folder = Path(tempfile.mkdtemp(prefix="rolling-heights-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+def with_copy(scene: Scene, folder: Path) -> Scene:
+    """Copy the array of a scene into a folder; return the scene with the copy in its place."""
+    path, is_made = scene.height_path, _folder.cache_info().currsize > 0
+    if path is None or not is_made or path.parent != _folder():
+        return scene
+    files.write_bytes(folder / COPY, path.read_bytes())
+    data = scene.to_dict()
+    return Scene.from_dict({**data, "surface": {**data["surface"], "path": COPY}}, folder)

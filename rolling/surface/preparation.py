@@ -16,9 +16,8 @@ from scipy import fft
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene.height_files import HeightFormatError
+from rolling.scene.height_files import HeightFormatError, is_instrument
 from rolling.scene.height_grid import SAME, HeightGrid, is_other, is_turned
-from rolling.scene.instruments import is_instrument
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import levelling, measured
 from rolling.surface.heights import SurfaceError

@@ -10,9 +10,9 @@ import pytest
 from rolling.check.findings import check_scene
 from rolling.results.verdict import expected
 from rolling.scene.file import loads, resound
-from rolling.scene.identity import contact_keys
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import contact_keys
 from rolling.sound.contact_sound import middle_speeds
 
 TEXT = """\

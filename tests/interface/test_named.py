@@ -11,12 +11,12 @@ import pytest
 from rolling import Scene, SceneError, read_scene
 from rolling.check.findings import findings
 from rolling.results.labels import labels
-from rolling.scene import named
+from rolling.scene import library
 from rolling.scene.file import dump, loads, schema
-from rolling.scene.identity import contact_keys, scene_identity
 from rolling.scene.surfaces import Gaussian
+from rolling.scene.sweep import contact_keys, scene_identity
 
-MATERIALS = named.data("materials")["materials"]
+MATERIALS = library.data("materials")["materials"]
 TEXT = """
 name: named
 sphere: {radius_mm: 5, material: glass}
@@ -35,12 +35,12 @@ def scene(**changes: Any) -> Scene:
 def test_every_number_has_a_source_and_every_source_a_number(table: str) -> None:
     pairs = [
         pair
-        for entry in named.data(table)[table].values()
+        for entry in library.data(table)[table].values()
         for pair in entry.values()
         if isinstance(pair, list)
     ]
     assert all(isinstance(value, int | float) for value, _ in pairs)
-    assert {source for _, source in pairs} == {*named.data(table)["sources"]}
+    assert {source for _, source in pairs} == {*library.data(table)["sources"]}
 
 
 @pytest.mark.parametrize("name", MATERIALS)
@@ -90,8 +90,8 @@ def test_a_stored_scene_keeps_its_values_when_the_tables_change(
     stored, identity, keys = dump(run), scene_identity(run), contact_keys(run)
     of_sweep = scene_identity(swept)
     changed = {name: entry | {"hardness_gpa": [1.5, "x"]} for name, entry in MATERIALS.items()}
-    real = named.data
-    monkeypatch.setattr(named, "data", lambda table: {**real(table), "materials": changed})
+    real = library.data
+    monkeypatch.setattr(library, "data", lambda table: {**real(table), "materials": changed})
     again = loads(stored)
     assert again == run and again.hardness == 6e9
     assert (scene_identity(again), contact_keys(again)) == (identity, keys)

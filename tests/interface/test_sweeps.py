@@ -12,10 +12,16 @@ from scene_text import PLAIN
 
 from rolling.scene import sweep
 from rolling.scene.file import dump, loads
-from rolling.scene.identity import contact_keys, contains, differences, scene_identity
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene, SweepRun
-from rolling.scene.sweep import LONGEST_NAME, run_name
+from rolling.scene.sweep import (
+    LONGEST_NAME,
+    contact_keys,
+    contains,
+    differences,
+    run_name,
+    scene_identity,
+)
 
 SURFACES = """\
 sweep:

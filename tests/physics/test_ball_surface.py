@@ -14,11 +14,10 @@ from rolling.check import cost
 from rolling.check.vibration import force_rms
 from rolling.marches.piece import contact_identity
 from rolling.results.run_result import hear
-from rolling.scene.balls import GRADES
+from rolling.scene.surfaces import GRADES
 from rolling.surface import heights as surface
-from rolling.surface.ball import ball_heights, rolled_together
 from rolling.surface.contact_of_scene import rolling_contact
-from rolling.surface.scene_surface import heights, scene_surface
+from rolling.surface.scene_surface import ball_heights, heights, rolled_together, scene_surface
 
 ROUGH = {"kind": "gaussian", "roughness_ra_um": 0.005, "correlation_length_um": 10, "seed": 4}
 

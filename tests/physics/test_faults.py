@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rolling.scene.faults import SurfaceFault
-from rolling.surface.faults import add_faults
+from rolling.scene.laws import SurfaceFault
+from rolling.surface.heights import add_faults
 
 NODES, SPACING = (400, 101), 1e-6
 MIDDLE = 50  # column of the line of the sphere

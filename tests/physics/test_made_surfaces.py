@@ -18,7 +18,7 @@ from rolling.scene.laws import Roughness, SelfAffineLaw
 from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
 from rolling.surface import made, scene_surface
-from rolling.surface.johnson import johnson_heights
+from rolling.surface.made import johnson_heights
 
 SPACING = 1e-6
 SHAPE = (256, 192)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rolling.scene import file, instruments
+from rolling.scene import file, height_grid
 from rolling.scene.height_files import HeightFormatError
 from rolling.scene.messages import SceneError
 from rolling.surface import measured, scene_surface
@@ -202,9 +202,9 @@ def test_packed_and_declared_sizes_are_limited(
     path = tmp_path / "bomb.x3p"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("main.xml", b" " * 2_000_000)
-    monkeypatch.setattr(instruments, "MAX_BYTES", 1_000_000)
+    monkeypatch.setattr(height_grid, "MAX_BYTES", 1_000_000)
     assert "holds 2,000,000 bytes of heights, allowed: 1,000,000" in refused(path)
-    monkeypatch.setattr(instruments, "MAX_BYTES", 1000)
+    monkeypatch.setattr(height_grid, "MAX_BYTES", 1000)
     path = tmp_path / "nm.bcrf"
     crystal(path)
     assert "bytes of heights, allowed: 1,000" in refused(path)

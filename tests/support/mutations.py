@@ -25,7 +25,7 @@ import numpy as np
 from mutated_texts import WORDS, mutated
 
 from rolling.check import findings
-from rolling.scene import file, yaml_text
+from rolling.scene import file
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 
@@ -100,7 +100,7 @@ def scene_case(number: int, folder: Path) -> Scene:
 def values_case(number: int, folder: Path) -> Scene:
     """Build a scene from plain values, of which some are swapped for others."""
     chance = random.Random(number)
-    data, _ = yaml_text.parse(SWEPT, "s.yaml")
+    data, _ = file.parse(SWEPT, "s.yaml")
     for _ in range(chance.choice([1, 1, 1, 3])):
         inside: Any = data
         while True:
