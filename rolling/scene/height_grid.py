@@ -295,11 +295,8 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
     resampled = shape
     if is_other(steps, spacing):
         wraps = surface.made_periodic == "none"  # a period keeps its length, to half a node
-        lengths = ((shape[k] - (not wraps)) * steps[k] / spacing for k in (0, 1))
-        along, across = (
-            round(min(length, 2e9)) if wraps else int(min(length, 2e9) + SAME) + 1
-            for length in lengths
-        )
+        lengths = (min((shape[k] - (not wraps)) * steps[k] / spacing, 2e9) for k in (0, 1))
+        along, across = (round(n) if wraps else int(n + SAME) + 1 for n in lengths)
         resampled = along, across
     if resampled != shape and 8 * resampled[0] * resampled[1] > MAX_BYTES:
         sides = {"along": resampled[0], "across": resampled[1], "path": surface.path}
