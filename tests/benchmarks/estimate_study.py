@@ -29,7 +29,7 @@ from rolling.contact.recovery import step_energy
 from rolling.marches.piece import half_space_for
 from rolling.sound.contact_sound import contact_sound
 from rolling.surface.contact_of_scene import rolling_contact
-from rolling.surface.heights import continued
+from rolling.surface.made import continued
 from rolling.surface.scene_surface import heights
 
 BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
@@ -126,11 +126,9 @@ def with_detail(scene: rc.Scene) -> Array:
         heights(scene),
         scene.spacing,
     )
-    rq = surface.roughness_ra_um * 1e-6 * math.sqrt(math.pi / 2)
-    lengths = (surface.correlation_length_um * 1e-6,) * 2
+    (law,) = scene.laws
     for octave in (1, 2):
-        law = rq, lengths, surface.autocorrelation
-        z = continued(z, spacing, [law], (surface.seed, octave))
+        z = continued(z, spacing, [(law.rq_m, law)], (surface.seed, octave))
         spacing /= 2
     cells = z.repeat(contact.subcells, axis=0).repeat(contact.subcells, axis=1)
     start = contact.start + (scene.spacing - spacing) / 2
