@@ -69,7 +69,7 @@ if __name__ == "__main__":
             "rolling": ["py.typed", "*.pyi"],
             **{f"rolling.{room}": ["*.toml", "*.yaml"] for room in TABLES},
             "acoustics": ["py.typed"],
-            "rolling.report": ["assets/*"],
+            "rolling.report": ["assets/*", "assets/*/*.js"],
             SCENES: ["*.yaml", "*.sdf", "scene.schema.json", "*/*/*.yaml"],
         },
         include_package_data=False,

@@ -23,7 +23,7 @@ from rolling import __version__
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
-from rolling.report import assumed, film, hearing, maps, text
+from rolling.report import assumed, film, hearing, maps, scripts, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
 from rolling.results.listening import heard
@@ -34,10 +34,6 @@ from rolling.terminal import defaults
 
 LARGEST_CSV = 200_000  # bytes on the page; `rolling plot` writes longer tables
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
-SCRIPTS = (  # the parts of the page's script, in their order
-    *("core", "player", "choices", "motion", "contact", "film", "film_motion"),
-    *("downloads", "compare", "abx", "keys", "begin"),
-)
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
 
@@ -86,7 +82,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         surfaces=_surfaces(shown),
         vibrations=_vibrations(views),
         css=Markup(text.asset("report.css")),
-        js=Markup("\n".join(text.asset(f"{name}.js") for name in SCRIPTS)),
+        js=Markup(scripts.joined("page/begin.js")),
         data={"runs": players, "view": scale, "bands": BAND_NAMES},
     )
     return html.encode()

@@ -1,6 +1,13 @@
 // ---- the beginning ----
 
-function begin() {
+import { $, longest, runs, state } from "./core.js";
+import { decode } from "./player.js";
+import { choose, say } from "./choices.js";
+import { drawFilm, filmOf } from "./film.js";
+import { showDifference } from "./compare.js";
+import { listen, markScrolling } from "./keys.js";
+
+export function begin() {
   document.documentElement.classList.add("scripted");
   $("#transport").hidden = false;
   $(".singles").open = runs.length === 1;
@@ -16,7 +23,7 @@ function begin() {
 }
 
 /** Draws the canvases again in the colours of the screen, light or dark, or of paper. */
-function recolour() {
+export function recolour() {
   showDifference();
   if (filmOf()) drawFilm();
 }

@@ -1,15 +1,18 @@
 // ---- the ball during the slow motion: its height, the contact force, and its flights ----
 
-const sampleAt = ({ begin, step, force_n: force }, time) => Math.min(force.length - 1, Math.max(0, Math.round((time - begin) / step)));
+import { $, runs, state } from "./core.js";
+import { film } from "./film.js";
 
-const flightAt = ({ motion }, time) => motion?.flights.find(([begin, end]) => begin <= time && time <= end);
-const flies = (shown, time) => Boolean(flightAt(shown, time));
+export const sampleAt = ({ begin, step, force_n: force }, time) => Math.min(force.length - 1, Math.max(0, Math.round((time - begin) / step)));
 
-const FLASHING_PX = 21824; // on which more than three flashes a second are too many by WCAG 2.3.1
-const FLASH_S = 1 / 3;
+export const flightAt = ({ motion }, time) => motion?.flights.find(([begin, end]) => begin <= time && time <= end);
+export const flies = (shown, time) => Boolean(flightAt(shown, time));
+
+export const FLASHING_PX = 21824; // on which more than three flashes a second are too many by WCAG 2.3.1
+export const FLASH_S = 1 / 3;
 
 /** Whether the map is left out: in flight, unless so much of the picture would then flash too often. */
-function isEmptied(shown, time) {
+export function isEmptied(shown, time) {
   const flight = flightAt(shown, time);
   if (!flight || !film.playing) return Boolean(flight);
   const cell = $("#film").clientWidth / shown.size[0];
@@ -17,32 +20,32 @@ function isEmptied(shown, time) {
 }
 
 /** The map at which the ball presses hardest; undefined without its motion. */
-function hardestMap({ motion, times }) {
+export function hardestMap({ motion, times }) {
   if (!motion) return undefined;
   const forces = times.map((time) => motion.force_n[sampleAt(motion, time)]);
   return forces.indexOf(Math.max(...forces));
 }
 
 /** Says why the map is empty. */
-function drawFlight(pen) {
+export function drawFlight(pen) {
   pen.font = "22px system-ui, sans-serif";
   pen.textAlign = "center";
   pen.fillStyle = "#fff";
   pen.fillText("the ball flies: nothing touches", pen.canvas.width / 2, pen.canvas.height - 24);
 }
 
-function prepareMotion({ motion }, width) {
+export function prepareMotion({ motion }, width) {
   const canvas = $("#film-motion");
   if (!canvas) return;
   canvas.hidden = $("#film-motion-note").hidden = !motion;
   canvas.width = width; // small print stays legible
 }
 
-const newtons = (force) => (force < 1 ? `${Number((1e3 * force).toPrecision(3))} mN` : `${Number(force.toPrecision(3))} N`);
-const metres = (nm) => (Math.abs(nm) < 1000 ? `${Number(nm.toPrecision(3))} nm` : `${Number((nm / 1000).toPrecision(3))} µm`).replace("-", "−");
+export const newtons = (force) => (force < 1 ? `${Number((1e3 * force).toPrecision(3))} mN` : `${Number(force.toPrecision(3))} N`);
+export const metres = (nm) => (Math.abs(nm) < 1000 ? `${Number(nm.toPrecision(3))} nm` : `${Number((nm / 1000).toPrecision(3))} µm`).replace("-", "−");
 
 /** What the ball does at a time, in words; nothing without its motion. */
-function saidMotion(shown, time) {
+export function saidMotion(shown, time) {
   if (!shown.motion) return "";
   const { motion } = shown, at = sampleAt(motion, time);
   const presses = flies(shown, time) ? "flies" : `presses with ${newtons(motion.force_n[at])}`;
@@ -50,7 +53,7 @@ function saidMotion(shown, time) {
 }
 
 /** Height and force, pale where the film has not come yet, with the flights shaded. */
-function drawMotion(shown) {
+export function drawMotion(shown) {
   const { motion, times } = shown;
   if (!motion) return;
   const canvas = $("#film-motion"), pen = canvas.getContext("2d"), { width, height } = canvas;

@@ -1,9 +1,12 @@
 // ---- two runs compared: the difference of their spectra ----
 
-const pair = () => ["#compare-a", "#compare-b"].map((selector) => Number($(selector).value));
+import { $, data, runs } from "./core.js";
+import { signed } from "./choices.js";
+
+export const pair = () => ["#compare-a", "#compare-b"].map((selector) => Number($(selector).value));
 
 /** Differences of the band levels of two runs in dB with their standard uncertainty; null where a level is missing. */
-function differences(a, b) {
+export function differences(a, b) {
   return data.bands.map((_, band) => {
     const [one, other] = [runs[a], runs[b]].map(({ bands, spreads }) => [bands[band], spreads[band]]);
     if (one[0] === null || other[0] === null) return null;
@@ -11,7 +14,7 @@ function differences(a, b) {
   });
 }
 
-function showDifference() {
+export function showDifference() {
   if (!$("#difference")) return;
   const [a, b] = pair();
   const found = differences(a, b);
@@ -27,7 +30,7 @@ function showDifference() {
   $("#difference-numbers tbody").replaceChildren(...rows);
 }
 
-function drawDifference(found) {
+export function drawDifference(found) {
   const canvas = $("#difference");
   canvas.width = Math.min(1200, 2 * canvas.clientWidth || 1200);
   const pen = canvas.getContext("2d"), { width, height } = canvas;

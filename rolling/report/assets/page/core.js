@@ -1,20 +1,20 @@
-const RATE = 48000;
-const FADE_S = 0.01; // short enough to switch at once, long enough not to click
-const NEVER = 1e9; // seconds
-const STILL_MS = 2000; // without a sound after which the page says so
-const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
+export const RATE = 48000;
+export const FADE_S = 0.01; // short enough to switch at once, long enough not to click
+export const NEVER = 1e9; // seconds
+export const STILL_MS = 2000; // without a sound after which the page says so
+export const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
 
-const $ = (selector) => document.querySelector(selector);
-const $$ = (selector) => [...document.querySelectorAll(selector)];
-const data = JSON.parse($("#data").textContent);
-const runs = data.runs;
-const longest = Math.max(...runs.map((run) => run.seconds));
-const motionUnwanted = matchMedia("(prefers-reduced-motion: reduce)");
-const modulo = (value, period) => ((value % period) + period) % period;
+export const $ = (selector) => document.querySelector(selector);
+export const $$ = (selector) => [...document.querySelectorAll(selector)];
+export const data = JSON.parse($("#data").textContent);
+export const runs = data.runs;
+export const longest = Math.max(...runs.map((run) => run.seconds));
+export const motionUnwanted = matchMedia("(prefers-reduced-motion: reduce)");
+export const modulo = (value, period) => ((value % period) + period) % period;
 
 // All that changes. The playhead rests at `at`, or moves with the audio clock from `from` to `end`, zero at `origin`. While looping it runs on beyond the longest record, so that records of other lengths go round in
 // their own time.
-const state = {
+export const state = {
   run: 0, blind: null, mode: "calibrated", loop: runs.every((run) => run.loops && !run.buzzes), wanted: false, playing: false,
   at: 0, from: 0, end: longest, origin: 0,
   context: null, master: null, decoding: null, buffers: [], voices: [], sheets: [], drawn: "", drawnAt: 0,
@@ -22,19 +22,19 @@ const state = {
 
 // ---- time ----
 
-function position() {
+export function position() {
   if (!state.playing) return state.at;
   const heard = state.context.currentTime - (state.context.outputLatency || 0) - state.origin;
   return Math.min(state.end, Math.max(state.from, heard));
 }
 
-const sharedTime = () => (position() === state.end ? longest : modulo(position(), longest));
+export const sharedTime = () => (position() === state.end ? longest : modulo(position(), longest));
 
 /** Whether a record goes round again within the longest one; one that buzzes or does not close does so only when asked to. */
-const goesRound = ({ loops, buzzes }) => state.loop || (loops && !buzzes);
+export const goesRound = ({ loops, buzzes }) => state.loop || (loops && !buzzes);
 
 /** Time within a run's own record: round again if it loops, at its end if it is over. */
-function ownTime(number) {
+export function ownTime(number) {
   const { seconds, lap } = runs[number];
   const lasts = (lap.end - lap.overlap - lap.begin) / RATE;
   return goesRound(runs[number]) && lasts < longest ? lap.begin / RATE + modulo(position(), lasts) : Math.min(sharedTime(), seconds);

@@ -1,7 +1,17 @@
 // ---- the user ----
 
-const toggle = () => (state.wanted ? pause() : play());
-const KEYS = {
+import { $, $$, longest, runs, sharedTime, state } from "./core.js";
+import { glide, pause, play, seek } from "./player.js";
+import { choose, setLoop, setMode } from "./choices.js";
+import { seekByClick, timelines } from "./motion.js";
+import { stepMap } from "./contact.js";
+import { playFilm, realTime, seekFilm, stopFilm } from "./film.js";
+import { copy, save } from "./downloads.js";
+import { showDifference } from "./compare.js";
+import { ABX, beginTest, endTest } from "./abx.js";
+
+export const toggle = () => (state.wanted ? pause() : play());
+export const KEYS = {
   " ": toggle,
   ArrowLeft: () => seek(sharedTime() - longest / 20),
   ArrowRight: () => seek(sharedTime() + longest / 20),
@@ -13,7 +23,7 @@ const KEYS = {
   "?": () => { $(".keys").open = !$(".keys").open; $(".keys summary").focus(); },
 };
 
-function onKey(event) {
+export function onKey(event) {
   if (event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented) return;
   const on = event.target;
   const { key } = event;
@@ -29,7 +39,7 @@ function onKey(event) {
   event.preventDefault();
 }
 
-function listen() {
+export function listen() {
   const on = (selector, type, act) => $$(selector).forEach((element) => element.addEventListener(type, (event) => act(element, event)));
   document.addEventListener("keydown", onKey);
   on("#play", "click", toggle);
@@ -54,7 +64,7 @@ function listen() {
 }
 
 /** Boxes that hold more than they show can be scrolled by keyboard, the others are no stop of Tab. */
-function markScrolling() {
+export function markScrolling() {
   for (const box of $$(".paper, .scroll")) {
     const wide = box.scrollWidth > box.clientWidth + 1;
     const long = box.scrollHeight > box.clientHeight + 1;
@@ -66,7 +76,7 @@ function markScrolling() {
   }
 }
 
-function playAlone(player) {
+export function playAlone(player) {
   if (state.wanted) pause();
   for (const other of $$("audio")) if (other !== player) other.pause();
 }

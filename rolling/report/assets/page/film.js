@@ -1,10 +1,16 @@
 // ---- the slow motion ----
 
-const film = { at: 0, playing: false, began: 0, source: null, pictures: new Map() };
-const filmOf = () => runs[state.run].film;
+import { $, FADE_S, runs, state } from "./core.js";
+import { audioContext, decode, glide, pause, play, seek } from "./player.js";
+import { seconds } from "./motion.js";
+import { drawArrow, drawCircle, drawScale } from "./contact.js";
+import { drawFlight, drawMotion, hardestMap, isEmptied, prepareMotion, saidMotion } from "./film_motion.js";
+
+export const film = { at: 0, playing: false, began: 0, source: null, pictures: new Map() };
+export const filmOf = () => runs[state.run].film;
 
 /** The pictures of a run's film, read when they are first shown. */
-function picturesOf(number) {
+export function picturesOf(number) {
   if (!film.pictures.has(number)) {
     const { ground, pressure, release } = runs[number].film;
     const read = (src) => Object.assign(new Image(), { onload: drawFilm, src });
@@ -13,11 +19,11 @@ function picturesOf(number) {
   return film.pictures.get(number);
 }
 
-const watts = (uw) => (uw < 1000 ? `${Number(uw.toPrecision(3))} µW` : `${Number((uw / 1000).toPrecision(3))} mW`);
+export const watts = (uw) => (uw < 1000 ? `${Number(uw.toPrecision(3))} µW` : `${Number((uw / 1000).toPrecision(3))} mW`);
 
-const lengthOf = ({ times }) => `${Number((1e3 * (times[times.length - 1] - times[0])).toPrecision(2))} ms`;
+export const lengthOf = ({ times }) => `${Number((1e3 * (times[times.length - 1] - times[0])).toPrecision(2))} ms`;
 
-function showFilm() {
+export function showFilm() {
   if (!$("#film")) return;
   stopFilm();
   const shown = filmOf();
@@ -33,7 +39,7 @@ function showFilm() {
   seekFilm(hardestMap(shown) ?? shown.power_uw.indexOf(Math.max(...shown.power_uw)));
 }
 
-function seekFilm(number) {
+export function seekFilm(number) {
   film.at = number;
   $("#film-seek").value = number;
   const { times, power_uw: power } = filmOf();
@@ -44,7 +50,7 @@ function seekFilm(number) {
   drawFilm();
 }
 
-function drawFilm() {
+export function drawFilm() {
   const shown = filmOf();
   if (!shown) return;
   const canvas = $("#film"), pen = canvas.getContext("2d");
@@ -64,14 +70,14 @@ function drawFilm() {
   drawMotion(shown);
 }
 
-function drawPart(pen, picture, { tiles, places }, scale) {
+export function drawPart(pen, picture, { tiles, places }, scale) {
   if (!picture.complete) return;
   const [x, y, width, height] = tiles[film.at], [left, top] = places[film.at];
   pen.drawImage(picture, x, y, width, height, left * scale, top * scale, width * scale, height * scale);
 }
 
 /** The release power, drawn as far as the film has come. */
-function drawPower({ times, power_uw: power }) {
+export function drawPower({ times, power_uw: power }) {
   const canvas = $("#film-power"), pen = canvas.getContext("2d");
   const { width, height } = canvas;
   const [first, last] = [times[0], times[times.length - 1]];
@@ -95,7 +101,7 @@ function drawPower({ times, power_uw: power }) {
 }
 
 /** Plays the film once: it never begins again by itself, so that nothing flashes. */
-async function playFilm() {
+export async function playFilm() {
   if (film.playing) return stopFilm();
   const shown = filmOf();
   if (state.wanted) pause();
@@ -112,7 +118,7 @@ async function playFilm() {
 }
 
 /** The record from one time to another, slowed like the picture. */
-function slowedSound(from, to, rate) {
+export function slowedSound(from, to, rate) {
   const { context } = state, seconds = (to - from) * rate;
   const gain = runs[state.run].playback.calibrated ? 1 : 0;
   const source = new AudioBufferSourceNode(context, { buffer: state.buffers[state.run].record, playbackRate: 1 / rate });
@@ -127,7 +133,7 @@ function slowedSound(from, to, rate) {
   return { source, fade };
 }
 
-function tickFilm(rate) {
+export function tickFilm(rate) {
   if (!film.playing) return;
   const { times } = filmOf();
   const time = times[0] + (state.context.currentTime - film.began) / rate;
@@ -137,7 +143,7 @@ function tickFilm(rate) {
   else requestAnimationFrame(() => tickFilm(rate));
 }
 
-function stopFilm() {
+export function stopFilm() {
   if (!film.playing) return;
   film.playing = false;
   glide(film.source.fade.gain, 0);
@@ -146,7 +152,7 @@ function stopFilm() {
 }
 
 /** The event at its own pace: the record from a quarter of a second before it. */
-function realTime() {
+export function realTime() {
   stopFilm();
   if (state.wanted) pause();
   seek(Math.max(0, filmOf().times[film.at] - 0.25));

@@ -1,6 +1,9 @@
 // ---- taking things away ----
 
-function download(content, type, name) {
+import { bytesOf } from "./player.js";
+import { say } from "./choices.js";
+
+export function download(content, type, name) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([content], { type }));
   link.download = name;
@@ -8,13 +11,13 @@ function download(content, type, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-function save(button) {
+export function save(button) {
   const text = new TextDecoder().decode(bytesOf(button.closest("figure").querySelector("img").src));
   const name = `${button.dataset.file}.${button.dataset.save}`;
   return button.dataset.save === "svg" ? download(text, "image/svg+xml", name) : savePixels(text, name, button);
 }
 
-async function savePixels(text, name, button) {
+export async function savePixels(text, name, button) {
   const image = Object.assign(new Image(), { src: URL.createObjectURL(new Blob([text], { type: "image/svg+xml" })) });
   try {
     await image.decode();
@@ -31,7 +34,7 @@ async function savePixels(text, name, button) {
   return canvas.toBlob((content) => download(content, "image/png", name), "image/png");
 }
 
-async function copy(text, button) {
+export async function copy(text, button) {
   try {
     await navigator.clipboard.writeText(text);
   } catch { // not every browser lets a file use the clipboard
@@ -46,7 +49,7 @@ async function copy(text, button) {
 }
 
 /** Show a text on a button for a while. */
-function flash(button, text) {
+export function flash(button, text) {
   const before = button.dataset.label ??= button.textContent;
   button.textContent = text;
   setTimeout(() => { button.textContent = before; }, 2000);

@@ -1,7 +1,11 @@
 // ---- the contact ----
 
+import { $, HOLD_MS, data, longest, modulo, ownTime, runs, state } from "./core.js";
+import { pause, seek } from "./player.js";
+import { render, seconds } from "./motion.js";
+
 /** Which of the stretches of time with one map each the chosen run is in. */
-function stretch() {
+export function stretch() {
   const { begins } = runs[state.run].maps;
   const time = ownTime(state.run);
   let low = 0;
@@ -13,7 +17,7 @@ function stretch() {
   return low;
 }
 
-function sheetOf(number) {
+export function sheetOf(number) {
   if (!state.sheets[number]) {
     const sheet = new Image();
     sheet.onload = render;
@@ -24,7 +28,7 @@ function sheetOf(number) {
 }
 
 /** Shows the map of the time that is heard; while it plays, a map stays long enough to be seen. */
-function showMap() {
+export function showMap() {
   const run = runs[state.run];
   $("#map-run").textContent = run.label;
   $("#map-time").textContent = seconds(ownTime(state.run));
@@ -39,7 +43,7 @@ function showMap() {
   drawMap(run, ready ? map : -1);
 }
 
-function showReadings({ label, maps }, map) {
+export function showReadings({ label, maps }, map) {
   const read = (name, unit, factor = 1) => {
     const value = maps?.[name][map] ?? null;
     return value === null ? "-" : `${Number((value * factor).toPrecision(4))} ${unit}`;
@@ -54,7 +58,7 @@ function showReadings({ label, maps }, map) {
   $("#map").setAttribute("aria-label", `Contact pressure, ${label}, ${number}`);
 }
 
-function drawMap({ maps }, map) {
+export function drawMap({ maps }, map) {
   const canvas = $("#map");
   const pen = canvas.getContext("2d");
   const perUm = canvas.width / (2 * data.view.half_um);
@@ -72,7 +76,7 @@ function drawMap({ maps }, map) {
   drawArrow(pen);
 }
 
-function drawCircle(pen, x, y, radius) {
+export function drawCircle(pen, x, y, radius) {
   pen.setLineDash([9, 7]);
   for (const [colour, width] of [["#000", 5], ["#7fd4ff", 2]]) { // seen on the darkest pressure and on the lightest
     pen.strokeStyle = colour;
@@ -85,7 +89,7 @@ function drawCircle(pen, x, y, radius) {
 }
 
 /** A scale of length, at most so many um long. */
-function drawScale(pen, perUm, longest) {
+export function drawScale(pen, perUm, longest) {
   const decade = 10 ** Math.floor(Math.log10(longest));
   const length = [5, 2, 1].find((digit) => digit * decade <= longest) * decade;
   const { height } = pen.canvas;
@@ -96,7 +100,7 @@ function drawScale(pen, perUm, longest) {
   pen.fillText(`${Number(length.toPrecision(1))} µm`, 16, height - 28);
 }
 
-function drawArrow(pen) {
+export function drawArrow(pen) {
   const { width, height } = pen.canvas;
   pen.fillStyle = pen.strokeStyle = "#fff";
   pen.lineWidth = 3;
@@ -113,7 +117,7 @@ function drawArrow(pen) {
   pen.fillText("rolls", width - 14, height - 36);
 }
 
-function stepMap(by) {
+export function stepMap(by) {
   const { maps, seconds: own } = runs[state.run];
   if (!maps) return;
   if (state.wanted) pause();

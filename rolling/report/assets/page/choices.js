@@ -1,8 +1,14 @@
 // ---- choices ----
 
-const signed = (value) => (Math.abs(value) < 0.05 ? "0.0" : `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(1)}`);
+import { $, $$, data, position, runs, state } from "./core.js";
+import { mix, setEnd, startVoices, stopVoices } from "./player.js";
+import { render } from "./motion.js";
+import { showFilm } from "./film.js";
+import { endTest } from "./abx.js";
 
-function choose(number) {
+export const signed = (value) => (Math.abs(value) < 0.05 ? "0.0" : `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(1)}`);
+
+export function choose(number) {
   if (!(number in runs)) return;
   state.run = number;
   endTest();
@@ -16,14 +22,14 @@ function choose(number) {
   render();
 }
 
-function setMode(mode) {
+export function setMode(mode) {
   state.mode = mode;
   mix();
   showMode();
   say(mode === "equal" ? "equal LAeq" : "calibrated");
 }
 
-function showMode() {
+export function showMode() {
   const { mode } = state;
   for (const radio of $$("input[name=mode]")) radio.checked = radio.value === mode;
   for (const [number, { playback }] of runs.entries()) {
@@ -35,7 +41,7 @@ function showMode() {
   }
 }
 
-function setLoop(loop) {
+export function setLoop(loop) {
   const changes = state.playing && runs.some((run) => run.buzzes || !run.loops); // records that now go round, or no longer do
   const at = position();
   if (changes) stopVoices();
@@ -45,6 +51,6 @@ function setLoop(loop) {
   say(loop ? "loop" : "no loop");
 }
 
-function say(text) {
+export function say(text) {
   $("#said").textContent = text;
 }

@@ -1,6 +1,10 @@
 // ---- sound ----
 
-function bytesOf(uri) {
+import { $, $$, FADE_S, RATE, STILL_MS, goesRound, longest, modulo, position, runs, state } from "./core.js";
+import { render, showButton, tick } from "./motion.js";
+import { stopFilm } from "./film.js";
+
+export function bytesOf(uri) {
   const text = atob(uri.slice(uri.indexOf(",") + 1));
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
@@ -8,7 +12,7 @@ function bytesOf(uri) {
 }
 
 /** The part of a record that goes round: all of one that closes, otherwise cross-faded as in listen.wav. */
-function lapOf(record, { begin, end, overlap, correlation, factor }) {
+export function lapOf(record, { begin, end, overlap, correlation, factor }) {
   const { numberOfChannels } = record;
   const round = new AudioBuffer({ length: end - overlap - begin, sampleRate: RATE, numberOfChannels });
   for (let channel = 0; channel < numberOfChannels; channel++) {
@@ -25,7 +29,7 @@ function lapOf(record, { begin, end, overlap, correlation, factor }) {
 }
 
 /** The samples of a player, its lap, and the record filled up with silence, so that all go round together. */
-async function decodeOne(player) {
+export async function decodeOne(player) {
   const offline = new OfflineAudioContext(1, 1, RATE); // may be had before the user has clicked anything
   const record = await offline.decodeAudioData(bytesOf(player.src).buffer);
   const { numberOfChannels } = record;
@@ -34,16 +38,16 @@ async function decodeOne(player) {
   return { record, round: lapOf(record, runs[Number(player.dataset.run)].lap), once };
 }
 
-const decode = () => (state.decoding ??= Promise.all($$("audio[data-run]").map(decodeOne)));
-const gainOf = (number) => (number === (state.blind ?? state.run) ? runs[number].playback[state.mode] : 0);
+export const decode = () => (state.decoding ??= Promise.all($$("audio[data-run]").map(decodeOne)));
+export const gainOf = (number) => (number === (state.blind ?? state.run) ? runs[number].playback[state.mode] : 0);
 
 /** The record of a run, round again or not. */
-function bufferOf(number) {
+export function bufferOf(number) {
   const { round, once } = state.buffers[number];
   return goesRound(runs[number]) ? round : once;
 }
 
-function glide(gain, target) {
+export function glide(gain, target) {
   const now = state.context.currentTime;
   gain.cancelScheduledValues(now);
   gain.setValueAtTime(gain.value, now);
@@ -51,11 +55,11 @@ function glide(gain, target) {
 }
 
 /** All runs sound together, but only one is let through: switching moves gains and nothing else. */
-function mix() {
+export function mix() {
   state.voices.forEach(({ gain }, number) => glide(gain.gain, gainOf(number)));
 }
 
-function startVoices(at) {
+export function startVoices(at) {
   const { context } = state;
   const when = context.currentTime;
   Object.assign(state, { playing: true, from: at, origin: when - at });
@@ -74,13 +78,13 @@ function startVoices(at) {
 }
 
 /** Where it stops: at the end of this round, or never. */
-function setEnd() {
+export function setEnd() {
   state.end = state.loop ? Infinity : longest * (Math.floor(position() / longest + 1e-9) + 1);
   const when = state.loop ? NEVER : state.origin + state.end;
   for (const { source } of state.voices) source.stop(when);
 }
 
-function stopVoices() {
+export function stopVoices() {
   const old = state.voices;
   state.voices = [];
   for (const { source, gain } of old) {
@@ -89,7 +93,7 @@ function stopVoices() {
   }
 }
 
-function audioContext() {
+export function audioContext() {
   if (!state.context) {
     state.context = new AudioContext({ sampleRate: RATE });
     state.master = new GainNode(state.context, { gain: Number($("#volume").value) });
@@ -99,11 +103,11 @@ function audioContext() {
 }
 
 /** A browser without a sound device may wait for one without a word. */
-function sayIfStill() {
+export function sayIfStill() {
   $("#no-sound").hidden = !state.wanted || state.context.state === "running";
 }
 
-async function play() {
+export async function play() {
   if (state.wanted) return;
   state.wanted = true;
   for (const player of $$("audio")) player.pause();
@@ -118,7 +122,7 @@ async function play() {
   tick();
 }
 
-function pause() {
+export function pause() {
   state.wanted = false;
   if (state.playing) {
     Object.assign(state, { at: position(), playing: false });
@@ -128,13 +132,13 @@ function pause() {
   render();
 }
 
-function finish() {
+export function finish() {
   Object.assign(state, { wanted: false, playing: false, voices: [], at: longest, end: longest });
   showButton();
   render();
 }
 
-function seek(time) {
+export function seek(time) {
   const at = Math.min(Math.max(time, 0), longest);
   if (state.playing) {
     stopVoices();

@@ -1,9 +1,14 @@
 // ---- the blind test: is X the run A or the run B? ----
 
-const abx = { x: null, trials: 0, right: 0 };
+import { $, $$, state } from "./core.js";
+import { mix, play } from "./player.js";
+import { setMode } from "./choices.js";
+import { pair } from "./compare.js";
+
+export const abx = { x: null, trials: 0, right: 0 };
 
 /** Probability to have at least so many right by chance. */
-function byChance(right, trials) {
+export function byChance(right, trials) {
   let [sum, term] = [0, 0.5 ** trials];
   for (let k = 0; k <= trials; k++) {
     if (k >= right) sum += term;
@@ -13,19 +18,19 @@ function byChance(right, trials) {
 }
 
 /** Marks the button that is heard: a, b or x; none without a name. */
-function press(name) {
+export function press(name) {
   for (const button of $$("[data-abx][aria-pressed]")) button.setAttribute("aria-pressed", String(button.dataset.abx === name));
 }
 
 /** Lets a run through under the name of a button. */
-function hearBlind(name, number) {
+export function hearBlind(name, number) {
   state.blind = number;
   press(name);
   if (state.wanted) mix();
   else play();
 }
 
-function beginTest() {
+export function beginTest() {
   Object.assign(abx, { trials: 0, right: 0 });
   setMode("equal"); // otherwise the level alone would tell the runs apart
   chooseX();
@@ -33,13 +38,13 @@ function beginTest() {
 }
 
 /** Makes X one of both runs in random order. */
-function chooseX() {
+export function chooseX() {
   const [a, b] = pair();
   abx.x = Math.random() < 0.5 ? a : b;
   for (const button of $$("[data-abx]")) button.disabled = a === b;
 }
 
-function endTest() {
+export function endTest() {
   abx.x = state.blind = null;
   press();
   for (const button of $$("[data-abx]")) button.disabled = true;
@@ -47,7 +52,7 @@ function endTest() {
   if (state.playing) mix();
 }
 
-function answer(number) {
+export function answer(number) {
   const right = number === abx.x;
   abx.trials += 1;
   abx.right += right;
@@ -59,7 +64,7 @@ function answer(number) {
   if ($("[data-abx=x]").ariaPressed === "true") hearBlind("x", abx.x); // the new one
 }
 
-const ABX = {
+export const ABX = {
   a: () => hearBlind("a", pair()[0]),
   b: () => hearBlind("b", pair()[1]),
   x: () => hearBlind("x", abx.x),
