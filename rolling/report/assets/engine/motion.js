@@ -12,7 +12,8 @@ const MOST = 60; // iterations; Newton takes three, and halving of the bracket e
 const PER_PERIOD = 18; // steps in a period of the resonance at least, which leave -50 dB of the force
 const PER_IMPACT = 12; // steps in the time of an impact at least, which leave 1 % of its impulse
 const CALM = 400; // steps without a flight after which the source is a parabola
-const FASTEST = 1.5; // phase of a pole in a step, beyond which it follows the source without inertia
+const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
+const SHARP = 0.1; // if its damping over its frequency is less
 export const RATE = 48000; // samples per second
 export const MOST_STEPS = 32; // per sample
 
@@ -32,7 +33,7 @@ export function stepsPerSample(run, settings, chain, height = settings.dropHeigh
   const fall = Math.sqrt((2 * load * height) / mass);
   if (fall > 0) longest = Math.min(longest, impactTime(mass, fall, radius, modulus) / PER_IMPACT);
   if (settings.speed > 0) longest = Math.min(longest, shortestWave / (2 * settings.speed));
-  return Math.min(Math.max(Math.ceil(1 / (RATE * longest)), 2), MOST_STEPS);
+  return Math.min(Math.max(Math.ceil(1 / (RATE * longest)), 3), MOST_STEPS);
 }
 
 /** Return phi_1, phi_2, phi_3 at z = x + iy, the moments of exp(z t) over a step, as pairs. */
@@ -87,7 +88,7 @@ export class Motion {
     const ends = [];
     for (let j = 0; j < n; j++) {
       const [x, y] = [re[j] * step, im[j] * step];
-      const fast = y > FASTEST; // then the pole follows the source at once
+      const fast = y > FASTEST && -x < SHARP * y; // then the pole follows the source at once
       const still = times(-x, y, 1 / (x * x + y * y), 0);
       const moved = fast ? [still, still, [still[0] / 2, still[1] / 2]] : moments(x, y);
       const [first, second, third] = moved.map((pair) => times(...pair, step * residueRe[j], step * residueIm[j]));
