@@ -44,7 +44,19 @@ def node(script: str, data: Any = None) -> Any:
         if os.environ.get("ROLLING_BROWSER_REQUIRED"):
             pytest.fail(message)
         pytest.skip(message)
-    names = ("fft", "bands", "plate", "response", "convolver", "prepare", "instrument", "record")
+    names = (
+        "law",
+        "chain",
+        "motion",
+        "fft",
+        "bands",
+        "plate",
+        "response",
+        "convolver",
+        "prepare",
+        "instrument",
+        "record",
+    )
     head = "".join(f'import * as {name} from "{ENGINE / f"{name}.js"}";\n' for name in names)
     head += 'import { readFileSync, writeFileSync } from "node:fs";\n'
     head += 'const data = JSON.parse(readFileSync(0, "utf-8"));\n'
