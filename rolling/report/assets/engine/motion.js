@@ -10,7 +10,7 @@ import { ballMass, loadOf } from "./chain.js";
 const LEAST_RISE = 1e-6; // of the residual over the approach; a ball too light for the steps has none
 const MOST = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
 const PER_PERIOD = 18; // steps in a period of the resonance at least, which leave -50 dB of the force
-const PER_IMPACT = 20; // steps in the time of an impact at least, which leave 0.5 % of its impulse
+const PER_IMPACT = 12; // steps in the time of an impact at least, which leave 0.1 % of its impulse
 const CALM = 400; // steps without a flight after which the source is a parabola
 const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
 const SHARP = 0.1; // if its damping over its frequency is less
