@@ -160,7 +160,7 @@ def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
     shape = track.n_along, track.n_across
     if s.law is not None:
         return made.of_law(shape, scene.spacing, s.law, s.law.seed), None, []
-    return surface.smooth(shape), None, []
+    return np.zeros(shape), None, []
 
 
 def has_detail(scene: Scene) -> bool:
@@ -238,7 +238,7 @@ def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, dict[str, Any]
     elif isinstance(ball, BallHeightFile):
         heights = _read(scene, ball)
     else:
-        heights = surface.smooth(shape)
+        heights = np.zeros(shape)
     described = made.described("ball_surface_made", heights, spacing, law)
     if ball.has_form:
         heights += _form(ball, track.turn_nodes)[:, None]

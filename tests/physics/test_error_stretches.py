@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from finished import caveat_texts, run_of
+from hard_cases.gaussian_heights import gaussian
 from helpers import march_all
 from scene_text import BODIES, NARROW, PLAIN
 
@@ -27,7 +28,6 @@ from rolling.sound.error_estimate import (
     level_errors,
 )
 from rolling.surface.contact_of_scene import rolling_contact
-from rolling.surface.heights import gaussian
 from rolling.surface.refined import dies_out
 from rolling.surface.scene_surface import heights
 

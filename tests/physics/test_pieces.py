@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 from helpers import march_all
 from scene_text import PLAIN, TINY
 
@@ -24,7 +25,6 @@ from rolling.marches.result import Result
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact
-from rolling.surface.heights import gaussian
 
 SHORT = ("rolling.load_n=0.3", "rolling.duration_s=0.0088", "surface.width_um=96")  # 440 steps
 

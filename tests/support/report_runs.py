@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from finished import run_of
+from hard_cases.gaussian_heights import gaussian
 from memory_scenes import MEMORY
 
 from rolling.marches import slow_motion
@@ -19,7 +20,6 @@ from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
-from rolling.surface import heights
 
 STEPS = 300  # once round: 0.6 mm, 6 ms
 HOSTILE = "quoted \"one\" 'two' & </script><img src=x onerror=alert(1)><!-- <script>"
@@ -65,7 +65,7 @@ numerics: {tolerance: 1.0e-3}
 def folder() -> Path:
     """Return a folder with the height file of the scenes."""
     made = Path(mkdtemp(prefix="report-runs-"))
-    rough = heights.gaussian((STEPS, 100), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 3)
+    rough = gaussian((STEPS, 100), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 3)
     np.save(made / "z<i>.npy", rough)
     return made
 
