@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,16 +30,6 @@ MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as
 MAP_CELLS = 96  # maximum number of cells along a side of a map
 FILM_CELLS = 64  # maximum number of cells across the contact in a film
 FILM_MARGIN = 4  # cells around the contacts of a film
-
-
-class Observer(Protocol):
-    """Observer of a march."""
-
-    def __call__(self, state: ContactState, energy: StepEnergy | None) -> None:
-        """Take a state and the energies of the step before it; None at the first position."""
-
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return plain arrays by name."""
 
 
 @dataclass(frozen=True)
@@ -318,6 +308,9 @@ def _packed(values: Array, kind: type[np.unsignedinteger]) -> tuple[NDArray[Any]
     most = np.iinfo(kind).max
     unit = float(np.max(values, initial=0.0)) / most or 1.0
     return np.rint(values / unit).astype(kind), unit
+
+
+Observer = Series | Events | Maps | Film
 
 
 def slow_motion_of(first: int, stride: int, arrays: dict[str, NDArray[Any]]) -> SlowMotion:

@@ -15,7 +15,6 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-import rolling
 from rolling.scene import file
 from rolling.scene import sweep as sweeps
 from rolling.scene.height_files import open_regular, read_regular
@@ -154,11 +153,6 @@ def _foreign(folder: Path) -> str:
         return ""
     if not folder.is_dir():
         return "not a folder"
-    if (folder / "run.json").exists() or (folder / "resolved.yaml").exists():
-        return (
-            "made by version 0.1 of rolling-contact-noise, which reads it; version"
-            f" {rolling.__version__} does not"
-        )
     strangers = [path.name for path in folder.iterdir() if not _is_own(path.name)]
     if strangers:
         return f"no run folder, it holds {', '.join(sorted(strangers)[:3])}"
