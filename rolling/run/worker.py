@@ -5,7 +5,6 @@ A Dask scheduler imports this module as well, so the solver is imported where a 
 
 from __future__ import annotations
 
-import ctypes
 import io
 import os
 import pickle
@@ -14,7 +13,6 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,7 +34,6 @@ Arrays = dict[str, NDArray[Any]]
 
 MOST_BREAKS = 3  # of processes by a task, before its runs have failed
 KILLED = f"a worker process was killed {MOST_BREAKS} times while it had this run; out of memory?"
-_PR_SET_PDEATHSIG = 1  # of prctl(2)
 _MOST_PIECE = 2**30  # bytes of the file of a piece
 _threads = threading.local()  # of a worker of a cluster; each has a process that does its tasks
 # A process imports nothing from the working directory, and runs its libraries on one thread. Large
@@ -188,9 +185,6 @@ def begin(parent: int, compiles: Any = None) -> None:
     """Prepare a worker process, which ends with its parent and reports compilation."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone acts on Ctrl-C
     progress.silence()
-    if sys.platform.startswith("linux"):
-        with suppress(OSError, AttributeError):  # without prctl the thread below remains
-            ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
     threading.Thread(target=_end_with, args=(parent,), name="lifeline", daemon=True).start()
     if compiles is not None:
         from rolling.contact import compiling

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, cast
 
 import numpy as np
 
@@ -232,25 +232,24 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
         fields.pop()
     if separator == "," and (part := next(filter(_DECIMALS.fullmatch, fields), None)):
         raise HeightFormatError(worded("file comma", got=shown(f"...,{part.strip()}")), place)
-    try:
-        row = [float(field) for field in fields]
-        if not any(map(math.isinf, row)) and "_" not in line:
-            return row  # nan stands for an unmeasured point
-    except ValueError:
-        pass
-    wrong = next((field for field in fields if not _is_number(field)), line)
-    decimal_comma = separator != "," and _is_number(wrong.replace(",", ".", 1))
+    row = [_number(field) for field in fields]
+    if None not in row:
+        return cast("list[float]", row)
+    wrong = fields[row.index(None)]
+    decimal_comma = separator != "," and _number(wrong.replace(",", ".", 1)) is not None
     advice = ", with a point before the decimals" if decimal_comma else ""
     # The letters were read as Latin-1, and are probably UTF-8.
     text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
     raise HeightFormatError(worded("file number", got=shown(text), advice=advice), place)
 
 
-def _is_number(field: str) -> bool:
+def _number(field: str) -> float | None:
+    """Return the number in a field, nan for an unmeasured point; None for any other text."""
     try:
-        return not math.isinf(float(field)) and "_" not in field
+        value = float(field)
     except ValueError:
-        return False
+        return None
+    return None if math.isinf(value) or "_" in field else value
 
 
 # ---- regular files
