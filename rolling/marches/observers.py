@@ -158,13 +158,6 @@ class Events:
         return {f"event_{name}": column for name, column in self._table.columns().items()}
 
 
-def events_of(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]] | None:
-    """Return the table of events in the arrays of a piece, or None."""
-    if "event_node" not in arrays:
-        return None
-    return {name: arrays[f"event_{name}"] for name in EVENT_COLUMNS}
-
-
 # ---- maps and snapshot
 
 
@@ -224,24 +217,6 @@ def _snapshot(state: ContactState, contact: RollingContact) -> dict[str, NDArray
         "snapshot_pressure": cell_means(state.pressure, contact.subcells),
         "snapshot_deflection": cell_means(state.deflection, contact.subcells),
     }
-
-
-def snapshot_of(arrays: dict[str, NDArray[Any]]) -> Snapshot | None:
-    """Return the snapshot in the arrays of a piece, or None."""
-    if "snapshot_place" not in arrays:
-        return None
-    distance, along, across = arrays["snapshot_place"].tolist()
-    pressure, deflection = arrays["snapshot_pressure"], arrays["snapshot_deflection"]
-    return Snapshot(distance, along, across, pressure, deflection)
-
-
-def maps_of(arrays: dict[str, NDArray[Any]]) -> dict[int, PressureMap]:
-    """Return the pressure maps in the arrays of a piece by position."""
-    maps = {}
-    for position, distance, along, across, cell in arrays["map_places"].tolist():
-        number, pressure = int(position), arrays[f"map_{position:.0f}"]
-        maps[number] = PressureMap(number, distance, along, across, cell, pressure)
-    return maps
 
 
 # ---- film
@@ -311,10 +286,3 @@ def _packed(values: Array, kind: type[np.unsignedinteger]) -> tuple[NDArray[Any]
 
 
 Observer = Series | Events | Maps | Film
-
-
-def slow_motion_of(first: int, stride: int, arrays: dict[str, NDArray[Any]]) -> SlowMotion:
-    """Return the slow motion in the arrays of a film from a position on."""
-    along, across, cell, pressure_unit, release_unit = arrays["film_place"].tolist()
-    units, maps = (pressure_unit, release_unit), (arrays["film_pressure"], arrays["film_release"])
-    return SlowMotion(first, stride, along, across, cell, *units, *maps)
