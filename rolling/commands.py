@@ -368,6 +368,8 @@ def surface(
         if spacing_um or channel:
             raise FolderError("--spacing-um, --channel: only go with a file of heights")
         scene = file.read_scene(source, overrides)
+        if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
+            progress.line("the surface of the scene without its sweep; --set chooses other values")
         name, words, heights = scene.name, "periodic", scene_surface.heights(scene)
         steps = np.full(2, scene.spacing)
     else:

@@ -15,7 +15,6 @@ from finished import run_of
 from hard_cases.gaussian_heights import gaussian
 from memory_scenes import MEMORY
 
-from rolling.marches import slow_motion
 from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.scene.file import read_scene
@@ -80,7 +79,9 @@ def scene_of(text: str) -> Scene:
 def solved(scene: Scene, values: dict[str, Any] | None = None, film: bool = False) -> Run:
     """March a scene in this process and make its sound."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(slow_motion, "SHARE", 0.3)  # a film of a run that is too short for one
+        patch.setattr(
+            "rolling.marches.next_pieces.SHARE", 0.3
+        )  # a film of a run that is too short for one
         return replace(run_of(scene, folder(), film), values=values or {})
 
 
