@@ -161,18 +161,13 @@ class Events:
 # ---- maps and snapshot
 
 
-def mapped_positions(steps: int) -> NDArray[np.int64]:
-    """Return at most MAPS evenly spaced positions of a track with `steps` steps."""
-    return np.unique(np.arange(MAPS) * steps // MAPS)
-
-
 class Maps:
     """Observer of the pressure maps of a piece, and of the snapshot at the end of the first."""
 
     def __init__(self, contact: RollingContact, first: int, last: int, track_steps: int) -> None:
         self._contact = contact
         self._snapshot_at = last if first == 0 else -1
-        mapped = mapped_positions(track_steps)
+        mapped = np.unique(np.arange(MAPS) * track_steps // MAPS)  # evenly along the track
         self._positions = set(mapped[(mapped > first) | (mapped == 0)].tolist())
         self._maps: list[PressureMap] = []
         self._snapshot: dict[str, NDArray[Any]] = {}

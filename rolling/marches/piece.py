@@ -96,12 +96,6 @@ class Piece:
             suffix = _short_digest(self.forces.tobytes())
         return "-".join(filter(None, (self.kind, str(self.first), str(self.last), suffix)))
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Piece) and hash(self) == hash(other)
-
-    def __hash__(self) -> int:
-        return hash((self.identity, self.key))
-
 
 def _short_digest(content: bytes) -> str:
     """Return 16 hex digits of the SHA-256 of some bytes."""

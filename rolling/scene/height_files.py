@@ -103,13 +103,8 @@ def refuse_missing(path: Path) -> None:
     """Raise HeightFormatError for a path that is no readable regular file."""
     try:
         open_regular(path).close()
-    except FileNotFoundError as error:
-        raise HeightFormatError("no such file") from error
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise HeightFormatError(
-            reason if reason.startswith("is ") else f"not readable ({reason})"
-        ) from error
+        raise HeightFormatError(reason_of(error)) from error
 
 
 def _ending(path: Path) -> str:
@@ -278,6 +273,14 @@ def open_regular(path: Path) -> io.FileIO:
     raise OSError(0, f"is {kind}")
 
 
+def reason_of(error: OSError) -> str:
+    """Say why a file is not opened or read."""
+    reason = error.strerror or str(error)
+    if isinstance(error, FileNotFoundError):
+        return "no such file"
+    return reason if reason.startswith("is ") else f"not readable ({reason})"
+
+
 def read_regular(path: Path, most: int) -> bytes:
     """Read a regular file of at most `most` bytes; raise OSError for any other."""
     with io.BufferedReader(open_regular(path)) as file:
@@ -293,9 +296,7 @@ def file_digest(path: Path) -> str:
         stamp = path.stat()
         return _file_digest(path, (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
     except OSError as error:
-        raise SceneError(
-            [f"surface.path: {path}: not readable ({error.strerror or error})"]
-        ) from error
+        raise SceneError([f"surface.path: {path}: {reason_of(error)}"]) from error
 
 
 @lru_cache(maxsize=1000)

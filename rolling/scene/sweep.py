@@ -320,10 +320,11 @@ def differences(old: Scene, new: Scene) -> list[str]:
     keys = list(dict.fromkeys([*after, *before]))
     if before["surface.kind"] != after["surface.kind"]:
         keys = [key for key in keys if key == "surface.kind" or not key.startswith("surface.")]
+    is_path = re.compile(r".*surface\.path.*|(.*\.)?path").fullmatch  # swept or not
     lines = [
         f"{key}: got {shown(after.get(key))}, has {shown(before.get(key))}"
         for key in keys
-        if before.get(key) != after.get(key) and not _is_path(key)
+        if before.get(key) != after.get(key) and not is_path(key)
     ]
     if lines:
         return lines
@@ -334,11 +335,6 @@ def differences(old: Scene, new: Scene) -> list[str]:
         section = next(iter(new.height_paths), "surface")
         return [f"{section}.path: the heights are others than those of the earlier run"]
     return []
-
-
-def _is_path(key: str) -> bool:
-    """Tell whether a dotted key holds the path of a height file, swept or not."""
-    return "surface.path" in key or key.rpartition(".")[2] == "path"
 
 
 def contains(small: Scene, large: Scene) -> bool:

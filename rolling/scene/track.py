@@ -238,11 +238,6 @@ class Track:
             return 0.0
         return self.distance / (self.turn_nodes * self.spacing)
 
-    @property
-    def closing_nodes(self) -> int:
-        """Nodes after which surface and sphere first close together."""
-        return math.lcm(self.plate_nodes, self.turn_nodes or 1)
-
 
 class Rolled(NamedTuple):
     """Distance [m] that a scene asks for, with the value in the scene and its key."""

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from rolling.scene.height_files import reason_of
 from rolling.scene.height_grid import height_grid
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -109,8 +110,7 @@ def identity(scene: Scene) -> tuple[Any, ...]:
         try:
             stamp = path.stat()
         except OSError as error:
-            words = f"{path}: not readable ({error.strerror or error})"
-            raise SceneError([f"{section}.path: {words}"]) from error
+            raise SceneError([f"{section}.path: {path}: {reason_of(error)}"]) from error
         stamps.append((stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
     ball = scene.sphere.surface
     return (

@@ -115,9 +115,9 @@ def test_keys_of_pieces_differ_and_name_files(reference: Result) -> None:
         Piece(**{**base, "first": 100}, kind="track"),
     ]
     keys = [piece.key for piece in pieces]
-    assert len(set(keys)) == len(set(pieces)) == len(pieces)
+    assert len(set(keys)) == len(pieces)
     assert all(set(key) <= set("abcdefghijklmnopqrstuvwxyz0123456789-") for key in keys)
-    assert Piece(**base, kind="track") == pieces[0]
+    assert Piece(**base, kind="track").key == keys[0]
 
 
 @pytest.mark.parametrize(

@@ -79,9 +79,8 @@ def scene_of(text: str) -> Scene:
 def solved(scene: Scene, values: dict[str, Any] | None = None, film: bool = False) -> Run:
     """March a scene in this process and make its sound."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(
-            "rolling.marches.next_pieces.SHARE", 0.3
-        )  # a film of a run that is too short for one
+        # A run that is too short for a film gets one.
+        patch.setattr("rolling.marches.next_pieces.SHARE", 0.3)
         return replace(run_of(scene, folder(), film), values=values or {})
 
 
