@@ -28,16 +28,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PAGE, TABLE = "report.html", "runs.csv"
-__all__ = [
-    "default_folder",
-    "listen",
-    "plot",
-    "report",
-    "resound",
-    "run_scene",
-    "surface",
-    "tabulate",
-]
 
 
 def run_scene(
