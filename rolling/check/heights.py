@@ -34,17 +34,16 @@ def findings(scene: Scene) -> list[Finding]:
         return _made(scene)
     surface, path = scene_surface(scene), scene.height_path
     assert surface.levelling is not None and path is not None  # every file has both
+    steps = [
+        Finding(step.step, STEP_NAMES.get(step.step, step.step), step.text, step.warning)
+        for step in surface.preparation
+    ]
     percent = 100 * surface.form_share
     form, has_form = f"{rounded(percent)} % of the variance", surface.form_share > MAX_FORM
     return [
         *_resolution(surface),
         *_file(path, scene.surface),
-        *(
-            Finding(
-                effect.step, STEP_NAMES.get(effect.step, effect.step), effect.text, effect.warning
-            )
-            for effect in surface.preparation
-        ),
+        *steps,
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
         judged("form", form, has_form, percent=percent),

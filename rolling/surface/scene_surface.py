@@ -59,9 +59,8 @@ class SceneSurface:
     @cached_property
     def correlations(self) -> tuple[Correlation, Correlation]:
         """Correlation of the heights along and across."""
-        return surface.correlation(self.heights, self.spacing, 0), surface.correlation(
-            self.heights, self.spacing, 1
-        )
+        along, across = (surface.correlation(self.heights, self.spacing, k) for k in (0, 1))
+        return along, across
 
     @cached_property
     def form_share(self) -> float:
