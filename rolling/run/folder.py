@@ -153,15 +153,12 @@ def _foreign(folder: Path) -> str:
         return ""
     if not folder.is_dir():
         return "not a folder"
-    strangers = [path.name for path in folder.iterdir() if not _is_own(path.name)]
+    # Locks and files half written may stand in a folder without a scene.
+    own = f"{LOCK}*", f".*{files.PARTIAL}"
+    strangers = [path.name for path in folder.iterdir() if not any(map(path.match, own))]
     if strangers:
         return f"no run folder, it holds {', '.join(sorted(strangers)[:3])}"
     return ""
-
-
-def _is_own(name: str) -> bool:
-    """Return whether a file in a folder without a scene is a lock or a file half written."""
-    return name.startswith(LOCK) or (name.startswith(".") and name.endswith(".partial"))
 
 
 def refuse_other(folder: Path, scene: Scene) -> bool:

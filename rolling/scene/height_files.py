@@ -250,12 +250,8 @@ def _number(field: str) -> float | None:
 # ---- regular files
 
 
-_KINDS = (
-    (stat.S_ISDIR, "a folder"),
-    (stat.S_ISFIFO, "a pipe"),
-    (stat.S_ISCHR, "a device"),
-    (stat.S_ISBLK, "a device"),
-)
+# By the letter that `ls -l` shows.
+_KINDS = {"d": "a folder", "p": "a pipe", "c": "a device", "b": "a device"}
 
 
 def open_regular(path: Path) -> io.FileIO:
@@ -269,8 +265,7 @@ def open_regular(path: Path) -> io.FileIO:
     if stat.S_ISREG(mode):
         return io.FileIO(descriptor, "rb")
     os.close(descriptor)
-    kind = next((kind for is_kind, kind in _KINDS if is_kind(mode)), "no regular file")
-    raise OSError(0, f"is {kind}")
+    raise OSError(0, f"is {_KINDS.get(stat.filemode(mode)[0], 'no regular file')}")
 
 
 def reason_of(error: OSError) -> str:
