@@ -15,8 +15,8 @@ from rolling.dynamics import of_scene
 from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
 from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
-from rolling.sound.effective_roughness import wavelength_bands
 from rolling.sound.vibration_sound import Vibration
+from rolling.sound.wavelengths import wavelength_bands
 from rolling.surface.scene_surface import scene_surface
 
 if TYPE_CHECKING:

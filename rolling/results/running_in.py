@@ -13,7 +13,7 @@ from acoustics.numbers import decibels_a
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
-from rolling.sound.vibration_estimate import estimate
+from rolling.sound.radiators import vibration_estimate
 
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
@@ -48,7 +48,7 @@ def pass_numbers(
         vibration = None
         if scene.dynamics is None:
             approach = passes.series["approach"][k, places]
-            vibration, _ = estimate(scene, approach, result.step, sound.closed)
+            vibration, _ = vibration_estimate(scene, approach, result.step, sound.closed)
         numbers.append(
             {
                 "laeq_db": sound.levels.laeq_db,

@@ -29,7 +29,7 @@ from rolling.results import verdict
 from rolling.results.caveats import caveats
 from rolling.results.run_errors import error_numbers, known, known_bands
 from rolling.scene.scene import Scene
-from rolling.sound import vibration_estimate
+from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration, by_band, compact_source_db
 from rolling.sound.wavelengths import wavelength_octaves
@@ -332,11 +332,11 @@ def _estimate(scene: Scene, result: Result, release: ContactSound) -> dict[str, 
     if scene.dynamics is not None:
         return {}
     approach, closed = result.whole("approach"), release.closed
-    laeq, ratio = vibration_estimate.estimate(scene, approach, result.step, closed)
+    laeq, ratio = radiators.vibration_estimate(scene, approach, result.step, closed)
     return {
         "vibration_estimate_laeq_db": laeq,
         "vibration_estimate_force_ratio": ratio,
-        "vibration_estimate_bodies": vibration_estimate.bodies_text(scene),
+        "vibration_estimate_bodies": radiators.bodies_text(scene),
     }
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from acoustics import level, radiation, resampling, wav
 from acoustics.arrays import Array, short_repr
 from acoustics.continued_rows import ContinuedRows
-from acoustics.gaussianity import kurtosis
+from acoustics.uncertainty import kurtosis
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion, turn_m
 from rolling.scene.scene import Scene

@@ -23,9 +23,8 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import MOST_STEPS, BodyMotion
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
-from rolling.sound.comb import comb
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
-from rolling.sound.radiators import known_bands, powers, sources
+from rolling.sound.radiators import comb, known_bands, powers, sources
 
 P_REF_W = 1e-12  # reference sound power
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from acoustics import kurtosis, level
-from acoustics.gaussianity import kurtosis_uncertainty
 from acoustics.laps import Lap, crossfaded_lap
 from acoustics.resampling import band_limit, fade
+from acoustics.uncertainty import kurtosis_uncertainty
 
 RATE = 48000
 

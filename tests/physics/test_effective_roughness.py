@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rolling.sound.effective_roughness import wavelength_bands
+from rolling.sound.wavelengths import wavelength_bands
 
 
 @pytest.mark.law("Roughness over wavelength: a sine of 1 um rms has 0 dB in its band.")
