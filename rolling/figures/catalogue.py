@@ -32,32 +32,22 @@ class FigureKind:
     ----------
     draw : callable of (runs, ax), or of (run, ax) for a figure of one run.
     table : callable of the same runs or run. None for a map.
-    holds : callable of runs. True, or anything but nothing, if there is such a figure of them.
+    holds : callable of the same. True, or anything but nothing, if there is such a figure.
     among : bool. Whether `draw` takes the runs `among` which a run is compared.
     """
 
     draw: Callable[..., Axes]
     table: Callable[..., DataFrame] | None = None
-    holds: Callable[[Sequence[Run]], Any] = lambda runs: True
+    holds: Callable[..., Any] = lambda shown: True
     among: bool = False
 
 
-def _has(attribute: str) -> Callable[[Sequence[Run]], Any]:
-    """Return a rule for figures of one run: whether it has anything at a dotted attribute."""
-    value = attrgetter(attribute)
-    return lambda runs: value(runs[0])
-
-
-def _turns(runs: Sequence[Run]) -> bool:
-    return bool(runs[0].summary.get("turn_band_hz"))
-
-
-def _filters(runs: Sequence[Run]) -> bool:
-    return bool(runs[0].vibration) and scene_surface(runs[0].scene).statistics.rq > 0
+def _filters(run: Run) -> bool:
+    return bool(run.vibration) and scene_surface(run.scene).statistics.rq > 0
 
 
 _LEVELS, _AREAS = (partial(sweep.swept_table, names=names) for names in (sweep.LEVELS, sweep.AREAS))
-_VIBRATES = _has("vibration")
+_VIBRATES = attrgetter("vibration")
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(
@@ -75,18 +65,20 @@ SINGLE = {
     "modulation": FigureKind(
         origins.modulation,
         origins.modulation_table,
-        lambda runs: runs[0].summary.get("turn_band_hz"),
+        lambda run: run.summary.get("turn_band_hz"),
     ),
     "wavelengths": FigureKind(
-        origins.wavelengths, origins.wavelength_table, _has("wavelength_octaves")
+        origins.wavelengths, origins.wavelength_table, attrgetter("wavelength_octaves")
     ),
-    "running_in": FigureKind(origins.running_in, origins.running_in_table, _has("result.passes")),
+    "running_in": FigureKind(
+        origins.running_in, origins.running_in_table, attrgetter("result.passes")
+    ),
     "surface": FigureKind(contact.surface),
     "contact_pressure": FigureKind(
-        contact.contact_pressure, holds=_has("result.snapshot"), among=True
+        contact.contact_pressure, holds=attrgetter("result.snapshot"), among=True
     ),
     "recovery_events": FigureKind(
-        contact.recovery_events, contact.recovery_event_table, _has("event_statistics")
+        contact.recovery_events, contact.recovery_event_table, attrgetter("event_statistics")
     ),
     "sources": FigureKind(vibration.sources, vibration.source_table, _VIBRATES),
     "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _VIBRATES),
@@ -110,7 +102,7 @@ def comparing_pictures(runs: Sequence[Run], names: Iterable[str] = ()) -> Iterat
 def single_picture(name: str, run: Run, among: Sequence[Run] = ()) -> Picture | None:
     """Draw a figure of one run on the axes of all runs `among` which it is compared."""
     kind = SINGLE[name]
-    if not kind.holds([run]):
+    if not kind.holds(run):
         return None
     shared = {"among": among} if kind.among else {}
     return picture(name, partial(kind.draw, run, **shared), kind.table and kind.table(run))

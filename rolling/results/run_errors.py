@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,27 +24,25 @@ from rolling.sound.contact_sound import ContactSound
 from rolling.sound.error_estimate import LevelErrors, RecordLevels
 from rolling.sound.vibration_sound import Vibration
 
+if TYPE_CHECKING:
+    from rolling.results.run_result import Run
+
 LINEAR = 0.3  # rms of the contact force over the load up to which sphere and plate are linear
 _NAN = np.full(len(BAND_NAMES) + 1, math.nan)
 _UNKNOWN = LevelErrors(math.nan, False, _NAN, _NAN, _NAN, *[math.nan] * 3)
 
 
-def error_numbers(
-    scene: Scene,
-    result: Result,
-    sound: ContactSound,
-    vibration: Vibration | None,
-    spreads: Mapping[str, float | None],
-) -> dict[str, Any]:
+def error_numbers(run: Run, spreads: Mapping[str, float | None]) -> dict[str, Any]:
     """Return the errors of a run for summary.json; none unless the scene asks for them.
 
     `spreads` are uncertainties of LAeq [dB] by their origin: the record and, of a vibration, more.
     """
+    scene, result, sound = run.scene, run.result, run.sound
     if not scene.numerics.error_estimate:
         return {}
     levels, detail, plastic = _UNKNOWN, np.stack([_NAN, _NAN]), (math.nan, math.nan)
-    vibrating = vibration if sound.source == "vibration" else None
-    if reason := _not_linear(vibrating) or _reason(scene, result, sound):
+    vibrating = run.vibration if sound.source == "vibration" else None
+    if reason := (_not_linear(vibrating) if vibrating else "") or _reason(scene, result, sound):
         estimate: dict[str, Any] = {"reason": reason}
     else:
         levels, detail, estimate = _estimate(scene, result, sound)
@@ -117,11 +115,11 @@ def _estimate(
     return levels, detail, estimate
 
 
-def _not_linear(vibration: Vibration | None) -> str:
+def _not_linear(vibration: Vibration) -> str:
     """Explain that no linear chain carries an error to the sound; empty where one does."""
-    if vibration is not None and vibration.motion.flight_share > 0:
+    if vibration.motion.flight_share > 0:
         words = "contact is lost"
-    elif vibration is not None and vibration.rms_ratio > LINEAR:
+    elif vibration.rms_ratio > LINEAR:
         words = f"the contact force fluctuates by {rounded(vibration.rms_ratio)} of the load"
     else:
         return ""

@@ -294,18 +294,18 @@ def hear(
     ContactError : the marches make no force law.
     """
     energy, closed = released(scene, result)
-    moving = result.moving if scene.moves_release else None
     lap, has_seam = result.solved_steps, scene_surface(scene).has_seam
     release = contact_sound(scene, energy, result.step, closed, lap, has_seam)
     vibration = _vibration(scene, result, release)
     vibrates = vibration is not None and scene.sound.source == "vibration"
     sound = heard(release, vibration) if vibration and vibrates else release
-    numbers = summary or summarize(scene, result, sound, release, vibration, moving)
-    run = Run(label, values, folder, scene, result, sound, numbers, vibration)
-    if summary is None and result.passes is not None:
-        numbers["passes"] = pass_numbers(scene, result, run.pass_sounds)
-    if summary is None and scene.sound.listen_s is not None:
-        numbers["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
+    run = Run(label, values, folder, scene, result, sound, summary or {}, vibration)
+    if summary is None:
+        run.summary.update(summarize(run, release))
+        if result.passes is not None:
+            run.summary["passes"] = pass_numbers(scene, result, run.pass_sounds)
+        if scene.sound.listen_s is not None:
+            run.summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run
 
 
