@@ -93,17 +93,14 @@ def ball_power_per_force(frequency_hz: ArrayLike, ball: Ball, plane: bool = True
     return np.asarray(free * image)
 
 
-def band_power(
-    force_n: ArrayLike, sample_rate_hz: float, source: ThinPlate | Ball, sides: int = 1
-) -> Array:
+def band_power(force_n: ArrayLike, sample_rate_hz: float, source: ThinPlate | Ball) -> Array:
     """Return the sound power of plate or ball in each third octave.
 
     Parameters
     ----------
     force_n : array (n,), N. Fluctuation of the force, a closed or faded record.
     sample_rate_hz : float, Hz. Sample rate.
-    source : ThinPlate or Ball. Body that radiates.
-    sides : int. Sides of the plate with air, 1 or 2. Default 1; the power is of one side.
+    source : ThinPlate or Ball. Body that radiates, a plate to one side.
 
     Returns
     -------
@@ -117,6 +114,6 @@ def band_power(
     else:
         near = source.critical_hz * np.concatenate((1 - _NEAR, 1 + _NEAR))
         grid = np.sort(np.concatenate((_GRID, near)))
-        table = plate_power_per_force(grid, source, sides)
+        table = plate_power_per_force(grid, source)
         power = np.exp(np.interp(np.log(frequency), np.log(grid), np.log(table)))
     return third_octave_mean_square(frequency, mean_square * power)

@@ -303,7 +303,7 @@ def hear(
     if summary is None:
         run.summary.update(summarize(run, release))
         if result.passes is not None:
-            run.summary["passes"] = pass_numbers(scene, result, run.pass_sounds)
+            run.summary["passes"] = pass_numbers(run)
         if scene.sound.listen_s is not None:
             run.summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run

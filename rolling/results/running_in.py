@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -33,18 +32,17 @@ def pass_sounds(scene: Scene, result: Result, closed: bool, has_seam: bool) -> l
     ]
 
 
-def pass_numbers(
-    scene: Scene, result: Result, sounds: Sequence[ContactSound]
-) -> list[dict[str, Any]]:
+def pass_numbers(run: Run) -> list[dict[str, Any]]:
     """Return levels, release power, plastic work and maximum depth of each pass.
 
     The level of the vibration is an estimate from the approach, for scenes without dynamics.
     """
-    passes, numbers = result.passes, list[dict[str, Any]]()
+    scene, result, passes = run.scene, run.result, run.result.passes
+    numbers = list[dict[str, Any]]()
     assert passes is not None  # asked for by the caller
     places = np.append(np.arange(result.steps) % result.solved_steps, -1)
     places[-1] = places[-2] + 1
-    for k, sound in enumerate(sounds):
+    for k, sound in enumerate(run.pass_sounds):
         vibration = None
         if scene.dynamics is None:
             approach = passes.series["approach"][k, places]

@@ -10,7 +10,6 @@ filter of wheel and rail.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -131,34 +130,14 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
     return shares
 
 
-REFERENCE_M = 1e-6
 _HALF_BAND = 10**0.05  # from the middle of a third octave to its edges
 
 
-@dataclass(frozen=True, eq=False)
-class WavelengthBands:
-    """Third octaves over wavelength.
+def wavelength_bands(profiles: Array, spacing: float, closed: bool) -> tuple[Array, Array]:
+    """Return wavelengths [m] and levels [dB re 1 um] of profiles along the track, in third octaves.
 
-    Attributes
-    ----------
-    wavelength : (bands,) array, m
-        Middle of each band, descending.
-    mean_square : (bands,) array, m2
-        Mean square of the heights in each band; NaN for a band without a line.
-    """
-
-    wavelength: Array
-    mean_square: Array
-
-    @property
-    def level_db(self) -> Array:
-        """Level [dB re 1 um]; NaN for a band without a line or without roughness."""
-        rough = np.where(self.mean_square > 0, self.mean_square, np.nan)
-        return np.asarray(10 * np.log10(rough / REFERENCE_M**2))
-
-
-def wavelength_bands(profiles: Array, spacing: float, closed: bool) -> WavelengthBands:
-    """Return the third octaves of profiles along the track, as their mean.
+    The wavelengths descend, and the lines of profiles have their mean. The level is NaN for a band
+    without a line or without roughness.
 
     Parameters
     ----------
@@ -188,5 +167,4 @@ def wavelength_bands(profiles: Array, spacing: float, closed: bool) -> Wavelengt
     band = np.searchsorted(edges, wave_number, side="right") - 1
     inside = (band >= 0) & (band < len(middle))
     sums = np.bincount(band[inside], mean_square[inside], len(middle))
-    counts = np.bincount(band[inside], minlength=len(middle))
-    return WavelengthBands(1 / middle, np.where(counts > 0, sums, np.nan))
+    return 1 / middle, 10 * np.log10(np.where(sums > 0, sums, np.nan) / 1e-12)
