@@ -100,18 +100,16 @@ class ForceLaw:
         return values.reshape((*x.shape, 2))
 
 
-def law_table(
-    start_m: float, spacing_m: float, closed: bool, breaks: Array, values: Array
-) -> LawTable:
+def law_table(start: float, spacing: float, closed: bool, breaks: Array, values: Array) -> LawTable:
     """Return the numbers of the kernels from lift-off and slopes at the breaks, (n, 1 + m)."""
     from scipy.interpolate import CubicSpline  # slow to import, for motions only
 
-    knots = start_m + spacing_m * np.arange(len(values))
+    knots = start + spacing * np.arange(len(values))
     spline = CubicSpline(knots, values, bc_type="periodic" if closed else "not-a-knot")
     slopes = np.ascontiguousarray(spline(knots, 1))
-    steepest = 3 / spacing_m * values[:, 1:]  # up to which a cubic between positions is positive
+    steepest = 3 / spacing * values[:, 1:]  # up to which a cubic between positions is positive
     slopes[:, 1:] = np.clip(slopes[:, 1:], -steepest, steepest)
-    return LawTable(start_m, spacing_m, closed, breaks, np.sqrt(breaks), values, slopes)
+    return LawTable(start, spacing, closed, breaks, np.sqrt(breaks), values, slopes)
 
 
 def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:

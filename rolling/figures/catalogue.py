@@ -42,6 +42,10 @@ class Kind:
     among: bool = False
 
 
+def _turns(run: Run) -> bool:
+    return bool(run.summary.get("turn_band_hz"))
+
+
 def _filters(run: Run) -> bool:
     return bool(run.vibration) and scene_surface(run.scene).statistics.rq > 0
 
@@ -62,11 +66,7 @@ COMPARING = {
 SINGLE = {
     "release_power": Kind(sound.release_power, sound.release_power_table, among=True),
     "spectrogram": Kind(sound.spectrogram, among=True),
-    "modulation": Kind(
-        origins.modulation,
-        origins.modulation_table,
-        lambda run: run.summary.get("turn_band_hz"),
-    ),
+    "modulation": Kind(origins.modulation, origins.modulation_table, _turns),
     "wavelengths": Kind(origins.wavelengths, origins.wavelength_table, has("wavelength_octaves")),
     "running_in": Kind(origins.running_in, origins.running_in_table, has("result.passes")),
     "surface": Kind(contact.surface),

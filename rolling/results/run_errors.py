@@ -45,7 +45,7 @@ def error_numbers(run: Run, spreads: Mapping[str, float | None]) -> dict[str, An
     if reason := (_not_linear(vibrating) if vibrating else "") or _reason(scene, result, sound):
         estimate: dict[str, Any] = {"reason": reason}
     else:
-        levels, detail, estimate = _estimate(scene, result, sound)
+        levels, detail, estimate = _estimate(run)
         areas = (error_stretches.plastic_areas(scene, result, grid) for grid in ("tight", "fine"))
         plastic = error_estimate.mean_error(*areas)
     # The level is not corrected for the error of the grid, which therefore counts whole.
@@ -92,10 +92,9 @@ def known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _estimate(
-    scene: Scene, result: Result, sound: ContactSound
-) -> tuple[LevelErrors, Array, dict[str, Any]]:
+def _estimate(run: Run) -> tuple[LevelErrors, Array, dict[str, Any]]:
     """Return errors of levels, errors from missing detail, and the facts of the estimate."""
+    scene, result, sound = run.scene, run.result, run.sound
     powers = error_stretches.stretch_powers(scene, result)
     own_factor = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
     lap_s = sound.duration * result.solved_steps / result.steps

@@ -23,7 +23,7 @@ from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.listening import listen, reason_against, released
-from rolling.results.running_in import pass_numbers, pass_sounds
+from rolling.results.running_in import pass_numbers
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
@@ -84,8 +84,13 @@ class Run:
     @cached_property
     def pass_sounds(self) -> list[ContactSound]:
         """Sound of the release of each pass; empty for a plate without memory."""
-        closed = released(self.scene, self.result)[1]
-        return pass_sounds(self.scene, self.result, closed, scene_surface(self.scene).has_seam)
+        result, scene = self.result, self.scene
+        if result.passes is None:
+            return []
+        closed, has_seam = released(scene, result)[1], scene_surface(scene).has_seam
+        steps, lap = np.arange(result.steps) % result.solved_steps, result.solved_steps
+        energies = result.passes.series["release_energy"][:, steps]
+        return [contact_sound(scene, x, result.step, closed, lap, has_seam) for x in energies]
 
     @property
     def title(self) -> str:

@@ -9,9 +9,7 @@ import numpy as np
 from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.numbers import decibels_a
-from rolling.marches.result import Result
-from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
+from rolling.sound.contact_sound import FADE_S
 from rolling.sound.radiators import vibration_estimate
 
 if TYPE_CHECKING:
@@ -19,17 +17,6 @@ if TYPE_CHECKING:
 
 PASS_S, PAUSE_S = 1.5, 0.25  # [s] of a pass for the ear, and of the silence after it
 MOST_HEARD = 12  # passes in the WAV; of more, it holds passes in a geometric sequence
-
-
-def pass_sounds(scene: Scene, result: Result, closed: bool, has_seam: bool) -> list[ContactSound]:
-    """Return the sound of the release of each pass; none for a plate without memory."""
-    if result.passes is None:
-        return []
-    steps, lap = np.arange(result.steps) % result.solved_steps, result.solved_steps
-    return [
-        contact_sound(scene, energy[steps], result.step, closed, lap, has_seam)
-        for energy in result.passes.series["release_energy"]
-    ]
 
 
 def pass_numbers(run: Run) -> list[dict[str, Any]]:

@@ -111,11 +111,7 @@ def _parts(first: int, last: int, values: int) -> list[slice]:
 
 
 def _fading(
-    scene: Scene,
-    plate: RectangularPlate,
-    force: Array,
-    listeners: Sequence[Listener],
-    points: Array,
+    scene: Scene, plate: RectangularPlate, force: Array, listeners: list[Listener], points: Array
 ) -> Array:
     """Return the pressure [Pa] at listeners of the modes that fade within a stretch of a record.
 

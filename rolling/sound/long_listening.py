@@ -71,7 +71,7 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     samples.append(decimator.end())
     fade = contact_sound.faded_out if falls else contact_sound.faded
     fluctuation = fade(np.concatenate(samples), seconds)
-    _, heard = vibration_sound.radiated(scene, fluctuation, rate, len(fluctuation), False, 2)
+    _, heard = vibration_sound.radiated(scene, fluctuation, rate, False, 2)
     numbers = _numbers(scene, heard[0], seconds, law.spacing_m, motion.law.rows) | {
         "impacts": motion.impacts,
         "flight_share": motion.apart / motion.taken,

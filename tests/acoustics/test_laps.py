@@ -16,7 +16,7 @@ RATE = 48000
 def noise(samples: int, low: float = 20, high: float = 20000, seed: int = 1) -> np.ndarray:
     """Return noise of a band that closes on itself."""
     random = np.random.default_rng(seed)
-    return band_limit(random.standard_normal(samples), RATE, low, high)
+    return band_limit(random.standard_normal(samples), RATE, (low, high))
 
 
 def bend(record: np.ndarray) -> float:

@@ -307,7 +307,7 @@ def test_ten_seconds_stay_small(three) -> None:
 def test_values_that_are_equal_in_print_have_curves_of_their_own(tmp_path) -> None:
     frame = runs_table.runs_table(runs_of("seeds")).reset_index()
     frame["rolling.load_n"] = np.where(np.arange(len(frame)) % 2, 0.3, 0.1 * 3)
-    (_, drawn) = write_number_figures(frame, ["laeq_db"], ["rolling.load_n"], tmp_path)
+    (_, drawn) = write_number_figures(frame, ["laeq_db"], ["rolling.load_n"], tmp_path, "")
     assert drawn.stat().st_size > 5000
 
 
