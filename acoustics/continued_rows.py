@@ -119,9 +119,7 @@ class RandomRows:
             yield block[:, : self.block - self.blend]
 
 
-def _windows(
-    place: Array, own: Array, wider: int = 1, least: float = 0.0
-) -> list[tuple[Array, Array]]:
+def _windows(place: Array, own: Array, wider: int = 1, least: float = 0.0) -> Pairs:
     """Return indices and weights of lines about places, one pair for each neighbour."""
     half = np.maximum(wider * np.minimum(LINES, THIRD_OCTAVE * place) / 2 + 0.5, least)
     reach = wider * (LINES // 2)
@@ -142,6 +140,7 @@ CALM = 1.5  # sigmas at which such a stretch begins and ends
 LEAST_SIGMA = 0.01  # of the largest value, for single stretches in a smooth row
 QUARTILES = 1.349  # distance between the quartiles of a Gaussian row in standard deviations
 
+Pairs = list[tuple[Array, Array]]
 Stretch = tuple[int, Array, Array]  # first position, share (m,), values (rows, m)
 
 
@@ -262,9 +261,7 @@ class ContinuedRows:
         return drawn
 
 
-def _rare(
-    rows: Array, closed: bool, known: NDArray[np.bool_]
-) -> tuple[Array, list[tuple[Array, Array]]]:
+def _rare(rows: Array, closed: bool, known: NDArray[np.bool_]) -> tuple[Array, Pairs]:
     """Return the share (n,) of rare stretches in rows of zero median, and these stretches.
 
     A stretch begins and ends where the row that departs is calm; both ends are faded over half of

@@ -25,6 +25,7 @@ __all__ = [
 ]  # fmt: skip
 
 Limits = tuple[float, float]
+Curve = tuple[str, Lines]  # label and spectrum
 # Errors of band levels [dB] and their standard uncertainty, by nominal frequency.
 BandErrors = tuple[Mapping[str, float | None], Mapping[str, float | None]]
 # Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
@@ -32,16 +33,13 @@ _SHADES = 36
 _HATCHES = ("////", "\\\\\\\\", "xxxx")  # marks of bands with large errors, one for each curve
 
 
-def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines]]:
+def drawn_as_means(curves: Sequence[Curve]) -> list[Curve]:
     """Return the curves drawn as means: dense spectra, or all of more than three curves."""
     return [curve for curve in curves if curve[1].dense or len(curves) > FEW]
 
 
 def spectrum(
-    ax: Axes,
-    curves: Sequence[tuple[str, Lines]],
-    limits_db: Limits | None = None,
-    ordered: bool = False,
+    ax: Axes, curves: Sequence[Curve], limits_db: Limits | None = None, ordered: bool = False
 ) -> Axes:
     """Draw spectra against frequency, 20 Hz to 20 kHz.
 

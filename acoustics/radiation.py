@@ -179,11 +179,11 @@ class Ball:
         return float(4 / 3 * np.pi * self.radius_m**3 * self.density_kg_m3)
 
 
+Body = ThinPlate | HalfSpaceBody | Ball
+
+
 def axis_transfer(
-    frequency_hz: ArrayLike,
-    source: ThinPlate | HalfSpaceBody | Ball,
-    distance_m: float,
-    cosine: float = 1.0,
+    frequency_hz: ArrayLike, source: Body, distance_m: float, cosine: float = 1.0
 ) -> NDArray[np.complex128]:
     """Return the pressure on the axis, on the ball's side, per force between ball and plane.
 
@@ -230,10 +230,7 @@ def axis_transfer(
 
 
 def pressure_on_axis(
-    force_n: ArrayLike,
-    sample_rate_hz: float,
-    sources: Sequence[ThinPlate | HalfSpaceBody | Ball],
-    distance_m: float,
+    force_n: ArrayLike, sample_rate_hz: float, sources: Sequence[Body], distance_m: float
 ) -> Array:
     """Return the pressure on the axis above a ball that a fluctuating force moves.
 

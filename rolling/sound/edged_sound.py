@@ -64,9 +64,8 @@ def pressures(
     if points is not None:
         heard += _fading(scene, plate, force, places, points)
     ends = fade_length(len(force), len(force) / rate)
-    return np.array(
-        [resampling.band_limit(resampling.fade(record, ends), rate) for record in heard]
-    )
+    faded = [resampling.fade(record, ends) for record in heard]
+    return np.array([resampling.band_limit(record, rate) for record in faded])
 
 
 def _spectra(

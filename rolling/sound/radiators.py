@@ -17,7 +17,7 @@ from acoustics import level, spectrum, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, third_octave_mean_square
 from acoustics.numbers import rounded
-from acoustics.radiation import Ball, HalfSpaceBody, ThinPlate, axis_transfer
+from acoustics.radiation import Body, HalfSpaceBody, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power
 from acoustics.spectrum import line_spectrum
 from acoustics.weighting import a_weighting_db
@@ -32,7 +32,7 @@ from rolling.sound.contact_sound import faded, oversampling
 from rolling.sound.error_estimate import Gain
 
 
-def sources(scene: Scene) -> list[ThinPlate | HalfSpaceBody | Ball]:
+def sources(scene: Scene) -> list[Body]:
     """Return the bodies that are heard."""
     return [ground(scene), *([of_scene.ball(scene)] if scene.sound.ball else [])]
 
