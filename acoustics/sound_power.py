@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, third_octave_mean_square
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, ThinPlate
-from acoustics.spectrum import line_spectrum
+from acoustics.spectrum import audible_lines
 
 _legendre = cache(np.polynomial.legendre.leggauss)  # slow: eigenvalues of a matrix
 _NODES = 300  # of the quadrature over directions; 600 change no band by 1e-3 dB
@@ -106,9 +106,7 @@ def band_power(force_n: ArrayLike, sample_rate_hz: float, source: ThinPlate | Ba
     -------
     array (31,), W
     """
-    frequency, mean_square = line_spectrum(np.asarray(force_n, dtype=float), sample_rate_hz)
-    inside = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-    frequency, mean_square = frequency[inside], mean_square[inside]
+    frequency, mean_square = audible_lines(np.asarray(force_n, dtype=float), sample_rate_hz)
     if isinstance(source, Ball):
         power = ball_power_per_force(frequency, source)
     else:

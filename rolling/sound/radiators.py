@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from acoustics import level, spectrum, wav
+from acoustics import level, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, third_octave_mean_square
 from acoustics.numbers import rounded
 from acoustics.radiation import Body, HalfSpaceBody, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power
-from acoustics.spectrum import line_spectrum
+from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
@@ -43,9 +43,7 @@ def powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
     of_ball = band_power(force, rate, of_scene.ball(scene))
     plate = np.full(len(of_ball), np.nan)
     if (rectangle := of_scene.rectangular_plate(scene)) is not None:
-        frequency, square = spectrum.line_spectrum(force, rate)
-        audible = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-        frequency, square = frequency[audible], square[audible]
+        frequency, square = audible_lines(force, rate)
         power = edged_sound.power_per_force(scene, rectangle, frequency)
         plate = third_octave_mean_square(frequency, square * power)
     elif isinstance(body, ThinPlate):
@@ -196,19 +194,17 @@ def vibration_estimate(
     if not (closed and constant):
         signal = faded(signal, duration)
     rate = len(signal) / duration
-    frequency, mean_square = line_spectrum(signal - signal.mean(), rate)
-    heard = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-    if not heard.any():
+    frequency, mean_square = audible_lines(signal - signal.mean(), rate)
+    if not len(frequency):
         return None, 0.0
     stiffness = 2 * scene.contact_modulus * of_scene.hertz_radius(scene)
     bodies = with_bodies(scene)
     chain = of_scene.chain(bodies, stiffness)
     offsets = ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5) / duration
-    points = np.maximum(frequency[heard][:, None] + offsets, 1.0).ravel()
+    points = np.maximum(frequency[:, None] + offsets, 1.0).ravel()
     weighted = roughness_gain(bodies, chain)(points) * 10 ** (a_weighting_db(points) / 10)
     forces = np.square(np.abs(chain.force(points, np.ones(len(points)))))
     square, force_square = (
-        float(mean_square[heard] @ gain.reshape(-1, _POINTS).mean(axis=1))
-        for gain in (weighted, forces)
+        float(mean_square @ gain.reshape(-1, _POINTS).mean(axis=1)) for gain in (weighted, forces)
     )
     return level.level_db(square), math.sqrt(force_square) / scene.load

@@ -15,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.bands import AUDIBLE_HZ
-from acoustics.spectrum import line_spectrum
+from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
 from rolling.dynamics.of_scene import hertz_radius
 from rolling.scene.scene import Scene
@@ -47,9 +46,7 @@ class WavelengthOctave(NamedTuple):
 
 def weighted_lines(sound: ContactSound) -> tuple[Array, Array, Array]:
     """Return the audible lines of a record: frequencies [Hz], Z and A mean squares [Pa2]."""
-    frequency, square = line_spectrum(sound.pressure, sound.sample_rate)
-    audible = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-    frequency, square = frequency[audible], square[audible]
+    frequency, square = audible_lines(sound.pressure, sound.sample_rate)
     return frequency, square, square * 10.0 ** (a_weighting_db(frequency) / 10.0)
 
 
