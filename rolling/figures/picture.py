@@ -69,13 +69,19 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     heading, below = (textwrap.wrap(text, letters[0]) for text in (title, note))
     roomy = len(heading + below) < letters[1] / 10
     _plain([ax.set_title("\n".join(heading + below * roomy), loc="left", fontsize="medium")])
-    ax.set_xlabel(textwrap.fill(ax.get_xlabel(), letters[0]))
+    ax.set_xlabel(_broken(ax.get_xlabel(), letters[0]))
     for side in (ax, *(image.colorbar.ax for image in ax.images if image.colorbar)):
-        side.set_ylabel(textwrap.fill(side.get_ylabel(), letters[1]))
+        side.set_ylabel(_broken(side.get_ylabel(), letters[1]))
     if 0 < len(names) <= MOST_NAMED:
         names = [textwrap.fill(drawable(name), letters[0] - 6) for name in names]
         _plain(ax.legend(handles, names, fontsize="small", framealpha=0.6).get_texts())
     return ax
+
+
+def _broken(label: str, letters: int) -> str:
+    """Break the label of an axis that is too long before its unit, or between words."""
+    parts = label.replace(" [", "\n[").split("\n") if len(label) > letters else [label]
+    return "\n".join(textwrap.fill(part, letters) for part in parts)
 
 
 def finish_grid(ax: Axes) -> Axes:

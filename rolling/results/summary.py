@@ -56,6 +56,7 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         if (error := law.get("force_law_error_db")) is not None:
             origins["force_law"] = error
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
+    del spreads["third_octave"]
     repeats = not vibrates or bool(vibration and vibration.motion.settled)
     laps = result.steps / result.solved_steps if repeats else 1.0
     errors = error_numbers(run, origins)
@@ -67,8 +68,8 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         "q": None if vibrates or scene.sound.gain_pa_per_w_m2 else scene.sound.q,
         **asdict(sound.levels),
         "steady_level_db": sound.steady_level,
-        "third_octave_uncertainty_db": spreads.pop("third_octave"),
         "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
+        "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
         "record_scatter_db": record_scatter(sound.pressure, laps),
         **errors,
         **_loudness(scene, sound),
