@@ -6,7 +6,8 @@
 // as H = G / D, D = 1 + k (1 + tau p) G. Its poles p_j and residues G / D' make the motion of d exact.
 
 const RATIO = 1.5; // of the edges of bands that stand for many modes
-const ROUNDS = 200;
+const ROUNDS = 200; // of the search for poles, which takes about ten
+const ATTEMPTS = 5; // of the search with other springs
 
 /** Return the mobility [s/kg] of an infinite plate in bending. */
 export function plateMobility(young, poisson, density, thickness) {
@@ -172,9 +173,8 @@ function settlePoles(elements, k, tau, re, im, real) {
   }
 }
 
-/** Return the chain of a ball [kg] on modes, with spring [N/m] and viscosity over stiffness [s]. */
-export function modalChain(mass, modes, stiffness, contactTime = 0) {
-  const elements = elementsOf(mass, modes);
+/** Return the poles of a ball on modes, each with the residue that it and its conjugate add. */
+function modalPoles(elements, stiffness, contactTime) {
   const [re, im] = firstPoles(elements, stiffness, contactTime);
   const real = new Uint8Array(re.length);
   settlePoles(elements, stiffness, contactTime, re, im, real);
@@ -184,12 +184,25 @@ export function modalChain(mass, modes, stiffness, contactTime = 0) {
     for (const [x, y] of places) {
       const at = receptance(elements, x, y);
       const [, , sr, si] = loopOf(stiffness, contactTime, x, y, at);
-      const square = sr * sr + si * si;
-      const weight = y === 0 ? 1 : 2; // the conjugate pole adds as much
-      poles.push([x, y, (weight * (at[0] * sr + at[1] * si)) / square, (weight * (at[1] * sr - at[0] * si)) / square]);
+      const share = (y === 0 ? 1 : 2) / (sr * sr + si * si);
+      poles.push([x, y, share * (at[0] * sr + at[1] * si), share * (at[1] * sr - at[0] * si)]);
     }
   }
-  return chainOf(poles, { mass, stiffness, contactTime, mobility: 0, modes: elements.w.length - 1 });
+  return poles;
+}
+
+/** Return the chain of a ball [kg] on modes, with spring [N/m] and viscosity over stiffness [s]. */
+export function modalChain(mass, modes, stiffness, contactTime = 0) {
+  const elements = elementsOf(mass, modes);
+  const numbers = { mass, contactTime, mobility: 0, modes: elements.w.length - 1 };
+  // The motion may split off any spring; another one parts poles that coincide.
+  for (let attempt = 0, spring = stiffness; ; attempt++, spring *= 1.01) {
+    const poles = modalPoles(elements, spring, contactTime);
+    let compliance = 0;
+    for (const [x, y, r, i] of poles) compliance -= (r * x + i * y) / (x * x + y * y);
+    const exact = Math.abs(compliance * spring - 1) < 1e-7;
+    if (exact || attempt === ATTEMPTS) return chainOf(poles, { ...numbers, stiffness: spring });
+  }
 }
 
 /** Return the chain of a ball [kg] on a plate of a mobility [s/kg]: one pair of poles in closed form. */

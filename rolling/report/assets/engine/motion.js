@@ -15,6 +15,7 @@ const CALM = 400; // steps without a flight after which the source is a parabola
 const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
 const SHARP = 0.1; // if its damping over its frequency is less
 const [FALL, ROUGH] = [1, 1e-4]; // speed [m/s] and height [m] that a ball on a track does not exceed
+const HIGHER = 1.1; // height that a ball does not reach over the height of its fall
 const STRONGEST = 1e9; // force over the load that a ball on a track does not reach
 export const RATE = 48000; // samples per second
 export const MOST_STEPS = 32; // per sample
@@ -151,7 +152,7 @@ export class Motion {
     this.approach = this.law.liftOff - height;
     this.approachBefore = this.approach - velocity * this.step;
     this.calm = 0;
-    this.ceiling = Math.max(this.ceiling, 1.1 * height);
+    this.ceiling = Math.max(this.ceiling, HIGHER * height);
     [this.force, this.forceBefore] = [this.law.force(this.approach), this.law.force(this.approachBefore)];
     this.setChain(this.chain, this.load, this.step, velocity);
   }
@@ -199,7 +200,7 @@ export class Motion {
     // The force of the equation, not of the law: the state then keeps it exactly.
     const force = d < free ? Math.max((whole - rise * d) / give, 0) : 0;
     const possible = d > law.liftOff - this.ceiling && force < STRONGEST * load;
-    if (!possible) this.release(this.ceiling); // the steps are too long for the ball
+    if (!possible) this.release(this.ceiling / HIGHER); // the steps are too long for the ball
     else this.end(d, force, (d - known) / give, smooth);
     this.position = position;
     return this.force;
