@@ -5,7 +5,6 @@
 // a damper k tau beside a source s, F - W = k (1 + tau p) d - s, so the approach answers the source
 // as H = G / D, D = 1 + k (1 + tau p) G. Its poles p_j and residues G / D' make the motion of d exact.
 
-const RATIO = 1.5; // of the edges of bands that stand for many modes
 const ROUNDS = 200; // of the search for poles, which takes about ten
 const ATTEMPTS = 5; // of the search with other springs
 
@@ -19,28 +18,6 @@ export function plateMobility(young, poisson, density, thickness) {
 export function halfSpaceMobility(coefficient, young, poisson, density, frequency) {
   const shear = Math.sqrt(young / (2 * (1 + poisson)) / density);
   return (coefficient * frequency ** 2) / (density * shear ** 3);
-}
-
-/**
- * Return modes with those above a frequency [rad/s] replaced by one for each band of the ratio 1.5,
- * which has the static compliance of its modes and the mean mobility of an infinite plate.
- */
-export function keptModes(modes, highest) {
-  const kept = { frequency: [], damping: [], reach: [] };
-  const bands = new Map();
-  for (let i = 0; i < modes.frequency.length; i++) {
-    const w = modes.frequency[i];
-    const band = Math.floor(Math.log(w / highest) / Math.log(RATIO));
-    if (w <= highest || modes.damping[i] > 0.1) {
-      for (const name of ["frequency", "damping", "reach"]) kept[name].push(modes[name][i]);
-    } else bands.set(band, (bands.get(band) ?? 0) + modes.reach[i] ** 2);
-  }
-  for (const [band, square] of bands) {
-    kept.frequency.push(highest * RATIO ** (band + 0.5));
-    kept.damping.push((RATIO ** 0.5 - RATIO ** -0.5) / Math.PI);
-    kept.reach.push(Math.sqrt(square));
-  }
-  return kept;
 }
 
 /** Return frequency, damping and gain of ball and modes by rising frequency, the ball first. */
