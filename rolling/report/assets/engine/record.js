@@ -67,7 +67,7 @@ function radiatedSamples(prepared, next, runIn, samples, tell) {
  * from its beginning. Samples have the time of the sound from the contact, without its delay;
  * `tell` hears the share that is done.
  */
-export function record(run, settings, seconds, prepared = prepare(run, settings), tell = () => {}) {
+export function record(run, settings, seconds, prepared = prepare(run, settings, Infinity), tell = () => {}) {
   const samples = Math.round(seconds * RATE);
   const vibrates = prepared.kind === "vibration";
   const source = new (vibrates ? ForceSource : ReleaseSource)(run, settings, prepared);
