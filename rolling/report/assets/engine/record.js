@@ -80,7 +80,7 @@ export function record(run, settings, seconds, prepared = prepare(run, settings,
   const next = reader(source, travel);
   if (settings.dropHeight) {
     source.lift(settings.dropHeight);
-    source.held.share = 0;
+    source.held.share = source.rest = 0;
     source.drop();
     next(DECIMATION_DELAY);
     return radiatedSamples(prepared, next, prepared.lead, samples, tell);
