@@ -14,6 +14,7 @@ from rolling.marches.observers import SlowMotion
 from rolling.report import maps
 from rolling.report.maps import Pixels
 from rolling.results.run_result import Run
+from rolling.sound.wavelengths import weighted_lines
 from rolling.surface.scene_surface import scene_surface
 
 GLOW = (0, 225, 255)  # colour of cells that release energy
@@ -21,6 +22,10 @@ BRIGHTEST = 0.999  # share of the releases that are less than fully lit
 DIMMED, VEIL = 0.7, 225  # brightness of pressures, and their opacity above the surface, of 255
 SPREAD = 4.0  # standard deviations of the heights from grey to black and to white
 MOST_VALUES = 1500  # of a curve, more than the page has pixels
+RATES = (20, 50, 100, 200, 1000, 2000)  # by which the film is slowed
+AUDIBLE_RATES = RATES[:3]  # of which one is the first choice
+AUDIBLE_HZ = 100.0  # that common loudspeakers play
+MOSTLY = 0.5  # share of the sound that is still heard at the first choice
 
 
 def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
@@ -35,7 +40,9 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     -------
     film : dict. `ground` is a PNG of the surface; `pressure` and `release` hold a PNG with the
         tiles of its maps and their places in a map [cells]; `times` [s], `centres` [cells] and
-        `power_uw` belong to the maps, the power is the mean since the map before.
+        `power_uw` belong to the maps, the power is the mean since the map before. `heard` is the
+        share of the sound that lies above `AUDIBLE_HZ` by the rate at which the record is slowed,
+        and `rate` the first choice.
     """
     slow = run.result.slow_motion
     if slow is None or not slow.pressure.size:
@@ -47,6 +54,7 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     dimmed = np.rint(DIMMED * maps.palette()).astype(np.uint8)
     veil = bytes([0]) + bytes([VEIL]) * maps.SHADES
     lit = np.tile(np.array(GLOW, np.uint8), (256, 1))
+    heard = heard_shares(run)
     return {
         "ground": _ground(run, slow),
         "pressure": _sheet(pressed, dimmed, veil),
@@ -58,8 +66,19 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
         "centres": _centres(run, slow),
         "times": np.round(times, 8).tolist(),
         "power_uw": _short(power * 1e6),
+        "heard": {rate: round(share, 3) for rate, share in heard.items()},
+        "rate": max((x for x in AUDIBLE_RATES if heard[x] >= MOSTLY), default=AUDIBLE_RATES[0]),
         "motion": motion_between(run, float(times[0]), float(times[-1])),
     }
+
+
+def heard_shares(run: Run) -> dict[int, float]:
+    """Return the share of the A-weighted power above `AUDIBLE_HZ` by the rate of slowing."""
+    if run.sound.levels.laeq_db is None:
+        return dict.fromkeys(RATES, 0.0)
+    frequency, _, power = weighted_lines(run.sound)
+    total = float(power.sum())
+    return {rate: float(power[frequency > AUDIBLE_HZ * rate].sum()) / total for rate in RATES}
 
 
 def glow(release: NDArray[np.uint16]) -> Pixels:

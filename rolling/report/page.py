@@ -64,6 +64,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         descriptions=_descriptions(shown),
         text=text,
         origins=origins,
+        film=film,
         hearing=hearing,
         caveats=caveats,
         runs_table=runs_table,

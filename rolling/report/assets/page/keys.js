@@ -5,7 +5,8 @@ import { glide, pause, play, seek } from "./player.js";
 import { choose, setLoop, setMode } from "./choices.js";
 import { seekByClick, timelines } from "./motion.js";
 import { stepMap } from "./contact.js";
-import { playFilm, realTime, seekFilm, stopFilm } from "./film.js";
+import { seekFilm, showRate } from "./film.js";
+import { playFilm, realTime, stopFilm } from "./film_sound.js";
 import { copy, save } from "./downloads.js";
 import { showDifference } from "./compare.js";
 import { ABX, beginTest, endTest } from "./abx.js";
@@ -53,7 +54,7 @@ export function listen() {
   on("[data-abx]", "click", (button) => ABX[button.dataset.abx]());
   on("#film-play", "click", playFilm);
   on("#film-real", "click", realTime);
-  on("#film-rate", "change", stopFilm);
+  on("#film-rate", "change", showRate);
   on("#film-seek", "input", (slider) => { stopFilm(); seekFilm(Number(slider.value)); });
   on("#before", "click", () => stepMap(-1));
   on("#after", "click", () => stepMap(1));

@@ -2,7 +2,7 @@
 
 import { $, $$, FADE_S, RATE, STILL_MS, goesRound, longest, modulo, position, runs, state } from "./core.js";
 import { render, showButton, tick } from "./motion.js";
-import { stopFilm } from "./film.js";
+import { stopFilm } from "./film_sound.js";
 
 export function bytesOf(uri) {
   const text = atob(uri.slice(uri.indexOf(",") + 1));
