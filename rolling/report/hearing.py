@@ -11,7 +11,7 @@ import numpy as np
 from acoustics.numbers import rounded
 from rolling.figures.vibration import hertz_radius
 from rolling.report.assumed import surface_words
-from rolling.report.text import asset
+from rolling.report.text import asset, sentence
 from rolling.results.run_result import Run
 from rolling.results.sentences import say
 from rolling.sound.wavelengths import mean_speed, weighted_lines
@@ -91,8 +91,32 @@ def sentences(runs: Sequence[Run]) -> list[str]:
     return [place] if loud is quiet else [_comparison(loud, bright_hz, quiet, dull_hz), place]
 
 
+def headline(runs: Sequence[Run]) -> str:
+    """State in one sentence how runs differ, or how a single run sounds."""
+    sounding = sorted(
+        ((run, heard) for run in runs if (heard := colour(run))),
+        key=lambda pair: float(pair[0].summary["laeq_db"]),
+    )
+    if not sounding:
+        return sentence(runs)
+    (quiet, (dull_hz, _, _)), (run, (bright_hz, low_hz, high_hz)) = sounding[0], sounding[-1]
+    if run is not quiet:
+        level, pitch = _difference(run, bright_hz, quiet, dull_hz)
+        return say("headline.compared", label=run.label, level=level, pitch=pitch)
+    if run.sound.source == "vibration":
+        return _shaken(run)[-1]
+    return say("headline", percent=100 * MOST, low=low_hz / 1e3, high=high_hz / 1e3)
+
+
 def _comparison(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> str:
     """Compare two runs in level and in the mean of their A-weighted log frequency [Hz]."""
+    level, pitch = _difference(loud, bright_hz, quiet, dull_hz)
+    khz = {"bright": bright_hz / 1e3, "dull": dull_hz / 1e3}
+    return say("heard.compared", label=loud.label, level=level, pitch=pitch, **khz)
+
+
+def _difference(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> tuple[str, str]:
+    """Return the words for level and colour of a run beside a quieter one."""
     by = loud.summary["laeq_db"] - quiet.summary["laeq_db"]
     parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
     level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"
@@ -101,8 +125,7 @@ def _comparison(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> str:
     pitch = "of the same colour"
     if abs(bright_hz / dull_hz - 1.0) > ALIKE:
         pitch = "brighter" if bright_hz > dull_hz else "darker"
-    khz = {"bright": bright_hz / 1e3, "dull": dull_hz / 1e3}
-    return say("heard.compared", label=loud.label, level=level, pitch=pitch, **khz)
+    return level, pitch
 
 
 def _reason(run: Run) -> str:
@@ -112,7 +135,7 @@ def _reason(run: Run) -> str:
     width = 2 * hertz_radius(run)
     width_words = say("heard.width", rate=_rate(width, speed))
     if run.sound.source == "vibration":
-        return f"{width_words}. {_shaken(run)}"
+        return " ".join([f"{width_words}.", *_shaken(run)])
     if not scene.laws:
         return f"{width_words}."
     length = 1e-6 * max(scene.laws, key=lambda law: law.rq_m).lengths_um[0]  # of the rougher
@@ -123,19 +146,19 @@ def _reason(run: Run) -> str:
     return width_words + say("heard.length", rate=_rate(length, speed), reason=reason)
 
 
-def _shaken(run: Run) -> str:
+def _shaken(run: Run) -> list[str]:
     """State the frequency at which the ball rings on its contact, its fall, and its flights."""
     summary = run.summary
     khz, wave_um = summary["resonance_hz"] / 1e3, summary["resonance_wavelength_m"] * 1e6
-    text = say("heard.rings", khz=khz, wave_um=wave_um)
+    sentences = [say("heard.rings", khz=khz, wave_um=wave_um)]
     if "drop_mm" in summary:
         left = summary["restitution"]
         rebound = "" if left is None else say("heard.rebound", percent=100 * left)
-        text += say("heard.falls", drop_mm=summary["drop_mm"], rebound=rebound)
+        sentences.append(say("heard.falls", drop_mm=summary["drop_mm"], rebound=rebound))
     if (share := summary["flight_share"]) > 0:
         count, s = summary["impacts"], "" if summary["impacts"] == 1 else "s"
-        text += say("heard.flies", percent=100 * share, count=count, s=s)
-    return text
+        sentences.append(say("heard.flies", percent=100 * share, count=count, s=s))
+    return sentences
 
 
 def _rate(length: float, speed: float) -> str:
