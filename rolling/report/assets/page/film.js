@@ -3,6 +3,7 @@
 import { $, runs, state } from "./core.js";
 import { drawMoment, fitCanvas, loudestMap, readFilm } from "./film_still.js";
 import { drawFlight, drawMotion, isEmptied, prepareMotion, saidMotion } from "./film_motion.js";
+import { drawArrow, drawScale } from "./marks.js";
 import { stopFilm } from "./film_sound.js";
 
 // `time` in the record [s] is where the film goes on; null: at its beginning.
@@ -11,8 +12,9 @@ export const filmOf = () => runs[state.run].film;
 export const filmRate = () => Number($("#film-rate").value);
 
 /** Returns the pictures of a run's film, read when they are first shown. */
-function picturesOf(number) {
-  if (!film.pictures.has(number)) film.pictures.set(number, readFilm(runs[number].film, drawFilm));
+export function picturesOf(number, onload = drawFilm) {
+  if (!film.pictures.has(number)) film.pictures.set(number, readFilm(runs[number].film));
+  for (const picture of Object.values(film.pictures.get(number))) if (!picture.complete) picture.addEventListener("load", onload, { once: true });
   return film.pictures.get(number);
 }
 
@@ -62,8 +64,11 @@ export function seekFilm(number) {
 export function drawFilm() {
   const shown = filmOf();
   if (!shown) return;
-  const pen = $("#film").getContext("2d"), isEmpty = isEmptied(shown, shown.times[film.at]);
-  drawMoment(pen, picturesOf(state.run), shown, film.at, isEmpty);
+  const pen = $("#film").getContext("2d"), scale = pen.canvas.width / shown.size[0];
+  const isEmpty = isEmptied(shown, shown.times[film.at]);
+  drawMoment(pen, picturesOf(state.run), shown, film.at, scale, isEmpty);
+  drawScale(pen, scale / shown.cell_um, (shown.size[0] * shown.cell_um) / 5);
+  drawArrow(pen);
   if (isEmpty) drawFlight(pen);
   drawPower(shown);
   drawMotion(shown);

@@ -57,11 +57,12 @@ export function drawMotion(shown) {
   canvas.setAttribute("aria-label", `Height and contact force of ${runs[state.run].label}. ${words}`);
   const [lowest, highest] = [Math.min(...motion.height_nm), Math.max(...motion.height_nm)];
   const hardest = Math.max(...motion.force_n, motion.load_n);
-  const title = `ball’s height over its mean, ${heightText(lowest)} to ${heightText(highest)}`;
+  const title = `height, ${heightText(lowest)} to ${heightText(highest)}`;
   drawLane(axis, motion, { values: motion.height_nm, top: 0, low: lowest, high: highest, title });
-  const force = { values: motion.force_n, top: height / 2, low: 0, high: hardest };
+  const weakest = Math.min(...motion.force_n, motion.load_n); // zero with a flight
+  const force = { values: motion.force_n, top: height / 2, low: weakest, high: hardest };
   drawLoad(axis, laneY(axis, force)(motion.load_n));
-  drawLane(axis, motion, { ...force, title: `contact force, 0 to ${forceText(hardest)}; dashed: load ${forceText(motion.load_n)}` });
+  drawLane(axis, motion, { ...force, title: `force, ${forceText(weakest)} to ${forceText(hardest)}; dashed: load ${forceText(motion.load_n)}` });
   drawReading(axis, `${heightText(motion.height_nm[axis.passed])}, ${flightAt(shown, now) ? "the ball flies" : forceText(motion.force_n[axis.passed])}`);
 }
 

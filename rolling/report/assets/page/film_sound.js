@@ -1,7 +1,8 @@
 // ---- the slow motion played with its sound, both by the clock of the sound ----
 
 import { $, FADE_S, runs, state } from "./core.js";
-import { audioContext, decode, glide, pause, play, seek } from "./player.js";
+import { audioContext, glide, pause, play, seek } from "./player.js";
+import { recordOf } from "./records.js";
 import { film, filmOf, filmRate, seekFilm } from "./film.js";
 
 export const LEAD_S = 0.3; // of slowed sound before the first map and after the last one: the ear needs longer than the eye
@@ -13,24 +14,23 @@ export async function playFilm() {
   const shown = filmOf();
   if (state.wanted) pause();
   const audio = audioContext();
-  const [buffers] = await Promise.all([decode(), audio.resume()]);
-  state.buffers = buffers;
+  const [{ record }] = await Promise.all([recordOf(state.run, "run"), audio.resume()]);
   if (film.playing || shown !== filmOf()) return;
   const { times } = shown, rate = filmRate(), lead = LEAD_S / rate;
   const end = Math.min(times[times.length - 1] + lead, runs[state.run].seconds);
   const begin = Math.max(0, times[0] - lead);
   const from = film.time === null || film.time >= times[times.length - 1] ? begin : film.time;
   const when = audio.currentTime + SOON_S;
-  Object.assign(film, { playing: true, origin: when - rate * from, source: slowedSound(when, from, end, rate) });
+  Object.assign(film, { playing: true, origin: when - rate * from, source: slowedSound(record, when, from, end, rate) });
   $("#film-play").textContent = "Pause";
   tickFilm(rate, end);
 }
 
 /** Starts the record from one time to another, slowed like the picture, at a time of the audio clock. */
-function slowedSound(when, from, to, rate) {
+function slowedSound(buffer, when, from, to, rate) {
   const { context } = state, until = when + (to - from) * rate;
   const gain = runs[state.run].playback.calibrated ? 1 : 0;
-  const source = new AudioBufferSourceNode(context, { buffer: state.buffers[state.run].record, playbackRate: 1 / rate });
+  const source = new AudioBufferSourceNode(context, { buffer, playbackRate: 1 / rate });
   const smooth = new BiquadFilterNode(context, { type: "lowpass", frequency: 20000 / rate }); // images between samples
   const fade = new GainNode(context, { gain: 0 });
   fade.gain.setValueAtTime(0, when);

@@ -1,6 +1,6 @@
 // ---- a map of the slow motion as a picture ----
 
-import { drawArrow, drawCircle, drawScale } from "./marks.js";
+import { drawCircle } from "./marks.js";
 
 export const MOST_PX = 1200; // width of a picture
 
@@ -30,25 +30,15 @@ function drawPart(pen, picture, { tiles, places }, at, scale) {
   pen.drawImage(picture, x, y, width, height, left * scale, top * scale, width * scale, height * scale);
 }
 
-/** Draws surface, pressure and release of a map with its marks; only the surface if nothing touches. */
-export function drawMoment(pen, pictures, shown, at, isEmpty = false) {
-  const { width, height } = pen.canvas, scale = width / shown.size[0];
+/** Draws surface, pressure, release and Hertz's circle of a map, so many pixels per cell; only the surface and the circle if nothing touches. */
+export function drawMoment(pen, pictures, shown, at, scale, isEmpty = false) {
+  const [columns, rows] = shown.size;
   pen.imageSmoothingEnabled = false; // a cell is what was computed
-  if (pictures.ground.complete) pen.drawImage(pictures.ground, 0, 0, width, height);
+  if (pictures.ground.complete) pen.drawImage(pictures.ground, 0, 0, columns * scale, rows * scale);
   if (!isEmpty) {
     drawPart(pen, pictures.pressure, shown.pressure, at, scale);
     drawPart(pen, pictures.release, shown.release, at, scale);
   }
   const [x, y] = shown.centres[at];
   drawCircle(pen, x * scale, y * scale, (shown.hertz_um / shown.cell_um) * scale);
-  drawScale(pen, scale / shown.cell_um, (shown.size[0] * shown.cell_um) / 5);
-  drawArrow(pen);
-}
-
-/** Draws the loudest moment of a film on a canvas. */
-export async function drawStill(canvas, shown) {
-  const pictures = readFilm(shown);
-  await Promise.all(Object.values(pictures).map((picture) => picture.decode()));
-  fitCanvas(canvas, shown);
-  drawMoment(canvas.getContext("2d"), pictures, shown, loudestMap(shown));
 }
