@@ -35,6 +35,17 @@ LUMINANCE = """() => {
   const shown = canvas.getBoundingClientRect();
   return { frames, pixels: shown.width * shown.height };
 }"""
+# Keeps the map that is shown after each frame, with the time that is heard.
+FRAMES = """() => {
+  const next = window.requestAnimationFrame.bind(window);
+  const slider = document.querySelector('#film-seek');
+  tap.frames = [];
+  window.requestAnimationFrame = (act) => next((now) => {
+    act(now);
+    const { currentTime, outputLatency } = tap.context;
+    tap.frames.push([Number(slider.value), currentTime - (outputLatency || 0)]);
+  });
+}"""
 SEEK_FILM = """(n) => {
   const slider = document.querySelector('#film-seek');
   slider.value = n;
@@ -150,11 +161,11 @@ def test_keys_act_as_the_page_states(pages, opened) -> None:
         press("9")  # there is none
         assert page.input_value("#choose") == "2"
         press("g")
-        assert page.is_checked("input[name=mode][value=equal]")
+        assert page.is_checked("#equal")
         press("l")
         assert not page.is_checked("#loop")
         press("?")
-        assert page.locator(".keys").evaluate("d => d.open")
+        assert page.locator("#keys").is_visible()
         page.locator("#map").focus()
         before = map_of(page)
         press("ArrowRight")
@@ -205,9 +216,10 @@ def test_the_film_plays_once_and_follows_its_slider(pages, opened) -> None:
         # The film may pass within a second: at most three flashes on more than 21,824 px.
         assert (flashes(frames) > 3).mean() * pixels < FLASHING_PX
         page.evaluate(SEEK_FILM, 0)
+        page.select_option("#film-rate", "1000")
         page.click("#film-play")
         ended = f"document.querySelector('#film-seek').value === '{last}'"
-        button = "document.querySelector('#film-play').textContent === 'Play slowly'"
+        button = "document.querySelector('#film-play').textContent === 'Play 1000 times slower'"
         until(page, f"{button} && {ended}")
         hear(page)
         assert page.input_value("#film-seek") == str(last)  # it does not begin again
@@ -216,6 +228,53 @@ def test_the_film_plays_once_and_follows_its_slider(pages, opened) -> None:
         page.click("#film-real")
         until(page, "tap.starts === 2")  # the whole record of 6 ms
         assert page.evaluate("tap.sources.at(-1).buffer.length") == 288
+
+
+def test_the_film_shows_the_map_that_is_heard_and_pauses_with_it(pages, opened) -> None:
+    """Picture and sound differ by less than 5 ms, two blocks of the audio clock."""
+    path, rate = pages("filmed"), 1000
+    times = np.array(data_of(path)["runs"][0]["film"]["times"])
+    with opened(path) as page:
+        page.select_option("#film-rate", str(rate))
+        page.evaluate(FRAMES)
+        page.click("#film-play")
+        until(page, "Number(document.querySelector('#film-seek').value) > 20")
+        page.click("#film-play")  # pause
+        heard_before = page.evaluate("tap.frames.length")
+        page.click("#film-play")
+        until(page, f"document.querySelector('#film-seek').value === '{len(times) - 1}'")
+        starts = page.evaluate("tap.whens.map((when, k) => [when, tap.offsets[k]])")
+        frames = np.array(page.evaluate("tap.frames"))
+    # It goes on where it was paused, within a frame of a busy machine.
+    paused = starts[0][1] + (frames[heard_before - 1, 1] - starts[0][0]) / rate
+    assert starts[1][1] == pytest.approx(paused, abs=0.1 / rate)
+    for begin, end, (when, offset) in (
+        (0, heard_before, starts[0]),
+        (heard_before, len(frames), starts[1]),
+    ):
+        shown, clock = frames[begin:end].T
+        time = offset + (clock - when) / rate
+        moving = (time > times[0]) & (time < times[-1])
+        assert moving.sum() > 5
+        late = times[shown[moving].astype(int)] - time[moving]  # negative: until the next map
+        early = time[moving] - times[np.minimum(shown[moving].astype(int) + 1, len(times) - 1)]
+        assert rate * max(late.max(), early.max()) < 5e-3
+
+
+def test_the_film_starts_at_the_slowest_rate_that_is_heard(pages, opened) -> None:
+    """The first choice is the slowest of 20, 50 and 100 that leaves half above 100 Hz."""
+    path = pages("flying", "filmed", "seeds")
+    with opened(path) as page:
+        for number, run in enumerate(data_of(path)["runs"]):
+            if not run["film"]:
+                continue
+            page.check(f"input[name=run][value='{number}']")
+            heard, rate = run["film"]["heard"], run["film"]["rate"]
+            slower = [x for x in (50, 100) if x > rate]
+            assert all(heard[str(x)] < 0.5 for x in slower)
+            assert rate == 20 or heard[str(rate)] >= 0.5
+            assert page.text_content("#film-play") == f"Play {rate} times slower"
+            assert f"{rate} times slower" in page.get_attribute("#film", "aria-label")
 
 
 def test_reduced_motion_leaves_the_slider_alone(pages, opened) -> None:

@@ -36,7 +36,7 @@ RATE = wav.SAMPLE_RATE_HZ
 # Counts what the page starts, keeps its gains, pictures and last look at the clock, and listens at
 # its way out. Work that the page puts off by a second or more waits in `later` for the test.
 TAP = """
-  window.tap = { starts: 0, offsets: [], gains: [], sources: [], images: [], later: [], now: 0 };
+  window.tap = { starts: 0, whens: [], offsets: [], gains: [], sources: [], images: [], later: [], now: 0 };
   const now = performance.now.bind(performance);
   performance.now = () => (tap.now = now());
   window.Image = class extends Image {
@@ -48,6 +48,7 @@ TAP = """
   const start = AudioBufferSourceNode.prototype.start;
   AudioBufferSourceNode.prototype.start = function (...a) {
     tap.starts++;
+    tap.whens.push(a[0]);
     tap.offsets.push(a[1]);
     return start.apply(this, a);
   };
