@@ -56,7 +56,7 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     lit = np.tile(np.array(GLOW, np.uint8), (256, 1))
     heard = heard_shares(run)
     return {
-        "ground": _ground(run, slow),
+        "ground": maps.png(_ground(run, slow)),
         "pressure": _sheet(pressed, dimmed, veil),
         "release": _sheet(glow(slow.release), lit, bytes(range(256))),
         "size": slow.pressure.shape[1:],
@@ -96,7 +96,7 @@ def _centres(run: Run, slow: SlowMotion) -> list[tuple[float, float]]:
     return [(round(float(x), 3), round(down, 3)) for x in (along - slow.along) / slow.cell]
 
 
-def _ground(run: Run, slow: SlowMotion) -> str:
+def _ground(run: Run, slow: SlowMotion) -> Pixels:
     """Draw the heights of the part of the plate that the slow motion shows, white is high."""
     heights, spacing = scene_surface(run.scene).heights, run.scene.spacing
     nodes = round(slow.cell / spacing)  # along the side of a cell
@@ -108,7 +108,39 @@ def _ground(run: Run, slow: SlowMotion) -> str:
     part = np.asarray(heights[np.ix_(*places)])
     spread = SPREAD * float(part.std()) or 1.0
     share = np.clip(0.5 + 0.5 * (part - part.mean()) / spread, 0.0, 1.0)
-    return maps.png(np.rint(255 * share).astype(np.uint8).T[::-1])
+    return np.asarray(np.rint(255 * share).astype(np.uint8).T[::-1])
+
+
+def still(run: Run) -> dict[str, Any] | None:
+    """Draw the loudest moment of a run as `png`, with the contact `at` [percent of the width].
+
+    Without a slow motion it is the map in the middle of the record; None without maps.
+    """
+    slow = run.result.slow_motion
+    if slow is None or not slow.pressure.size:
+        return maps.middle_map(run)
+    if run.vibration is None:
+        loudest = int(np.argmax(slow.release.sum(axis=(1, 2), dtype=np.int64)))
+    else:
+        motion, times = run.vibration.motion, run.position_time[slow.positions]
+        loudest = int(np.argmax(np.interp(times, motion.time_s, motion.force_n)))
+    ground = np.repeat(_ground(run, slow)[:, :, None].astype(float), 3, axis=2)
+    nodes = ground.shape[0] // slow.pressure.shape[2]
+    shade = maps.shades(slow.pressure[loudest], float(slow.pressure.max()) or 1.0)
+    lit = glow(slow.release)[loudest]
+    layers = (
+        (DIMMED * maps.palette()[shade], np.where(shade > 0, VEIL, 0)),
+        (np.broadcast_to(GLOW, (*lit.shape, 3)), lit),
+    )
+    for colour, opacity in layers:
+        share = opacity[:, :, None] / 255
+        above, share = (
+            np.repeat(np.repeat(x.swapaxes(0, 1)[::-1], nodes, 0), nodes, 1)
+            for x in (colour, share)
+        )
+        ground += share * (above - ground)
+    at = 100 * _centres(run, slow)[loudest][0] / slow.pressure.shape[1]
+    return {"png": maps.png(np.rint(ground).astype(np.uint8)), "at": round(at)}
 
 
 def _sheet(shown: Pixels, colours: Pixels, opacity: bytes) -> dict[str, Any]:

@@ -51,7 +51,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     players = [_player(view, scale) for view in views]
     data: dict[str, Any] = {"runs": players, "view": scale, "bands": BAND_NAMES}
     data["long"] = any(player["long"] for player in players)
-    template = _environment().get_template("report.html")
+    template = environment().get_template("report.html")
     html = template.render(
         version=__version__,
         title=text.titles(runs),
@@ -86,7 +86,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
 # ---- templates
 
 
-def _environment() -> jinja2.Environment:
+def environment() -> jinja2.Environment:
     """Return the environment of the page, which escapes values and raises on missing values."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("rolling.report", "assets"),

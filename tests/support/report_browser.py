@@ -36,7 +36,8 @@ RATE = wav.SAMPLE_RATE_HZ
 # Counts what the page starts, keeps its gains, pictures and last look at the clock, and listens at
 # its way out. Work that the page puts off by a second or more waits in `later` for the test.
 TAP = """
-  window.tap = { starts: 0, whens: [], offsets: [], gains: [], sources: [], images: [], later: [], now: 0 };
+  window.tap = { starts: 0, gains: [], sources: [], images: [], later: [], now: 0 };
+  Object.assign(tap, { whens: [], offsets: [] });
   const now = performance.now.bind(performance);
   performance.now = () => (tap.now = now());
   window.Image = class extends Image {
