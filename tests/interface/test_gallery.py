@@ -11,12 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import soundfile
-from commands import command
+from commands import rolling
 from PIL import Image
 from report_browser import until
 from report_runs import runs_of
 
 from rolling.report.gallery import gallery
+from rolling.results.listening import heard
 
 PHONE = {"width": 390, "height": 844}
 
@@ -50,8 +51,8 @@ def test_cards_have_picture_sound_level_and_sentence(path: Path, opened) -> None
         assert "waiting" in page.text_content(".notice")
         link = page.locator(".card a")
         assert link.count() == 1
-        page.goto(link.evaluate("a => a.href").replace("file://", "file://"))
-        assert page.text_content("body") == "the page"
+        report = path.parent / "runs & more?" / "report.html"
+        assert link.evaluate("a => a.href") == report.as_uri()
 
 
 def test_one_sounds_at_a_time_with_equal_or_calibrated_gain(path: Path, opened) -> None:
@@ -65,7 +66,7 @@ def test_one_sounds_at_a_time_with_equal_or_calibrated_gain(path: Path, opened) 
         for number in range(3):
             page.locator("audio").nth(number).evaluate("player => player.play()")
             until(page, f"{playing} === 1")
-    sounding = [run for run in runs_of("filmed", "flying", "three", "smooth")][:6]
+    sounding = runs_of("filmed", "flying", "three", "smooth")[:6]
     levels = np.array([run.sound.levels.laeq_db for run in sounding])
     assert 0 < equal.max() <= 1 and calibrated.max() == pytest.approx(1)
     # A volume is a single-precision number.
@@ -73,11 +74,11 @@ def test_one_sounds_at_a_time_with_equal_or_calibrated_gain(path: Path, opened) 
 
 
 def test_sounds_begin_like_the_record_and_stay_short(path: Path) -> None:
-    """The MP3 follows the record within 5 % of its rms; all runs together last 150 s at most."""
+    """The MP3 follows the record, apart from the band above 19 kHz, 20 dB below the whole."""
     (filmed, *_), (sound, *_) = runs_of("filmed"), records(path)
-    record = np.tile(filmed.sound.pressure, 100)[:20000]
+    record = heard(filmed)[0][:20000]
     sound = sound[:20000] * (record @ sound[:20000]) / (sound[:20000] @ sound[:20000])
-    assert np.std(sound - record) < 0.05 * np.std(record)
+    assert np.std(sound - record) < 0.1 * np.std(record)
     assert all(len(samples) <= 8.1 * 48000 for samples in records(path))
     many = gallery((runs_of("one")[0] for _ in range(100)), 100, path.parent)
     assert len(many) < 8e6
@@ -105,7 +106,7 @@ def test_without_scripts_it_plays_and_without_folders_it_says_what_to_give(
     assert page.locator("audio >> visible=true").count() == 6
     assert not page.locator(".modes").is_visible()
     context.close()
-    done = command("gallery", cwd=tmp_path)
+    done = rolling(["gallery"], tmp_path)
     assert done.returncode == 2 and "name the run folders" in done.stderr
-    done = command("gallery", "nothing", cwd=tmp_path)
+    done = rolling(["gallery", "nothing"], tmp_path)
     assert done.returncode == 2 and not [*tmp_path.iterdir()]
