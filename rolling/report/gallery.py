@@ -9,6 +9,7 @@ from typing import Any
 from urllib.parse import quote
 
 import numpy as np
+import soundfile
 from markupsafe import Markup
 
 from acoustics import wav
@@ -67,7 +68,7 @@ def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
     """Return title, picture, sound, level and sentence of a run, and the link to its page."""
     sound = _excerpt(run, seconds)
     peak = float(np.abs(sound).max())
-    level = (run.long.numbers if run.long else run.summary)["laeq_db"]
+    level = (run.summary.get("listening") or {}).get("laeq_db", run.summary["laeq_db"])
     return {
         "title": text.titles([run]),
         "label": run.label,
@@ -90,12 +91,16 @@ def _link(page: Path, folder: Path) -> str | None:
 
 
 def _excerpt(run: Run, seconds: float) -> Array:
-    """Return the beginning of listen.wav [Pa] with a fade at its end."""
-    record, rate = heard(run)[0], run.sound.sample_rate
-    part = np.array(record[: round(seconds * rate)], dtype=float)
+    """Return the beginning of listen.wav [Pa], stored or made, with a fade at its end."""
+    rate, path = run.sound.sample_rate, run.folder / "listen.wav"
+    count = round(seconds * rate)
+    if "listen" in run.summary and path.is_file():
+        part = soundfile.read(path, count)[0] * run.summary["listen"]["pascal_per_full_scale"]
+    else:
+        part = np.array(heard(run)[0][:count], dtype=float)
     fade = min(len(part), round(FADE_S * rate))
     part[len(part) - fade :] *= np.linspace(1, 0, fade).reshape(-1, *[1] * (part.ndim - 1))
-    return part
+    return np.asarray(part)
 
 
 def _sentence(run: Run) -> str:
