@@ -1,0 +1,72 @@
+// Contact force of a rolling ball at 48 kHz: its motion in time steps, brought down to samples.
+
+import { BLOCK } from "./convolver.js";
+import { Decimator, HighPass } from "./decimate.js";
+import { ForceLaw } from "./law.js";
+import { Motion, RATE } from "./motion.js";
+
+const LIFT_S = 0.02; // in which a ball that is lifted leaves the contact
+const LOAD_S = 0.03; // time constant of a change of the load
+
+/** Fluctuation of the contact force [N] at 48 kHz while the ball travels. */
+export class ForceSource {
+  constructor(run, settings, prepared) {
+    this.law = new ForceLaw(prepared.table);
+    this.motion = new Motion(this.law, prepared.chain, prepared.load, 1 / (RATE * prepared.steps));
+    this.rest = this.load = prepared.load; // the high-pass takes off the rest
+    this.highPass = new HighPass();
+    this.held = null; // height [m] of a ball in a hand
+    this.setSteps(prepared.steps);
+  }
+
+  /** Take the number of time steps per sample. */
+  setSteps(steps) {
+    const before = this.decimator;
+    this.steps = steps;
+    this.decimator = new Decimator(steps);
+    if (before) this.decimator.follow(before);
+    this.forces = new Float64Array(BLOCK * steps);
+  }
+
+  /** Take the chain and the load of other settings. */
+  take(settings, prepared) {
+    this.motion.setChain(prepared.chain, this.motion.load, 1 / (RATE * prepared.steps));
+    this.load = prepared.load;
+    if (prepared.steps !== this.steps) this.setSteps(prepared.steps);
+  }
+
+  /** Hold the ball at a height [m]. */
+  lift(height) {
+    this.held = { height, force: this.held?.force ?? this.motion.force, share: this.held?.share ?? 1 };
+  }
+
+  /** Let the ball go. */
+  drop() {
+    if (!this.held) return;
+    this.motion.release(this.held.height);
+    this.held = null;
+  }
+
+  /** Set a block of samples to the fluctuation of the contact force [N]. */
+  block(travel, samples) {
+    const { motion, forces, steps } = this;
+    motion.load += (1 - Math.exp(-BLOCK / (LOAD_S * RATE))) * (this.load - motion.load);
+    if (Math.abs(motion.load - this.load) < 1e-9 * this.load) motion.load = this.load;
+    for (let i = 0; i < forces.length; i++) {
+      const position = travel.advance(1 / (RATE * steps));
+      if (this.held) {
+        this.held.share = Math.max(this.held.share - 1 / (LIFT_S * RATE * steps), 0);
+        motion.position = position;
+        forces[i] = this.held.force * Math.sin((Math.PI / 2) * this.held.share) ** 2 - this.rest;
+      } else forces[i] = motion.advance(position) - this.rest;
+    }
+    this.decimator.process(forces, samples);
+    this.highPass.process(samples);
+  }
+
+  get state() {
+    const { motion, held } = this;
+    const height = held ? held.height : motion.height;
+    return { force: held ? 0 : motion.force, approach: motion.approach, height, flies: height > 0, impacts: motion.impacts };
+  }
+}
