@@ -44,8 +44,7 @@ def situation(runs: Sequence[Run]) -> str:
     """Describe bodies, motion and listener; a part that differs between runs has all its kinds."""
     parts = [_parts(run) for run in runs]
     kinds = {name: _kinds([*dict.fromkeys(part[name] for part in parts)]) for name in parts[0]}
-    text = say("situation", **kinds)
-    return text[0].upper() + text[1:]
+    return _capitalized(say("situation", **kinds))
 
 
 def _parts(run: Run) -> dict[str, str]:
@@ -79,44 +78,16 @@ def _kinds(words: Sequence[str]) -> str:
 # ---- comparison and reason
 
 
-def sentences(runs: Sequence[Run]) -> list[str]:
-    """Compare the loudest run with the quietest, and explain the frequencies of its sound."""
-    sounding = [(run, heard) for run in runs if (heard := colour(run))]
-    if not sounding:
-        return []
-    by_level = sorted(sounding, key=lambda pair: float(pair[0].summary["laeq_db"]))
-    (quiet, (dull_hz, _, _)), (loud, (bright_hz, low_hz, high_hz)) = by_level[0], by_level[-1]
-    numbers = {"percent": 100 * MOST, "low": low_hz / 1e3, "high": high_hz / 1e3}
-    place = say("heard", label=loud.label, reason=_reason(loud), **numbers)
-    return [place] if loud is quiet else [_comparison(loud, bright_hz, quiet, dull_hz), place]
-
-
 def headline(runs: Sequence[Run]) -> str:
-    """State in one sentence how runs differ, or how a single run sounds."""
-    sounding = sorted(
-        ((run, heard) for run in runs if (heard := colour(run))),
-        key=lambda pair: float(pair[0].summary["laeq_db"]),
-    )
+    """State in one sentence how the loudest run differs from the quietest, or how one sounds."""
+    sounding = _by_level(runs)
     if not sounding:
         return sentence(runs)
-    (quiet, (dull_hz, _, _)), (run, (bright_hz, low_hz, high_hz)) = sounding[0], sounding[-1]
-    if run is not quiet:
-        level, pitch = _difference(run, bright_hz, quiet, dull_hz)
-        return say("headline.compared", label=run.label, level=level, pitch=pitch)
-    if run.sound.source == "vibration":
-        return _shaken(run)[-1]
-    return say("headline", percent=100 * MOST, low=low_hz / 1e3, high=high_hz / 1e3)
-
-
-def _comparison(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> str:
-    """Compare two runs in level and in the mean of their A-weighted log frequency [Hz]."""
-    level, pitch = _difference(loud, bright_hz, quiet, dull_hz)
-    khz = {"bright": bright_hz / 1e3, "dull": dull_hz / 1e3}
-    return say("heard.compared", label=loud.label, level=level, pitch=pitch, **khz)
-
-
-def _difference(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> tuple[str, str]:
-    """Return the words for level and colour of a run beside a quieter one."""
+    (quiet, (dull_hz, _, _)), (loud, (bright_hz, low_hz, high_hz)) = sounding[0], sounding[-1]
+    if loud is quiet and loud.sound.source == "vibration":
+        return _shaken(loud)[-1]
+    if loud is quiet:
+        return say("headline", percent=100 * MOST, low=low_hz / 1e3, high=high_hz / 1e3)
     by = loud.summary["laeq_db"] - quiet.summary["laeq_db"]
     parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
     level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"
@@ -125,7 +96,26 @@ def _difference(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> tupl
     pitch = "of the same colour"
     if abs(bright_hz / dull_hz - 1.0) > ALIKE:
         pitch = "brighter" if bright_hz > dull_hz else "darker"
-    return level, pitch
+    return _capitalized(say("headline.compared", label=loud.label, level=level, pitch=pitch))
+
+
+def reason(runs: Sequence[Run]) -> str:
+    """Explain the frequencies of the loudest run; empty if all are silent."""
+    if not (sounding := _by_level(runs)):
+        return ""
+    run, (_, low_hz, high_hz) = sounding[-1]
+    numbers = {"percent": 100 * MOST, "low": low_hz / 1e3, "high": high_hz / 1e3}
+    return _capitalized(say("heard", label=run.label, reason=_reason(run), **numbers))
+
+
+def _by_level(runs: Sequence[Run]) -> list[tuple[Run, tuple[float, float, float]]]:
+    """Return the runs that sound with their colours, the quietest first."""
+    sounding = [(run, heard) for run in runs if (heard := colour(run))]
+    return sorted(sounding, key=lambda pair: float(pair[0].summary["laeq_db"]))
+
+
+def _capitalized(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 def _reason(run: Run) -> str:

@@ -1,4 +1,8 @@
-"""Records of runs on the page as FLAC, and the gains at which they are compared."""
+"""Records of runs on the page, and the gains at which they are compared.
+
+The computed record of a run is a FLAC without loss. Records for the ear alone are MP3 of the
+highest quality, in which third octaves below 14 kHz keep their levels within 0.1 dB.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +24,6 @@ from rolling.results.running_in import passes_wav
 from rolling.sound.contact_sound import ContactSound
 
 _FULL = 2**15  # steps of full scale
-_BLOCK = 4096  # samples of a frame of FLAC, which has its own number of bits
-_BELOW = 10.0 ** (-60 / 20)  # rms of the rounding of a long record over that of its block
 
 
 def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
@@ -30,26 +32,27 @@ def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
     `playback` holds the gains of the computed records. `long` holds the gains of the long ones,
     beside the computed ones of runs without; it is None if no run has a long record.
     """
-    sounds = [run.sound for run in runs]
-    playbacks = _gains([s.channels for s in sounds], [s.levels.laeq_db for s in sounds])
-    pressures = [(run.long or run.sound).channels for run in runs]
-    levels = [run.long.numbers["laeq_db"] if run.long else run.sound.levels.laeq_db for run in runs]
-    longs = _gains(pressures, levels)
-    has_long = any(run.long for run in runs)
-    return [
-        {
-            "number": number,
-            "playback": playback,
-            "long": _long(run, long) if has_long else None,
-            "records": _records(run, playback, long),
-        }
-        for number, (run, playback, long) in enumerate(zip(runs, playbacks, longs, strict=True))
+    playbacks = _gains([(run.sound.channels, run.sound.levels.laeq_db) for run in runs])
+    heard = [
+        (run.long.channels, run.long.numbers["laeq_db"])
+        if run.long
+        else (run.sound.channels, run.sound.levels.laeq_db)
+        for run in runs
     ]
+    has_long = any(run.long for run in runs)
+    sounds = []
+    for number, (run, playback, gain) in enumerate(
+        zip(runs, playbacks, _gains(heard), strict=True)
+    ):
+        sound = {"number": number, "playback": playback, "records": _records(run, playback, gain)}
+        sounds.append(sound | {"long": _long(run, gain) if has_long else None})
+    return sounds
 
 
-def _gains(channels: Sequence[Array], levels: Sequence[float | None]) -> list[dict[str, Any]]:
+def _gains(records: Sequence[tuple[Array, float | None]]) -> list[dict[str, Any]]:
     """Return the gains of records [Pa] with their LAeq [dB]."""
-    return gains([float(np.abs(record).max()) for record in channels], levels)
+    peaks = [float(np.abs(record).max()) for record, _ in records]
+    return [*gains(peaks, [level for _, level in records])]
 
 
 def _long(run: Run, playback: dict[str, Any]) -> dict[str, Any]:
@@ -61,42 +64,40 @@ def _long(run: Run, playback: dict[str, Any]) -> dict[str, Any]:
     return {"own": True, "playback": playback, "seconds": seconds, "solved": solved}
 
 
-def _records(run: Run, playback: dict[str, Any], long: dict[str, Any]) -> list[dict[str, str]]:
-    """Return name, FLAC and description of the records of a run."""
-    computed = f"computed record of {run.sound.duration:.4g} s"
-    written = [("run", computed, flac(run.sound.channels, playback["full_scale_pa"]), playback)]
+def _records(run: Run, playback: dict[str, Any], gain: dict[str, Any]) -> list[dict[str, str]]:
+    """Return name, sound and description of the records of a run."""
+    full, scale = playback["full_scale_pa"], "full scale is {:.4g} Pa"
+    text = f"computed record of {run.sound.duration:.4g} s; {scale.format(full)}"
+    made = [{"name": "run", "text": text, "src": lossless(run.sound.channels / full)}]
     if run.long is not None:
-        content = f"long record: {listening.sentence(run, run.long)}"
-        samples = flac(run.long.channels, long["full_scale_pa"], thin=True)
-        written.append(("long", content, samples, long))
-    made = [
-        {"name": name, "src": src, "text": f"{text}; full scale is {gain['full_scale_pa']:.4g} Pa"}
-        for name, text, src, gain in written
-    ]
+        full = gain["full_scale_pa"]
+        text = f"long record: {listening.sentence(run, run.long)}; {scale.format(full)}"
+        made.append({"name": "long", "text": text, "src": compressed(run.long.channels / full)})
     if run.result.passes is not None:
         content, text = passes_wav(run, 16)
-        made.append({"name": "passes", "src": maps.uri("audio/wav", content), "text": text})
+        samples = soundfile.read(io.BytesIO(content))[0]
+        made.append({"name": "passes", "text": f"pass by pass: {text}", "src": compressed(samples)})
     return made
 
 
-def flac(pressure: Array, full_scale: float, thin: bool = False) -> str:
-    """Return a record [Pa] in 16 bits as a FLAC in a data URI; a thin one has fewer where loud."""
-    steps = np.rint(pressure / full_scale * _FULL)
-    if thin:
-        steps = np.concatenate(
-            [_rounded(steps[k : k + _BLOCK]) for k in range(0, len(steps), _BLOCK)]
-        )
-    samples = np.clip(steps, -_FULL, _FULL - 1).astype(np.int16)
+def lossless(samples: Array) -> str:
+    """Return samples within full scale in 16 bits as a FLAC in a data URI."""
+    steps = np.clip(np.rint(_FULL * samples), -_FULL, _FULL - 1).astype(np.int16)
+    return _embedded(steps, "FLAC", "audio/flac", subtype="PCM_16")
+
+
+def compressed(samples: Array) -> str:
+    """Return samples within full scale as an MP3 in a data URI, or lossless where none is made."""
+    if "MP3" not in soundfile.available_formats():
+        return lossless(samples)
+    return _embedded(samples, "MP3", "audio/mpeg", compression_level=0.0, bitrate_mode="VARIABLE")
+
+
+def _embedded(samples: Any, form: str, kind: str, **options: Any) -> str:
+    """Return a sound file in a data URI."""
     content = io.BytesIO()
-    soundfile.write(content, samples, wav.SAMPLE_RATE_HZ, format="FLAC", subtype="PCM_16")
-    return maps.uri("audio/flac", content.getvalue())
-
-
-def _rounded(steps: Array) -> Array:
-    """Clear the lowest bits of a block of samples, with an error 60 dB below its rms."""
-    coarsest = math.sqrt(12) * _BELOW * float(np.sqrt(np.mean(np.square(steps))))
-    step = 2.0 ** math.floor(math.log2(max(coarsest, 1.0)))
-    return np.asarray(step * np.rint(steps / step))
+    soundfile.write(content, samples, wav.SAMPLE_RATE_HZ, format=form, **options)
+    return maps.uri(kind, content.getvalue())
 
 
 def lap(sound: ContactSound) -> dict[str, float]:
