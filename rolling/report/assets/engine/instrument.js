@@ -77,6 +77,11 @@ export class Instrument {
     this.read = 0;
   }
 
+  /** Lowest and highest force [N] of the latest block, and the share of it that the ball flew. */
+  get extremes() {
+    return this.source.extremes;
+  }
+
   /** Position [m], speed [m/s], force [N], approach [m], height [m], flight, impacts and Fast level [dB(A)]. */
   get state() {
     const { position, speed } = this.travel;

@@ -48,11 +48,12 @@ function settledLap(next, lapSamples) {
 }
 
 /** Return the pressure [Pa] of a number of samples that `next` gives, after some that run in. */
-function radiatedSamples(prepared, next, runIn, samples) {
+function radiatedSamples(prepared, next, runIn, samples, tell) {
   const convolver = new Convolver(prepared.responses);
   const blocks = prepared.responses.map(() => new Float64Array(BLOCK));
   const channels = prepared.responses.map(() => new Float64Array(samples));
   for (let done = -runIn; done < samples; done += BLOCK) {
+    if (done % RATE < BLOCK) tell(Math.max(done, 0) / samples);
     convolver.process(next(BLOCK), blocks);
     for (let i = Math.max(0, -done); i < Math.min(BLOCK, samples - done); i++) {
       channels.forEach((channel, k) => (channel[done + i] = blocks[k][i]));
@@ -63,9 +64,10 @@ function radiatedSamples(prepared, next, runIn, samples) {
 
 /**
  * Return channels of pressure [Pa] at 48 kHz of a run at settings: of the steady state, or of a fall
- * from its beginning. Samples have the time of the sound from the contact, without its delay.
+ * from its beginning. Samples have the time of the sound from the contact, without its delay;
+ * `tell` hears the share that is done.
  */
-export function record(run, settings, seconds, prepared = prepare(run, settings)) {
+export function record(run, settings, seconds, prepared = prepare(run, settings), tell = () => {}) {
   const samples = Math.round(seconds * RATE);
   const vibrates = prepared.kind === "vibration";
   const source = new (vibrates ? ForceSource : ReleaseSource)(run, settings, prepared);
@@ -81,7 +83,7 @@ export function record(run, settings, seconds, prepared = prepare(run, settings)
     source.held.share = 0;
     source.drop();
     next(DECIMATION_DELAY);
-    return radiatedSamples(prepared, next, prepared.lead, samples);
+    return radiatedSamples(prepared, next, prepared.lead, samples, tell);
   }
   if (!(speed > 0)) return [new Float64Array(samples)];
   const { lap, settled } = lapSamples < LONGEST_S * RATE ? settledLap(next, lapSamples) : { settled: false };
@@ -90,5 +92,5 @@ export function record(run, settings, seconds, prepared = prepare(run, settings)
   const source_of = settled ? again : next;
   if (!vibrates) return [source_of(samples)];
   const frames = Math.max(...prepared.responses.map(({ short, long }) => short.length * BLOCK + long.length * 4096));
-  return radiatedSamples(prepared, source_of, frames, samples);
+  return radiatedSamples(prepared, source_of, frames, samples, tell);
 }

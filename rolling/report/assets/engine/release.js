@@ -94,6 +94,10 @@ export class ReleaseSource {
     this.position = travel.position;
   }
 
+  get extremes() {
+    return { lowest: 0, highest: 0, flies: 0 };
+  }
+
   get state() {
     return { force: null, approach: null, height: 0, flies: false, impacts: 0 };
   }

@@ -64,6 +64,18 @@ export class ForceSource {
     this.highPass.process(samples);
   }
 
+  /** Lowest and highest force [N] of the latest block, and the share of it that the ball flew. */
+  get extremes() {
+    const { forces, rest } = this;
+    let [lowest, highest, flown] = [Infinity, -Infinity, 0];
+    for (const force of forces) {
+      lowest = Math.min(lowest, force);
+      highest = Math.max(highest, force);
+      flown += force + rest <= 0;
+    }
+    return { lowest: lowest + rest, highest: highest + rest, flies: flown / forces.length };
+  }
+
   get state() {
     const { motion, held } = this;
     const height = held ? held.height : motion.height;

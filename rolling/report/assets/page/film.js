@@ -4,6 +4,7 @@ import { $, FADE_S, runs, state } from "./core.js";
 import { recordOf } from "./records.js";
 import { audioContext, glide, pause, play, seek } from "./player.js";
 import { seconds } from "./motion.js";
+import { restBall } from "./play_sound.js";
 import { drawArrow, drawCircle, drawScale } from "./contact.js";
 import { drawFlight, drawMotion, hardestMap, isEmptied, prepareMotion, saidMotion } from "./film_motion.js";
 
@@ -106,6 +107,7 @@ export async function playFilm() {
   if (film.playing) return stopFilm();
   const shown = filmOf();
   if (state.wanted) pause();
+  restBall();
   const audio = audioContext();
   const [{ record }] = await Promise.all([recordOf(state.run, "run"), audio.resume()]);
   if (film.playing || shown !== filmOf()) return;
