@@ -15,7 +15,7 @@ from acoustics.wav import PEAK, SAMPLE_RATE_HZ
 from rolling.dynamics import _motion_kernels, drop
 from rolling.dynamics._motion_kernels import LawTable
 from rolling.dynamics.bodies import half_space_mobility
-from rolling.dynamics.force_law import ForceLaw, law_table
+from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
 from rolling.results.listening import released
 from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
@@ -160,7 +160,7 @@ def stored_law(law: ForceLaw, load_n: float, closes: bool = True) -> Data:
         piece = rows if part == len(rows) else _closed(rows[:part])
         begin = start + (min(part, len(rows)) - len(piece)) * table.spacing
         count = min(len(piece), most)
-        stored = _stored_table(table, begin, piece, count)
+        stored = _stored_table(table, load_n, begin, piece, count)
         if count == len(piece) or law_error(law, load_n, stored[1]) <= FAITHFUL:
             break
         part //= 2
@@ -181,15 +181,23 @@ def _closed(rows: Array) -> Array:
     return np.asarray(faded[count:])
 
 
-def _stored_table(table: LawTable, start: float, rows: Array, count: int) -> tuple[Data, LawTable]:
+def _stored_table(
+    table: LawTable, load_n: float, start: float, rows: Array, count: int
+) -> tuple[Data, LawTable]:
     """Return closed rows as stored columns, and as the table that they decode to."""
     from scipy.signal import resample  # slow to import
 
-    spacing = table.spacing * len(rows) / count
+    spacing, weights = (
+        table.spacing * len(rows) / count,
+        slope_weights(table.breaks, load_n ** (2 / 3)),
+    )
     if count < len(rows):
         rows = resample(rows, count, axis=0)
-    columns = [packed(column, "int16" if j else "float32") for j, column in enumerate(rows.T)]
-    decoded = np.stack([np.broadcast_to(values, count) for _, values in columns], axis=1)
+    columns = [packed(column, "int16") for column in rows[:, 1:].T]
+    slopes = np.stack([np.broadcast_to(values, count) for _, values in columns], axis=1)
+    # The lift-off makes up for the rounded slopes, so that the approach under the load is exact.
+    columns.insert(0, packed(rows[:, 0] + (rows[:, 1:] - slopes) @ weights, "float32"))
+    decoded = np.column_stack((np.broadcast_to(columns[0][1], count), slopes))
     data = {
         "start": start,
         "spacing": spacing,

@@ -1,14 +1,16 @@
 // Motion of a ball over a force law, in equal time steps.
 //
 // Ball, mean stiffness and plate are the poles of a linear chain. Each is moved exactly under the
-// source s = k (d + tau d') - (F - W), a parabola through the ends of this step and the start of the
-// step before. The source at the end solves a scalar equation, in which the force is the law's.
+// source s = k (d + tau d') - (F - W), which is linear within a step or, near the load, a parabola
+// through the start of the step before. The line keeps the energy of impacts, the parabola is more
+// exact. The source at the end solves a scalar equation, in which the force is the law's.
 
 import { ballMass, loadOf } from "./chain.js";
 
 const MOST = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
-const PER_PERIOD = 13; // steps in a period of the resonance at least, which leave -50 dB of the force
-const PER_IMPACT = 16; // steps in the time of an impact at least: restitution off by 0.2 %
+const PER_PERIOD = 18; // steps in a period of the resonance at least, which leave -50 dB of the force
+const PER_IMPACT = 10; // steps in the time of an impact at least: its time is off by 1 %
+const NEAR = 1; // departure of the force over the load up to which the source is a parabola
 export const RATE = 48000; // samples per second
 export const MOST_STEPS = 32; // per sample
 
@@ -77,30 +79,32 @@ export class Motion {
     const { stiffness, contactTime, mobility, mass, re, im, residueRe, residueIm } = chain;
     const n = (this.count = re.length);
     // A state y = residue * x: the approach is the sum of the real parts.
-    for (const name of ["e0", "e1", "p0", "p1", "b0", "b1", "q0", "q1", "y0", "y1"]) this[name] = new Float64Array(n);
-    this.give = this.turn = 0; // d and d' per source at the end
+    for (const name of ["e0", "e1", "p0", "p1", "b0", "b1", "l0", "l1", "y0", "y1"]) this[name] = new Float64Array(n);
+    const jump = mobility / (1 + stiffness * contactTime * mobility); // d' per source at once
+    this.holds = [0, 1].map(() => ({ give: 0, turn: jump })); // d and d' per source at the end
+    const ends = [];
     for (let j = 0; j < n; j++) {
       const [x, y] = [re[j] * step, im[j] * step];
-      const [first, second, third] = moments(x, y);
-      const weights = [0, 1].map((i) => [
-        step * (third[i] - second[i] / 2), // of the source a step before
-        step * (first[i] - 2 * third[i]), // at the start
-        step * (second[i] / 2 + third[i]), // at the end
-      ]);
-      const [before, start, end] = [0, 1, 2].map((i) => times(weights[0][i], weights[1][i], residueRe[j], residueIm[j]));
-      [this.e0[j], this.e1[j]] = [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
-      [this.b0[j], this.b1[j]] = before;
-      [this.q0[j], this.q1[j]] = end;
+      const [first, second, third] = moments(x, y).map((pair) => times(...pair, step * residueRe[j], step * residueIm[j]));
+      const bend = [third[0] - second[0] / 2, third[1] - second[1] / 2]; // per second difference
+      const turn = [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
       // The state is kept without the source at the end, which is added at the next step.
-      const late = times(...end, this.e0[j], this.e1[j]);
-      [this.p0[j], this.p1[j]] = [start[0] + late[0], start[1] + late[1]];
-      this.give += end[0];
-      this.turn += times(...end, re[j], im[j])[0];
+      const late = times(...second, ...turn);
+      [this.e0[j], this.e1[j]] = turn;
+      [this.b0[j], this.b1[j]] = bend;
+      [this.l0[j], this.l1[j]] = times(...bend, ...turn);
+      [this.p0[j], this.p1[j]] = [first[0] - second[0] + late[0], first[1] - second[1] + late[1]];
+      ends.push(second);
+      this.holds.forEach((hold, share) => {
+        hold.give += second[0] + share * bend[0];
+        hold.turn += times(second[0] + share * bend[0], second[1] + share * bend[1], re[j], im[j])[0];
+      });
     }
-    this.jump = mobility / (1 + stiffness * contactTime * mobility); // d' per source at once
-    this.turn += this.jump;
-    this.ease = this.turn / this.give;
-    this.rise = 1 - this.give * stiffness * (1 + contactTime * this.ease);
+    for (const hold of this.holds) {
+      hold.ease = hold.turn / hold.give;
+      hold.rise = 1 - hold.give * stiffness * (1 + contactTime * hold.ease);
+    }
+    [this.hold, this.bent] = [this.holds[0], 0];
     this.source = this.sourceOf(this.approach, velocity, this.force);
     this.before = this.sourceOf(this.approachBefore, velocity, this.forceBefore);
     // Under a force f beyond the load a plate with modes is at rest and displaced, and one without sinks.
@@ -114,8 +118,8 @@ export class Motion {
       const x1 = (plate - stiffness * this.approach) * inverse[1];
       const moved = times(...loop, (plate / mass) * inverse[0] - speed, (plate / mass) * inverse[1]);
       const state = times(x0 + moved[0], x1 + moved[1], residueRe[j], residueIm[j]);
-      this.y0[j] = state[0] - this.q0[j] * this.source;
-      this.y1[j] = state[1] - this.q1[j] * this.source;
+      this.y0[j] = state[0] - ends[j][0] * this.source;
+      this.y1[j] = state[1] - ends[j][1] * this.source;
     }
   }
 
@@ -138,7 +142,7 @@ export class Motion {
   get velocity() {
     let known = 0;
     for (let j = 0; j < this.count; j++) known += this.y0[j];
-    return this.drift(known) + this.ease * this.approach;
+    return this.drift(known) + this.hold.ease * this.approach;
   }
 
   /** Height [m] of the ball above the place where it would touch. */
@@ -148,11 +152,15 @@ export class Motion {
 
   /** Take one step to a position [m] and return the contact force [N] at its end. */
   advance(position) {
-    const { law, load, count, e0, e1, p0, p1, b0, b1, y0, y1, source, before, give, rise } = this;
+    const { law, load, count, e0, e1, p0, p1, b0, b1, l0, l1, y0, y1, source, bent } = this;
+    const near = Math.abs(this.force - load) < NEAR * load;
+    const hold = (this.hold = this.holds[near ? 1 : 0]);
+    const { give, rise, ease } = hold;
+    const bend = near ? this.before - 2 * source : 0;
     let known = 0;
     for (let j = 0; j < count; j++) {
-      const a = e0[j] * y0[j] - e1[j] * y1[j] + p0[j] * source + b0[j] * before;
-      y1[j] = e1[j] * y0[j] + e0[j] * y1[j] + p1[j] * source + b1[j] * before;
+      const a = e0[j] * y0[j] - e1[j] * y1[j] + p0[j] * source + l0[j] * bent + b0[j] * bend;
+      y1[j] = e1[j] * y0[j] + e0[j] * y1[j] + p1[j] * source + l1[j] * bent + b1[j] * bend;
       y0[j] = a;
       known += a;
     }
@@ -172,6 +180,7 @@ export class Motion {
     if (force > 0 && !(this.force > 0)) this.impacts++;
     this.before = source;
     this.source = end;
+    this.bent = near ? end : 0; // the part of the bend that is not in the state yet
     this.approachBefore = this.approach;
     this.forceBefore = this.force;
     Object.assign(this, { position, approach: d, force });
@@ -184,12 +193,13 @@ export class Motion {
     const { re, im } = this.chain;
     let velocity = 0;
     for (let j = 0; j < count; j++) velocity += re[j] * y0[j] - im[j] * y1[j];
-    return velocity - this.ease * known;
+    return velocity - this.hold.ease * known;
   }
 
   /** Return approach [m] and force [N] of a step that ends in contact, by Newton's method in a bracket. */
   pressed(whole, free, drift) {
-    const { law, give, rise, ease, chain } = this;
+    const { law, chain } = this;
+    const { give, rise, ease } = this.hold;
     let [low, high] = [law.liftOff, free];
     let d = this.approach > low && this.approach < high ? this.approach : high;
     let force = 0;
