@@ -4,7 +4,7 @@
 import { RealTransform } from "./fft.js";
 
 export const BLOCK = 128; // frames
-const LONG = 4096; // frames of a long part
+export const LONG = 4096; // frames of a long part
 const PER_LONG = LONG / BLOCK;
 const AHEAD = 2 * LONG; // frames of the response that short parts hold
 

@@ -1,5 +1,5 @@
-// Choice of the modes that move in real time: those below the highest third octave that matters, as
-// many as time allows. Above them modes stand together in bands, which costs a part of the level.
+// Choice of the modes that move in real time: the lowest, as many as time allows. Above them modes
+// stand together in bands, which costs a part of the level.
 
 import { aWeight } from "./bands.js";
 import { keptModes } from "./chain.js";
@@ -7,7 +7,6 @@ import { RealTransform, realLines } from "./fft.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE } from "./radiation.js";
 
-const MATTERS = 0.01; // share of the A-weighted power above the highest third octave that matters
 const MOST_LINES = 1200; // of the force
 const HEARD_LINES = 8192; // samples of the response
 const TAIL = 0.1; // damping ratio above which a mode already stands for a band
@@ -62,14 +61,9 @@ export function chosenModes(law, chain, modes, response, load, speed, most) {
     const transfer = (re[line] ** 2 + im[line] ** 2) * aWeight(frequency) ** 2;
     return (square * transfer) / squaredReceptance(chain, set, frequency);
   };
-  const powers = lines.map((line) => power(line, modes));
-  const total = powers.reduce((sum, value) => sum + value, 0);
-  let [above, index] = [0, lines.length - 1];
-  while (index > 0 && above + powers[index] < MATTERS * total) above += powers[index--];
-  const matters = AUDIBLE[0] * 10 ** (Math.ceil(10 * Math.log10(lines[index].frequency / AUDIBLE[0])) / 10);
-  const highest = Math.min(2 * Math.PI * matters, own[most - 1] * (1 + 1e-9));
+  const total = lines.reduce((sum, line) => sum + power(line, modes), 0);
+  const highest = own[most - 1] * (1 + 1e-9);
   const motion = keptModes(modes, highest);
   const reduced = lines.reduce((sum, line) => sum + power(line, motion), 0);
-  const count = own.filter((w) => w <= highest).length;
-  return { motion, modes: count, of: own.length, costDb: Math.abs(10 * Math.log10(reduced / total)) };
+  return { motion, modes: most, of: own.length, costDb: Math.abs(10 * Math.log10(reduced / total)) };
 }

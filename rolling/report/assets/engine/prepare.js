@@ -66,11 +66,11 @@ function listenersOf(run, settings, plate) {
       : halfSpacePressure(plateDensity, compressionSpeed(young, poisson, plateDensity), distance);
     return [[{ bodies: run.hearBall ? [ground, ballPressure(radius, ballDensity, distance)] : [ground] }], distance];
   }
-  const places = movedListeners(run, settings);
-  const away = (point, place) => Math.hypot(place[0] - point[0], place[1] - point[1], place[2]);
-  const path = away(run.contact, places[0]);
   const end = run.contactEnd ?? run.contact;
   const middle = run.contact.map((value, i) => (value + end[i]) / 2);
+  const away = (point, place) => Math.hypot(place[0] - point[0], place[1] - point[1], place[2]);
+  const places = run.listeners.map((place) => movedListener(place, middle, distance / run.settings.distance));
+  const path = away(run.contact, places[0]);
   const listeners = places.map((place) => {
     const way = away(middle, place);
     const hears = run.hearBall && place[2] > 0;
@@ -80,9 +80,7 @@ function listenersOf(run, settings, plate) {
   return [listeners, path];
 }
 
-/** Return the listeners [m]: another distance than that of the run moves all away from the contact. */
-function movedListeners(run, settings) {
-  const factor = settings.distance / run.settings.distance;
-  const origin = [...run.contact, 0];
-  return run.listeners.map((place) => place.map((value, i) => origin[i] + factor * (value - origin[i])));
+/** Return a listener [m] moved along its line from the contact, as the distance of the run changes. */
+function movedListener(place, [x, y], factor) {
+  return [x, y, 0].map((origin, i) => origin + factor * (place[i] - origin));
 }

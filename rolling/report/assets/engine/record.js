@@ -1,6 +1,6 @@
 // Record of a run at settings, rendered as fast as it goes: for files, and to compare with the program.
 
-import { BLOCK, Convolver } from "./convolver.js";
+import { BLOCK, Convolver, LONG } from "./convolver.js";
 import { DECIMATION_DELAY } from "./decimate.js";
 import { RATE } from "./motion.js";
 import { prepare } from "./prepare.js";
@@ -8,7 +8,7 @@ import { ReleaseSource } from "./release.js";
 import { Travel } from "./travel.js";
 import { ForceSource } from "./vibration.js";
 
-const SETTLED = 1e-3; // change of the force from lap to lap over its rms
+const SETTLED = 1e-4; // change of the force from lap to lap over its rms
 const LEAST_S = 0.3; // of a run-in, for the high-pass
 const LONGEST_S = 12; // of a run-in
 
@@ -89,8 +89,8 @@ export function record(run, settings, seconds, prepared = prepare(run, settings)
   const { lap, settled } = lapSamples < LONGEST_S * RATE ? settledLap(next, lapSamples) : { settled: false };
   let place = 0;
   const again = (count) => Float64Array.from({ length: count }, () => lap[place++ % lapSamples]);
-  const source_of = settled ? again : next;
-  if (!vibrates) return [source_of(samples)];
-  const frames = Math.max(...prepared.responses.map(({ short, long }) => short.length * BLOCK + long.length * 4096));
-  return radiatedSamples(prepared, source_of, frames, samples, tell);
+  const read = settled ? again : next;
+  if (!vibrates) return [read(samples)];
+  const frames = Math.max(...prepared.responses.map(({ short, long }) => short.length * BLOCK + long.length * LONG));
+  return radiatedSamples(prepared, read, frames, samples, tell);
 }

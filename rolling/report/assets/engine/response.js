@@ -5,8 +5,8 @@ import { RealTransform } from "./fft.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, SOUND } from "./radiation.js";
 
-const TAPER = 400; // [Hz] half the width of the upper end of the band
-const LEAD = 128; // samples in which the band limit fades in: -80 dB
+const TAPER = 500; // [Hz] beyond hearing in which the band ends
+const LEAD = 192; // samples in which the band limit fades in: -80 dB
 const SHORT = 1024; // samples of bodies that do not ring
 const FIRST = 8192; // samples that come from lines; later ones are modes that ring alone
 const WRAPPED = 0.1; // part of the ringing beyond that is left in the lines, and taken off again
@@ -17,7 +17,7 @@ const LONGEST = 20; // [s]
 /** Return the share of a frequency [Hz] that passes the upper end of the band. */
 function passed(frequency) {
   const place = (frequency - AUDIBLE[1]) / TAPER;
-  return place <= -1 ? 1 : place >= 1 ? 0 : 0.5 - 0.5 * Math.sin((Math.PI * place) / 2);
+  return place <= 0 ? 1 : place >= 1 ? 0 : Math.cos((Math.PI / 2) * place) ** 2;
 }
 
 /** Return the response (SHORT samples, middle at half) of bodies by functions that add to a line. */

@@ -5,15 +5,15 @@ import { Decimator, HighPass } from "./decimate.js";
 import { ForceLaw } from "./law.js";
 import { Motion, RATE } from "./motion.js";
 
-const LIFT_S = 0.02; // in which a ball that is lifted leaves the contact
-const LOAD_S = 0.03; // time constant of a change of the load
+const LIFT_S = 0.1; // in which a ball that is lifted leaves the contact
+const LOAD_S = 0.02; // time constant of a change of the load, twice in a row
 
 /** Fluctuation of the contact force [N] at 48 kHz while the ball travels. */
 export class ForceSource {
   constructor(run, settings, prepared) {
     this.law = new ForceLaw(prepared.table);
     this.motion = new Motion(this.law, prepared.chain, prepared.load, 1 / (RATE * prepared.steps));
-    this.rest = this.load = prepared.load; // the high-pass takes off the rest
+    this.rest = this.load = this.nearLoad = prepared.load; // the high-pass takes off the rest
     this.highPass = new HighPass();
     this.held = null; // height [m] of a ball in a hand
     this.setSteps(prepared.steps);
@@ -50,10 +50,11 @@ export class ForceSource {
   /** Set a block of samples to the fluctuation of the contact force [N]. */
   block(travel, samples) {
     const { motion, forces, steps } = this;
-    motion.load += (1 - Math.exp(-BLOCK / (LOAD_S * RATE))) * (this.load - motion.load);
-    if (Math.abs(motion.load - this.load) < 1e-9 * this.load) motion.load = this.load;
+    const share = 1 / (LOAD_S * RATE * steps);
     for (let i = 0; i < forces.length; i++) {
       const position = travel.advance(1 / (RATE * steps));
+      this.nearLoad += share * (this.load - this.nearLoad);
+      motion.load += share * (this.nearLoad - motion.load);
       if (this.held) {
         this.held.share = Math.max(this.held.share - 1 / (LIFT_S * RATE * steps), 0);
         motion.position = position;
