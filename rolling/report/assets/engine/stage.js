@@ -9,6 +9,7 @@ const FADE = 12; // blocks: 32 ms
 const BUSY = 0.45; // load above which two instruments at once would be too much
 const ASLEEP = 375; // blocks without motion, a second, after which nothing is rendered
 const STILL = 1e-7; // speed [m/s] below which a ball is at rest
+const UNHEARD = 3e-6; // of full scale, below which a block is silent
 const LATE_S = 0.05; // by which the clock has to fall behind at once to be a drop-out
 const SMOOTHING = 0.02; // of the load, per report
 
@@ -90,10 +91,11 @@ export class Stage {
     if (!this.sounding) [this.sounding, this.next] = [this.next, null];
     if (!this.sounding) return;
     this.sounding.render(channels);
-    const { state } = this.current;
-    const rests = !this.held && !(state.height > 0) && this.wanted === 0 && Math.abs(state.speed) < STILL;
-    this.idle = rests ? this.idle + 1 : 0;
     if (this.next) this.fade(channels);
+    const { height, speed } = this.current.state;
+    const rests = !this.held && !(height > 0) && this.wanted === 0 && Math.abs(speed) < STILL;
+    const silent = channels[0].every((pressure) => Math.abs(pressure) * this.target < UNHEARD);
+    this.idle = rests && silent ? this.idle + 1 : 0;
   }
 
   /** Fade into the next instrument: both at once, or one after the other where both are too much. */

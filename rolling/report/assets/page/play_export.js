@@ -6,14 +6,25 @@ import { SETTINGS, isLive, sayPlayed } from "./play_panel.js";
 import { live, liveOf, openWorker } from "./play_sound.js";
 
 export const RECORD_S = 60;
-const SOLVED_AGAIN = ["rolling.load_n"]; // keys that stored marches do not allow to change
 
 /** Returns the keys of a scene that differ from the run, with their values. */
 export function changedKeys(run, settings, dropped = false) {
-  const changed = SETTINGS.filter(({ name }) => isLive(name, run) && (name !== "dropHeight" || dropped || run.settings.dropHeight !== null));
-  return changed
-    .filter(({ name }) => settings[name] !== run.settings[name])
+  const differs = (name) => settings[name] !== run.settings[name];
+  const changed = SETTINGS.filter(({ name }) => isLive(name, run) && differs(name) && (name !== "dropHeight" || dropped))
     .map(({ name, si, key }) => [key, Number((settings[name] / si).toPrecision(6))]);
+  if (!run.listeners) return changed;
+  const placed = changed.filter(([key]) => key !== "sound.distance_m");
+  if (differs("length") || differs("width")) placed.push(["plate.contact_mm", run.contact.map(inMm)]); // it does not move with the edges
+  if (differs("distance")) placed.push(["sound.listener_mm", movedListeners(run, settings)]);
+  return placed;
+}
+
+const inMm = (length) => Number((1e3 * length).toPrecision(6));
+
+/** Returns the listeners [mm] as the engine moves them, away from the middle of the path. */
+function movedListeners({ contact, contactEnd, listeners, settings: own }, { distance }) {
+  const origin = [...contact.map((value, i) => (value + (contactEnd ?? contact)[i]) / 2), 0];
+  return listeners.map((place) => place.map((value, i) => inMm(origin[i] + (distance / own.distance) * (value - origin[i]))));
 }
 
 /** Returns the settings as keys of a scene file, with the commands that reproduce them. */
@@ -26,11 +37,16 @@ export function yamlOf(run, swept, settings, dropped = false) {
     (sections[section] ??= {})[name] = value;
   }
   if (Object.keys(swept).length > 0) sections.sweep = {};
-  const again = changed.some(([key]) => SOLVED_AGAIN.includes(key) || run.fixed.bound?.includes(key));
-  const words = changed.map(([key, value]) => ` --set ${key}=${value}`).join("");
+  const words = changed.map(([key, value]) => (Array.isArray(value) ? ` --set '${key}=${JSON.stringify(value)}'` : ` --set ${key}=${value}`)).join("");
   const lines = Object.entries(sections).map(([section, values]) => `${section}: {${Object.entries(values).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join(", ")}}`);
-  const command = again ? "needs a new march: rolling run SCENE.yaml" : "rolling resound RUN";
-  return [`# ${run.label}${words ? `; ${command}${words}` : ""}`, ...lines, ""].join("\n");
+  const command = changed.some(([key]) => isSolvedAgain(key, run)) ? "rolling run SCENE" : "rolling resound RUN";
+  return [`# ${run.label}${words ? `, changed: ${command}${words}` : ""}`, ...lines, ""].join("\n");
+}
+
+/** Tells whether a key changes the contact or the track, so that stored marches do not serve. */
+function isSolvedAgain(key, { fixed: { weight, rollsOut } }) {
+  if (key === "sphere.density_kg_m3") return weight || rollsOut;
+  return key === "rolling.load_n" || (key === "rolling.speed_m_s" && rollsOut);
 }
 
 export function showExport() {

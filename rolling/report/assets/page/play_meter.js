@@ -12,10 +12,12 @@ const TEXT_MS = 250; // between changes of the numbers
 const SLOW_MS = 1000; // between changes of the curves where motion is unwanted
 const SMOOTHED = 0.3; // share of the latest spectrum in the one that is shown
 const LEVELS_DB = 70; // that the spectrum shows
-const QUIET_DB = -0.5; // gain from which the limiter is named
+const QUIETEST_DB = -20; // level that is shown
+const REMARK_MS = 3000; // that a remark stays
+const TIGHT = 0.94; // gain of the limiter from which it is named
 
 const strip = { low: new Float32Array(COLUMNS), high: new Float32Array(COLUMNS), flies: new Float32Array(COLUMNS), at: 0, top: 0 };
-const heard = { samples: new Float32Array(SPECTRUM), powers: null, top: null, texts: 0, curves: 0, gain: 1, flown: 0 };
+const heard = { samples: new Float32Array(SPECTRUM), powers: null, top: null, texts: 0, curves: 0, gain: 1, flown: 0, lost: 0, remarked: 0 };
 const WINDOW = Float64Array.from({ length: SPECTRUM }, (_, i) => Math.sqrt(8 / 3) * Math.sin((Math.PI * i) / SPECTRUM) ** 2);
 
 /** Takes a report of the processor into the meters. */
@@ -42,21 +44,27 @@ export function showReport(report) {
 
 const digits = (value, count) => Number(value.toPrecision(count));
 
-function showNumbers({ state, load, lost }, now) {
+function showNumbers({ state, asleep, load, lost }, now) {
   heard.texts = now;
-  const level = state.level === null || state.level < -20 ? null : state.level;
+  const level = asleep || state.level === null || state.level < QUIETEST_DB ? null : state.level;
   $("#play-level").textContent = level === null ? "–" : level.toFixed(1);
   $("#play-speed-now").textContent = `${digits(Math.abs(state.speed) < 1e-5 ? 0 : state.speed, 2)} m/s`.replace("-", "−");
   $("#play-force-now").textContent = state.force === null ? "" : `${digits(state.force, 3)} N`;
   const share = Math.round(100 * heard.flown);
   $("#play-flight").textContent = state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : share ? `flies ${share} % of the time` : "in contact";
-  const db = 20 * Math.log10(heard.gain);
-  heard.gain = 1;
-  const remarks = [];
-  if (db < QUIET_DB) remarks.push(`The limiter lowers the sound by ${Math.ceil(-db)} dB; the level above is that without it.`);
-  if (lost > 0) remarks.push(`The sound has dropped out for ${lost.toFixed(1)} s: this machine is too slow for these settings (load ${Math.round(100 * load)} %).`);
-  $("#play-limit").textContent = remarks.join(" ");
+  showRemark(load, lost, now);
   $("#play-load").textContent = `${Math.round(100 * load)} % of a core`;
+}
+
+/** Says for a while that the limiter has lowered the sound, or that it has dropped out. */
+function showRemark(load, lost, now) {
+  let remark = "";
+  if (lost > heard.lost) remark = `The sound has dropped out for ${(lost - heard.lost).toFixed(1)} s: ${load > 0.6 ? "the machine is too slow for these settings" : "the machine was busy"}.`;
+  else if (heard.gain < TIGHT) remark = `The limiter lowers the loudest sound by ${Math.ceil(-20 * Math.log10(heard.gain))} dB; the level is that without it.`;
+  Object.assign(heard, { lost, gain: 1 });
+  if (!remark && now - heard.remarked < REMARK_MS) return;
+  if (remark) heard.remarked = now;
+  $("#play-limit").textContent = remark;
 }
 
 /** Sizes a canvas to its box in device pixels and returns its pen, with width and height in CSS pixels. */
@@ -105,6 +113,7 @@ export function drawStrip() {
   pen.stroke();
   pen.setLineDash([]);
   pen.font = "13px system-ui, sans-serif";
+  pen.textAlign = "left";
   pen.fillText(release ? `pressure, ±${digits(strip.top, 2)} Pa` : `force, 0 to ${digits(strip.top, 2)} N; dashed: load`, 0, 14);
   pen.textAlign = "right";
   pen.fillText(`${STRIP_S} s`, width, 14);
@@ -141,24 +150,24 @@ export function drawSpectrum() {
   pen.textAlign = "center";
   for (const [i, text] of [[2, "31"], [7, "100"], [12, "315"], [17, "1k"], [22, "3.15k"], [27, "10k"]]) pen.fillText(text, 34 + (i + 0.5) * step, height - 4);
   pen.fillStyle = colour("accent");
-  now.forEach((level, i) => level !== null && pen.fillRect(34 + i * step + 1, y(level), step - 2, base - y(level)));
+  now.forEach((level, i) => level > heard.top - LEVELS_DB && pen.fillRect(34 + i * step + 1, y(level), step - 2, base - y(level)));
   pen.strokeStyle = pen.fillStyle = colour("ink");
   pen.lineWidth = 1.5;
   pen.beginPath();
   own.forEach((level, i) => {
-    if (level === null) return;
+    if (level === null || level < heard.top - LEVELS_DB) return;
     pen.moveTo(34 + i * step, y(level));
     pen.lineTo(34 + (i + 1) * step, y(level));
   });
   pen.stroke();
   pen.textAlign = "left";
   pen.fillText("third octaves, dB; lines: the run", 34, 14);
-  $("#play-against").textContent = against(now, own);
+  $("#play-against").textContent = live.report?.asleep ? "" : against(now, own);
 }
 
 /** Returns the difference of the A-weighted sum of bands to that of the run, in words. */
 function against(now, own) {
   const total = (values) => values.reduce((sum, level, i) => sum + (level === null ? 0 : 10 ** (level / 10) * aWeight(CENTRES[i]) ** 2), 0);
   const [sounds, run] = [total(now), total(own)];
-  return sounds > 0 && run > 0 ? `${signed(10 * Math.log10(sounds / run))} dB against the run` : "";
+  return sounds > 10 ** (QUIETEST_DB / 10) && run > 0 ? `${signed(10 * Math.log10(sounds / run))} dB against the run` : "";
 }

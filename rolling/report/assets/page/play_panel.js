@@ -15,9 +15,9 @@ export const SETTINGS = [
   ["width", "Width of the plate", "mm", 1e-3, "plate.width_mm"],
   ["plateDensity", "Density of the plate", "kg/m³", 1, "plate.density_kg_m3"],
   ["lossFactor", "Loss factor of the plate", "", 1, "plate.loss_factor"],
-  ["contactLossFactor", "Damping of the contact (loss factor)", "", 1, "plate.contact_loss_factor"],
+  ["contactLossFactor", "Loss factor of the contact", "", 1, "plate.contact_loss_factor"],
   ["distance", "Distance of the listener", "m", 1, "sound.distance_m"],
-  ["q", "Share q of the energy that is radiated", "", 1, "sound.q"],
+  ["q", "Share q of the energy that sounds", "", 1, "sound.q"],
   ["dropHeight", "Height of the drop", "mm", 1e-3, "rolling.drop_mm"],
 ].map(([name, label, unit, si, key]) => ({ name, label, unit, si, key }));
 
@@ -123,6 +123,12 @@ export function showRolling() {
   const button = $("#play-roll");
   button.querySelector("span").textContent = live.rolling ? "Stop" : "Roll";
   button.toggleAttribute("data-playing", live.rolling);
+}
+
+/** Says how many modes of a plate with edges move, and what the others cost. */
+export function showModes(kept) {
+  const { modes, of, costDb } = kept ?? { modes: 0, of: 0 };
+  $("#play-modes").textContent = modes < of ? `Of ${of} modes of the plate the lowest ${modes} move; the others stand together in bands, which changes the level by about ${costDb < 0.1 ? "less than 0.1" : costDb.toFixed(1)} dB.` : "";
 }
 
 /** Says in a sentence what the engine cannot do; nothing takes the sentence away. */

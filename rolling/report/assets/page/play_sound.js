@@ -5,7 +5,7 @@ import { audioContext, pause } from "./player.js";
 import { stopFilm } from "./film.js";
 import { showReport } from "./play_meter.js";
 import { wakeStage } from "./play_view.js";
-import { sayPlayed, showRolling, showSettings } from "./play_panel.js";
+import { sayPlayed, showModes, showRolling, showSettings } from "./play_panel.js";
 import { showExport, showProgress } from "./play_export.js";
 
 // `asked`: the worker prepares settings; `behind`: they have changed since. `push`: direction of a held arrow key. `fastest`: speed of the hand [m/s], which the time steps have to resolve. `dropped`: drops are wanted.
@@ -63,7 +63,8 @@ export function askSettings() {
 /** Returns the settings with the speed of the hand, and a height only where the ball is dropped. */
 export function preparedSettings() {
   const { settings, fastest, dropped } = live;
-  return { ...settings, speed: Math.max(settings.speed, fastest), dropHeight: dropped ? settings.dropHeight : null };
+  const least = 0.01 * liveOf().limits.speed[1]; // for the choice of modes, which a ball at rest does not make
+  return { ...settings, speed: Math.max(settings.speed, fastest, least), dropHeight: dropped ? settings.dropHeight : null };
 }
 
 /** Lets the time steps follow a hand that has become faster, or rests. */
@@ -75,6 +76,7 @@ export function followHand(speed) {
 }
 
 function deliver({ number, settings, prepared }) {
+  showModes(prepared.kept);
   live.waiting = { task: "play", number, settings, prepared };
   if (!live.node) return;
   live.node.port.postMessage(live.waiting);

@@ -5,11 +5,12 @@ import { penOf } from "./play_meter.js";
 import { live, liveOf } from "./play_sound.js";
 import { sheetOf } from "./contact.js";
 
-const LEVEL_AT = 0.66; // height of the plate's surface in the picture
+const LEVEL_AT = 0.68; // height of the plate's surface in the picture
 const CENTRING_S = 0.35; // in which a ball that is let go comes back to the middle
+const HAND_PX_S = 500; // speed of a hand that rolls the ball as fast as its run
 const LENS_MS = 120; // that a map stays under the lens at least
 
-// Lengths in metres: `camera` is in the middle of the picture, `ball` is where the ball is drawn, `goal` where the hand is.
+// Lengths in metres, `scale` along the track in pixels per metre; the ball has a scale of its own. `camera` is in the middle of the picture, `ball` is where the ball is drawn, `goal` where the hand is.
 export const view = { camera: 0, ball: 0, goal: 0, offset: 0, asked: false, seen: false, drawnAt: 0, touched: false, map: -1, mapAt: 0, scale: 1, radius: 1 };
 
 /** Draws the next frame soon, if the picture is in sight. */
@@ -50,22 +51,23 @@ export function drawStage() {
   const run = liveOf(), { radius } = run.fixed, { settings, report } = live;
   const ground = Math.round(LEVEL_AT * height);
   view.radius = Math.min(0.24 * height, width / 7);
-  view.scale = view.radius / radius; // pixels per metre
-  drawPlate(pen, width, height, ground, colour, settings);
+  view.scale = HAND_PX_S / run.settings.speed;
+  const enlarged = view.radius / radius; // pixels per metre of the ball and of the plate below it
+  drawPlate(pen, width, height, ground, colour, enlarged * (settings.thickness ?? Infinity));
   drawRuler(pen, width, ground, colour, report?.state?.speed ?? 0);
-  const lifted = (report?.state?.height ?? 0) * view.scale, room = ground - 2 * view.radius - 10;
+  const lifted = (report?.state?.height ?? 0) * enlarged, room = ground - 2 * view.radius - 10;
   const x = width / 2 + ballAt() * view.scale, y = ground - view.radius - room * (1 - Math.exp(-lifted / room));
-  drawBall(pen, x, y, view.ball / radius, colour);
+  drawBall(pen, x, y, (view.ball * view.scale) / view.radius, colour);
+  drawNote(pen, height, colour, enlarged / view.scale);
   if (!view.touched) drawHint(pen, x, y, colour);
   canvas.setAttribute("aria-valuenow", String(Math.round(1e3 * view.ball)));
   canvas.setAttribute("aria-valuetext", `${(1e3 * view.ball).toFixed(0)} mm along the track, ${live.held ? "held" : live.rolling || live.push ? `rolls at ${Number(settings.speed.toPrecision(3))} m/s` : "at rest"}`);
   drawLens();
 }
 
-function drawPlate(pen, width, height, ground, colour, { thickness }) {
-  const depth = thickness ? Math.min(thickness * view.scale, height - ground) : height - ground;
+function drawPlate(pen, width, height, ground, colour, thickness) {
   pen.fillStyle = colour("plate");
-  pen.fillRect(0, ground, width, Math.max(depth, 3));
+  pen.fillRect(0, ground, width, Math.max(Math.min(thickness, height - ground), 3));
   pen.fillStyle = colour("ink");
   pen.fillRect(0, ground - 1, width, 1.5);
 }
@@ -84,8 +86,17 @@ function drawRuler(pen, width, ground, colour, speed) {
   for (let k = first; k <= last; k++) {
     const x = width / 2 + (k * step - camera) * view.scale;
     pen.fillRect(x - 0.75, ground + 1, 1.5, 9);
-    if (!passing || passing < 40) pen.fillText(`${Number((1e3 * k * step).toPrecision(6))}${k === 0 ? " mm" : ""}`.replace("-", "−"), x, ground + 25);
+    if (!passing || passing < 40) pen.fillText(`${Number((1e3 * k * step).toPrecision(6))}`.replace("-", "−"), x, ground + 25);
   }
+}
+
+/** Says how the scales of ball and ruler differ. */
+function drawNote(pen, height, colour, ratio) {
+  pen.fillStyle = colour("pale");
+  pen.font = "13px system-ui, sans-serif";
+  pen.textAlign = "left";
+  const words = ratio > 1 ? `${Number(ratio.toPrecision(2))} times larger` : `${Number((1 / ratio).toPrecision(2))} times smaller`;
+  pen.fillText(`mm along the track; the ball is drawn ${words}`, 12, height - 12);
 }
 
 function drawBall(pen, x, y, angle, colour) {
@@ -97,7 +108,7 @@ function drawBall(pen, x, y, angle, colour) {
   pen.beginPath();
   pen.arc(x, y, radius, 0, 2 * Math.PI);
   pen.fill();
-  const speed = Math.abs(live.report?.state?.speed ?? 0) / liveOf().fixed.radius / 60; // turn per frame
+  const speed = (Math.abs(live.report?.state?.speed ?? 0) * view.scale) / view.radius / 60; // turn per frame
   pen.globalAlpha = live.held ? 1 : Math.max(0, Math.min(1, 1.4 - speed));
   pen.fillStyle = colour("ground");
   for (let k = 0; k < 3; k++) {
