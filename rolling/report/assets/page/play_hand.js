@@ -10,9 +10,8 @@ import { copyYaml, saveWav, showExport } from "./play_export.js";
 
 const FALL_MS = 500; // that a lifted ball is held
 const REST_M_S = 0.01; // below which a ball that is let go stays where it is
-const HAND_MS = 120; // over which the speed of the hand is taken
 
-const hand = { trail: [], grip: 0, sent: false };
+const hand = { grip: 0, sent: false };
 
 /** Prepares the instrument of the first run that can be played, once its picture is in sight. */
 export function beginPlaying() {
@@ -62,7 +61,6 @@ function grab(event) {
   hand.grip = reach < 1.3 * view.radius ? placeOf(event) - view.ball : 0; // a hand beside the ball calls it
   Object.assign(live, { held: true, rolling: false });
   Object.assign(view, { touched: true, goal: view.ball });
-  hand.trail = [];
   startInstrument();
   showRolling();
   pull(event);
@@ -71,8 +69,6 @@ function grab(event) {
 function pull(event) {
   if (!live.held) return;
   view.goal = placeOf(event) - hand.grip;
-  hand.trail.push([event.timeStamp, view.goal]);
-  while (hand.trail[0][0] < event.timeStamp - HAND_MS) hand.trail.shift();
   if (hand.sent) return;
   hand.sent = true; // at most one message in a frame
   requestAnimationFrame(() => {
@@ -82,11 +78,10 @@ function pull(event) {
   wakeStage();
 }
 
-/** Lets the ball roll on at the speed of the hand, or rest. */
-function letGo(event) {
+/** Lets the ball roll on at its speed, or rest; at that of the run where a first touch has only opened the sound. */
+function letGo() {
   if (!live.held) return;
-  const [[before, from], [, to]] = [hand.trail[0], hand.trail[hand.trail.length - 1]];
-  const speed = (1000 * (to - from)) / Math.max(event.timeStamp - before, 1);
+  const speed = live.report ? live.report.state.speed : live.settings.speed;
   const rolls = Math.abs(speed) > REST_M_S;
   Object.assign(live, { held: false, direction: speed < 0 ? -1 : 1 });
   view.offset = ballAt();

@@ -2,14 +2,16 @@
 
 import { $, RATE, data, motionUnwanted, runs } from "./core.js";
 import { signed } from "./choices.js";
-import { aWeight, soundLevels } from "../engine/bands.js";
+import { aWeight } from "../engine/bands.js";
+import { RealTransform } from "../engine/fft.js";
 import { live, liveOf } from "./play_sound.js";
 
 const STRIP_S = 4;
 const COLUMNS = Math.round((STRIP_S * RATE) / 128); // one per block
-const SPECTRUM = 4096; // samples
+const SPECTRUM = 16384; // samples, whose lines resolve the third octave at 20 Hz
 const TEXT_MS = 250; // between changes of the numbers
 const SLOW_MS = 1000; // between changes of the curves where motion is unwanted
+const CURVES_MS = 60; // between changes of the curves
 const SMOOTHED = 0.3; // share of the latest spectrum in the one that is shown
 const LEVELS_DB = 70; // that the spectrum shows
 const QUIETEST_DB = -20; // level that is shown
@@ -18,6 +20,7 @@ const TIGHT = 0.94; // gain of the limiter from which it is named
 
 const strip = { low: new Float32Array(COLUMNS), high: new Float32Array(COLUMNS), flies: new Float32Array(COLUMNS), at: 0, top: 0 };
 const heard = { samples: new Float32Array(SPECTRUM), powers: null, top: null, texts: 0, curves: 0, gain: 1, flown: 0, lost: 0, remarked: 0 };
+const spectrum = { transform: new RealTransform(SPECTRUM), re: new Float64Array(SPECTRUM / 2 + 1), im: new Float64Array(SPECTRUM / 2 + 1) };
 const WINDOW = Float64Array.from({ length: SPECTRUM }, (_, i) => Math.sqrt(8 / 3) * Math.sin((Math.PI * i) / SPECTRUM) ** 2);
 
 /** Takes a report of the processor into the meters. */
@@ -35,7 +38,7 @@ export function showReport(report) {
   heard.flown += (flights.reduce((sum, share) => sum + share, 0) / flights.length - heard.flown) * 0.1;
   const now = performance.now();
   if (now - heard.texts > TEXT_MS) showNumbers(report, now);
-  if (now - heard.curves > (motionUnwanted.matches ? SLOW_MS : 60)) {
+  if (now - heard.curves > (motionUnwanted.matches ? SLOW_MS : CURVES_MS)) {
     heard.curves = now;
     showSpectrum();
     drawStrip();
@@ -119,9 +122,16 @@ export function drawStrip() {
   pen.fillText(`${STRIP_S} s`, width, 14);
 }
 
+const bandOf = (frequency) => Math.floor(10 * Math.log10(frequency) - 12.5); // 0 for the third octave at 20 Hz
+
+/** Sums the spectrum of the latest samples in third octaves, in parts of (20 µPa)². */
 function showSpectrum() {
-  const { bands } = soundLevels(heard.samples.map((value, i) => value * WINDOW[i]), RATE);
-  const powers = bands.map((level) => (level === null ? 0 : 10 ** (level / 10)));
+  const { transform, re, im } = spectrum, powers = new Array(CENTRES.length).fill(0);
+  transform.forward(heard.samples.map((value, i) => value * WINDOW[i]), re, im);
+  for (let line = 1; line < re.length; line++) {
+    const band = bandOf((line * RATE) / SPECTRUM);
+    if (band in powers) powers[band] += (2 * (re[line] ** 2 + im[line] ** 2)) / (SPECTRUM * 20e-6) ** 2;
+  }
   heard.powers = heard.powers ? heard.powers.map((before, i) => before + SMOOTHED * (powers[i] - before)) : powers;
   drawSpectrum();
 }

@@ -18,7 +18,7 @@ export const SETTINGS = [
   ["contactLossFactor", "Loss factor of the contact", "", 1, "plate.contact_loss_factor"],
   ["distance", "Distance of the listener", "m", 1, "sound.distance_m"],
   ["q", "Share q of the energy that sounds", "", 1, "sound.q"],
-  ["dropHeight", "Height of the drop", "mm", 1e-3, "rolling.drop_mm"],
+  ["dropHeight", "Drop height", "mm", 1e-3, "rolling.drop_mm"],
 ].map(([name, label, unit, si, key]) => ({ name, label, unit, si, key }));
 
 const RELEASED = ["speed", "distance", "q"];
