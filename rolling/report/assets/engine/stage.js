@@ -11,6 +11,7 @@ const ASLEEP = 375; // blocks without motion, a second, after which nothing is r
 const STILL = 1e-7; // speed [m/s] below which a ball is at rest
 const UNHEARD = 3e-6; // of full scale, below which a block is silent
 const LATE_S = 0.05; // by which the clock has to fall behind at once to be a drop-out
+const WARM = 31; // reports in which the code becomes fast
 const SMOOTHING = 0.02; // of the load, per report
 
 /** Instruments of one page, rendered block by block with their gain, their limiter and their reports. */
@@ -139,7 +140,7 @@ export class Stage {
     const lag = now / 1000 - seconds;
     this.lag ??= lag;
     const late = lag - this.lag;
-    if (late < 0) this.lag = lag; // blocks are rendered ahead of time
+    if (late < 0 || this.measured < WARM) this.lag = lag; // blocks are rendered ahead of time
     else if (late > LATE_S) Object.assign(this, { lost: this.lost + late, lag });
     const { report, load, lost } = this;
     this.clear();

@@ -9,6 +9,7 @@ import { drawSpectrum, drawStrip } from "./play_meter.js";
 import { copyYaml, saveWav, showExport } from "./play_export.js";
 
 const FALL_MS = 500; // that a lifted ball is held
+const POLL_MS = 30;
 const REST_M_S = 0.01; // below which a ball that is let go stays where it is
 
 const hand = { grip: 0, sent: false };
@@ -130,7 +131,16 @@ async function dropBall() {
   showExport();
   askSettings();
   await startInstrument();
+  await isReady();
   tellInstrument({ task: "lift", height: live.settings.dropHeight });
   say("lifted");
-  setTimeout(() => tellInstrument({ task: "drop" }), FALL_MS);
+  await later(FALL_MS);
+  tellInstrument({ task: "drop" });
+}
+
+const later = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+
+/** Waits until the instrument sounds and has taken the present settings. */
+async function isReady() {
+  while (!live.report || live.asked) await later(POLL_MS);
 }

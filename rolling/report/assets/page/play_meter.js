@@ -18,7 +18,7 @@ const QUIETEST_DB = -20; // level that is shown
 const REMARK_MS = 3000; // that a remark stays
 const TIGHT = 0.94; // gain of the limiter from which it is named
 
-const strip = { low: new Float32Array(COLUMNS), high: new Float32Array(COLUMNS), flies: new Float32Array(COLUMNS), at: 0, top: 0 };
+const strip = { low: new Float32Array(COLUMNS), high: new Float32Array(COLUMNS), flies: new Float32Array(COLUMNS), at: 0, reach: 0 };
 const heard = { samples: new Float32Array(SPECTRUM), powers: null, top: null, texts: 0, curves: 0, gain: 1, flown: 0, lost: 0, remarked: 0 };
 const spectrum = { transform: new RealTransform(SPECTRUM), re: new Float64Array(SPECTRUM / 2 + 1), im: new Float64Array(SPECTRUM / 2 + 1) };
 const WINDOW = Float64Array.from({ length: SPECTRUM }, (_, i) => Math.sqrt(8 / 3) * Math.sin((Math.PI * i) / SPECTRUM) ** 2);
@@ -56,7 +56,7 @@ function showNumbers({ state, asleep, load, lost }, now) {
   const share = Math.round(100 * heard.flown);
   $("#play-flight").textContent = state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : share ? `flies ${share} % of the time` : "in contact";
   showRemark(load, lost, now);
-  $("#play-load").textContent = `${Math.round(100 * load)} % of a core`;
+  $("#play-core").textContent = `${Math.round(100 * load)} % of a core`;
 }
 
 /** Says for a while that the limiter has lowered the sound, or that it has dropped out. */
@@ -89,11 +89,12 @@ export function penOf(canvas) {
 export function drawStrip() {
   const { pen, width, height, colour } = penOf($("#play-strip"));
   const release = liveOf().kind === "release", load = live.settings.load;
-  let peak = release ? 0 : 2 * load;
-  for (let i = 0; i < COLUMNS; i++) peak = Math.max(peak, Math.abs(strip.high[i]), release ? -strip.low[i] : 0);
-  strip.top = peak > strip.top ? peak : strip.top + 0.03 * (peak - strip.top);
-  const bottom = release ? -strip.top : 0;
-  const y = (value) => height - 6 - ((value - bottom) / (strip.top - bottom || 1)) * (height - 32);
+  const middle = release ? 0 : load;
+  let reach = release ? 0 : 1e-3 * load;
+  for (let i = 0; i < COLUMNS; i++) if (strip.high[i]) reach = Math.max(reach, strip.high[i] - middle, middle - strip.low[i]);
+  strip.reach = reach > strip.reach ? reach : strip.reach + 0.05 * (reach - strip.reach);
+  const bottom = release ? -strip.reach : Math.max(middle - strip.reach, 0), range = middle + strip.reach - bottom || 1;
+  const y = (value) => height - 6 - ((value - bottom) / range) * (height - 32);
   const step = width / COLUMNS;
   pen.fillStyle = colour("pale");
   for (let i = 0; i < COLUMNS; i++) {
@@ -111,13 +112,14 @@ export function drawStrip() {
   pen.strokeStyle = pen.fillStyle = colour("ink");
   pen.setLineDash([5, 5]);
   pen.beginPath();
-  pen.moveTo(0, y(release ? 0 : load));
-  pen.lineTo(width, y(release ? 0 : load));
+  pen.moveTo(0, y(middle));
+  pen.lineTo(width, y(middle));
   pen.stroke();
   pen.setLineDash([]);
   pen.font = "13px system-ui, sans-serif";
   pen.textAlign = "left";
-  pen.fillText(release ? `pressure, ±${digits(strip.top, 2)} Pa` : `force, 0 to ${digits(strip.top, 2)} N; dashed: load`, 0, 14);
+  const words = bottom > 0 ? `force, load ± ${digits(strip.reach, 2)} N` : `force, 0 to ${digits(middle + strip.reach, 2)} N; dashed: load`;
+  pen.fillText(release ? `pressure, ± ${digits(strip.reach, 2)} Pa` : words, 0, 14);
   pen.textAlign = "right";
   pen.fillText(`${STRIP_S} s`, width, 14);
 }
