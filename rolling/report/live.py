@@ -150,23 +150,16 @@ def stored_law(law: ForceLaw, load_n: float, closes: bool = True) -> Data:
     A track that takes too many bytes is resampled to fewer rows, as long as the force keeps to
     0.1 % of its fluctuation, and halved otherwise.
     """
-    values, table = law.table.values[: len(law.position_m)], law.table
+    table, values = law.table, law.table.values[: len(law.position_m)]
     varying = int(np.sum(np.ptp(values, axis=0) > 0))
-    most = int(LARGEST * 3 / 4 / (2 * varying + 2))
-    start = table.start
-    rows = values if closes else _closed(values)
-    start += (len(values) - len(rows)) * table.spacing
-    part, seam = len(rows), len(values) - len(rows)
+    most, part = int(LARGEST * 3 / 4 / (2 * varying + 4)), len(values)
     while True:
-        piece = rows if part == len(rows) else _closed(rows[:part])
-        begin = start + (min(part, len(rows)) - len(piece)) * table.spacing
-        count = min(len(piece), most)
-        stored = _stored_table(table, load_n, begin, piece, count)
-        if count == len(piece) or law_error(law, load_n, stored[1]) <= FAITHFUL:
-            break
+        rows = values if closes and part == len(values) else _closed(values[:part])
+        seam, count = (part - len(rows)) * table.spacing, min(len(rows), most)
+        data, stored = _stored_table(table, load_n, table.start + seam, rows, count)
+        if count == len(rows) or law_error(law, load_n, stored, seam) <= FAITHFUL:
+            return data | {"closed": closes, "seam": seam, "part": part / len(values)}
         part //= 2
-    seam = seam if part == len(rows) else part - len(piece)
-    return stored[0] | {"closed": closes, "seam": seam * table.spacing, "part": part / len(rows)}
 
 
 def _closed(rows: Array) -> Array:
@@ -188,10 +181,8 @@ def _stored_table(
     """Return closed rows as stored columns, and as the table that they decode to."""
     from scipy.signal import resample  # slow to import
 
-    spacing, weights = (
-        table.spacing * len(rows) / count,
-        slope_weights(table.breaks, load_n ** (2 / 3)),
-    )
+    spacing = table.spacing * len(rows) / count
+    weights = slope_weights(table.breaks, load_n ** (2 / 3))
     if count < len(rows):
         rows = resample(rows, count, axis=0)
     columns = [packed(column, "int16") for column in rows[:, 1:].T]
@@ -224,9 +215,9 @@ def packed(values: Array, kind: str) -> tuple[Data, Array]:
     return data, offset + scale * stored.astype(float)
 
 
-def law_error(law: ForceLaw, load_n: float, table: LawTable) -> float:
-    """Return the rms error of the force over a table, relative to its departure from the load."""
-    length = table.spacing * (len(table.values) - 1)
+def law_error(law: ForceLaw, load_n: float, table: LawTable, seam: float = 0.0) -> float:
+    """Return the rms error of the force before a seam [m] over its departure from the load."""
+    length = table.spacing * (len(table.values) - 1) - seam
     x = law.position_m[(law.position_m >= table.start) & (law.position_m < table.start + length)]
     level = law.approach(x, load_n)
     fluctuation = np.std(law.force(x, level.mean()))

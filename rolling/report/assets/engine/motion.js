@@ -1,16 +1,19 @@
 // Motion of a ball over a force law, in equal time steps.
 //
 // Ball, mean stiffness and plate are the poles of a linear chain. Each is moved exactly under the
-// source s = k (d + tau d') - (F - W), which is linear within a step or, near the load, a parabola
-// through the start of the step before. The line keeps the energy of impacts, the parabola is more
-// exact. The source at the end solves a scalar equation, in which the force is the law's.
+// source s = k (d + tau d') - (F - W), which is a parabola through the ends of the step and the start
+// of the step before, or linear within the step after a flight: then the line keeps the energy of
+// impacts. The source at the end solves a scalar equation, in which the force is the law's.
 
 import { ballMass, loadOf } from "./chain.js";
 
+const LEAST_RISE = 1e-6; // of the residual over the approach; a ball too light for the steps has none
 const MOST = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
 const PER_PERIOD = 18; // steps in a period of the resonance at least, which leave -50 dB of the force
-const PER_IMPACT = 10; // steps in the time of an impact at least: its time is off by 1 %
-const NEAR = 1; // departure of the force over the load up to which the source is a parabola
+const PER_IMPACT = 12; // steps in the time of an impact at least, which leave 0.1 % of its impulse
+const CALM = 400; // steps without a flight after which the source is a parabola
+const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
+const SHARP = 0.1; // if its damping over its frequency is less
 export const RATE = 48000; // samples per second
 export const MOST_STEPS = 32; // per sample
 
@@ -30,7 +33,7 @@ export function stepsPerSample(run, settings, chain, height = settings.dropHeigh
   const fall = Math.sqrt((2 * load * height) / mass);
   if (fall > 0) longest = Math.min(longest, impactTime(mass, fall, radius, modulus) / PER_IMPACT);
   if (settings.speed > 0) longest = Math.min(longest, shortestWave / (2 * settings.speed));
-  return Math.min(Math.max(Math.ceil(1 / (RATE * longest)), 2), MOST_STEPS);
+  return Math.min(Math.max(Math.ceil(1 / (RATE * longest)), 3), MOST_STEPS);
 }
 
 /** Return phi_1, phi_2, phi_3 at z = x + iy, the moments of exp(z t) over a step, as pairs. */
@@ -63,7 +66,7 @@ const times = (ar, ai, br, bi) => [ar * br - ai * bi, ar * bi + ai * br];
 /** Motion of a ball over a force law; its numbers belong to the end of the last step. */
 export class Motion {
   constructor(law, chain, load, step) {
-    Object.assign(this, { law, step, position: law.start, force: load, impacts: 0 });
+    Object.assign(this, { law, step, position: law.start, force: load, impacts: 0, calm: CALM });
     law.moveTo(law.start);
     this.approach = this.approachBefore = law.approach(load);
     this.forceBefore = load;
@@ -85,9 +88,12 @@ export class Motion {
     const ends = [];
     for (let j = 0; j < n; j++) {
       const [x, y] = [re[j] * step, im[j] * step];
-      const [first, second, third] = moments(x, y).map((pair) => times(...pair, step * residueRe[j], step * residueIm[j]));
+      const fast = y > FASTEST && -x < SHARP * y; // then the pole follows the source at once
+      const still = times(-x, y, 1 / (x * x + y * y), 0);
+      const moved = fast ? [still, still, [still[0] / 2, still[1] / 2]] : moments(x, y);
+      const [first, second, third] = moved.map((pair) => times(...pair, step * residueRe[j], step * residueIm[j]));
       const bend = [third[0] - second[0] / 2, third[1] - second[1] / 2]; // per second difference
-      const turn = [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
+      const turn = fast ? [0, 0] : [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
       // The state is kept without the source at the end, which is added at the next step.
       const late = times(...second, ...turn);
       [this.e0[j], this.e1[j]] = turn;
@@ -102,7 +108,7 @@ export class Motion {
     }
     for (const hold of this.holds) {
       hold.ease = hold.turn / hold.give;
-      hold.rise = 1 - hold.give * stiffness * (1 + contactTime * hold.ease);
+      hold.rise = Math.max(1 - hold.give * stiffness * (1 + contactTime * hold.ease), LEAST_RISE);
     }
     [this.hold, this.bent] = [this.holds[0], 0];
     this.source = this.sourceOf(this.approach, velocity, this.force);
@@ -134,6 +140,7 @@ export class Motion {
     this.law.moveTo(this.position);
     this.approach = this.law.liftOff - height;
     this.approachBefore = this.approach - velocity * this.step;
+    this.calm = 0;
     [this.force, this.forceBefore] = [this.law.force(this.approach), this.law.force(this.approachBefore)];
     this.setChain(this.chain, this.load, this.step, velocity);
   }
@@ -153,10 +160,10 @@ export class Motion {
   /** Take one step to a position [m] and return the contact force [N] at its end. */
   advance(position) {
     const { law, load, count, e0, e1, p0, p1, b0, b1, l0, l1, y0, y1, source, bent } = this;
-    const near = Math.abs(this.force - load) < NEAR * load;
-    const hold = (this.hold = this.holds[near ? 1 : 0]);
+    const smooth = this.calm >= CALM;
+    const hold = (this.hold = this.holds[smooth ? 1 : 0]);
     const { give, rise, ease } = hold;
-    const bend = near ? this.before - 2 * source : 0;
+    const bend = smooth ? this.before - 2 * source : 0;
     let known = 0;
     for (let j = 0; j < count; j++) {
       const a = e0[j] * y0[j] - e1[j] * y1[j] + p0[j] * source + l0[j] * bent + b0[j] * bend;
@@ -180,7 +187,8 @@ export class Motion {
     if (force > 0 && !(this.force > 0)) this.impacts++;
     this.before = source;
     this.source = end;
-    this.bent = near ? end : 0; // the part of the bend that is not in the state yet
+    this.calm = force > 0 ? this.calm + 1 : 0;
+    this.bent = smooth ? end : 0; // the part of the bend that is not in the state yet
     this.approachBefore = this.approach;
     this.forceBefore = this.force;
     Object.assign(this, { position, approach: d, force });
