@@ -83,12 +83,13 @@ def roughness(count: int, rms: float, rng: np.random.Generator) -> Array:
     return np.asarray(profile * rms / profile.std())
 
 
-def force_law(scene: Scene) -> ForceLaw:
-    """Return the law of a rough contact on the track of a scene: Hertz, lifted and stiffened."""
+def force_law(scene: Scene, profile: Array | None = None) -> ForceLaw:
+    """Return the law on the track of a scene, lifted by a profile [m]; default: a rough contact."""
     count, spacing, rng = scene.track.steps, scene.track.step, np.random.default_rng(1)
     loads = scene.load * np.array([0.7, 1.0, 1.4])
     approach = np.cbrt(9 * loads**2 / (16 * scene.radius * scene.contact_modulus**2))
-    slope, lift = 1 + roughness(count, 0.02, rng), roughness(count, 14e-9, rng)
+    slope = np.ones(count) if profile is not None else 1 + roughness(count, 0.02, rng)
+    lift = roughness(count, 14e-9, rng) if profile is None else profile
     table = approach[1] + lift + (approach - approach[1])[:, None] * slope
     return ForceLaw(spacing * np.arange(count), loads, table, period_m=count * spacing)
 

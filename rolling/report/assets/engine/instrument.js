@@ -15,7 +15,8 @@ export class Instrument {
     this.convolver = vibrates ? new Convolver(prepared.responses) : null;
     const begin = vibrates ? this.source.law.start : prepared.start;
     this.length = vibrates ? this.source.law.length : prepared.length; // of the closed track [m]
-    this.travel = new Travel(begin, settings.speed, run.limits.speed[1]);
+    this.travel = new Travel(begin, 0, run.limits.speed[1]);
+    this.roll(settings.speed);
     this.kept = prepared.kept ?? null;
     const channels = vibrates ? prepared.responses.length : 1;
     this.force = new Float64Array(BLOCK);

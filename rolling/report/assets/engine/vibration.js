@@ -6,6 +6,7 @@ import { ForceLaw } from "./law.js";
 import { Motion, RATE } from "./motion.js";
 
 const LIFT_S = 0.1; // in which a ball that is lifted leaves the contact
+const CHANGE_S = 0.03; // in which a motion fades into one with another chain
 const LOAD_S = 0.02; // time constant of a change of the load, twice in a row
 
 /** Fluctuation of the contact force [N] at 48 kHz while the ball travels. */
@@ -30,9 +31,12 @@ export class ForceSource {
 
   /** Take the chain and the load of other settings. */
   take(settings, prepared) {
+    this.before = prepared.steps === this.steps ? this.motion : null;
+    this.faded = 0;
+    this.motion = Object.assign(Object.create(Motion.prototype), this.motion);
     this.motion.setChain(prepared.chain, this.motion.load, 1 / (RATE * prepared.steps));
     this.load = prepared.load;
-    if (prepared.steps !== this.steps) this.setSteps(prepared.steps);
+    if (!this.before) this.setSteps(prepared.steps);
   }
 
   /** Hold the ball at a height [m]. */
@@ -44,6 +48,7 @@ export class ForceSource {
   drop() {
     if (!this.held) return;
     this.motion.release(this.held.height);
+    this.before = null;
     this.held = null;
   }
 
@@ -59,7 +64,10 @@ export class ForceSource {
         this.held.share = Math.max(this.held.share - 1 / (LIFT_S * RATE * steps), 0);
         motion.position = position;
         forces[i] = this.held.force * Math.sin((Math.PI / 2) * this.held.share) ** 2 - this.rest;
-      } else forces[i] = motion.advance(position) - this.rest;
+      } else {
+        const force = motion.advance(position);
+        forces[i] = (this.before ? this.mixed(force, position) : force) - this.rest;
+      }
     }
     this.decimator.process(forces, samples);
     this.highPass.process(samples);
@@ -75,6 +83,15 @@ export class ForceSource {
       flown += force + rest <= 0;
     }
     return { lowest: lowest + rest, highest: highest + rest, flies: flown / forces.length };
+  }
+
+  /** Return the force [N] of a step, faded from that of the motion before. */
+  mixed(force, position) {
+    this.before.load = this.motion.load;
+    const old = this.before.advance(position);
+    this.faded += 1 / (CHANGE_S * RATE * this.steps);
+    if (this.faded >= 1) this.before = null;
+    return old + Math.sin((Math.PI / 2) * Math.min(this.faded, 1)) ** 2 * (force - old);
   }
 
   get state() {
