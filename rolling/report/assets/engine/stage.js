@@ -64,7 +64,11 @@ export class Stage {
     if (before && this.number === number) return before.take(settings, prepared);
     const begun = { ...settings, speed: this.wanted, dropHeight: null }; // it rolls on, and is not lifted
     const instrument = new Instrument(this.runs[number], begun, prepared);
-    if (before) this.shift += before.state.position - instrument.state.position;
+    if (before) {
+      this.shift += before.state.position - instrument.state.position;
+      instrument.travel.speed = before.travel.speed;
+      instrument.roll(this.wanted);
+    }
     if (this.next) this.sounding = this.next;
     return Object.assign(this, { number, next: instrument, faded: 0 });
   }
