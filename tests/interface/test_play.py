@@ -180,7 +180,7 @@ def test_the_limiter_holds_peaks_and_leaves_the_rest() -> None:
 
 
 def test_the_stage_knows_its_load_and_what_it_has_lost() -> None:
-    """A clock in whole milliseconds gives the load of 0.6 ms per block, and a gap of 0.3 s."""
+    """A clock in whole milliseconds gives the load of 0.6 ms per block within 4 standard errors."""
     script = f"""
       const {{ Stage }} = await import("{ENGINE}/stage.js");
       let seconds = 1e9;
@@ -190,10 +190,10 @@ def test_the_stage_knows_its_load_and_what_it_has_lost() -> None:
       for (let i = 0; i < 4800; i++) {{
         if (i === 2400) seconds += 0.3;
         report = stage.fill([new Float32Array(128)]) ?? report;
-        seconds += 128 / 48000 - 0.6e-3;
+        seconds += 128 / 48000 - 0.6e-3 + 4e-4 * Math.sin(i * i);
       }}
       done([report.load, report.lost]);
     """
     load, lost = node(script)
-    assert load == pytest.approx(0.6e-3 * 375, rel=0.05)
+    assert load == pytest.approx(0.6e-3 * 375, rel=0.1)
     assert lost == pytest.approx(0.3, abs=0.005)
