@@ -1,4 +1,4 @@
-"""The instrument of the page in Chromium: it sounds as its run, obeys hand and keys, and exports."""
+"""The instrument of the page: it sounds as its run, obeys hand and keys, and exports."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 import soundfile
 from live_engine import ENGINE, node
-from report_browser import until
+from report_browser import MINUS, until
 from report_runs import runs_of
 from ruamel.yaml import YAML
 
 from rolling.scene import file
 
 LEVEL = "document.querySelector('#play-level').textContent"
-SPEED = "parseFloat(document.querySelector('#play-speed-now').textContent.replace('−', '-'))"
+SPEED = f"parseFloat(document.querySelector('#play-speed-now').textContent.replace('{MINUS}', '-'))"
 
 
 @pytest.fixture
@@ -89,7 +89,7 @@ def test_a_hand_drags_the_ball_which_rolls_on(playing) -> None:
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         page.mouse.move(x, y)
         page.mouse.down()
-        until(page, "document.querySelector('#play-force-now').textContent !== '–'")
+        until(page, "/[0-9]/.test(document.querySelector('#play-force-now').textContent)")
         for step in range(40):
             page.mouse.move(x - 6 * step, y)
             page.wait_for_timeout(10)
