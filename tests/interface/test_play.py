@@ -9,8 +9,9 @@ import statistics
 import numpy as np
 import pytest
 import soundfile
+from firefox import Firefox, firefox_path
 from live_engine import ENGINE, node
-from report_browser import MINUS, until
+from report_browser import MINUS, until, without_browser
 from report_runs import runs_of
 from ruamel.yaml import YAML
 
@@ -139,6 +140,17 @@ def test_settings_are_keys_of_the_scene(playing, name: str) -> None:
     assert made.plate == heard.plate and made.sphere == heard.sphere and made.sound == heard.sound
     assert made.rolling.speed_m_s == heard.rolling.speed_m_s == float(shown.split()[0])
     assert made.plate.thickness_mm != scene.plate.thickness_mm
+
+
+def test_firefox_plays_it_without_a_complaint(pages, tmp_path) -> None:
+    if (program := firefox_path()) is None:
+        without_browser("no Firefox")
+    with Firefox(program, tmp_path) as page:
+        page.goto(pages("flying"))
+        page.click("#play-roll")
+        page.until(f"{SPEED} > 0.09")
+        page.until(f"Number.isFinite(parseFloat({LEVEL}))")
+        assert page.complaints == []
 
 
 def test_a_record_is_saved_with_its_full_scale(playing) -> None:

@@ -35,7 +35,7 @@ export function openWorker() {
   live.worker = new Worker(engineUrl());
   live.worker.onmessage = ({ data: message }) => {
     if (message.task !== "prepare" && message.failed !== "prepare") return showProgress(message);
-    live.asked = false;
+    setAsked(false);
     if (message.failed) sayPlayed(`The engine cannot play these settings: ${message.message}.`);
     else if (message.number === live.number) deliver(message);
     if (live.behind) askSettings();
@@ -56,8 +56,13 @@ export function askSettings() {
   if (!live.worker) return;
   live.behind = live.asked;
   if (live.asked) return;
-  live.asked = true;
+  setAsked(true);
   live.worker.postMessage({ task: "prepare", number: live.number, settings: preparedSettings() });
+}
+
+function setAsked(asked) {
+  live.asked = asked;
+  $(".stage").setAttribute("aria-busy", String(asked));
 }
 
 /** Returns the settings with the speed of the hand, and a height only where the ball is dropped. */
