@@ -15,7 +15,7 @@ from markupsafe import Markup
 from acoustics import wav
 from acoustics.arrays import Array
 from rolling import __version__
-from rolling.report import film, hearing, records, scripts, text
+from rolling.report import film, hearing, records, text
 from rolling.report.page import environment
 from rolling.results import runs_table
 from rolling.results.labels import printable
@@ -59,7 +59,6 @@ def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[st
         unsolved=unsolved,
         remark=say("unvalidated"),
         css=Markup(text.asset("report.css") + text.asset("gallery.css")),
-        js=Markup(scripts.joined("page/gallery.js")),
     )
     return html.encode()
 

@@ -18,7 +18,7 @@ from rolling import __version__
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
-from rolling.report import assumed, film, hearing, maps, records, scripts, text
+from rolling.report import assumed, film, hearing, live, maps, records, scripts, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
@@ -76,8 +76,9 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
         surfaces=_surfaces(shown),
         vibrations=_vibrations(views),
-        css=Markup(text.asset("report.css")),
+        css=Markup(text.asset("report.css") + text.asset("play.css")),
         js=Markup(scripts.joined("page/begin.js")),
+        engine=Markup(scripts.joined("engine/worklet.js")),
         data=data,
     )
     return html.encode()
@@ -129,7 +130,7 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
         }
         repeats = [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS]
         views.append({"label": run.label, "run": run, "repeats": repeats, "pictures": pictures})
-        views[-1] |= sound
+        views[-1] |= sound | {"live": live.live_of(run)}
     return views
 
 
@@ -144,6 +145,8 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
         "buzzes": any(caveat["key"] == "short_loop" for caveat in view["repeats"]),
         "playback": view["playback"],
         "long": view["long"],
+        "live": view["live"],
+        "swept": run.values,
         "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
         "film": film.film_of(run, scale["max_gpa"]) if scale else None,
         "bands": _rounded(sound.levels.third_octave_db),

@@ -6,6 +6,7 @@ import { choose, say } from "./choices.js";
 import { showStill } from "./still.js";
 import { drawFilm, filmOf } from "./film.js";
 import { showDifference } from "./compare.js";
+import { beginPlaying, redrawPlayed } from "./play_hand.js";
 import { listen, markScrolling } from "./keys.js";
 
 export function begin() {
@@ -18,6 +19,7 @@ export function begin() {
   new ResizeObserver(markScrolling).observe(document.body);
   new IntersectionObserver(([hero]) => document.documentElement.classList.toggle("beyond", !hero.isIntersecting)).observe($("header"));
   choose(Math.max(0, runs.findIndex((run) => run.playback.calibrated_pa !== null))); // one that can be heard
+  beginPlaying();
   showDifference();
   say("");
   decodeInTurn();
@@ -36,6 +38,7 @@ export async function decodeInTurn() {
 /** Draws the canvases again in the colours of the screen, light or dark, or of paper. */
 export function recolour() {
   showStill();
+  redrawPlayed();
   showDifference();
   if (filmOf()) drawFilm();
 }

@@ -6,6 +6,7 @@ import { render } from "./motion.js";
 import { showFilm } from "./film.js";
 import { showStill } from "./still.js";
 import { endTest } from "./abx.js";
+import { takeRun } from "./play_sound.js";
 
 export const signed = (value) => (Math.abs(value) < 0.05 ? "0.0" : `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(1)}`);
 
@@ -14,11 +15,12 @@ export function choose(number) {
   state.run = number;
   endTest();
   mix();
-  for (const radio of $$("input[name=run]")) radio.checked = Number(radio.value) === number;
+  for (const radio of $$("input[name=run], input[name=play-run]")) radio.checked = Number(radio.value) === number;
   if ($("#choose")) $("#choose").value = String(number);
   for (const figure of $$("[data-name=release_power]")) figure.hidden = Number(figure.dataset.run) !== number;
   showOnly();
   say(runs[number].label);
+  takeRun(number);
   showStill();
   showFilm();
   render();

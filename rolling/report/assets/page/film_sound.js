@@ -2,6 +2,7 @@
 
 import { $, FADE_S, runs, state } from "./core.js";
 import { audioContext, glide, pause, play, seek } from "./player.js";
+import { restBall } from "./play_sound.js";
 import { recordOf } from "./records.js";
 import { film, filmOf, filmRate, seekFilm } from "./film.js";
 
@@ -13,6 +14,7 @@ export async function playFilm() {
   if (film.playing) return stopFilm();
   const shown = filmOf();
   if (state.wanted) pause();
+  restBall();
   const audio = audioContext();
   const [{ record }] = await Promise.all([recordOf(state.run, "run"), audio.resume()]);
   if (film.playing || shown !== filmOf()) return;

@@ -4,6 +4,7 @@ import { $, $$, FADE_S, NEVER, RATE, STILL_MS, goesRound, longest, modulo, playb
 import { bufferOf, recordOf } from "./records.js";
 import { render, showButton, tick } from "./motion.js";
 import { stopFilm } from "./film_sound.js";
+import { restBall } from "./play_sound.js";
 
 export const heardRun = () => state.blind ?? state.run;
 export const gainOf = (number) => (number === heardRun() ? playbackOf(number)[state.mode] : 0);
@@ -93,6 +94,7 @@ export async function play() {
   state.wanted = true;
   for (const player of $$("audio")) player.pause();
   stopFilm();
+  restBall();
   showButton();
   const started = audioContext().resume();
   setTimeout(sayIfStill, STILL_MS);

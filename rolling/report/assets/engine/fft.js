@@ -1,0 +1,147 @@
+// Discrete Fourier transforms: powers of two in place, and records of any length by Bluestein's chirp.
+
+/** Complex transform of a length that is a power of two. */
+export class Transform {
+  constructor(length) {
+    this.length = length;
+    this.places = new Uint32Array(length);
+    for (let i = 1; i < length; i++) this.places[i] = (this.places[i >> 1] >> 1) | (i & 1 ? length >> 1 : 0);
+    this.cos = Float64Array.from({ length: length >> 1 }, (_, k) => Math.cos((2 * Math.PI * k) / length));
+    this.sin = Float64Array.from({ length: length >> 1 }, (_, k) => Math.sin((2 * Math.PI * k) / length));
+  }
+
+  /** Replace values by the sums of x[i] exp(-2 pi i j k / n). */
+  forward(re, im) {
+    const { length, places, cos, sin } = this;
+    for (let i = 0; i < length; i++) {
+      const j = places[i];
+      if (j > i) {
+        const [a, b] = [re[i], im[i]];
+        re[i] = re[j];
+        im[i] = im[j];
+        re[j] = a;
+        im[j] = b;
+      }
+    }
+    for (let half = 1; half < length; half *= 2) {
+      const stride = length / (2 * half);
+      for (let first = 0; first < length; first += 2 * half) {
+        for (let i = first, k = 0; i < first + half; i++, k += stride) {
+          const j = i + half;
+          const a = re[j] * cos[k] + im[j] * sin[k];
+          const b = im[j] * cos[k] - re[j] * sin[k];
+          re[j] = re[i] - a;
+          im[j] = im[i] - b;
+          re[i] += a;
+          im[i] += b;
+        }
+      }
+    }
+  }
+
+  /** Undo `forward`. */
+  inverse(re, im) {
+    this.forward(im, re);
+    for (let i = 0; i < this.length; i++) {
+      re[i] /= this.length;
+      im[i] /= this.length;
+    }
+  }
+}
+
+/** Transform between a real record of a length that is a power of two and its lines from 0 up. */
+export class RealTransform {
+  constructor(length) {
+    this.length = length;
+    this.half = new Transform(length / 2);
+    this.re = new Float64Array(length / 2);
+    this.im = new Float64Array(length / 2);
+    this.cos = Float64Array.from({ length: length / 2 }, (_, k) => Math.cos((2 * Math.PI * k) / length));
+    this.sin = Float64Array.from({ length: length / 2 }, (_, k) => Math.sin((2 * Math.PI * k) / length));
+  }
+
+  /** Set lines (n/2 + 1 each) to the transform of a record (n). */
+  forward(record, linesRe, linesIm) {
+    const { re, im, cos, sin, half } = this;
+    const n = half.length;
+    for (let i = 0; i < n; i++) {
+      re[i] = record[2 * i];
+      im[i] = record[2 * i + 1];
+    }
+    half.forward(re, im);
+    linesRe[0] = re[0] + im[0];
+    linesRe[n] = re[0] - im[0];
+    linesIm[0] = linesIm[n] = 0;
+    for (let k = 1; k < n; k++) {
+      const [a, b, c, d] = [re[k] + re[n - k], im[k] - im[n - k], re[k] - re[n - k], im[k] + im[n - k]];
+      linesRe[k] = (a + d * cos[k] - c * sin[k]) / 2;
+      linesIm[k] = (b - c * cos[k] - d * sin[k]) / 2;
+    }
+  }
+
+  /** Set a record (n) to the inverse transform of its lines (n/2 + 1). */
+  inverse(linesRe, linesIm, record) {
+    const { re, im, cos, sin, half } = this;
+    const n = half.length;
+    for (let k = 0; k < n; k++) {
+      const [a, b] = [linesRe[k] + linesRe[n - k], linesIm[k] - linesIm[n - k]];
+      const [c, d] = [linesRe[k] - linesRe[n - k], linesIm[k] + linesIm[n - k]];
+      re[k] = (a - d * cos[k] - c * sin[k]) / 2;
+      im[k] = (b + c * cos[k] - d * sin[k]) / 2;
+    }
+    half.inverse(re, im);
+    for (let i = 0; i < n; i++) {
+      record[2 * i] = re[i];
+      record[2 * i + 1] = im[i];
+    }
+  }
+}
+
+/** Return the transform (n each) of complex values of any length. */
+export function transformed(re, im) {
+  const n = re.length;
+  const size = 2 ** Math.ceil(Math.log2(2 * n));
+  const transform = new Transform(size);
+  const [cos, sin] = [new Float64Array(n), new Float64Array(n)];
+  for (let i = 0; i < n; i++) {
+    const turn = (Math.PI * ((i * i) % (2 * n))) / n;
+    cos[i] = Math.cos(turn);
+    sin[i] = Math.sin(turn);
+  }
+  const [ar, ai, br, bi] = [0, 1, 2, 3].map(() => new Float64Array(size));
+  for (let i = 0; i < n; i++) {
+    ar[i] = re[i] * cos[i] + im[i] * sin[i];
+    ai[i] = im[i] * cos[i] - re[i] * sin[i];
+    br[i] = br[(size - i) % size] = cos[i];
+    bi[i] = bi[(size - i) % size] = sin[i];
+  }
+  transform.forward(ar, ai);
+  transform.forward(br, bi);
+  for (let i = 0; i < size; i++) [ar[i], ai[i]] = [ar[i] * br[i] - ai[i] * bi[i], ar[i] * bi[i] + ai[i] * br[i]];
+  transform.inverse(ar, ai);
+  const lines = { re: new Float64Array(n), im: new Float64Array(n) };
+  for (let k = 0; k < n; k++) {
+    lines.re[k] = ar[k] * cos[k] + ai[k] * sin[k];
+    lines.im[k] = ai[k] * cos[k] - ar[k] * sin[k];
+  }
+  return lines;
+}
+
+/** Return lines 0 to n/2 of a real record of any length n. */
+export function realLines(record) {
+  const { re, im } = transformed(Float64Array.from(record), new Float64Array(record.length));
+  const count = (record.length >> 1) + 1;
+  return { re: re.slice(0, count), im: im.slice(0, count) };
+}
+
+/** Return a real record of n samples from its lines; lines that are not given are zero. */
+export function realRecord({ re, im }, n) {
+  const [a, b] = [new Float64Array(n), new Float64Array(n)];
+  for (let k = 0; k < Math.min(re.length, (n >> 1) + 1); k++) {
+    const share = k === 0 || 2 * k === n ? 1 : 2; // the real part of a line stands for its mirror image
+    a[k] = share * re[k];
+    b[k] = -share * im[k];
+  }
+  const values = transformed(a, b); // the real part of sum conj(x) exp(-i) is that of sum x exp(i)
+  return values.re.map((value) => value / n);
+}

@@ -1,0 +1,158 @@
+// Force law of a track: contact force of place and approach, read from the data of a run.
+//
+// At a place the slope g = da/ds of the approach a over s = F^(2/3) is a broken line over `breaks`,
+// constant beyond the last. Along the track, lift-off and slopes are periodic cubic splines.
+
+const DIGITS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+/** Return the bytes of a text in base64; a worklet has no `atob`. */
+function bytesOf(text) {
+  const values = new Uint8Array(128);
+  for (let i = 0; i < 64; i++) values[DIGITS.charCodeAt(i)] = i;
+  const bytes = new Uint8Array(Math.floor((text.replace(/=+$/, "").length * 3) / 4));
+  for (let i = 0, j = 0; j < bytes.length; i += 4) {
+    const [a, b, c, d] = [0, 1, 2, 3].map((k) => values[text.charCodeAt(i + k)] || 0);
+    const word = (a << 18) | (b << 12) | (c << 6) | d;
+    for (let shift = 16; shift >= 0 && j < bytes.length; shift -= 8) bytes[j++] = word >> shift;
+  }
+  return bytes;
+}
+
+/** Return the numbers of a stored array {type, base64, scale, offset}, of type int16 or float32. */
+export function numbersOf({ type, base64, scale, offset }) {
+  const bytes = bytesOf(base64);
+  const view = new DataView(bytes.buffer);
+  const wide = type === "float32" ? 4 : 2;
+  const numbers = new Float64Array(bytes.length / wide);
+  for (let i = 0; i < numbers.length; i++) {
+    const stored = wide === 4 ? view.getFloat32(4 * i, true) : view.getInt16(2 * i, true);
+    numbers[i] = offset + scale * stored;
+  }
+  return numbers;
+}
+
+const BACK = 2 - Math.sqrt(3); // root of the recursion of a cubic spline
+const MEMORY = 32; // rows after which it has forgotten its start: BACK^32 = 5e-19
+
+/** Set the derivatives per row of a periodic cubic spline through one column of a table. */
+function splineSlopes(values, slopes, rows, columns, column) {
+  const at = (i) => ((((i % rows) + rows) % rows) * columns) + column;
+  const half = new Float64Array(rows + 2 * MEMORY);
+  for (let i = 0, carried = 0; i < half.length; i++) {
+    carried = 3 * (values[at(i - MEMORY + 1)] - values[at(i - MEMORY - 1)]) - BACK * carried;
+    half[i] = carried;
+  }
+  for (let i = half.length - 1, carried = 0; i >= MEMORY; i--) {
+    carried = BACK * (half[i] - carried);
+    if (i < rows + MEMORY) slopes[at(i - MEMORY)] = carried;
+  }
+}
+
+/** Return the table of a stored law: arrays that a worker can transfer, row by row. */
+export function lawTable({ start, spacing, breaks, columns }) {
+  const stored = columns.map(numbersOf);
+  const count = stored.length;
+  const rows = Math.max(...stored.map((column) => column.length)); // a constant column has one row
+  const values = new Float64Array(rows * count);
+  const slopes = new Float64Array(rows * count);
+  for (let j = 0; j < count; j++) {
+    for (let i = 0; i < rows; i++) values[i * count + j] = stored[j][stored[j].length > 1 ? i : 0];
+    splineSlopes(values, slopes, rows, count, j);
+    if (j === 0) continue;
+    for (let p = j; p < slopes.length; p += count) {
+      const steepest = 3 * values[p]; // up to which a cubic between rows stays positive
+      slopes[p] = Math.max(-steepest, Math.min(steepest, slopes[p]));
+    }
+  }
+  return { start, spacing, breaks: Float64Array.from(breaks), values, slopes };
+}
+
+/** Force law at one place at a time. */
+export class ForceLaw {
+  constructor({ start, spacing, breaks, values, slopes }) {
+    Object.assign(this, { start, spacing, breaks, values, slopes });
+    this.columns = breaks.length + 1;
+    this.rows = values.length / this.columns; // the first row follows the last
+    this.law = new Float64Array(this.columns); // at the present place
+    this.at = new Float64Array(breaks.length); // approach at each break at the present place
+    this.stiffness = 0; // [N/m] at the last force
+    this.moveTo(start);
+  }
+
+  /** Length of the closed track [m]. */
+  get length() {
+    return this.rows * this.spacing;
+  }
+
+  /** Approach at lift-off [m] at the present place. */
+  get liftOff() {
+    return this.at[0];
+  }
+
+  /** Go to a position [m] by cubics of Hermite between the rows. */
+  moveTo(position) {
+    const { columns, values, slopes, law, at, breaks } = this;
+    let t = (position - this.start) / this.spacing;
+    t -= this.rows * Math.floor(t / this.rows);
+    const i = Math.min(Math.floor(t), this.rows - 1);
+    t -= i;
+    const h01 = t * t * (3 - 2 * t);
+    const h10 = t * (t - 1) * (t - 1);
+    const h11 = t * t * (t - 1);
+    const first = i * columns;
+    const next = i + 1 < this.rows ? first + columns : 0;
+    for (let j = 0; j < columns; j++) {
+      const [p, q] = [first + j, next + j];
+      law[j] = values[p] + h01 * (values[q] - values[p]) + h10 * slopes[p] + h11 * slopes[q];
+    }
+    let approach = law[0];
+    at[0] = approach;
+    for (let p = 1; p < breaks.length; p++) {
+      approach += 0.5 * (law[p] + law[p + 1]) * (breaks[p] - breaks[p - 1]);
+      at[p] = approach;
+    }
+  }
+
+  /** Return the change of the slope over s beyond a break, zero beyond the last. */
+  bend(p) {
+    const { breaks, law } = this;
+    return p < breaks.length - 1 ? (law[p + 2] - law[p + 1]) / (breaks[p + 1] - breaks[p]) : 0;
+  }
+
+  /** Return the approach [m] under a force [N] at the present place. */
+  approach(force) {
+    const { breaks, law, at } = this;
+    const s = Math.cbrt(force) ** 2;
+    let p = breaks.length - 1;
+    while (p > 0 && s < breaks[p]) p--;
+    return at[p] + (s - breaks[p]) * (law[p + 1] + 0.5 * this.bend(p) * (s - breaks[p]));
+  }
+
+  /** Return the force [N] at an approach [m] at the present place, and set the stiffness there. */
+  force(approach) {
+    const { breaks, law, at } = this;
+    if (!(approach > at[0])) {
+      this.stiffness = 0;
+      return 0;
+    }
+    let p = breaks.length - 1;
+    while (approach < at[p]) p--;
+    const left = approach - at[p];
+    const g = law[p + 1];
+    const root = Math.sqrt(Math.max(g * g + 2 * this.bend(p) * left, 0));
+    const sigma = Math.sqrt(breaks[p] + (2 * left) / (g + root));
+    this.stiffness = (1.5 * sigma) / root;
+    return sigma * sigma * sigma;
+  }
+
+  /** Return the stiffness [N/m] of the mean compliance along the track under a load [N]. */
+  meanStiffness(load) {
+    let compliance = 0;
+    for (let i = 0; i < this.rows; i++) {
+      this.moveTo(this.start + i * this.spacing);
+      this.force(this.approach(load));
+      compliance += 1 / this.stiffness;
+    }
+    return this.rows / compliance;
+  }
+}

@@ -1,0 +1,230 @@
+// Motion of a ball over a force law, in equal time steps.
+//
+// Ball, mean stiffness and plate are the poles of a linear chain. Each is moved exactly under the
+// source s = k (d + tau d') - (F - W), which is a parabola through the ends of the step and the start
+// of the step before, or linear within the step after a flight: then the line keeps the energy of
+// impacts. The source at the end solves a scalar equation, in which the force is the law's.
+
+import { ballMass, loadOf } from "./chain.js";
+
+const LEAST_RISE = 1e-6; // of the residual over the approach; a ball too light for the steps has none
+const MOST = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
+const PER_PERIOD = 18; // steps in a period of the resonance at least, which leave -50 dB of the force
+const PER_IMPACT = 12; // steps in the time of an impact at least, which leave 0.1 % of its impulse
+const CALM = 400; // steps without a flight after which the source is a parabola
+const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
+const SHARP = 0.1; // if its damping over its frequency is less
+export const RATE = 48000; // samples per second
+export const MOST_STEPS = 32; // per sample
+
+/** Return the time [s] of an impact of a mass [kg] with a speed [m/s] by Hertz. */
+export function impactTime(mass, speed, radius, modulus) {
+  return 2.868 * (mass ** 2 / (radius * modulus ** 2 * speed)) ** 0.2;
+}
+
+/**
+ * Return the number of time steps per sample: they resolve the period of the resonance, the impact
+ * from a height [m], and the shortest waves of the law at a speed [m/s].
+ */
+export function stepsPerSample(run, settings, chain, height = settings.dropHeight ?? 0) {
+  const { radius, modulus, shortestWave } = run.fixed;
+  const [mass, load] = [ballMass(run, settings), loadOf(run, settings)];
+  let longest = (2 * Math.PI) / Math.sqrt(chain.stiffness / mass) / PER_PERIOD;
+  const fall = Math.sqrt((2 * load * height) / mass);
+  if (fall > 0) longest = Math.min(longest, impactTime(mass, fall, radius, modulus) / PER_IMPACT);
+  if (settings.speed > 0) longest = Math.min(longest, shortestWave / (2 * settings.speed));
+  return Math.min(Math.max(Math.ceil(1 / (RATE * longest)), 3), MOST_STEPS);
+}
+
+/** Return phi_1, phi_2, phi_3 at z = x + iy, the moments of exp(z t) over a step, as pairs. */
+function moments(x, y) {
+  const phi = [];
+  if (Math.hypot(x, y) < 1) {
+    for (let order = 1; order <= 3; order++) {
+      let [sr, si, tr, ti] = [0, 0, 1 / (order > 2 ? 6 : order), 0];
+      for (let n = 1; n < 20; n++) {
+        sr += tr;
+        si += ti;
+        [tr, ti] = [(tr * x - ti * y) / (n + order), (tr * y + ti * x) / (n + order)];
+      }
+      phi.push([sr, si]);
+    }
+    return phi;
+  }
+  const square = x * x + y * y;
+  let [ar, ai] = [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
+  for (const constant of [1, 1, 0.5]) {
+    ar -= constant;
+    [ar, ai] = [(ar * x + ai * y) / square, (ai * x - ar * y) / square];
+    phi.push([ar, ai]);
+  }
+  return phi;
+}
+
+const times = (ar, ai, br, bi) => [ar * br - ai * bi, ar * bi + ai * br];
+
+/** Motion of a ball over a force law; its numbers belong to the end of the last step. */
+export class Motion {
+  constructor(law, chain, load, step) {
+    Object.assign(this, { law, step, position: law.start, force: load, impacts: 0, calm: CALM });
+    law.moveTo(law.start);
+    this.approach = this.approachBefore = law.approach(load);
+    this.forceBefore = load;
+    this.setChain(chain, load, step);
+  }
+
+  /** Take a chain, a load [N] and a step [s]; approach, its velocity and the force go on. */
+  setChain(chain, load = this.load, step = this.step, velocity = this.chain ? this.velocity : 0) {
+    const stretch = step / this.step;
+    this.approachBefore = this.approach + stretch * (this.approachBefore - this.approach);
+    this.forceBefore = Math.max(this.force + stretch * (this.forceBefore - this.force), 0);
+    Object.assign(this, { chain, load, step });
+    const { stiffness, contactTime, mobility, mass, re, im, residueRe, residueIm } = chain;
+    const n = (this.count = re.length);
+    // A state y = residue * x: the approach is the sum of the real parts.
+    for (const name of ["e0", "e1", "p0", "p1", "b0", "b1", "l0", "l1", "y0", "y1"]) this[name] = new Float64Array(n);
+    const jump = mobility / (1 + stiffness * contactTime * mobility); // d' per source at once
+    this.holds = [0, 1].map(() => ({ give: 0, turn: jump })); // d and d' per source at the end
+    const ends = [];
+    for (let j = 0; j < n; j++) {
+      const [x, y] = [re[j] * step, im[j] * step];
+      const fast = y > FASTEST && -x < SHARP * y; // then the pole follows the source at once
+      const still = times(-x, y, 1 / (x * x + y * y), 0);
+      const moved = fast ? [still, still, [still[0] / 2, still[1] / 2]] : moments(x, y);
+      const [first, second, third] = moved.map((pair) => times(...pair, step * residueRe[j], step * residueIm[j]));
+      const bend = [third[0] - second[0] / 2, third[1] - second[1] / 2]; // per second difference
+      const turn = fast ? [0, 0] : [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
+      // The state is kept without the source at the end, which is added at the next step.
+      const late = times(...second, ...turn);
+      [this.e0[j], this.e1[j]] = turn;
+      [this.b0[j], this.b1[j]] = bend;
+      [this.l0[j], this.l1[j]] = times(...bend, ...turn);
+      [this.p0[j], this.p1[j]] = [first[0] - second[0] + late[0], first[1] - second[1] + late[1]];
+      ends.push(second);
+      this.holds.forEach((hold, share) => {
+        hold.give += second[0] + share * bend[0];
+        hold.turn += times(second[0] + share * bend[0], second[1] + share * bend[1], re[j], im[j])[0];
+      });
+    }
+    for (const hold of this.holds) {
+      hold.ease = hold.turn / hold.give;
+      hold.rise = Math.max(1 - hold.give * stiffness * (1 + contactTime * hold.ease), LEAST_RISE);
+    }
+    [this.hold, this.bent] = [this.holds[0], 0];
+    this.source = this.sourceOf(this.approach, velocity, this.force);
+    this.before = this.sourceOf(this.approachBefore, velocity, this.forceBefore);
+    // Under a force f beyond the load a plate with modes is at rest and displaced, and one without sinks.
+    const excess = this.force - load;
+    const speed = velocity + mobility * excess;
+    const plate = mobility > 0 ? 0 : excess;
+    for (let j = 0; j < n; j++) {
+      const inverse = times(re[j], -im[j], 1 / (re[j] ** 2 + im[j] ** 2), 0);
+      const loop = times(stiffness * (1 + contactTime * re[j]), stiffness * contactTime * im[j], ...times(...inverse, ...inverse));
+      const x0 = (plate - stiffness * this.approach) * inverse[0];
+      const x1 = (plate - stiffness * this.approach) * inverse[1];
+      const moved = times(...loop, (plate / mass) * inverse[0] - speed, (plate / mass) * inverse[1]);
+      const state = times(x0 + moved[0], x1 + moved[1], residueRe[j], residueIm[j]);
+      this.y0[j] = state[0] - ends[j][0] * this.source;
+      this.y1[j] = state[1] - ends[j][1] * this.source;
+    }
+  }
+
+  /** Return the source [N] at an approach [m], its velocity [m/s] and a force [N]. */
+  sourceOf(approach, velocity, force) {
+    const { stiffness, contactTime } = this.chain;
+    return stiffness * (approach + contactTime * velocity) - (force - this.load);
+  }
+
+  /** Hold the ball at a height [m] above its place and let it go at a velocity [m/s] to the plate. */
+  release(height, velocity = 0) {
+    this.law.moveTo(this.position);
+    this.approach = this.law.liftOff - height;
+    this.approachBefore = this.approach - velocity * this.step;
+    this.calm = 0;
+    [this.force, this.forceBefore] = [this.law.force(this.approach), this.law.force(this.approachBefore)];
+    this.setChain(this.chain, this.load, this.step, velocity);
+  }
+
+  /** Velocity [m/s] of the approach. */
+  get velocity() {
+    let known = 0;
+    for (let j = 0; j < this.count; j++) known += this.y0[j];
+    return this.drift(known) + this.hold.ease * this.approach;
+  }
+
+  /** Height [m] of the ball above the place where it would touch. */
+  get height() {
+    return Math.max(this.law.liftOff - this.approach, 0);
+  }
+
+  /** Take one step to a position [m] and return the contact force [N] at its end. */
+  advance(position) {
+    const { law, load, count, e0, e1, p0, p1, b0, b1, l0, l1, y0, y1, source, bent } = this;
+    const smooth = this.calm >= CALM;
+    const hold = (this.hold = this.holds[smooth ? 1 : 0]);
+    const { give, rise, ease } = hold;
+    const bend = smooth ? this.before - 2 * source : 0;
+    let known = 0;
+    for (let j = 0; j < count; j++) {
+      const a = e0[j] * y0[j] - e1[j] * y1[j] + p0[j] * source + l0[j] * bent + b0[j] * bend;
+      y1[j] = e1[j] * y0[j] + e0[j] * y1[j] + p1[j] * source + l1[j] * bent + b1[j] * bend;
+      y0[j] = a;
+      known += a;
+    }
+    const { stiffness, contactTime } = this.chain;
+    let [drift, damping] = [0, 0]; // d' = drift + ease d
+    if (contactTime > 0) {
+      drift = this.drift(known);
+      damping = stiffness * contactTime * drift;
+    }
+    law.moveTo(position);
+    // rise d + give F = whole: without a force d is the largest.
+    const whole = known + give * (load + damping);
+    const free = whole / rise;
+    let [d, force] = [free, 0];
+    if (free > law.liftOff) [d, force] = this.pressed(whole, free, drift);
+    const end = (d - known) / give;
+    if (force > 0 && !(this.force > 0)) this.impacts++;
+    this.before = source;
+    this.source = end;
+    this.calm = force > 0 ? this.calm + 1 : 0;
+    this.bent = smooth ? end : 0; // the part of the bend that is not in the state yet
+    this.approachBefore = this.approach;
+    this.forceBefore = this.force;
+    Object.assign(this, { position, approach: d, force });
+    return force;
+  }
+
+  /** Return the velocity [m/s] of the approach less the part that rises with it. */
+  drift(known) {
+    const { count, y0, y1 } = this;
+    const { re, im } = this.chain;
+    let velocity = 0;
+    for (let j = 0; j < count; j++) velocity += re[j] * y0[j] - im[j] * y1[j];
+    return velocity - this.hold.ease * known;
+  }
+
+  /** Return approach [m] and force [N] of a step that ends in contact, by Newton's method in a bracket. */
+  pressed(whole, free, drift) {
+    const { law, chain } = this;
+    const { give, rise, ease } = this.hold;
+    let [low, high] = [law.liftOff, free];
+    let d = this.approach > low && this.approach < high ? this.approach : high;
+    let force = 0;
+    for (let i = 0; i < MOST; i++) {
+      const elastic = law.force(d);
+      const drag = chain.contactTime * law.stiffness;
+      force = Math.max(elastic + drag * (drift + ease * d), 0); // surfaces do not pull
+      const residual = rise * d + give * force - whole;
+      if (residual > 0) high = d;
+      else low = d;
+      let next = d - residual / (rise + give * (law.stiffness + drag * ease));
+      if (!(next > low && next < high)) next = 0.5 * (low + high);
+      const change = Math.abs(next - d);
+      d = next;
+      if (change <= 1e-13 * Math.abs(free - law.liftOff) + 1e-16 * Math.abs(d)) break;
+    }
+    // The force of the equation, not of the law: the state then keeps it exactly.
+    return [d, Math.max((whole - rise * d) / give, 0)];
+  }
+}

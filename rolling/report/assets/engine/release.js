@@ -1,0 +1,104 @@
+// Sound of a run without dynamics, after rolling/sound/contact_sound.py: the energy that each step
+// releases becomes power by the speed, and its fluctuation within hearing becomes sound pressure.
+
+import { BLOCK } from "./convolver.js";
+import { Decimator, HighPass } from "./decimate.js";
+import { realLines, realRecord } from "./fft.js";
+import { numbersOf } from "./law.js";
+import { RATE } from "./motion.js";
+import { AUDIBLE, IMPEDANCE } from "./radiation.js";
+
+const FINER = 8; // values per step of the track, between which cubics interpolate
+const SMOOTH_S = 0.02; // time constant of the factor from intensity to pressure
+const MOST_RELEASE_STEPS = 16; // readings per sample
+
+/** Return the release per metre [J/m] on a fine grid, and the mean squares of its waves summed up. */
+export function prepareRelease(run) {
+  const { start, step, values } = run.energy;
+  const energy = numbersOf(values);
+  const n = energy.length;
+  const { re, im } = realLines(energy);
+  const waves = new Float64Array(re.length + 1); // waves[k]: of all waves below k in the track
+  re[0] = im[0] = 0;
+  for (let k = 0; k < re.length; k++) {
+    const mean = (Math.PI * k) / n;
+    const share = 2 * k === n ? 0 : k ? mean / Math.sin(mean) / step : 0; // undoes the mean over a step
+    re[k] *= share;
+    im[k] *= share;
+    waves[k + 1] = waves[k] + (2 * (re[k] ** 2 + im[k] ** 2)) / n ** 2;
+  }
+  const fine = realRecord({ re, im }, FINER * n).map((value) => FINER * value);
+  return { kind: "release", fine, waves, start, length: n * step, spacing: step / FINER, steps: stepsOf(run, step) };
+}
+
+/** Return the readings per sample that resolve the steps of a track at the highest speed. */
+function stepsOf(run, step) {
+  return Math.min(Math.max(Math.ceil(run.limits.speed[1] / step / RATE), 1), MOST_RELEASE_STEPS);
+}
+
+/** Pressure of the release at 48 kHz while the ball travels. */
+export class ReleaseSource {
+  constructor(run, settings, prepared) {
+    Object.assign(this, { run, prepared, factor: null });
+    this.position = prepared.start;
+    this.decimator = new Decimator(prepared.steps);
+    this.highPass = new HighPass();
+    this.powers = new Float64Array(BLOCK * prepared.steps);
+    this.take(settings);
+  }
+
+  /** Take new settings: distance and q. */
+  take(settings) {
+    this.spread = settings.q / (4 * Math.PI * settings.distance ** 2);
+  }
+
+  /** Return the release per metre [J/m] at a position [m], by cubics through four values. */
+  releaseAt(position) {
+    const { fine, start, spacing } = this.prepared;
+    const place = (position - start) / spacing;
+    const first = Math.floor(place);
+    const t = place - first;
+    const n = fine.length;
+    const i = (((first - 1) % n) + n) % n;
+    const [a, b, c, d] = [fine[i], fine[(i + 1) % n], fine[(i + 2) % n], fine[(i + 3) % n]];
+    return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
+  }
+
+  /** Return the factor [Pa m2/W] from the fluctuation of the power at a speed [m/s] to the pressure. */
+  factorAt(speed) {
+    const { gain } = this.run.energy;
+    if (this.run.fixed.silent) return 0;
+    if (gain) return gain * this.spread;
+    const { waves, length } = this.prepared;
+    const line = (frequency) => Math.min(Math.ceil((frequency * length) / speed), waves.length - 1);
+    const square = speed > 0 ? waves[line(AUDIBLE[1])] - waves[line(AUDIBLE[0])] : 0;
+    return square > 0 ? Math.sqrt((IMPEDANCE * this.spread) / (speed * Math.sqrt(square))) : 0;
+  }
+
+  /** Set a block of samples to the pressure [Pa]. */
+  block(travel, samples) {
+    const { steps } = this.prepared;
+    for (let i = 0; i < this.powers.length; i++) {
+      const position = travel.advance(1 / (RATE * steps));
+      this.powers[i] = Math.abs(travel.speed) * this.releaseAt(position);
+    }
+    this.decimator.process(this.powers, samples);
+    this.highPass.process(samples);
+    const wanted = this.factorAt(Math.abs(travel.speed));
+    this.factor ??= wanted;
+    const share = 1 / (SMOOTH_S * RATE);
+    for (let i = 0; i < BLOCK; i++) {
+      this.factor += share * (wanted - this.factor);
+      samples[i] *= this.factor;
+    }
+    this.position = travel.position;
+  }
+
+  get extremes() {
+    return { lowest: 0, highest: 0, flies: 0 };
+  }
+
+  get state() {
+    return { force: null, approach: null, height: 0, flies: false, impacts: 0 };
+  }
+}

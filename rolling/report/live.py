@@ -1,0 +1,250 @@
+"""Data of a run for the engine of the page: its force law or its release, and its numbers in SI.
+
+All tracks close here: the end of an open track, or of a part, is cross-faded with its beginning.
+"""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.wav import PEAK, SAMPLE_RATE_HZ
+from rolling.dynamics import _motion_kernels, drop
+from rolling.dynamics._motion_kernels import LawTable
+from rolling.dynamics.bodies import half_space_mobility
+from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
+from rolling.results.listening import released
+from rolling.results.run_result import Run
+from rolling.scene.quantities import GRAVITY
+from rolling.scene.scene import Scene
+from rolling.scene.sections import WEIGHT
+from rolling.sound.vibration_sound import Vibration
+
+LARGEST = 300_000  # bytes of a law or a release on the page, in base64
+FAITHFUL = 1e-3  # error of the force that a stored law leaves, over its fluctuation
+LEAST_ROWS = 8  # of a track that the engine can play
+SEAM = 20  # a part of one over this is cross-faded where a track does not close
+RESOLVED = 1e-5  # share of the roughness in waves that time steps need not resolve
+FASTEST_STEPS = 8  # time steps per sample that the highest speed takes
+FALL_M_S = 1.0  # speed that a ball which is lifted may reach in its fall
+# Ranges of the sliders in SI units: plastics to tungsten, foil to block, bells to damped layers.
+RANGES = {
+    "ballDensity": (900.0, 19_300.0),
+    "plateDensity": (900.0, 19_300.0),
+    "thickness": (5e-4, 0.05),
+    "lossFactor": (5e-4, 0.3),
+    "contactLossFactor": (0.0, 0.2),
+    "distance": (0.1, 10.0),
+    "q": (1e-6, 1.0),
+}
+EDGES = 1.5, 3.0  # lowest edge over the distance from its corner to the contact; highest edge [m]
+Data = dict[str, Any]
+
+
+def live_of(run: Run) -> Data | None:
+    """Return the data of a run for the engine of the page, or None for a track of few steps."""
+    scene, vibration = run.scene, run.vibration if run.sound.source == "vibration" else None
+    if run.result.solved_steps < LEAST_ROWS:
+        return None
+    settings, limits = _settings(run), {}
+    for name, (least, most) in RANGES.items():
+        if (value := settings[name]) is not None:
+            limits[name] = [min(least, value), max(most, value)]
+    limits["distance"][0] = min(settings["distance"], max(0.1, 2 * scene.radius))
+    ends = [[1e-3 * x for x in end] for end in scene.plate.contact_ends_mm.values()]
+    if scene.plate.edges_mm is not None:
+        for axis, name in enumerate(("length", "width")):
+            least = EDGES[0] * max(end[axis] for end in ends)
+            limits[name] = [min(least, settings[name]), max(EDGES[1], settings[name])]
+    peak = float(np.abs(run.sound.channels).max())
+    data = {
+        "label": run.label,
+        "rate": SAMPLE_RATE_HZ,
+        "settings": settings,
+        "limits": limits,
+        "fixed": _fixed(scene),
+        "contact": ends[0] if ends else None,
+        "contactEnd": ends[1] if len(ends) > 1 else None,
+        "listeners": [list(place) for place in scene.listeners] if ends else None,
+        "hearBall": scene.sound.ball,
+        "fullScale": peak / PEAK or 1.0,
+    }
+    add = _add_release if vibration is None else _add_vibration
+    return add(run, data, vibration)
+
+
+def _settings(run: Run) -> Data:
+    """Return the settings of a run that the page changes, in SI units."""
+    scene, plate = run.scene, run.scene.plate
+    edges = plate.edges_mm if plate.thickness_mm else None
+    return {
+        "speed": float(scene.motion.fastest(run.sound.duration)),
+        "load": scene.load,
+        "ballDensity": scene.sphere.density_kg_m3,
+        "plateDensity": plate.density_kg_m3,
+        "thickness": plate.thickness_mm and 1e-3 * plate.thickness_mm,
+        "length": edges and 1e-3 * edges[0],
+        "width": edges and 1e-3 * edges[1],
+        "lossFactor": plate.loss_factor,
+        "contactLossFactor": plate.contact_loss_factor or 0.0,
+        "distance": scene.sound.distance_m,
+        "q": scene.sound.q,
+        "dropHeight": drop.height_m(scene) or None,
+    }
+
+
+def _fixed(scene: Scene) -> Data:
+    """Return the numbers of a scene that only another march changes, and the kind of its path."""
+    poisson = scene.plate.poissons_ratio
+    # The mobility C w^2 / (rho c_T^3) is C where all other factors are one.
+    unit = half_space_mobility(0.5 / np.pi, 2 * (1 + poisson), poisson, 1.0)
+    return {
+        "radius": scene.radius,
+        "young": 1e9 * scene.plate.youngs_modulus_gpa,
+        "poisson": poisson,
+        "modulus": scene.contact_modulus,
+        "halfSpace": unit,
+        "weight": scene.rolling.load_n == WEIGHT,
+        "rollsOut": scene.rolling.resistance is not None,
+        "gravity": GRAVITY,
+        "path": len(scene.plate.contact_ends_mm) > 1,
+    }
+
+
+# ---- vibration
+
+
+def _add_vibration(run: Run, data: Data, vibration: Vibration | None) -> Data:
+    """Add the force law of a run, and the limits that it sets."""
+    assert vibration is not None  # the caller's choice
+    scene, law = run.scene, vibration.law
+    wave = shortest_wave(law.approach(law.position_m, scene.load), law.spacing_m)
+    # Time steps resolve the waves up to the highest speed; grid and hearing set the lowest.
+    fastest = FASTEST_STEPS * SAMPLE_RATE_HZ * wave / 2
+    falling = scene.mass * FALL_M_S**2 / (2 * scene.load)
+    data["limits"] |= {
+        "speed": [0.0, max(fastest, data["settings"]["speed"])],
+        "load": [float(law.load_n[0]), float(law.load_n[-1])],
+        "dropHeight": [0.0, max(falling, drop.height_m(scene))],
+    }
+    data["fixed"] |= {"shortestWave": wave, "loads": law.load_n.tolist()}
+    closes = law.period_m is not None and not run.sound.has_seam
+    return data | {"kind": "vibration", "law": stored_law(law, scene.load, closes)}
+
+
+def shortest_wave(approach: Array, spacing: float) -> float:
+    """Return the wavelength [m] below which waves hold a small share of a roughness."""
+    power = np.abs(np.fft.rfft(approach * np.hanning(len(approach)))) ** 2
+    power[:3] = 0.0  # the mean in the window
+    beyond = np.cumsum(power[::-1])[::-1]
+    line = int(np.sum(beyond > RESOLVED * beyond[0]))
+    return float(len(approach) * spacing / max(min(line, len(approach) // 2), 1))
+
+
+def stored_law(law: ForceLaw, load_n: float, closes: bool = True) -> Data:
+    """Return a force law as the page holds it: all of the track, or its largest part that fits.
+
+    A track that takes too many bytes is resampled to fewer rows, as long as the force keeps to
+    0.1 % of its fluctuation, and halved otherwise.
+    """
+    table, values = law.table, law.table.values[: len(law.position_m)]
+    varying = int(np.sum(np.ptp(values, axis=0) > 0))
+    most, part = int(LARGEST * 3 / 4 / (2 * varying + 4)), len(values)
+    while True:
+        rows = values if closes and part == len(values) else _closed(values[:part])
+        seam, count = (part - len(rows)) * table.spacing, min(len(rows), most)
+        data, stored = _stored_table(table, load_n, table.start + seam, rows, count)
+        if count == len(rows) or law_error(law, load_n, stored, seam) <= FAITHFUL:
+            return data | {"closed": closes, "seam": seam, "part": part / len(values)}
+        part //= 2
+
+
+def _closed(rows: Array) -> Array:
+    """Return open rows without their first, which are faded into the last ones."""
+    count = max(2, len(rows) // SEAM)
+    angle = np.linspace(0, np.pi / 2, count + 2)[1:-1, None]
+    mean = rows.mean(axis=0)
+    faded = rows.copy()
+    faded[-count:] = mean + np.cos(angle) * (rows[-count:] - mean)
+    faded[-count:] += np.sin(angle) * (rows[:count] - mean)
+    least = rows[:, 1:].min(axis=0)  # slopes stay positive
+    faded[:, 1:] = np.maximum(faded[:, 1:], least)
+    return np.asarray(faded[count:])
+
+
+def _stored_table(
+    table: LawTable, load_n: float, start: float, rows: Array, count: int
+) -> tuple[Data, LawTable]:
+    """Return closed rows as stored columns, and as the table that they decode to."""
+    from scipy.signal import resample  # slow to import
+
+    spacing = table.spacing * len(rows) / count
+    weights = slope_weights(table.breaks, load_n ** (2 / 3))
+    if count < len(rows):
+        rows = resample(rows, count, axis=0)
+    columns = [packed(column, "int16") for column in rows[:, 1:].T]
+    slopes = np.stack([np.broadcast_to(values, count) for _, values in columns], axis=1)
+    # The lift-off makes up for the rounded slopes, so that the approach under the load is exact.
+    columns.insert(0, packed(rows[:, 0] + (rows[:, 1:] - slopes) @ weights, "float32"))
+    decoded = np.column_stack((np.broadcast_to(columns[0][1], count), slopes))
+    data = {
+        "start": start,
+        "spacing": spacing,
+        "breaks": table.breaks.tolist(),
+        "columns": [column for column, _ in columns],
+    }
+    around = np.concatenate((decoded, decoded[:1]))
+    return data, law_table(start, spacing, True, table.breaks, around)
+
+
+def packed(values: Array, kind: str) -> tuple[Data, Array]:
+    """Return values in base64, a single value if all are equal, and the values that they become."""
+    low, high = float(values.min()), float(values.max())
+    offset, scale = (low + high) / 2, 1.0
+    if low == high:
+        values = values[:1]
+    if kind == "int16":
+        scale = (high - low) / 65_000 or 1.0
+    stored = (values - offset) / scale
+    stored = np.rint(stored).astype("<i2") if kind == "int16" else stored.astype("<f4")
+    text = base64.b64encode(stored.tobytes()).decode()
+    data = {"type": kind, "base64": text, "scale": scale, "offset": offset}
+    return data, offset + scale * stored.astype(float)
+
+
+def law_error(law: ForceLaw, load_n: float, table: LawTable, seam: float = 0.0) -> float:
+    """Return the rms error of the force before a seam [m] over its departure from the load."""
+    length = table.spacing * (len(table.values) - 1) - seam
+    x = law.position_m[(law.position_m >= table.start) & (law.position_m < table.start + length)]
+    level = law.approach(x, load_n)
+    fluctuation = np.std(law.force(x, level.mean()))
+    force, errors = np.empty((len(x), 2)), []
+    for load in law.load_n:
+        _motion_kernels.evaluate(x, law.approach(x, float(load)), table, force)
+        departure = np.hypot(fluctuation, load - load_n)
+        errors.append(np.sqrt(np.mean(np.square(force[:, 0] - load))) / (departure or load_n))
+    return float(max(errors))
+
+
+# ---- release
+
+
+def _add_release(run: Run, data: Data, _: Vibration | None) -> Data:
+    """Add the energy that each step of a lap releases."""
+    result, scene = run.result, run.scene
+    energy = released(scene, result)[0][: result.solved_steps]
+    closes = scene.track.lap_steps <= result.solved_steps and not run.sound.has_seam
+    most, length = LARGEST * 3 // 16, len(energy)
+    rows = energy[:most, None]
+    if not closes or length > most:
+        rows = _closed(rows)
+    start = result.start + (min(length, most) - len(rows) + 0.5) * result.step
+    data["limits"]["speed"] = [0.0, max(10.0, data["settings"]["speed"])]
+    data["fixed"]["silent"] = not run.sound.pressure.any()
+    part = {"start": start, "step": result.step, "closed": closes, "part": min(most / length, 1.0)}
+    stored = {"values": packed(rows[:, 0], "float32")[0], "q": scene.sound.q}
+    heard = {"distance": scene.sound.distance_m, "gain": scene.sound.gain_pa_per_w_m2}
+    return data | {"kind": "release", "energy": part | stored | heard}

@@ -1,0 +1,135 @@
+"""The engine of the page in Node, and runs for it: scenes on a force law that needs no march."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from acoustics import wav
+from acoustics.arrays import Array
+from rolling.dynamics.force_law import ForceLaw
+from rolling.report import live
+from rolling.scene.file import loads
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.vibration_sound import Vibration, vibrate
+
+ENGINE = Path(live.__file__).parent / "assets" / "engine"
+SCENE = """
+name: live
+sphere: {radius_mm: 5, density_kg_m3: 7850}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, density_kg_m3: 7850, thickness_mm: 3,
+  loss_factor: 0.01}
+surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2,
+  width_um: 128, seed: 1}
+rolling: {load_n: 20, speed_m_s: 0.1, distance_mm: 6}
+dynamics: {}
+"""
+EDGES = {"plate.length_mm": 300, "plate.width_mm": 400, "plate.contact_mm": [129, 148]}
+
+
+def node(script: str, data: Any = None) -> Any:
+    """Run a module in Node with `data`; return the value that it hands to `done`."""
+    path = shutil.which("node")
+    if path is None:
+        message = "node: install Debian's `nodejs`"
+        if os.environ.get("ROLLING_BROWSER_REQUIRED"):
+            pytest.fail(message)
+        pytest.skip(message)
+    names = (
+        "law",
+        "chain",
+        "motion",
+        "fft",
+        "bands",
+        "plate",
+        "response",
+        "convolver",
+        "prepare",
+        "instrument",
+        "record",
+    )
+    head = "".join(f'import * as {name} from "{ENGINE / f"{name}.js"}";\n' for name in names)
+    head += 'import { readFileSync, writeFileSync } from "node:fs";\n'
+    head += 'const data = JSON.parse(readFileSync(0, "utf-8"));\n'
+    head += "const plain = (k, v) => (ArrayBuffer.isView(v) ? Array.from(v) : v);\n"
+    head += "const done = (v) => writeFileSync(1, JSON.stringify(v, plain));\n"
+    arguments = [path, "--input-type=module", "-e", head + script]
+    text = json.dumps(data)
+    ended = subprocess.run(arguments, input=text, capture_output=True, text=True, check=False)
+    assert not ended.returncode, ended.stderr
+    return json.loads(ended.stdout)
+
+
+def scene(changes: dict[str, Any] | None = None) -> Scene:
+    """Return the scene with other values."""
+    return loads(SCENE).with_(changes or {})
+
+
+def roughness(count: int, rms: float, rng: np.random.Generator) -> Array:
+    """Return a periodic profile of an rms at every 2 um."""
+    wave = np.fft.rfftfreq(count, 2e-6) * 2 * np.pi
+    height = np.exp(-np.square(wave * 4e-6) / 8) / (1 + np.square(wave * 6e-5))
+    lines = height * (rng.standard_normal((2, wave.size)).T @ [1, 1j])
+    profile = np.fft.irfft(lines, count)
+    return np.asarray(profile * rms / profile.std())
+
+
+def force_law(scene: Scene, profile: Array | None = None) -> ForceLaw:
+    """Return the law on the track of a scene, lifted by a profile [m]; default: a rough contact."""
+    count, spacing, rng = scene.track.steps, scene.track.step, np.random.default_rng(1)
+    loads = scene.load * np.array([0.7, 1.0, 1.4])
+    approach = np.cbrt(9 * loads**2 / (16 * scene.radius * scene.contact_modulus**2))
+    slope = np.ones(count) if profile is not None else 1 + roughness(count, 0.02, rng)
+    lift = roughness(count, 14e-9, rng) if profile is None else profile
+    table = approach[1] + lift + (approach - approach[1])[:, None] * slope
+    return ForceLaw(spacing * np.arange(count), loads, table, period_m=count * spacing)
+
+
+def vibration(scene: Scene, law: ForceLaw) -> Vibration:
+    return vibrate(scene, law, wav.SAMPLE_RATE_HZ / 2, whole_laps=True)
+
+
+def vibration_data(scene: Scene, law: ForceLaw, vibrating: Vibration) -> dict[str, Any]:
+    """Return the data of a vibration for the engine."""
+    sound = SimpleNamespace(
+        source="vibration",
+        duration=scene.duration,
+        channels=vibrating.pressures.T,
+        has_seam=False,
+    )
+    result = SimpleNamespace(solved_steps=len(law.position_m))
+    parts = {"scene": scene, "sound": sound, "result": result, "label": "live"}
+    run: Any = SimpleNamespace(vibration=vibrating, **parts)
+    return json.loads(json.dumps(live.live_of(run)))
+
+
+def release(scene: Scene) -> tuple[ContactSound, dict[str, Any]]:
+    """Return the sound of a rough release, and its data for the engine."""
+    step, rng = scene.track.step, np.random.default_rng(2)
+    energy = 1e-9 * (1 + 0.1 * roughness(scene.track.steps, 1.0, rng))
+    sound = contact_sound(scene, energy, step, True)
+    values = live.packed(energy, "float32")[0]
+    heard = {"q": scene.sound.q, "distance": scene.sound.distance_m, "gain": None}
+    data = {"kind": "release", "fixed": {"silent": False}, "limits": {"speed": [0, 1]}}
+    settings = {"speed": scene.motion.fastest(scene.duration), "load": scene.load} | heard
+    energies = {"start": step / 2, "step": step, "values": values} | heard
+    return sound, data | {"settings": settings, "energy": energies}
+
+
+def record(run: dict[str, Any], settings: dict[str, Any], samples: int) -> Array:
+    """Return the channels [Pa] that the engine records of a run at settings, all modes moving."""
+    script = """
+      const { run, settings, seconds } = data;
+      done(record.record(run, settings, seconds, prepare.prepare(run, settings, Infinity)));
+    """
+    seconds = samples / wav.SAMPLE_RATE_HZ
+    return np.array(node(script, {"run": run, "settings": settings, "seconds": seconds}))
