@@ -231,7 +231,7 @@ def test_the_film_plays_once_and_follows_its_slider(pages, opened) -> None:
 
 
 def test_the_film_shows_the_map_that_is_heard_and_pauses_with_it(pages, opened) -> None:
-    """Picture and sound differ by less than 5 ms, two blocks of the audio clock."""
+    """Picture and sound differ by less than 25 ms, two steps of the browser's audio clock."""
     path, rate = pages("filmed"), 1000
     times = np.array(data_of(path)["runs"][0]["film"]["times"])
     with opened(path) as page:
@@ -258,7 +258,7 @@ def test_the_film_shows_the_map_that_is_heard_and_pauses_with_it(pages, opened) 
         assert moving.sum() > 5
         late = times[shown[moving].astype(int)] - time[moving]  # negative: until the next map
         early = time[moving] - times[np.minimum(shown[moving].astype(int) + 1, len(times) - 1)]
-        assert rate * max(late.max(), early.max()) < 5e-3
+        assert rate * max(late.max(), early.max()) < 25e-3
 
 
 def test_the_film_starts_at_the_slowest_rate_that_is_heard(pages, opened) -> None:
