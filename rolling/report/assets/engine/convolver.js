@@ -134,38 +134,33 @@ export class Convolver {
 
   /** Convolve a block of input; set a block for each channel. */
   process(input, channels) {
-    if (this.place === 0) this.beginLong();
+    if (this.place === 0) {
+      this.long.frames.set(this.held, LONG);
+      this.long.push();
+    }
     this.short.frames.set(input, BLOCK);
     this.short.push();
     this.held.set(input, this.place * BLOCK);
     channels.forEach((channel, i) => {
       this.outputs[i].block(this.short, this.place, channel);
-      if (this.fading) {
-        this.coming[i].block(this.short, this.place, this.mixed);
-        for (let k = 0; k < BLOCK; k++) {
-          const share = Math.sin((Math.PI / 2) * ((this.place * BLOCK + k) / LONG)) ** 2;
-          channel[k] += share * (this.mixed[k] - channel[k]);
-        }
+      if (!this.fading) return;
+      this.coming[i].block(this.short, this.place, this.mixed);
+      for (let k = 0; k < BLOCK; k++) {
+        const share = Math.sin((Math.PI / 2) * ((this.place * BLOCK + k) / LONG)) ** 2;
+        channel[k] += share * (this.mixed[k] - channel[k]);
       }
     });
-    for (const output of [...this.outputs, ...(this.coming ?? [])]) output.work(this.long, (this.place + 1) / PER_LONG);
-    this.place = (this.place + 1) % PER_LONG;
+    this.place++;
+    for (const output of [...this.outputs, ...(this.coming ?? [])]) output.work(this.long, this.place / PER_LONG);
+    if (this.place === PER_LONG) this.turn();
   }
 
-  /** Begin a long block: outputs turn, and responses that were faded in or wait take their turns. */
-  beginLong() {
-    if (this.fading) {
-      this.outputs = this.coming;
-      this.coming = null;
-      this.fading = false;
-    }
+  /** End a long block: responses that were faded in stay, and those that wait are fed for a block. */
+  turn() {
+    this.place = 0;
+    if (this.fading) [this.outputs, this.coming] = [this.coming, null];
+    this.fading = this.coming !== null;
     for (const output of [...this.outputs, ...(this.coming ?? [])]) output.turn(this.long.transform);
-    if (this.coming) this.fading = true;
-    else if (this.waiting) {
-      this.coming = this.prepared(this.waiting);
-      this.waiting = null;
-    }
-    this.long.frames.set(this.held, LONG);
-    this.long.push();
+    if (!this.coming && this.waiting) [this.coming, this.waiting] = [this.prepared(this.waiting), null];
   }
 }

@@ -16,11 +16,8 @@ export class Transform {
     for (let i = 0; i < length; i++) {
       const j = places[i];
       if (j > i) {
-        const [a, b] = [re[i], im[i]];
-        re[i] = re[j];
-        im[i] = im[j];
-        re[j] = a;
-        im[j] = b;
+        [re[i], re[j]] = [re[j], re[i]];
+        [im[i], im[j]] = [im[j], im[i]];
       }
     }
     for (let half = 1; half < length; half *= 2) {
@@ -52,48 +49,28 @@ export class Transform {
 /** Transform between a real record of a length that is a power of two and its lines from 0 up. */
 export class RealTransform {
   constructor(length) {
-    this.length = length;
-    this.half = new Transform(length / 2);
-    this.re = new Float64Array(length / 2);
-    this.im = new Float64Array(length / 2);
-    this.cos = Float64Array.from({ length: length / 2 }, (_, k) => Math.cos((2 * Math.PI * k) / length));
-    this.sin = Float64Array.from({ length: length / 2 }, (_, k) => Math.sin((2 * Math.PI * k) / length));
+    this.whole = new Transform(length);
+    [this.re, this.im] = [new Float64Array(length), new Float64Array(length)];
   }
 
   /** Set lines (n/2 + 1 each) to the transform of a record (n). */
   forward(record, linesRe, linesIm) {
-    const { re, im, cos, sin, half } = this;
-    const n = half.length;
-    for (let i = 0; i < n; i++) {
-      re[i] = record[2 * i];
-      im[i] = record[2 * i + 1];
-    }
-    half.forward(re, im);
-    linesRe[0] = re[0] + im[0];
-    linesRe[n] = re[0] - im[0];
-    linesIm[0] = linesIm[n] = 0;
-    for (let k = 1; k < n; k++) {
-      const [a, b, c, d] = [re[k] + re[n - k], im[k] - im[n - k], re[k] - re[n - k], im[k] + im[n - k]];
-      linesRe[k] = (a + d * cos[k] - c * sin[k]) / 2;
-      linesIm[k] = (b - c * cos[k] - d * sin[k]) / 2;
-    }
+    this.re.set(record);
+    this.im.fill(0);
+    this.whole.forward(this.re, this.im);
+    linesRe.set(this.re.subarray(0, linesRe.length));
+    linesIm.set(this.im.subarray(0, linesIm.length));
   }
 
   /** Set a record (n) to the inverse transform of its lines (n/2 + 1). */
   inverse(linesRe, linesIm, record) {
-    const { re, im, cos, sin, half } = this;
-    const n = half.length;
-    for (let k = 0; k < n; k++) {
-      const [a, b] = [linesRe[k] + linesRe[n - k], linesIm[k] - linesIm[n - k]];
-      const [c, d] = [linesRe[k] - linesRe[n - k], linesIm[k] + linesIm[n - k]];
-      re[k] = (a - d * cos[k] - c * sin[k]) / 2;
-      im[k] = (b + c * cos[k] - d * sin[k]) / 2;
+    const { re, im, whole } = this;
+    for (let k = 0, mirror = 0; k < linesRe.length; k++, mirror = whole.length - k) {
+      [re[mirror], im[mirror]] = [linesRe[k], -linesIm[k]];
+      [re[k], im[k]] = [linesRe[k], linesIm[k]];
     }
-    half.inverse(re, im);
-    for (let i = 0; i < n; i++) {
-      record[2 * i] = re[i];
-      record[2 * i + 1] = im[i];
-    }
+    whole.inverse(re, im);
+    record.set(re);
   }
 }
 

@@ -4,6 +4,7 @@ import { $, RATE, data, motionUnwanted, runs } from "./core.js";
 import { signed } from "./choices.js";
 import { aWeight } from "../engine/bands.js";
 import { RealTransform } from "../engine/fft.js";
+import { newtons } from "./film_motion.js";
 import { live, liveOf } from "./play_sound.js";
 
 const STRIP_S = 4;
@@ -52,7 +53,7 @@ function showNumbers({ state, asleep, load, lost }, now) {
   const level = asleep || state.level === null || state.level < QUIETEST_DB ? null : state.level;
   $("#play-level").textContent = level === null ? "–" : level.toFixed(1);
   $("#play-speed-now").textContent = `${digits(Math.abs(state.speed) < 1e-5 ? 0 : state.speed, 2)} m/s`.replace("-", "−");
-  $("#play-force-now").textContent = state.force === null ? "" : `${digits(state.force, 3)} N`;
+  $("#play-force-now").textContent = state.force === null ? "" : newtons(state.force);
   const share = Math.round(100 * heard.flown);
   $("#play-flight").textContent = state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : share ? `flies ${share} % of the time` : "in contact";
   showRemark(load, lost, now);
@@ -118,7 +119,7 @@ export function drawStrip() {
   pen.setLineDash([]);
   pen.font = "13px system-ui, sans-serif";
   pen.textAlign = "left";
-  const words = bottom > 0 ? `force, load ± ${digits(strip.reach, 2)} N` : `force, 0 to ${digits(middle + strip.reach, 2)} N; dashed: load`;
+  const words = bottom > 0 ? `force, load ± ${newtons(digits(strip.reach, 2))}` : `force, 0 to ${newtons(digits(middle + strip.reach, 2))}; dashed: load`;
   pen.fillText(release ? `pressure, ± ${digits(strip.reach, 2)} Pa` : words, 0, 14);
   pen.textAlign = "right";
   pen.fillText(`${STRIP_S} s`, width, 14);

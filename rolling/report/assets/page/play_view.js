@@ -96,7 +96,7 @@ function drawNote(pen, height, colour, ratio) {
   pen.font = "13px system-ui, sans-serif";
   pen.textAlign = "left";
   const words = ratio > 1 ? `${Number(ratio.toPrecision(2))} times larger` : `${Number((1 / ratio).toPrecision(2))} times smaller`;
-  pen.fillText(`mm along the track; the ball is drawn ${words}`, 12, height - 12);
+  pen.fillText(`mm along the track; ball ${words}`, 12, height - 12);
 }
 
 function drawBall(pen, x, y, angle, colour) {
@@ -109,7 +109,7 @@ function drawBall(pen, x, y, angle, colour) {
   pen.arc(x, y, radius, 0, 2 * Math.PI);
   pen.fill();
   const speed = (Math.abs(live.report?.state?.speed ?? 0) * view.scale) / view.radius / 60; // turn per frame
-  pen.globalAlpha = live.held ? 1 : Math.max(0, Math.min(1, 1.4 - speed));
+  pen.globalAlpha = !view.touched ? 0.35 : live.held ? 1 : Math.max(0, Math.min(1, 1.4 - speed));
   pen.fillStyle = colour("ground");
   for (let k = 0; k < 3; k++) {
     const turn = (motionUnwanted.matches && !live.held ? 0 : angle) + (2 * Math.PI * k) / 3;
