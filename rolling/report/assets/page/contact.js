@@ -1,6 +1,6 @@
 // ---- the contact ----
 
-import { $, HOLD_MS, data, longest, modulo, ownTime, runs, state } from "./core.js";
+import { $, HOLD_MS, data, modulo, ownTime, runs, state } from "./core.js";
 import { pause, seek } from "./player.js";
 import { render, seconds } from "./motion.js";
 

@@ -1,6 +1,6 @@
 // ---- taking things away ----
 
-import { bytesOf } from "./player.js";
+import { bytesOf, samplesOf, wavOf } from "./records.js";
 import { say } from "./choices.js";
 
 export function download(content, type, name) {
@@ -9,6 +9,13 @@ export function download(content, type, name) {
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+/** Saves the record of the player beside a button as a WAV. */
+export async function saveRecord(button) {
+  const line = button.parentElement, record = await samplesOf(line.querySelector("audio"));
+  const channels = Array.from({ length: record.numberOfChannels }, (_, c) => record.getChannelData(c));
+  download(wavOf(channels, line.querySelector("span").textContent), "audio/wav", `${button.dataset.wav}.wav`);
 }
 
 export function save(button) {

@@ -1,7 +1,8 @@
 // ---- the slow motion ----
 
 import { $, FADE_S, runs, state } from "./core.js";
-import { audioContext, decode, glide, pause, play, seek } from "./player.js";
+import { recordOf } from "./records.js";
+import { audioContext, glide, pause, play, seek } from "./player.js";
 import { seconds } from "./motion.js";
 import { drawArrow, drawCircle, drawScale } from "./contact.js";
 import { drawFlight, drawMotion, hardestMap, isEmptied, prepareMotion, saidMotion } from "./film_motion.js";
@@ -106,22 +107,21 @@ export async function playFilm() {
   const shown = filmOf();
   if (state.wanted) pause();
   const audio = audioContext();
-  const [buffers] = await Promise.all([decode(), audio.resume()]);
-  state.buffers = buffers;
+  const [{ record }] = await Promise.all([recordOf(state.run, "run"), audio.resume()]);
   if (film.playing || shown !== filmOf()) return;
   const rate = Number($("#film-rate").value);
   const from = film.at >= shown.times.length - 1 ? 0 : film.at;
   Object.assign(film, { playing: true, began: audio.currentTime - rate * (shown.times[from] - shown.times[0]) });
-  film.source = slowedSound(shown.times[from], shown.times[shown.times.length - 1], rate);
+  film.source = slowedSound(record, shown.times[from], shown.times[shown.times.length - 1], rate);
   $("#film-play").textContent = "Pause";
   tickFilm(rate);
 }
 
 /** The record from one time to another, slowed like the picture. */
-export function slowedSound(from, to, rate) {
+export function slowedSound(buffer, from, to, rate) {
   const { context } = state, seconds = (to - from) * rate;
   const gain = runs[state.run].playback.calibrated ? 1 : 0;
-  const source = new AudioBufferSourceNode(context, { buffer: state.buffers[state.run].record, playbackRate: 1 / rate });
+  const source = new AudioBufferSourceNode(context, { buffer, playbackRate: 1 / rate });
   const smooth = new BiquadFilterNode(context, { type: "lowpass", frequency: 20000 / rate }); // images between samples
   const fade = new GainNode(context, { gain: 0 });
   fade.gain.setValueAtTime(0, context.currentTime);

@@ -2,25 +2,25 @@
 
 import { $, $$, longest, runs, sharedTime, state } from "./core.js";
 import { glide, pause, play, seek } from "./player.js";
-import { choose, setLoop, setMode } from "./choices.js";
+import { choose, setLong, setLoop, setMode } from "./choices.js";
 import { seekByClick, timelines } from "./motion.js";
 import { stepMap } from "./contact.js";
 import { playFilm, realTime, seekFilm, stopFilm } from "./film.js";
-import { copy, save } from "./downloads.js";
+import { copy, save, saveRecord } from "./downloads.js";
 import { showDifference } from "./compare.js";
 import { ABX, beginTest, endTest } from "./abx.js";
 
 export const toggle = () => (state.wanted ? pause() : play());
 export const KEYS = {
   " ": toggle,
-  ArrowLeft: () => seek(sharedTime() - longest / 20),
-  ArrowRight: () => seek(sharedTime() + longest / 20),
+  ArrowLeft: () => seek(sharedTime() - longest() / 20),
+  ArrowRight: () => seek(sharedTime() + longest() / 20),
   Home: () => seek(0),
   g: () => runs.length > 1 && setMode(state.mode === "equal" ? "calibrated" : "equal"),
   n: () => choose((state.run + 1) % runs.length),
   p: () => choose((state.run + runs.length - 1) % runs.length),
   l: () => setLoop(!state.loop),
-  "?": () => { $(".keys").open = !$(".keys").open; $(".keys summary").focus(); },
+  "?": () => { $(".singles").open = true; $("#keys").scrollIntoView(); $("#keys").focus(); },
 };
 
 export function onKey(event) {
@@ -42,12 +42,13 @@ export function onKey(event) {
 export function listen() {
   const on = (selector, type, act) => $$(selector).forEach((element) => element.addEventListener(type, (event) => act(element, event)));
   document.addEventListener("keydown", onKey);
-  on("#play", "click", toggle);
+  on("[data-play]", "click", toggle);
   on("#seek", "input", (slider) => seek(Number(slider.value)));
   on("#loop", "change", (box) => setLoop(box.checked));
   on("#volume", "input", (slider) => state.master && glide(state.master.gain, Number(slider.value)));
   on("#choose, input[name=run]", "change", (choice) => choose(Number(choice.value)));
-  on("input[name=mode]", "change", (choice) => setMode(choice.value));
+  on("#equal", "change", (box) => setMode(box.checked ? "equal" : "calibrated"));
+  on("#heard", "change", (choice) => setLong(choice.value === "long"));
   on("#compare-a, #compare-b", "change", () => { endTest(); showDifference(); });
   on("#abx-begin", "click", beginTest);
   on("[data-abx]", "click", (button) => ABX[button.dataset.abx]());
@@ -58,6 +59,7 @@ export function listen() {
   on("#before", "click", () => stepMap(-1));
   on("#after", "click", () => stepMap(1));
   on("[data-save]", "click", save);
+  on("[data-wav]", "click", saveRecord);
   on("[data-copy]", "click", (button) => copy($(`#${button.dataset.copy}`).textContent, button));
   for (const line of timelines) line.figure.querySelector(".sheet").addEventListener("click", (event) => seekByClick(event, line));
   for (const player of $$("audio")) player.addEventListener("play", () => playAlone(player));

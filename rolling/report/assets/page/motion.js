@@ -12,17 +12,19 @@ export function tick() {
 }
 
 export function showButton() {
-  const button = $("#play");
-  button.textContent = state.wanted ? "Pause" : "Play";
+  for (const button of $$("[data-play]")) {
+    button.querySelector("span").textContent = state.wanted ? "Pause" : "Play";
+    button.toggleAttribute("data-playing", state.wanted);
+  }
 }
 
-export const seconds = (time) => `${time.toFixed(longest < 1 ? 3 : 2)} s`;
+export const seconds = (time) => `${time.toFixed(longest() < 1 ? 3 : 2)} s`;
 
 export function render() {
   const time = sharedTime();
   $("#seek").value = time;
   $("#seek").setAttribute("aria-valuetext", seconds(time));
-  $("#time").textContent = `${seconds(time)} / ${seconds(longest)}`;
+  $("#time").textContent = `${seconds(time)} / ${seconds(longest())}`;
   timelines.forEach(movePlayhead);
   if (data.view && !(state.playing && motionUnwanted.matches)) showMap();
 }
