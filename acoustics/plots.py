@@ -190,6 +190,7 @@ def _band_curve(
     Bands are steps, or a line where the steps of many curves would hide one another.
     """
     marker, style = {"marker": look["marker"], "markersize": 4}, {"linestyle": look["linestyle"]}
+    part_of = {"label": f"_{label}"}  # tells whose part it is, and is not in the legend
     grey, coloured = slice(0, first), slice(first, len(level))
     for part, colour in ((grey, GREY), (coloured, look["color"])):
         if part.start == part.stop:
@@ -197,13 +198,13 @@ def _band_curve(
         line = style | {"color": colour, "linewidth": 0.7 if colour == GREY and not few else 1.3}
         edges = EDGES_HZ[part.start : part.stop + 1]
         if few:
-            ax.stairs(level[part], edges, baseline=None, **line)
+            ax.stairs(level[part], edges, baseline=None, **line, **part_of)
         else:
-            ax.plot(MID_HZ[part], level[part], **line)
+            ax.plot(MID_HZ[part], level[part], **line, **part_of)
         if few or colour != GREY:
             face = "white" if colour == GREY else colour
             dots = marker | {"color": colour, "markerfacecolor": face, "linestyle": "none"}
-            ax.plot(MID_HZ[part], level[part], **dots)
+            ax.plot(MID_HZ[part], level[part], **dots, **part_of)
     if few:
         bars(ax, MID_HZ[coloured], level[coloured], spread[coloured], look["color"])
     ax.plot([], [], color=look["color"], label=label, **marker, **style)
@@ -219,7 +220,7 @@ def _error_marks(
     error, spread = map(_by_band, errors)
     known = np.isfinite(error) & np.isfinite(level)
     right, marked = (level - error)[known], "level less its estimated error"
-    named = None if marked in ax.get_legend_handles_labels()[1] else marked
+    named = f"_{marked}" if marked in ax.get_legend_handles_labels()[1] else marked
     # The curve's own mark shows inside a diamond of this size.
     style: dict[str, Any] = {"fmt": "D", "markersize": 7, "markeredgewidth": 0.8, "elinewidth": 0.7}
     style |= {"color": colour, "markerfacecolor": "none", "zorder": 1.8}
@@ -227,7 +228,7 @@ def _error_marks(
     hatch: dict[str, Any] = {"facecolor": "none", "edgecolor": colour, "alpha": 0.6}
     hatch |= {"hatch": _HATCHES[number], "linewidth": 0.0, "zorder": 0.5}
     for k, band in enumerate(np.flatnonzero(known & (np.abs(error) > OFF_DB))):
-        named = None if k else f"{label}: off by more than {OFF_DB:g} dB"
+        named = f"{'_' if k else ''}{label}: off by more than {OFF_DB:g} dB"
         ax.axvspan(EDGES_HZ[band], EDGES_HZ[band + 1], label=named, **hatch)
     return [float(level) for level in right]
 

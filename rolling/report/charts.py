@@ -35,11 +35,14 @@ def chart_of(picture: Picture) -> dict[str, Any]:
     handles, names = ax.get_legend_handles_labels()
     curves = [{"name": name} | _look(handle) for handle, name in zip(handles, names, strict=True)]
     parts, xs = list[Part](), list[list[float | None]]()
-    for number, side in enumerate(sides):
+    for right, side in enumerate(sides):
         for artist, label, part in sorted(_parts(side), key=lambda drawn: drawn[0].get_zorder()):
-            part["of"] = None if "png" in part else _curve_of(label, _look(artist), curves)
-            if number:
-                part["right"] = True
+            if "png" not in part:
+                look = _look(artist)
+                part["of"] = number = _curve_of(label, look, curves)
+                pale = number is not None and curves[number]["colour"] != look["colour"]
+                part["pale"] = pale or None
+            part["right"] = bool(right) or None
             if "x" in part:  # curves share their places along x
                 xs += [part["x"]] if part["x"] not in xs else []
                 part["x"] = xs.index(part["x"])

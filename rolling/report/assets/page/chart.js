@@ -2,6 +2,7 @@
 
 import { pointsOf, positive, quantity } from "./chart_scale.js";
 import { dashesOf, drawChart, drawn, isGrey } from "./chart_draw.js";
+import { saveChart } from "./chart_save.js";
 import { listenTo, resetZoom, showReading } from "./chart_touch.js";
 
 const MOST_ROWS = 500; // of a table of values
@@ -44,6 +45,13 @@ function paintsOf({ curves, run }, labels, colours) {
     if (number === 0 || colour === curves[0].colour) return `var(--run-${run})`;
     return shadesOf(same >= 0 && spare.length ? spare.shift() : colour);
   });
+}
+
+/** Open all charts of the page in their figures; runs have their labels. */
+export function openCharts(charts, labels) {
+  charts.forEach((chart, number) => { chart.number = number; });
+  colourRuns(charts, labels);
+  for (const figure of document.querySelectorAll("figure[data-chart]")) openChart(figure, charts[Number(figure.dataset.chart)]);
 }
 
 /** Make a chart in its figure; it is drawn when it comes near the screen. */
@@ -133,9 +141,11 @@ function makeTools(plot) {
     return [button];
   });
   tools.replaceChildren(...buttons, plot.reset);
+  for (const saving of figure.querySelectorAll("[data-save]")) saving.onclick = () => saveChart(plot, saving.dataset.save);
   const values = figure.querySelector("details.values");
-  values?.addEventListener("toggle", () => values.open && values.querySelector(".scroll").replaceChildren(tableOf(plot)));
-  if (values && !plot.points.some((points) => points.length)) values.remove();
+  values.ontoggle = () => values.open && values.querySelector(".scroll").replaceChildren(tableOf(plot));
+  values.ontoggle();
+  values.hidden = !plot.points.some((points) => points.length);
 }
 
 export const placeText = ({ chart, points }, point) => {

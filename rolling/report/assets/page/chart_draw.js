@@ -75,7 +75,7 @@ export function drawChart(svg, chart, view, width) {
   const groups = chart.curves.map((_, number) => drawn("g", { "data-curve": number }));
   const behind = ["span", "image", "band"];
   for (const part of chart.parts) {
-    const shape = drawPart(part, chart, places, name);
+    const shape = shapeOf(part, chart, places, name);
     const group = part.of === undefined || behind.includes(part.kind) ? plot : groups[part.of];
     if (part.of !== undefined) shape.style.setProperty("--c", chart.paints[part.of]);
     if (part.of === undefined || !view.hidden.has(chart.curves[part.of].name)) group.append(shape);
@@ -140,7 +140,7 @@ function pathOf(points) {
 }
 
 /** Draw a part of a curve at the places of the axes. */
-function drawPart(part, chart, { box, x, y }, name) {
+function shapeOf(part, chart, { box, x, y }, name) {
   const { kind, of, ends } = part, at = chart.xs[part.x] ?? [], rise = y[part.right ? 1 : 0];
   const put = (value, scale) => (value === null ? NaN : scale.pixel(value)), px = (value) => put(value, x), py = (value) => put(value, rise);
   const dashes = of === undefined ? null : dashesOf(chart.curves, of), shift = chart.offsets[of] ?? 0;

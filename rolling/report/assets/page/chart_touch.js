@@ -4,7 +4,7 @@ import { nearest, quantity, zoomed } from "./chart_scale.js";
 import { drawn } from "./chart_draw.js";
 import { make, placeText, redraw, valueText } from "./chart.js";
 
-const NEAR = 30; // pixels along x within which a curve is read
+const READ_WITHIN = 30; // pixels along x within which a curve is read
 const MOST_READ = 8; // curves in a reading
 const DRAGGED = 6; // pixels after which a press is no click
 
@@ -26,7 +26,7 @@ export function readAt(plot, pixel) {
     const { point, distance } = nearest(view.hidden.has(name) ? [] : points[curve].filter(inside), places.x.pixel, pixel.x);
     return point ? [{ curve, point, distance, y: places.y[point.right ? 1 : 0].pixel(middleOf(point)) }] : [];
   });
-  const least = Math.min(...read.map((entry) => entry.distance)), near = read.filter((entry) => entry.distance <= Math.max(least + 1, 2) && least < NEAR);
+  const least = Math.min(...read.map((entry) => entry.distance)), near = read.filter((entry) => entry.distance <= Math.max(least + 1, 2) && least < READ_WITHIN);
   if (!near.length) return (plot.reading = null);
   near.sort((a, b) => Math.abs(a.y - pixel.y) - Math.abs(b.y - pixel.y));
   return (plot.reading = { near, pixel });
@@ -60,7 +60,7 @@ function placeOutput({ output, places }, x, content) {
 /** Read the value of an image from its colour. */
 function showPixel(plot) {
   const { places, chart, reading: { pixel }, output } = plot, { image, bar } = places, [left, right, low, high] = image.ends;
-  const sheet = (plot.sheet ??= sheetOf(image.png)), x = places.x.value(pixel.x), y = places.y[0].value(pixel.y);
+  const sheet = (plot.sheet ??= pixelsOf(image.png)), x = places.x.value(pixel.x), y = places.y[0].value(pixel.y);
   const column = Math.floor(((x - left) / (right - left)) * sheet.width), row = Math.floor(((high - y) / (high - low)) * sheet.height);
   output.hidden = !sheet.pixels || column < 0 || row < 0 || column >= sheet.width || row >= sheet.height || pixel.y > places.box.bottom || pixel.y < places.box.top;
   if (output.hidden) return;
@@ -72,7 +72,7 @@ function showPixel(plot) {
 }
 
 /** The pixels of an image in a data URI, as soon as they are decoded. */
-function sheetOf(source) {
+function pixelsOf(source) {
   const sheet = {}, image = Object.assign(new Image(), { src: source });
   image.decode().then(() => {
     const { naturalWidth: width, naturalHeight: height } = image, canvas = new OffscreenCanvas(width, height), pen = canvas.getContext("2d");
@@ -205,7 +205,7 @@ function seekAt(plot, { x }) {
 }
 
 /** Move the playhead of a chart over time to a time in seconds. */
-export function movePlayhead(plot, time) {
+export function setPlayhead(plot, time) {
   plot.moveTo = () => {
     const { box, x } = plot.places, at = x.pixel(time / plot.chart.second);
     plot.playhead ??= drawn("path", { class: "playhead" });
