@@ -16,7 +16,7 @@ from matplotlib.container import BarContainer, ErrorbarContainer
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle, StepPatch
-from matplotlib.ticker import FixedFormatter
+from matplotlib.ticker import FixedLocator
 
 from acoustics.arrays import Array
 from rolling.figures.picture import Picture
@@ -69,14 +69,14 @@ def chart_of(picture: Picture) -> dict[str, Any]:
 def _axis(axis: Axis, limits: tuple[float, float]) -> dict[str, Any]:
     """Return label, unit, scale, limits and named ticks of an axis."""
     label, _, unit = " ".join(axis.get_label_text().split()).partition(" [")
-    shown = axis.get_major_formatter()
-    names = shown.seq if isinstance(shown, FixedFormatter) else []
+    places = axis.get_majorticklocs() if isinstance(axis.get_major_locator(), FixedLocator) else []
+    names = axis.get_major_formatter().format_ticks(places)
     return {
         "label": label,
         "unit": unit.removesuffix("]").removeprefix("-"),
         "log": axis.get_scale() == "log",
         "limits": [float(f"{limit:.9g}") for limit in limits],
-        "names": [*zip(numbers(axis.get_majorticklocs()), names, strict=False)],
+        "names": [*zip(numbers(places), names, strict=True)],
     }
 
 

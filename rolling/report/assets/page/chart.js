@@ -1,7 +1,7 @@
 // ---- charts: opening, reading by pointer and keyboard, zoom, curves on and off ----
 
 import { pointsOf, positive, quantity } from "./chart_scale.js";
-import { dashesOf, drawChart, drawn, isGrey } from "./chart_draw.js";
+import { dashesOf, drawChart, drawn, isGrey, markOf } from "./chart_draw.js";
 import { saveChart } from "./chart_save.js";
 import { listenTo, resetZoom, showReading } from "./chart_touch.js";
 
@@ -61,6 +61,7 @@ export function openChart(figure, chart) {
   plot.full = { x: copyOf(chart.x), y: chart.y.map(copyOf), hidden: new Set(), top: null };
   plot.view = { ...plot.full, x: copyOf(chart.x), y: chart.y.map(copyOf) };
   chart.offsets = offsetsOf(chart);
+  chart.hatched = [...new Set(chart.parts.filter((part) => part.hatch).map((part) => part.of))];
   plot.svg = drawn("svg", { role: "img", tabindex: 0, "aria-label": `${chart.title}: ${chart.note}. Arrow keys read values, + and - zoom.` });
   plot.output = make("output", { class: "reading", hidden: "" });
   figure.querySelector(".plot").replaceChildren(plot.svg, plot.output);
@@ -72,11 +73,11 @@ export function openChart(figure, chart) {
   return plot;
 }
 
-/** Offsets along x of the marks of curves with error bars, so that none hides another [pixels]. */
+/** Offsets along x of the marks of curves with error bars, so that none hides another. */
 function offsetsOf({ parts, curves }) {
   const barred = [...new Set(parts.filter((part) => part.kind === "errors").map((part) => part.of))];
   const wide = barred.length > 1 && parts.some((part) => part.kind === "steps" || part.kind === "bar");
-  return curves.map((_, k) => (wide && barred.includes(k) ? 4 * (barred.indexOf(k) - (barred.length - 1) / 2) : 0));
+  return curves.map((_, k) => (wide && barred.includes(k) ? barred.indexOf(k) - (barred.length - 1) / 2 : 0));
 }
 
 const resized = new ResizeObserver((entries) => entries.forEach(({ target }) => target.plot && redraw(target.plot)));
@@ -110,7 +111,9 @@ function makeLegend(plot) {
   figure.querySelector(".legend").replaceChildren(...names.map((name) => {
     const number = chart.curves.findIndex((curve) => curve.name === name), button = make("button", { type: "button", "aria-pressed": "true" });
     const key = drawn("svg", { width: 30, height: 12, "aria-hidden": "true" }), filled = chart.parts.some((part) => part.of === number && ["span", "bar", "band"].includes(part.kind));
-    key.append(filled ? drawn("rect", { x: 3, y: 1, width: 24, height: 10, class: "key" }) : drawn("path", { d: "M1 6H29", class: "line", "stroke-dasharray": dashesOf(chart.curves, number) }));
+    const marked = chart.parts.find((part) => part.of === number && part.size), lined = chart.parts.some((part) => part.of === number && (part.width || ["rule", "steps"].includes(part.kind)));
+    key.append(filled ? drawn("rect", { x: 3, y: 1, width: 24, height: 10, class: "key" }) : drawn("path", { d: lined ? "M1 6H29" : "", class: "line", "stroke-dasharray": dashesOf(chart.curves, number) }));
+    if (marked) key.append(drawn("path", { d: markOf(marked, chart), transform: "translate(15 6)", class: lined ? "mark" : "mark open" }));
     key.style.setProperty("--c", chart.paints[number]);
     button.append(key, name);
     button.addEventListener("click", () => {
@@ -129,12 +132,12 @@ function makeTools(plot) {
   plot.reset = make("button", { type: "button", hidden: "" }, "Whole chart");
   plot.reset.addEventListener("click", () => resetZoom(plot));
   const buttons = [["x", [view.x, full.x], true], ["y", [view.y[0], full.y[0]], false]].flatMap(([name, axes, along]) => {
-    const { log, unit } = axes[0], [least, most] = positive(chart, along);
+    const { log, unit, names } = axes[0], [least, most] = positive(chart, along);
     if (image || !(log || /^(Hz|.?[WJ])$/.test(unit)) || !(most > least)) return [];
     const button = make("button", { type: "button", "aria-pressed": String(log) }, `log ${name}`), before = [...axes[1].limits];
     button.addEventListener("click", () => {
       const turned = !axes[0].log, lowest = before[0] > 0 ? before[0] : least;
-      for (const axis of axes) Object.assign(axis, { log: turned, limits: turned ? [lowest, before[1]] : [...before] });
+      for (const axis of axes) Object.assign(axis, { log: turned, limits: turned ? [lowest, before[1]] : [...before], names: turned ? names : [] });
       button.setAttribute("aria-pressed", String(turned));
       redraw(plot);
     });
@@ -142,6 +145,7 @@ function makeTools(plot) {
   });
   tools.replaceChildren(...buttons, plot.reset);
   for (const saving of figure.querySelectorAll("[data-save]")) saving.onclick = () => saveChart(plot, saving.dataset.save);
+  figure.querySelector("[data-save=csv]").hidden = !chart.csv && !plot.points.some((points) => points.length);
   const values = figure.querySelector("details.values");
   values.ontoggle = () => values.open && values.querySelector(".scroll").replaceChildren(tableOf(plot));
   values.ontoggle();
@@ -156,7 +160,14 @@ export const placeText = ({ chart, points }, point) => {
 export const valueText = ({ chart }, point) => {
   const { unit } = chart.y[point.right ? 1 : 0];
   if (point.low !== undefined) return `${quantity(point.low, unit)} to ${quantity(point.high, unit)}`;
-  return `${quantity(point.y, unit)}${point.spread === undefined ? "" : ` ± ${quantity(point.spread, unit)}`}`;
+  const value = quantity(point.y, unit);
+  return point.spread === undefined ? value : value.replace(/^\S+/, `$& ± ${quantity(point.spread, unit).split(" ")[0]}`);
+};
+
+/** Name of a curve, with the one of its colour if others have its name. */
+export const nameOf = ({ curves, y }, number) => {
+  const { name, colour } = curves[number], first = curves.find((curve) => curve.colour === colour);
+  return curves.filter((curve) => curve.name === name).length > 1 ? `${first.name}, ${name}` : name || y[0].label;
 };
 
 /** A table of the values that are drawn, a row for each place along x. */
@@ -168,7 +179,7 @@ function tableOf(plot) {
   }
   const ordered = [...rows].sort(([a], [b]) => a - b).slice(0, MOST_ROWS), cell = (text) => make("td", {}, text);
   const head = (text, scope) => make("th", { scope }, text);
-  const heads = make("tr", {}, head(chart.x.label, "col"), ...columns.map((k) => head(chart.curves[k].name || chart.y[0].label, "col")));
+  const heads = make("tr", {}, head(chart.x.label, "col"), ...columns.map((k) => head(nameOf(chart, k), "col")));
   const body = ordered.map(([, row]) => make("tr", {}, head(row.head, "row"), ...columns.map((k) => cell(row.cells.get(k) ?? "-"))));
   const note = rows.size > MOST_ROWS ? [make("caption", {}, `The first ${MOST_ROWS} of ${rows.size} places; CSV has all.`)] : [];
   return make("table", {}, ...note, make("thead", {}, heads), make("tbody", {}, ...body));

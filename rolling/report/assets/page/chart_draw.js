@@ -21,6 +21,8 @@ export function drawn(name, attributes = {}, ...children) {
 
 export const isGrey = (colour) => new Set(colour.slice(1).match(/../g)).size === 1 && colour !== "#000000";
 
+export const markOf = (part, chart) => MARKS[part.size > 6 ? "D" : chart.curves[part.of]?.marker] ?? MARKS.o;
+
 /** Dashes of a curve, different from those of the curves before it. */
 export function dashesOf(curves, number) {
   const { dash } = curves[number];
@@ -44,7 +46,7 @@ export const labelOf = ({ label, unit }) => (unit ? `${label} [${unit}]` : label
 /** Places of axes, plot and labels for a width in pixels. */
 export function layoutOf(chart, view, width) {
   const image = chart.parts.find((part) => part.kind === "image"), bar = image?.scale;
-  const sides = view.y.map((axis) => ticksOf(axis, 5)), scaleTicks = bar ? ticksOf(bar, 5) : [];
+  const sides = view.y.map((axis) => ticksOf(axis, 7)), scaleTicks = bar ? ticksOf(bar, 5) : [];
   const widest = (ticks) => Math.max(2, ...ticks.map(([, text]) => text.length)) * LETTER + 12;
   const left = widest(sides[0]), right = bar ? widest(scaleTicks) + 26 : sides[1] ? widest(sides[1]) : 14;
   const bottom = rowsOf(labelOf(chart.x), Math.floor((width - 16) / LETTER));
@@ -58,9 +60,10 @@ export function layoutOf(chart, view, width) {
     if (high < 60) high = 60;
   }
   const box = { left, top, right: left + across, bottom: top + high };
+  const x = scaleOf(view.x.limits, view.x.log, box.left, box.right), barred = chart.xs[chart.parts.find((part) => part.kind === "errors")?.x] ?? [];
+  const gaps = barred.slice(1).map((place, k) => x.pixel(place) - x.pixel(barred[k])).filter((gap) => gap > 0);
   return {
-    width, height: box.bottom + below, box, sides, bar, scaleTicks, image, bottom, heads, crowded,
-    x: scaleOf(view.x.limits, view.x.log, box.left, box.right),
+    x, step: Math.min(4, Math.min(...gaps, 99) / (1 + chart.offsets.filter(Boolean).length)), width, height: box.bottom + below, box, sides, bar, scaleTicks, image, bottom, heads, crowded,
     y: view.y.map(({ limits, log }) => scaleOf(limits, log, box.bottom, box.top)),
   };
 }
@@ -75,7 +78,7 @@ export function drawChart(svg, chart, view, width) {
   const groups = chart.curves.map((_, number) => drawn("g", { "data-curve": number }));
   const behind = ["span", "image", "band"];
   for (const part of chart.parts) {
-    const shape = shapeOf(part, chart, places, name);
+    const shape = shapeOf(part, chart, places);
     const group = part.of === undefined || behind.includes(part.kind) ? plot : groups[part.of];
     if (part.of !== undefined) shape.style.setProperty("--c", chart.paints[part.of]);
     if (part.of === undefined || !view.hidden.has(chart.curves[part.of].name)) group.append(shape);
@@ -84,16 +87,11 @@ export function drawChart(svg, chart, view, width) {
   groups[view.top]?.classList.add("top");
   const middle = { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2, class: "silent" };
   const texts = chart.texts.map((text) => drawn("text", middle, text));
-  svg.replaceChildren(drawn("defs", {}, clip, hatching(name)), drawAxes(chart, view, places), plot, ...texts, drawn("g", { class: "over" }));
+  svg.replaceChildren(drawn("defs", {}, clip), drawAxes(chart, view, places), plot, ...texts, drawn("g", { class: "over" }));
   return places;
 }
 
 const rectOf = (x0, y0, x1, y1) => ({ x: Math.min(x0, x1), y: Math.min(y0, y1), width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) });
-
-function hatching(name) {
-  const pattern = { id: `${name}-hatch`, width: 6, height: 6, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" };
-  return drawn("pattern", pattern, drawn("path", { d: "M0 0V6", class: "hatch" }));
-}
 
 /** Draw grid, ticks, labels and colour bar. */
 function drawAxes(chart, view, places) {
@@ -140,15 +138,18 @@ function pathOf(points) {
 }
 
 /** Draw a part of a curve at the places of the axes. */
-function shapeOf(part, chart, { box, x, y }, name) {
+function shapeOf(part, chart, { box, x, y, step }) {
   const { kind, of, ends } = part, at = chart.xs[part.x] ?? [], rise = y[part.right ? 1 : 0];
   const put = (value, scale) => (value === null ? NaN : scale.pixel(value)), px = (value) => put(value, x), py = (value) => put(value, rise);
-  const dashes = of === undefined ? null : dashesOf(chart.curves, of), shift = chart.offsets[of] ?? 0;
+  const dashes = of === undefined ? null : dashesOf(chart.curves, of), shift = step * (chart.offsets[of] ?? 0);
   if (kind === "rule") {
     const d = part.along ? `M${px(part.at)} ${box.top}V${box.bottom}` : `M${box.left} ${py(part.at)}H${box.right}`;
     return drawn("path", { d, class: of === undefined ? "rule" : "line", "stroke-dasharray": dashes });
   }
-  if (kind === "span") return drawn("rect", { ...rectOf(px(ends[0]), box.top, px(ends[1]), box.bottom), class: part.hatch ? "hatched" : "shade", fill: part.hatch ? `url(#${name}-hatch)` : null });
+  if (kind === "span") {
+    const low = box.bottom - 2 - 6 * chart.hatched.indexOf(of); // marks of bands stand one above the other
+    return drawn("rect", { ...rectOf(px(ends[0]), part.hatch ? low - 5 : box.top, px(ends[1]), part.hatch ? low : box.bottom), class: "shade" });
+  }
   if (kind === "bar") return drawn("rect", { ...rectOf(px(ends[0]), py(ends[2]), px(ends[1]), py(ends[3])), class: "bar", opacity: part.alpha });
   if (kind === "image") return drawn("image", { ...rectOf(px(ends[0]), py(ends[2]), px(ends[1]), py(ends[3])), href: part.png, preserveAspectRatio: "none" });
   if (kind === "band") {
@@ -173,7 +174,7 @@ function shapeOf(part, chart, { box, x, y }, name) {
     group.append(drawn("path", { d: pathOf(points), ...style }));
   }
   if (part.size !== undefined || (points.length === 1 && part.width !== undefined)) {
-    const shape = MARKS[part.size > 6 ? "D" : chart.curves[of]?.marker] ?? MARKS.o, bare = part.width === undefined ? shift : 0;
+    const shape = markOf(part, chart), bare = part.width === undefined ? shift : 0;
     for (const [left, top] of points.filter((point) => point.every(Number.isFinite))) {
       group.append(drawn("path", { d: shape, transform: `translate(${(left + bare).toFixed(1)} ${top.toFixed(1)})`, class: part.open ? "mark open" : "mark" }));
     }

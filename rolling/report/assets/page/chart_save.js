@@ -46,11 +46,12 @@ function savedChart({ figure, chart, view }) {
   const whole = Math.ceil(top + height + 18 * Math.ceil(names.length / across) + 10);
   svg.replaceChildren(drawn("rect", { width: WIDTH, height: whole, class: "paper" }), inner, ...texts);
   for (const [key, value] of [["viewBox", `0 0 ${WIDTH} ${whole}`], ["width", WIDTH], ["height", whole]]) svg.setAttribute(key, value);
-  for (const element of svg.querySelectorAll("*")) {
-    const style = getComputedStyle(element), kept = STYLES.map((key) => [key, style.getPropertyValue(key)]);
+  const elements = [...svg.querySelectorAll(":not(defs, defs *)")];
+  const styles = elements.map((element) => STYLES.map((key) => [key, getComputedStyle(element).getPropertyValue(key)]));
+  elements.forEach((element, k) => {
     element.removeAttribute("style");
-    for (const [key, value] of kept) if (!element.closest("defs") || element.closest("pattern")) element.setAttribute(key, value);
-  }
+    for (const [key, value] of styles[k]) element.setAttribute(key, value);
+  });
   svg.remove();
   return new XMLSerializer().serializeToString(svg);
 }

@@ -23,7 +23,7 @@ export function worded(value, digits = 4) {
     const raised = `${power < 0 ? "⁻" : ""}${[...String(Math.abs(power))].map((x) => SUPERSCRIPTS[x]).join("")}`;
     text = Math.abs(mantissa) === 1 ? `${mantissa < 0 ? "-" : ""}10${raised}` : `${mantissa}·10${raised}`;
   } else {
-    text = String(Number(value.toPrecision(Math.max(digits, power + 1))));
+    text = String(Number(value.toPrecision(Math.max(digits, power + 1)))).replace(/^(-?\d{2,3})(\d{3})$/, `$1${THIN}$2`);
   }
   return text.replace("-", "−");
 }
@@ -41,14 +41,14 @@ export function quantity(value, unit) {
 export function ticksOf({ limits, log, names = [], unit }, room) {
   const [low, high] = [Math.min(...limits), Math.max(...limits)], slack = 1e-9 * (high - low);
   const within = (value) => value >= low - slack && value <= high + slack;
-  const named = names.filter(([value]) => within(value));
+  const named = log && unit === "Hz" ? [] : names.filter(([value]) => within(value)); // decades read better than names of bands
   if (named.length > 1 || (named.length && named.length === names.length)) {
     const stride = [1, 2, 3, 6, 12].find((step) => named.length / step <= room) ?? Math.ceil(names.length / room);
     const anchor = Math.max(0, names.findIndex(([, name]) => name === "1k"));
     const kept = names.filter(([value], number) => within(value) && (number - anchor) % stride === 0);
     return kept.map(([value, name]) => [value, name.replace(/^([\d.]+)k$/, `$1${THIN}k`)]);
   }
-  const values = log && high / low >= 10 ? logarithmic(low, high, room) : linear(low, high, room);
+  const values = log && high / low >= 10 ? logarithmic(low, high, room) : linear(low, high, unit === "Hz" ? room / 1.6 : room);
   const text = (value) => (unit === "Hz" && value >= 1000 ? `${worded(value / 1000, 12)}${THIN}k` : worded(value, 12));
   return values.filter(within).map((value) => [value, text(value)]);
 }
@@ -79,15 +79,15 @@ export function nearest(points, pixelOf, pixel) {
   return { point: best, distance: least };
 }
 
-/** Limits that are narrower by a factor about a value and stay within the full ones. */
+/** Limits that are narrower by a factor about a value and stay within the full ones, falling ones too. */
 export function zoomed(limits, full, log, factor, about) {
   const onto = log ? Math.log10 : Number, back = log ? (value) => 10 ** value : Number;
-  const [low, high, first, last, middle] = [...limits, ...full, about].map(onto);
-  const span = Math.min(last - first, Math.max((high - low) * factor, 1e-5 * (last - first)));
-  if (span >= (last - first) * (1 - 1e-9)) return [...full];
-  const share = (middle - low) / (high - low);
-  const start = Math.min(Math.max(middle - share * span, first), last - span);
-  return [back(start), back(start + span)];
+  const [low, high, first, last, middle] = [...limits, ...full, about].map(onto), whole = last - first;
+  const share = Math.min(1, Math.max(1e-5, ((high - low) / whole) * factor)); // of the whole axis
+  if (share > 1 - 1e-9) return [...full];
+  const before = (middle - first) / whole - share * ((middle - low) / (high - low));
+  const start = first + whole * Math.min(Math.max(before, 0), 1 - share);
+  return [back(start), back(start + share * whole)];
 }
 
 /** Points of each curve with their uncertainty, for reading; steps and bars count in their middle. */

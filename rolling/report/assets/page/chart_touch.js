@@ -2,7 +2,7 @@
 
 import { nearest, quantity, zoomed } from "./chart_scale.js";
 import { drawn } from "./chart_draw.js";
-import { make, placeText, redraw, valueText } from "./chart.js";
+import { make, nameOf, placeText, redraw, valueText } from "./chart.js";
 
 const READ_WITHIN = 30; // pixels along x within which a curve is read
 const MOST_READ = 8; // curves in a reading
@@ -43,10 +43,10 @@ export function showReading(plot) {
   over.append(drawn("path", { d: `M${x} ${box.top}V${box.bottom}`, class: "hair-line" }));
   const shown = reading.near.slice(0, MOST_READ).sort((a, b) => a.curve - b.curve);
   const lines = shown.map((entry) => {
-    const dot = drawn("circle", { cx: places.x.pixel(entry.point.x) + chart.offsets[entry.curve], cy: entry.y, r: 4, class: "dot" }), swatch = make("i");
+    const dot = drawn("circle", { cx: places.x.pixel(entry.point.x) + places.step * chart.offsets[entry.curve], cy: entry.y, r: 4, class: "dot" }), swatch = make("i");
     for (const element of [dot, swatch]) element.style.setProperty("--c", chart.paints[entry.curve]);
     over.append(dot);
-    return make("div", entry === reading.near[0] ? { class: "first" } : {}, swatch, make("span", {}, chart.curves[entry.curve].name || chart.y[0].label), make("b", {}, valueText(plot, entry.point)));
+    return make("div", entry === reading.near[0] ? { class: "first" } : {}, swatch, make("span", {}, nameOf(chart, entry.curve)), make("b", {}, valueText(plot, entry.point)));
   });
   placeOutput(plot, x, [make("strong", {}, placeText(plot, point)), ...lines]);
 }
@@ -60,7 +60,7 @@ function placeOutput({ output, places }, x, content) {
 /** Read the value of an image from its colour. */
 function showPixel(plot) {
   const { places, chart, reading: { pixel }, output } = plot, { image, bar } = places, [left, right, low, high] = image.ends;
-  const sheet = (plot.sheet ??= pixelsOf(image.png)), x = places.x.value(pixel.x), y = places.y[0].value(pixel.y);
+  const sheet = (plot.sheet ??= pixelsOf(image.png, () => showReading(plot))), x = places.x.value(pixel.x), y = places.y[0].value(pixel.y);
   const column = Math.floor(((x - left) / (right - left)) * sheet.width), row = Math.floor(((high - y) / (high - low)) * sheet.height);
   output.hidden = !sheet.pixels || column < 0 || row < 0 || column >= sheet.width || row >= sheet.height || pixel.y > places.box.bottom || pixel.y < places.box.top;
   if (output.hidden) return;
@@ -71,13 +71,14 @@ function showPixel(plot) {
   placeOutput(plot, pixel.x, [make("strong", {}, `${quantity(x, chart.x.unit)}, ${quantity(named, chart.y[0].unit)}`), make("div", { class: "first" }, make("b", {}, text))]);
 }
 
-/** The pixels of an image in a data URI, as soon as they are decoded. */
-function pixelsOf(source) {
+/** The pixels of an image in a data URI, and word as soon as they are decoded. */
+function pixelsOf(source, ready) {
   const sheet = {}, image = Object.assign(new Image(), { src: source });
   image.decode().then(() => {
     const { naturalWidth: width, naturalHeight: height } = image, canvas = new OffscreenCanvas(width, height), pen = canvas.getContext("2d");
     pen.drawImage(image, 0, 0);
     Object.assign(sheet, { width, height, pixels: pen.getImageData(0, 0, width, height).data });
+    ready();
   });
   return sheet;
 }
@@ -85,9 +86,9 @@ function pixelsOf(source) {
 // ---- zoom ----
 
 export function resetZoom(plot) {
-  const { view, full } = plot, limits = (axis, whole) => (axis.log && whole.limits[0] <= 0 ? [axis.limits[0], whole.limits[1]] : [...whole.limits]);
-  view.x.limits = limits(view.x, full.x);
-  view.y.forEach((axis, side) => { axis.limits = limits(axis, full.y[side]); });
+  const { view, full } = plot;
+  view.x.limits = [...full.x.limits];
+  view.y.forEach((axis, side) => { axis.limits = [...full.y[side].limits]; });
   redraw(plot);
 }
 
@@ -169,7 +170,8 @@ function raise({ svg, view }) {
   if (top) top.parentNode.append(top);
 }
 
-function showDragged({ svg, places: { box } }, from, to) {
+function showDragged({ svg, output, places: { box } }, from, to) {
+  output.hidden = true;
   const y = Math.abs(to.y - from.y) > 30 ? [from.y, to.y] : [box.top, box.bottom];
   svg.querySelector(".over").append(drawn("rect", { x: Math.min(from.x, to.x), y: Math.min(...y), width: Math.abs(to.x - from.x), height: Math.abs(y[1] - y[0]), class: "dragged" }));
 }

@@ -19,13 +19,13 @@ export function showDifference() {
   const figure = $("#difference");
   if (!figure) return;
   const [a, b] = pair(), levels = differences(a, b), middle = data.bands.map(Number), half = 10 ** 0.05;
-  const most = Math.max(1, ...levels.map((level) => (level ? Math.abs(level[0]) + Math.min(level[1], 6) : 0)));
   const known = levels.flatMap((level, k) => (level ? [{ x: middle[k], value: level[0], spread: level[1] }] : []));
+  const ends = known.flatMap(({ value, spread }) => [value - Math.min(spread, 6), value + Math.min(spread, 6)]), room = [Math.min(-1, ...ends), Math.max(1, ...ends)];
   const round = (value) => Number(value.toFixed(3));
   openChart(figure, {
     name: "difference", number: "difference", title: `${runs[b].label} minus ${runs[a].label}`, note: "third octaves, Z-weighted",
     x: { label: "third octave, nominal mid frequency", unit: "Hz", log: true, limits: [middle[0] / half, middle.at(-1) * half], names: data.bands.map((name, k) => [middle[k], shortName(name)]) },
-    y: [{ label: "B − A", unit: "dB", log: false, limits: [-1.05 * most, 1.05 * most], names: [] }],
+    y: [{ label: "B − A", unit: "dB", log: false, limits: room.map((limit) => 1.05 * limit), names: [] }],
     xs: [known.map(({ x }) => x)], curves: [{ name: "", colour: "#0072b2", dash: "-", marker: "o" }], paints: [`var(--run-${b})`], texts: [], aspect: null, ground: null,
     parts: [
       ...known.map(({ x, value }) => ({ kind: "bar", of: 0, alpha: 0.6, ends: [x / half ** 0.8, x * half ** 0.8, 0, round(value)] })),
