@@ -53,6 +53,10 @@ export function showReading(plot) {
 
 function placeOutput({ output, places }, x, content) {
   output.replaceChildren(...content);
+  if (places.width < 520) { // on a small screen the values stand over the legend, not over the curves
+    output.style.cssText = `top: ${places.height}px; left: 0; right: 0`;
+    return;
+  }
   const right = x > (places.box.left + places.box.right) / 2;
   output.style.cssText = `top: ${places.box.top + 6}px; ${right ? "right" : "left"}: ${right ? places.width - x + 12 : x + 12}px; max-width: ${(right ? x : places.width - x) - 20}px`;
 }
