@@ -85,7 +85,7 @@ def headline(runs: Sequence[Run]) -> str:
         return sentence(runs)
     (quiet, (dull_hz, _, _)), (loud, (bright_hz, low_hz, high_hz)) = sounding[0], sounding[-1]
     if loud is quiet and loud.sound.source == "vibration":
-        return _shaken(loud)[-1]
+        return _shaken(loud)[:2][-1]  # its fall, or its flights, or its ringing
     if loud is quiet:
         return say("headline", percent=100 * MOST, low=low_hz / 1e3, high=high_hz / 1e3)
     by = loud.summary["laeq_db"] - quiet.summary["laeq_db"]

@@ -21,7 +21,8 @@ from acoustics.wav import PEAK
 from rolling.figures.picture import Picture
 from rolling.report import film, maps, text
 from rolling.report.assumed import assumptions
-from rolling.report.page import css_text, gains, page, time_axis
+from rolling.report.page import css_text, page, time_axis
+from rolling.report.records import gains
 from rolling.results import caveats
 from rolling.results.run_result import Run
 from rolling.scene.file import loads

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -37,6 +38,7 @@ class Firefox:
         texts = (f"user_pref({json.dumps(k)}, {json.dumps(v)});" for k, v in PREFERENCES.items())
         (profile / "user.js").write_text("\n".join(texts))
         self._loop, self._last, self.complaints = IOLoop(make_current=False), 0, list[str]()
+        self._thread = ThreadPoolExecutor(1)  # playwright has a loop in this one
         words = [program, "--headless", "--no-remote", "--remote-debugging-port=0", "--profile"]
         said = profile / "said.txt"
         with said.open("w") as file:
@@ -56,10 +58,12 @@ class Firefox:
     def __exit__(self, kind: type | None, error: Exception | None, trace: TracebackType | None):
         self._process.terminate()
         self._process.wait()
-        self._loop.close()
+        self._thread.submit(self._loop.close).result()
+        self._thread.shutdown()
 
     def _run(self, call, *words):
-        return self._loop.run_sync(lambda: call(*words), PATIENCE)
+        task = self._thread.submit(self._loop.run_sync, lambda: call(*words), PATIENCE)
+        return task.result()
 
     def send(self, method: str, **params: Any) -> dict[str, Any]:
         """Send a command and return its result; keep the complaints that come before it."""

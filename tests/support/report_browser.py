@@ -30,7 +30,7 @@ FLAGS = [
     "--disable-component-update",
     "--autoplay-policy=no-user-gesture-required",
 ]
-PATIENCE = 120.0  # [s] until something surely does not happen
+PATIENCE = 20.0  # [s] until something surely does not happen
 MINUS = "\N{MINUS SIGN}"
 RATE = wav.SAMPLE_RATE_HZ
 # Counts what the page starts, keeps its gains, pictures and last look at the clock, and listens at
@@ -89,7 +89,9 @@ def data_of(path: Path) -> dict:
 
 def embedded_record(path: Path, number: int) -> np.ndarray:
     """Return the samples of a run's player on the page, in parts of full scale."""
-    found = re.findall(r'src="data:audio/wav;base64,([^"]+)"', path.read_text())
+    found = re.findall(
+        r'data-run="\d+"[^>]* src="data:audio/flac;base64,([^"]+)"', path.read_text()
+    )
     samples, rate = soundfile.read(io.BytesIO(base64.b64decode(found[number])))
     assert rate == RATE
     return samples

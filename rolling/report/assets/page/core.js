@@ -1,6 +1,6 @@
 export const RATE = 48000;
 export const FADE_S = 0.01; // short enough to switch at once, long enough not to click
-export const NEVER = 1e9; // seconds
+export const NEVER = 1e6; // seconds, within the range of every browser
 export const STILL_MS = 2000; // without a sound after which the page says so
 export const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
 
