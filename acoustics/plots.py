@@ -190,21 +190,21 @@ def _band_curve(
     Bands are steps, or a line where the steps of many curves would hide one another.
     """
     marker, style = {"marker": look["marker"], "markersize": 4}, {"linestyle": look["linestyle"]}
-    part_of = {"label": f"_{label}"}  # tells whose part it is, and is not in the legend
     grey, coloured = slice(0, first), slice(first, len(level))
     for part, colour in ((grey, GREY), (coloured, look["color"])):
         if part.start == part.stop:
             continue
-        line = style | {"color": colour, "linewidth": 0.7 if colour == GREY and not few else 1.3}
+        own = {"color": colour, "label": f"_{label}"}  # which is not in the legend
+        line = style | own | {"linewidth": 0.7 if colour == GREY and not few else 1.3}
         edges = EDGES_HZ[part.start : part.stop + 1]
         if few:
-            ax.stairs(level[part], edges, baseline=None, **line, **part_of)
+            ax.stairs(level[part], edges, baseline=None, **line)
         else:
-            ax.plot(MID_HZ[part], level[part], **line, **part_of)
+            ax.plot(MID_HZ[part], level[part], **line)
         if few or colour != GREY:
             face = "white" if colour == GREY else colour
-            dots = marker | {"color": colour, "markerfacecolor": face, "linestyle": "none"}
-            ax.plot(MID_HZ[part], level[part], **dots, **part_of)
+            dots = marker | own | {"markerfacecolor": face, "linestyle": "none"}
+            ax.plot(MID_HZ[part], level[part], **dots)
     if few:
         bars(ax, MID_HZ[coloured], level[coloured], spread[coloured], look["color"])
     ax.plot([], [], color=look["color"], label=label, **marker, **style)

@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgba
 from matplotlib.container import BarContainer, ErrorbarContainer
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -69,7 +69,8 @@ def chart_of(picture: Picture) -> dict[str, Any]:
 def _axis(axis: Axis, limits: tuple[float, float]) -> dict[str, Any]:
     """Return label, unit, scale, limits and named ticks of an axis."""
     label, _, unit = " ".join(axis.get_label_text().split()).partition(" [")
-    places = axis.get_majorticklocs() if isinstance(axis.get_major_locator(), FixedLocator) else []
+    fixed = isinstance(axis.get_major_locator(), FixedLocator)
+    places = [float(place) for place in axis.get_majorticklocs()] if fixed else []
     names = axis.get_major_formatter().format_ticks(places)
     return {
         "label": label,
@@ -105,7 +106,7 @@ def _look(artist: Any) -> dict[str, Any]:
         colour, marker = artist.get_color(), artist.get_marker()
         return {"colour": to_hex(colour), "dash": artist.get_linestyle(), "marker": marker}
     if isinstance(artist, Patch):
-        hollow = artist.get_facecolor()[3] == 0.0
+        hollow = to_rgba(artist.get_facecolor())[3] == 0.0
         style = artist.get_linestyle()
         colour = artist.get_edgecolor() if hollow else artist.get_facecolor()
         return {"colour": to_hex(colour), "dash": style if isinstance(style, str) else "--"}
@@ -171,22 +172,18 @@ def _numbers_of(ax: Axes, artist: Any) -> Iterator[Part]:
         yield part | {"base": None if base is None else float(np.ravel(base)[0])}
     elif isinstance(artist, Rectangle):
         left, low = artist.get_xy()
-        ends = numbers([left, left + artist.get_width(), low, low + artist.get_height()])
-        kind = "bar" if along and across else "span"
-        hatch = bool(artist.get_hatch()) or None
-        yield {"kind": kind, "ends": ends, "alpha": artist.get_alpha(), "hatch": hatch}
+        corners = [left, left + artist.get_width(), low, low + artist.get_height()]
+        part = {"kind": "bar" if along and across else "span", "ends": numbers(corners)}
+        yield part | {"alpha": artist.get_alpha(), "hatch": bool(artist.get_hatch()) or None}
     elif isinstance(artist, LineCollection):
         bars = np.array([segment for segment in artist.get_segments() if len(segment) == 2])
         if len(bars):
-            x, low, high = bars[:, 0, 0], bars[:, 0, 1], bars[:, 1, 1]
-            yield {"kind": "errors", **_thinned(ax, x, low=low, high=high)}
+            ends = {"low": bars[:, 0, 1], "high": bars[:, 1, 1]}
+            yield {"kind": "errors", **_thinned(ax, bars[:, 0, 0], **ends)}
     elif isinstance(artist, PolyCollection):
         for path in artist.get_paths():
-            yield {
-                "kind": "band",
-                **_band(ax, np.asarray(path.vertices)),
-                "alpha": artist.get_alpha(),
-            }
+            band = _band(ax, np.asarray(path.vertices))
+            yield {"kind": "band", **band, "alpha": artist.get_alpha()}
 
 
 def _band(ax: Axes, outline: Array) -> Part:
@@ -214,7 +211,7 @@ def _thinned(ax: Axes, x: Array, **series: Array) -> Part:
 
 def _image(image: AxesImage) -> Part:
     """Return an image as a PNG with the colours of its palette, and label and limits of these."""
-    values = np.ma.masked_invalid(np.ma.asarray(image.get_array()))
+    values: Any = np.ma.masked_invalid(np.ma.asarray(image.get_array()))
     count = min(image.cmap.N, 255)
     colours = image.cmap(np.linspace(0.0, 1.0, count), bytes=True)[:, :3]
     empty = np.array(image.cmap(np.ma.masked, bytes=True))

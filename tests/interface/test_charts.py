@@ -1,4 +1,4 @@
-"""Charts of the page hold the numbers of the figures, and are read, zoomed and saved in a browser."""
+"""Charts of the page hold the numbers of figures, and are read, zoomed and saved in a browser."""
 
 from __future__ import annotations
 
