@@ -152,9 +152,10 @@ function makeTools(plot) {
   values.hidden = !plot.points.some((points) => points.length);
 }
 
-export const placeText = ({ chart, points }, point) => {
-  const near = chart.x.names.find(([value]) => Math.abs(value - (point.from ?? point.x)) <= 2e-3 * Math.abs(value));
-  return near ? `${near[1].replace(/^([\d.]+)k$/, "$1 k")}${chart.x.unit.startsWith("k") ? "" : chart.x.unit && ` ${chart.x.unit}`}`.replace(" k Hz", " kHz") : quantity(point.x, chart.x.unit);
+/** The place of a point along x: the name of its tick or band, or a number with its unit. */
+export const placeText = ({ chart: { x } }, point) => {
+  const near = x.names.find(([value]) => [point.from, point.x].some((place) => Math.abs(value - place) <= 2e-3 * Math.abs(value)));
+  return near ? `${near[1]} ${x.unit}`.replace(/^([\d.]+)k Hz$/, "$1 kHz").trim() : quantity(point.x, x.unit);
 };
 
 export const valueText = ({ chart }, point) => {

@@ -109,8 +109,8 @@ export function pointsOf({ xs, parts, curves, x: axis }) {
     if (kind === "bar") own.push({ x: middle(ends[0], ends[1]), from: ends[0], y: ends[3], right });
   }
   for (const { kind, of, x, low, high } of parts.filter((part) => part.kind === "errors" && points[part.of])) {
-    const spreads = new Map(xs[x].map((place, k) => [place, (high[k] - low[k]) / 2]));
-    for (const point of points[of]) if (spreads.get(point.x) >= 0) point.spread = spreads.get(point.x);
+    const key = (place) => place?.toPrecision(5), spreads = new Map(xs[x].map((place, k) => [key(place), (high[k] - low[k]) / 2]));
+    for (const point of points[of]) if (spreads.get(key(point.x)) >= 0) point.spread = spreads.get(key(point.x));
   }
   return points.map((own) => own.filter((point, k) => !k || point.x !== own[k - 1].x || point.y !== own[k - 1].y));
 }
