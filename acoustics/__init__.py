@@ -27,7 +27,6 @@ if TYPE_CHECKING:
         reliable,
         third_octave_mean_square,
     )
-    from acoustics.gaussianity import kurtosis, kurtosis_uncertainty
     from acoustics.level import SoundLevels, laeq_db, level_db, sound_levels
     from acoustics.modulation import (
         EnvelopeSpectrum,
@@ -37,7 +36,12 @@ if TYPE_CHECKING:
     )
     from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
     from acoustics.spectrum import Psd, line_spectrum, welch
-    from acoustics.uncertainty import LevelUncertainty, level_uncertainty
+    from acoustics.uncertainty import (
+        LevelUncertainty,
+        kurtosis,
+        kurtosis_uncertainty,
+        level_uncertainty,
+    )
     from acoustics.weighting import a_weighting_db
 
 __all__ = [
@@ -50,7 +54,7 @@ __all__ = [
 
 _SUBMODULES = ("plots", "wav")
 _MODULES = (
-    *("bands", "gaussianity", "level", "modulation"),
+    *("bands", "level", "modulation"),
     *("radiation", "spectrum", "uncertainty", "weighting"),
 )
 

@@ -13,35 +13,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
+from acoustics import plot_style as style
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, OFF_DB, reliable
-from acoustics.plot_style import (
-    COLOURS,
-    FEW,
-    GREY,
-    LINE_STYLES,
-    MARKERS,
-    NOTHING_DB,
-    PER_OCTAVE,
-    Lines,
-    band_ticks,
-    bars,
-    finish,
-    level_limits,
-    look_of,
-    numbers,
-    say_if_silent,
-    short_name,
-    unit_prefix,
-)
+from acoustics.plot_style import COLOURS, FEW, GREY, PER_OCTAVE, Lines, level_limits
 from acoustics.spectrum import Spectrogram
 
 __all__ = [
-    "COLOURS", "FEW", "LINE_STYLES", "MARKERS", "PER_OCTAVE", "BandErrors", "Lines", "bars",
-    "drawn_as_means", "level_limits", "look_of", "short_name", "spectrogram", "spectrum",
-    "third_octaves",
+    "COLOURS", "FEW", "PER_OCTAVE", "BandErrors", "Lines", "drawn_as_means", "level_limits",
+    "spectrogram", "spectrum", "third_octaves",
 ]  # fmt: skip
 
+Limits = tuple[float, float]
+Curve = tuple[str, Lines]  # label and spectrum
 # Errors of band levels [dB] and their standard uncertainty, by nominal frequency.
 BandErrors = tuple[Mapping[str, float | None], Mapping[str, float | None]]
 # Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
@@ -49,16 +33,13 @@ _SHADES = 36
 _HATCHES = ("////", "\\\\\\\\", "xxxx")  # marks of bands with large errors, one for each curve
 
 
-def drawn_as_means(curves: Sequence[tuple[str, Lines]]) -> list[tuple[str, Lines]]:
+def drawn_as_means(curves: Sequence[Curve]) -> list[Curve]:
     """Return the curves drawn as means: dense spectra, or all of more than three curves."""
     return [curve for curve in curves if curve[1].dense or len(curves) > FEW]
 
 
 def spectrum(
-    ax: Axes,
-    curves: Sequence[tuple[str, Lines]],
-    limits_db: tuple[float, float] | None = None,
-    ordered: bool = False,
+    ax: Axes, curves: Sequence[Curve], limits_db: Limits | None = None, ordered: bool = False
 ) -> Axes:
     """Draw spectra against frequency, 20 Hz to 20 kHz.
 
@@ -87,26 +68,25 @@ def spectrum(
     'frequency [Hz]'
     """
     for number, (label, lines) in enumerate(curves):
-        look = look_of(number, len(curves), ordered)
+        look = style.look_of(number, len(curves), ordered)
         del look["marker"]
         if (label, lines) in drawn_as_means(curves):
             if len(curves) <= FEW:
                 ax.plot(*lines.envelope, color=look["color"], linewidth=0.3, alpha=0.4, zorder=1.5)
             ax.plot(*lines.mean, linewidth=1.8, label=label, **look)
         else:
-            level = np.maximum(lines.level_db, NOTHING_DB)
+            level = np.maximum(lines.level_db, style.NOTHING_DB)
             ax.plot(lines.frequency_hz, level, linewidth=1.2, label=label, **look)
     seen = [level for _, lines in curves for level in lines.extremes]
     _audible(ax, seen, limits_db, octaves=True)
     ax.set_xlabel("frequency [Hz]")
-    return finish(ax, "level [dB]")
+    return style.finish(ax, "level [dB]")
 
 
 def third_octaves(
     ax: Axes,
     curves: Sequence[tuple[str, Mapping[str, float | None], Mapping[str, float | None]]],
     duration_s: float,
-    limits_db: tuple[float, float] | None = None,
     errors: Sequence[BandErrors | None] = (),
     ordered: bool = False,
 ) -> Axes:
@@ -122,8 +102,6 @@ def third_octaves(
     curves : sequence of triples. Label with the weighting, levels in dB re 20 uPa and their
         standard uncertainty in dB, both by nominal frequency; None is a gap.
     duration_s : float, s. Duration T of the record; the shortest of several.
-    limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves
-        and their diamonds.
     errors : sequence of pairs. Errors of the levels of each curve in dB, too loud is positive, and
         their standard uncertainty, both by nominal frequency; None for a curve without. Up to three
         curves have a diamond at the level less its error, and bands off by more than 1 dB are
@@ -150,36 +128,33 @@ def third_octaves(
     for number, (label, levels, uncertainty) in enumerate(curves):
         level, spread = _by_band(levels), _by_band(uncertainty)
         seen += [*level]
-        look = look_of(number, len(curves), ordered)
+        look = style.look_of(number, len(curves), ordered)
         _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
         if number < len(errors) and (of_curve := errors[number]) and len(curves) <= FEW:
             seen += _error_marks(ax, label, number, level, of_curve, look["color"])
     if first > 0:
         short = f"B T < {LEAST_BT:g}: uncertain by 2 dB or more"
         ax.axvspan(EDGES_HZ[0], EDGES_HZ[first], color="0.93", zorder=0, label=short)
-    _audible(ax, seen, limits_db)
+    _audible(ax, seen, None)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
-    return finish(ax, "sound pressure level [dB re 20 µPa]")
+    return style.finish(ax, "sound pressure level [dB re 20 µPa]")
 
 
 def _by_band(by_name: Mapping[str, float | None]) -> Array:
     """Return the values of all third octaves, with NaN in place of None."""
-    return numbers(by_name[name] for name in BAND_NAMES)
+    return style.numbers(by_name[name] for name in BAND_NAMES)
 
 
 def _audible(
-    ax: Axes,
-    levels_db: Sequence[float],
-    limits_db: tuple[float, float] | None,
-    octaves: bool = False,
+    ax: Axes, levels_db: Sequence[float], limits_db: Limits | None, octaves: bool = False
 ) -> None:
     """Give the axes a logarithmic axis of the audible range and one of the levels."""
     ax.set_ylim(limits_db or level_limits(levels_db))
     ax.set_xscale("log")
     ax.set_xlim(*AUDIBLE_HZ)
     ax.xaxis.set_minor_locator(NullLocator())
-    say_if_silent(ax, bool(np.isfinite(levels_db).any()))
-    band_ticks(ax, octaves)
+    style.say_if_silent(ax, bool(np.isfinite(levels_db).any()))
+    style.band_ticks(ax, octaves)
 
 
 def _band_curve(
@@ -189,13 +164,13 @@ def _band_curve(
 
     Bands are steps, or a line where the steps of many curves would hide one another.
     """
-    marker, style = {"marker": look["marker"], "markersize": 4}, {"linestyle": look["linestyle"]}
+    marker, dash = {"marker": look["marker"], "markersize": 4}, {"linestyle": look["linestyle"]}
     grey, coloured = slice(0, first), slice(first, len(level))
     for part, colour in ((grey, GREY), (coloured, look["color"])):
         if part.start == part.stop:
             continue
         own = {"color": colour, "label": f"_{label}"}  # which is not in the legend
-        line = style | own | {"linewidth": 0.7 if colour == GREY and not few else 1.3}
+        line = dash | own | {"linewidth": 0.7 if colour == GREY and not few else 1.3}
         edges = EDGES_HZ[part.start : part.stop + 1]
         if few:
             ax.stairs(level[part], edges, baseline=None, **line)
@@ -206,8 +181,8 @@ def _band_curve(
             dots = marker | own | {"markerfacecolor": face, "linestyle": "none"}
             ax.plot(MID_HZ[part], level[part], **dots)
     if few:
-        bars(ax, MID_HZ[coloured], level[coloured], spread[coloured], look["color"])
-    ax.plot([], [], color=look["color"], label=label, **marker, **style)
+        style.bars(ax, MID_HZ[coloured], level[coloured], spread[coloured], look["color"])
+    ax.plot([], [], color=look["color"], label=label, **marker, **dash)
 
 
 def _error_marks(
@@ -222,9 +197,9 @@ def _error_marks(
     right, marked = (level - error)[known], "level less its estimated error"
     named = f"_{marked}" if marked in ax.get_legend_handles_labels()[1] else marked
     # The curve's own mark shows inside a diamond of this size.
-    style: dict[str, Any] = {"fmt": "D", "markersize": 7, "markeredgewidth": 0.8, "elinewidth": 0.7}
-    style |= {"color": colour, "markerfacecolor": "none", "zorder": 1.8}
-    ax.errorbar(MID_HZ[known], right, np.nan_to_num(spread[known]), label=named, **style)
+    diamond: dict[str, Any] = {"fmt": "D", "markersize": 7, "elinewidth": 0.7, "zorder": 1.8}
+    diamond |= {"color": colour, "markeredgewidth": 0.8, "markerfacecolor": "none"}
+    ax.errorbar(MID_HZ[known], right, np.nan_to_num(spread[known]), label=named, **diamond)
     hatch: dict[str, Any] = {"facecolor": "none", "edgecolor": colour, "alpha": 0.6}
     hatch |= {"hatch": _HATCHES[number], "linewidth": 0.0, "zorder": 0.5}
     for k, band in enumerate(np.flatnonzero(known & (np.abs(error) > OFF_DB))):
@@ -233,9 +208,7 @@ def _error_marks(
     return [float(level) for level in right]
 
 
-def spectrogram(
-    ax: Axes, shown: Spectrogram, duration_s: float, limits_db: tuple[float, float]
-) -> Axes:
+def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limits) -> Axes:
     """Draw a spectrogram as colours over time and frequency, light where there is silence.
 
     Parameters
@@ -259,7 +232,7 @@ def spectrogram(
     >>> plots.spectrogram(Figure().subplots(), shown, 0.5, (20.0, 90.0)).get_xlabel()
     'time [ms]'
     """
-    factor, prefix = unit_prefix(duration_s)
+    factor, prefix = style.unit_prefix(duration_s)
     first, last = (shown.time_s[[0, -1]] + np.array([-0.5, 0.5]) * shown.hop_s) / factor
     low, high = np.log10(shown.edges_hz[[0, -1]])
     colours = matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85")
@@ -268,10 +241,10 @@ def spectrogram(
     shape: dict[str, Any] = {"extent": (first, last, low, high), "aspect": "auto"}
     shades: dict[str, Any] = {"cmap": colours, "vmin": limits_db[0], "vmax": limits_db[1]}
     image = ax.imshow(shown.level_db, origin="lower", interpolation="none", **shape, **shades)
-    say_if_silent(ax, bool(np.isfinite(shown.level_db).any()))
+    style.say_if_silent(ax, bool(np.isfinite(shown.level_db).any()))
     ax.set(xlim=(0.0, duration_s / factor), ylim=(low, high))
-    octaves = slice(2, None, 3)
-    ax.set_yticks(np.log10(MID_HZ[octaves]), [short_name(name) for name in BAND_NAMES[octaves]])
+    names = map(style.short_name, BAND_NAMES[2::3])
+    ax.set_yticks(np.log10(MID_HZ[2::3]), [*names])
     ax.set(xlabel=f"time [{prefix}s]", ylabel="frequency [Hz]")
     ax.figure.colorbar(image, ax=ax, label="density level [dB re (20 µPa)²/Hz]", extend="both")
     return ax

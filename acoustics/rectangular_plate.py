@@ -10,15 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from acoustics import baffled_modes
 from acoustics.arrays import Array
-from acoustics.baffled_modes import (
-    Complex,
-    Listener,
-    ModePressures,
-    mode_pressures,
-    own_resistance,
-    power_of_modes,
-)
+from acoustics.baffled_modes import Complex, Listener, ModePressures
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, ThinPlate
 
 MODES_HZ = 30e3  # highest natural frequency of the modes that move
@@ -164,7 +158,7 @@ class RectangularPlate(ThinPlate):
         for part in self._parts(f):
             squares = np.square(np.abs(2 * np.pi * part[:, None] * self.mode_receptance(part)))
             edges = self.length_m, self.width_m
-            power.append(power_of_modes(edges, self.orders, squares * shapes, part))
+            power.append(baffled_modes.power_of_modes(edges, self.orders, squares * shapes, part))
         return np.concatenate(power)
 
     def _parts(self, frequency: NDArray[Any]) -> list[NDArray[Any]]:
@@ -199,11 +193,11 @@ def _sound_loss(plate: RectangularPlate) -> Array:
     """Return the loss factor of each mode by the sound that it radiates to one side."""
     w = plate.angular_frequency
     edges = plate.length_m, plate.width_m
-    resistance = own_resistance(edges, plate.orders, w / (2 * np.pi))
+    resistance = baffled_modes.own_resistance(edges, plate.orders, w / (2 * np.pi))
     return np.asarray(resistance / (plate.modal_mass_kg * w))
 
 
 @lru_cache(maxsize=32)
 def _pressures(plate: RectangularPlate, listener_m: Listener) -> ModePressures:
     """Tabulate the radiation of the modes of a plate at a listener."""
-    return mode_pressures((plate.length_m, plate.width_m), plate.orders, listener_m)
+    return baffled_modes.mode_pressures((plate.length_m, plate.width_m), plate.orders, listener_m)

@@ -12,6 +12,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
 
+Edges = tuple[float, float]
 _OVERSAMPLING = 8
 
 # A transform errs by less than 1e-15 of the rms of its input (measured to 1e6 samples, prime
@@ -45,12 +46,7 @@ def undo_step_mean(means: Array) -> Array:
     return np.fft.irfft(lines, n)
 
 
-def band_limit(
-    signal: Array,
-    sample_rate_hz: float,
-    low_hz: float = AUDIBLE_HZ[0],
-    high_hz: float = AUDIBLE_HZ[1],
-) -> Array:
+def band_limit(signal: Array, sample_rate_hz: float, band_hz: Edges = AUDIBLE_HZ) -> Array:
     """Limit a closed record to low <= f < high by a brick wall, and remove its mean.
 
     Give the signal with its mean. A remainder that is only rounding (1e-13 of the rms) is
@@ -60,7 +56,7 @@ def band_limit(
     ----------
     signal : array (n,), any unit. Closed record.
     sample_rate_hz : float, Hz. Sample rate.
-    low_hz, high_hz : float, Hz. Edges of the pass band. Default: the 31 third octaves from 20 Hz to
+    band_hz : pair of float, Hz. Edges of the pass band. Default: the 31 third octaves from 20 Hz to
         20 kHz.
 
     Returns
@@ -70,7 +66,7 @@ def band_limit(
     n = len(signal)
     lines = np.fft.rfft(signal)
     frequency_hz = np.fft.rfftfreq(n, 1.0 / sample_rate_hz)
-    lines[(frequency_hz < low_hz) | (frequency_hz >= high_hz)] = 0.0
+    lines[(frequency_hz < band_hz[0]) | (frequency_hz >= band_hz[1])] = 0.0
     lines[0] = 0.0
     limited = np.fft.irfft(lines, n)
     if _rms(limited) <= _ROUNDING * _rms(signal):

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, third_octave_mean_square
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, ThinPlate
-from acoustics.spectrum import line_spectrum
+from acoustics.spectrum import audible_lines
 
 _legendre = cache(np.polynomial.legendre.leggauss)  # slow: eigenvalues of a matrix
 _NODES = 300  # of the quadrature over directions; 600 change no band by 1e-3 dB
@@ -93,30 +93,25 @@ def ball_power_per_force(frequency_hz: ArrayLike, ball: Ball, plane: bool = True
     return np.asarray(free * image)
 
 
-def band_power(
-    force_n: ArrayLike, sample_rate_hz: float, source: ThinPlate | Ball, sides: int = 1
-) -> Array:
+def band_power(force_n: ArrayLike, sample_rate_hz: float, source: ThinPlate | Ball) -> Array:
     """Return the sound power of plate or ball in each third octave.
 
     Parameters
     ----------
     force_n : array (n,), N. Fluctuation of the force, a closed or faded record.
     sample_rate_hz : float, Hz. Sample rate.
-    source : ThinPlate or Ball. Body that radiates.
-    sides : int. Sides of the plate with air, 1 or 2. Default 1; the power is of one side.
+    source : ThinPlate or Ball. Body that radiates, a plate to one side.
 
     Returns
     -------
     array (31,), W
     """
-    frequency, mean_square = line_spectrum(np.asarray(force_n, dtype=float), sample_rate_hz)
-    inside = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-    frequency, mean_square = frequency[inside], mean_square[inside]
+    frequency, mean_square = audible_lines(np.asarray(force_n, dtype=float), sample_rate_hz)
     if isinstance(source, Ball):
         power = ball_power_per_force(frequency, source)
     else:
         near = source.critical_hz * np.concatenate((1 - _NEAR, 1 + _NEAR))
         grid = np.sort(np.concatenate((_GRID, near)))
-        table = plate_power_per_force(grid, source, sides)
+        table = plate_power_per_force(grid, source)
         power = np.exp(np.interp(np.log(frequency), np.log(grid), np.log(table)))
     return third_octave_mean_square(frequency, mean_square * power)

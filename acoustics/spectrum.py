@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from acoustics.arrays import Array, positive, real_array, short_repr
+from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
 from acoustics.weighting import a_weighting_db
 
@@ -102,6 +103,13 @@ def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     mean_square: Array = np.square(lines.real) + np.square(lines.imag)
     mean_square[1 : (len(signal) + 1) // 2] *= 2.0
     return frequency_hz, mean_square
+
+
+def audible_lines(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
+    """Return frequencies [Hz] and mean squares of the lines of a record from 20 Hz to 20 kHz."""
+    frequency_hz, mean_square = line_spectrum(signal, sample_rate_hz)
+    audible = (frequency_hz >= AUDIBLE_HZ[0]) & (frequency_hz < AUDIBLE_HZ[1])
+    return frequency_hz[audible], mean_square[audible]
 
 
 def welch(signal: Array, sample_rate_hz: float) -> Psd:

@@ -24,11 +24,11 @@ SAMPLE_RATE_HZ = 48000
 # libsndfile writes longer strings but reads back 2048 bytes at most.
 _LONGEST_TEXT = 2000
 
-_TARGET_RMS = 10.0 ** (-23.0 / 20.0)  # programme loudness of EBU R 128, here as A-weighted rms
+_TARGET = 10.0 ** (-23.0 / 20.0)  # programme loudness of EBU R 128, here as A-weighted rms
 PEAK = 10.0 ** (-1.0 / 20.0)  # maximum sample of a record for listening, as a share of full scale
 # The threshold of hearing, 0 dB(A), reaches the target. Quieter records stay quieter, because an
 # unbounded gain would make the rounding of a silent record as loud as a sound.
-MOST_GAIN = _TARGET_RMS / P_REF_PA  # full scale per pascal
+MOST_GAIN = _TARGET / P_REF_PA  # full scale per pascal
 
 _MIDDLE_C = 60  # the MIDI note at which a sampler plays a record at its own pitch
 _FORWARD, _FOREVER = 0, 0  # direction of a loop, and how often it is played
@@ -135,9 +135,7 @@ def listening(
     return _wav(steps.astype(np.int32) << (32 - bits), f"PCM_{bits}", comment, title, loops)
 
 
-def listening_gain(
-    pressure_pa: Array, target_rms: float = _TARGET_RMS, peak: float = PEAK
-) -> float:
+def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float = PEAK) -> float:
     """Return the gain that makes a record as loud as others without clipping.
 
     A record below 0 dB(A) gets `MOST_GAIN`, which brings 0 dB(A) to the default target, and stays

@@ -102,11 +102,12 @@ def _commands() -> ModuleType:
 
 def _run(given: argparse.Namespace) -> int:
     """Run a scene, or a part of its sweep."""
+    from rolling.run.folder import default_folder
     from rolling.scene import file
 
     scene = file.read_scene(given.scene, given.set)  # before the solver is loaded
     commands = _commands()
-    folder = given.out or commands.default_folder(scene)
+    folder = given.out or default_folder(scene)
     failures = commands.run_scene(
         scene,
         out=folder,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import shutil
 from collections.abc import Sequence
 from functools import partial
@@ -20,6 +19,7 @@ from rolling.run.folder import Part, RunFolder, default_folder
 from rolling.run.solving import open_runs, runs_of_part, solve_folder
 from rolling.scene import file
 from rolling.scene.height_files import HeightFormatError
+from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
@@ -28,21 +28,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PAGE, TABLE = "report.html", "runs.csv"
-__all__ = [
-    "default_folder",
-    "listen",
-    "plot",
-    "report",
-    "resound",
-    "run_scene",
-    "surface",
-    "tabulate",
-]
 
 
 def run_scene(
-    scene: Scene | Path,
-    overrides: Sequence[str] = (),
+    scene: Scene,
     out: Path | None = None,
     *,
     part: Part | None = None,
@@ -54,8 +43,7 @@ def run_scene(
 
     Parameters
     ----------
-    scene : Scene or Path. The scene, its file, or the name of a scene of the library.
-    overrides : sequence of str. Assignments such as "rolling.load_n=50" for a file. Default: none.
+    scene : Scene. The scene.
     out : Path. Run folder. Default: outputs/NAME-DIGITS, which the scene decides.
     part : pair. Number K and count N: every N-th march from march K on. Default: all.
     workers : int. Number of processes; 0: one per core. Default: 0.
@@ -72,8 +60,6 @@ def run_scene(
     OSError : a disk is full, or a cluster is gone; finished pieces are kept.
     KeyboardInterrupt : Ctrl-C or SIGTERM; finished pieces are kept.
     """
-    if not isinstance(scene, Scene):
-        scene = file.read_scene(scene, overrides)
     folder = out or default_folder(scene)
     derived = partial(derive, report=report)
     failures = solve_folder(scene, folder, derived, part=part, workers=workers, cluster=cluster)
@@ -331,9 +317,7 @@ def tabulate(
 def _refuse_unknown(name: str, known: Sequence[str], kind: str) -> None:
     """Raise FolderError for an unknown name, with the nearest known one."""
     if name not in known:
-        near = difflib.get_close_matches(name, known, 1)
-        hint = f", nearest: {near[0]}" if near else ""
-        raise FolderError(f"{name}: no {kind}{hint}, allowed: {', '.join(known)}")
+        raise FolderError(f"{name}: no {kind}{nearest(name, known)}, allowed: {', '.join(known)}")
 
 
 def surface(
@@ -374,6 +358,8 @@ def surface(
         if spacing_um or channel:
             raise FolderError("--spacing-um, --channel: only go with a file of heights")
         scene = file.read_scene(source, overrides)
+        if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
+            progress.line("the surface of the scene without its sweep; --set chooses other values")
         name, words, heights = scene.name, "periodic", scene_surface.heights(scene)
         steps = np.full(2, scene.spacing)
     else:

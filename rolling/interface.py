@@ -150,6 +150,7 @@ def _simulated(
         return Result.empty(runs[number].scene)
 
     scenes = [run.scene for run in runs]
+
     silence = terminal.begin(terminal.Level.QUIET) if shown is False else nullcontext()
     with silence, terminal.Bar(0.0, scene.name, shown) as bar:
         loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Future
 from functools import partial
@@ -140,14 +139,14 @@ def _row(scene: Scene, variant: Variant, nodes: int, series: Mapping[str, Array]
     closed = nodes == scene.track.n_along
     sound = contact_sound(solved, series["release_energy"], step, closed)
     levels = sound.levels
-    bands = [levels.third_octave_db[name] for name in BANDS]
+    bands = np.array([levels.third_octave_db[name] for name in BANDS], dtype=float)
     return xr.Dataset(
         {
             "seconds_per_second": float(series["seconds"]) / sound.duration,
             "iterations": float(series["iterations"].mean()),
             "convolutions": float(series["convolutions"].mean()),
-            "laeq_db": _number(levels.laeq_db),
-            "third_octave_db": ("band", [_number(level) for level in bands]),
+            "laeq_db": np.float64(levels.laeq_db),
+            "third_octave_db": ("band", bands),
             "intensity_w_m2": ("sample", sound.pressure / (sound.factor or 1.0)),
             "mean_release_w": sound.mean_power,
             "contact_area_m2": float(series["contact_area"].mean()),
@@ -166,11 +165,6 @@ def _row(scene: Scene, variant: Variant, nodes: int, series: Mapping[str, Array]
             "band": BANDS,
         },
     )
-
-
-def _number(level: float | None) -> float:
-    """Replace a missing level by NaN."""
-    return math.nan if level is None else level
 
 
 def compared(rows: xr.Dataset) -> xr.Dataset:

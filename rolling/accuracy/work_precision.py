@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from acoustics.numbers import rounded
-from acoustics.plots import COLOURS, LINE_STYLES, MARKERS
+from acoustics.plot_style import COLOURS, LINE_STYLES, MARKERS
 from rolling.accuracy.variants import OWN, REFERENCE, SOLVER, tolerance_text
 
 LAEQ_LIMIT_DB, BAND_LIMIT_DB = 0.1, 0.5  # maximum errors of a recommended variant

@@ -58,7 +58,7 @@ class _Words(string.Formatter):
         if spec in _UNITS:
             return si(value, spec)
         if spec in ("up", "down"):
-            return rounded_up(value) if spec == "up" else rounded_down(value)
+            return _towards(math.ceil if spec == "up" else math.floor, value)
         if spec == "um":
             return rounded(value * 1e6, 4)
         return rounded(value, int(spec)) if spec.isdecimal() else format(value, spec)
@@ -124,20 +124,11 @@ def surface_time(scene: Scene, slow: float = 1.0) -> list[Finding]:
     return [Finding(SURFACE, "making of the surface", value, None, seconds)]
 
 
-def rounded_down(value: float) -> str:
-    """Write a number with two digits, rounded down, so that followed advice holds."""
-    return rounded(_rounded(value, math.floor), 6)
-
-
-def rounded_up(value: float) -> str:
-    """Write a number with two digits, rounded up."""
-    return rounded(_rounded(value, math.ceil), 6)
-
-
-def _rounded(value: float, towards: Callable[[float], int]) -> float:
+def _towards(whole: Callable[[float], int], value: float) -> str:
+    """Write a number with two digits, rounded up or down, so that followed advice holds."""
     size = 10.0 ** (math.floor(math.log10(value)) - 1)
     # A whole number keeps its value despite its rounding error.
-    return towards(round(value / size, 9)) * size
+    return rounded(whole(round(value / size, 9)) * size, 6)
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:

@@ -235,7 +235,7 @@ def _turns(scene: Scene) -> Finding:
     if not track.closed:
         nodes = track.turn_nodes
         if isinstance(scene.surface, HeightFile):
-            nodes = track.closing_nodes
+            nodes = math.lcm(track.plate_nodes, nodes)  # after which both close together
         unit = math.lcm(nodes, max(1, math.ceil(scene.numerics.step_nodes)))
         least = math.ceil(track.distance / (unit * track.spacing) - 1e-9)
         distance = rounded(least * unit * track.spacing * 1e3, 8)

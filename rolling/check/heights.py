@@ -34,18 +34,19 @@ def findings(scene: Scene) -> list[Finding]:
         return _made(scene)
     surface, path = scene_surface(scene), scene.height_path
     assert surface.levelling is not None and path is not None  # every file has both
+    steps = [
+        Finding(step.step, STEP_NAMES.get(step.step, step.step), step.text, step.warning)
+        for step in surface.preparation
+    ]
+    percent = 100 * surface.form_share
+    form, has_form = f"{rounded(percent)} % of the variance", surface.form_share > MAX_FORM
     return [
         *_resolution(surface),
         *_file(path, scene.surface),
-        *(
-            Finding(
-                effect.step, STEP_NAMES.get(effect.step, effect.step), effect.text, effect.warning
-            )
-            for effect in surface.preparation
-        ),
+        *steps,
         Finding("level", "tilt", tilt_text(surface.levelling)),
         _seam(scene, surface.levelling),
-        *_form(surface),
+        judged("form", form, has_form, percent=percent),
     ]
 
 
@@ -122,12 +123,6 @@ def _share_on_seam(scene: Scene, radius: float) -> float:
         return laps * within + min(rest, within)
 
     return (rolled(scene.start + scene.track.distance) - rolled(scene.start)) / scene.track.distance
-
-
-def _form(surface: SceneSurface) -> list[Finding]:
-    """Judge the share of the variance that a plane and a parabola make up."""
-    percent, doubt = 100 * surface.form_share, surface.form_share > MAX_FORM
-    return [judged("form", f"{rounded(percent)} % of the variance", doubt, percent=percent)]
 
 
 # ---- made heights

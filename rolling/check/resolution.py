@@ -251,17 +251,10 @@ def _step_length(scene: Scene) -> Finding:
     """Compare the step with the contact, and state the error of a long step."""
     radius = contact_radius(scene)
     radii = scene.track.step / radius
-    return judged(
-        "step_length",
-        rounded(radii),
-        radii > DOUBTFUL_RADII,
-        radii=radii,
-        radius=radius,
-        most=DOUBTFUL_RADII,
-        percent=100 * lost_release(radii),
-        level_db=LEVEL_ERROR_DB * radii,
-        step_um=DOUBTFUL_RADII * radius * 1e6,
-    )
+    numbers = {"radii": radii, "radius": radius, "most": DOUBTFUL_RADII}
+    numbers |= {"percent": 100 * lost_release(radii), "level_db": LEVEL_ERROR_DB * radii}
+    numbers |= {"step_um": DOUBTFUL_RADII * radius * 1e6}
+    return judged("step_length", rounded(radii), radii > DOUBTFUL_RADII, **numbers)
 
 
 def record(scene: Scene) -> Finding:

@@ -164,17 +164,10 @@ def _room(scene: Scene) -> Finding:
         doubt = "sphere"
     elif thickness is not None and 1e3 * radius > vibration.THICK * thickness:
         doubt = "thickness"
-    return judged(
-        "drop_width",
-        f"radius {si(radius, 'm')}",
-        doubt,
-        period=period,
-        width_um=2e6 * radius,
-        share=radius / scene.radius,
-        most=MAX_CONTACT,
-        thick=vibration.THICK,
-        thickness=1e3 * radius / vibration.THICK,
-    )
+    numbers = {"period": period, "width_um": 2e6 * radius, "share": radius / scene.radius}
+    numbers |= {"most": MAX_CONTACT, "thick": vibration.THICK}
+    numbers |= {"thickness": 1e3 * radius / vibration.THICK}
+    return judged("drop_width", f"radius {si(radius, 'm')}", doubt, **numbers)
 
 
 def _yielding(scene: Scene) -> list[Finding]:

@@ -22,6 +22,7 @@ from rolling.check.finding import Finding, computing, judged, si
 from rolling.check.resolution import HEARING
 from rolling.dynamics import of_scene
 from rolling.scene.laws import HeightLaw
+from rolling.scene.quantities import plate_modes
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
 from rolling.surface import made
@@ -167,7 +168,7 @@ def _edges(scene: Scene) -> list[Finding]:
     modes, count = "none up to 30 kHz", len(plate.angular_frequency)
     if count:
         lowest = float(plate.angular_frequency[0]) / (2 * math.pi)
-        overlap = MODES_HZ / (plate.loss_factor * scene.plate_modes)
+        overlap = MODES_HZ / (plate.loss_factor * plate_modes(scene.plate))
         modes = f"{len(plate.orders)} up to 30 kHz from {si(lowest, 'Hz')}"
         if overlap < MODES_HZ:
             modes += f", separate below {si(overlap, 'Hz')}"

@@ -69,18 +69,16 @@ class LongMotion:
     The counts belong to the steps taken so far.
     """
 
-    def __init__(
-        self, scene: Scene, law: ForceLaw, seconds: float, rate_hz: int, seed: int
-    ) -> None:
+    def __init__(self, scene: Scene, law: ForceLaw, seconds: float, rate: int, seed: int) -> None:
         self._scene, self._solved_law = scene, law
         self._chain, fastest = of_scene.chain_over(scene, law), scene.motion.fastest(seconds)
         longest = longest_step_s(law, self._chain, fastest)
         if scene.rolling.drop_mm is not None:
             longest = drop.time_step_s(scene, law, self._chain, fastest)
-        self.steps_per_sample = math.ceil(1 / (longest * rate_hz))
-        self.step = 1 / (rate_hz * self.steps_per_sample)
+        self.steps_per_sample = math.ceil(1 / (longest * rate))
+        self.step = 1 / (rate * self.steps_per_sample)
         self._bodies, self._path = self._chain.steps(self.step), of_scene.contact_path(scene)
-        self._steps = round(seconds * rate_hz) * self.steps_per_sample
+        self._steps = round(seconds * rate) * self.steps_per_sample
         self.law = LongLaw(law, scene.load, seed, turn_m(scene))
         self.taken, self.apart, self.impacts, self.outside = 0, 0, 0, 0.0
 

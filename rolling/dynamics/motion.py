@@ -143,12 +143,7 @@ class Steps(NamedTuple):
 
 
 def advance(
-    table: LawTable,
-    bodies: StepBodies,
-    load_n: float,
-    state: State,
-    places_m: Array,
-    points_m: Array,
+    table: LawTable, bodies: StepBodies, load_n: float, state: State, places: Array, points: Array
 ) -> Steps:
     """Advance a state by one step to each position, and return the record and the last state.
 
@@ -156,11 +151,9 @@ def advance(
     over the same or another force law. The contact points (n, 2) [m] of a plate with edges are one
     that is fixed, or one for each step.
     """
-    record = np.empty((len(places_m), 4))
-    end, energies = _motion_kernels.advance(
-        state, load_n, bodies, places_m, points_m, table, record
-    )
-    return Steps(places_m, record, State(*end), energies)
+    record = np.empty((len(places), 4))
+    end, energies = _motion_kernels.advance(state, load_n, bodies, places, points, table, record)
+    return Steps(places, record, State(*end), energies)
 
 
 def at_rest(
@@ -182,29 +175,26 @@ def on_level(state: State) -> State:
     return state if state.modes.shape[1] else state._replace(plate=0.0)
 
 
-def run_in(
-    law: ForceLaw, bodies: StepBodies, load_n: float, places_m: Array, points_m: Array
-) -> State:
+def run_in(law: ForceLaw, bodies: StepBodies, load_n: float, places: Array, points: Array) -> State:
     """Return the state after a way over places [m], from the equilibrium at the first."""
-    state = at_rest(bodies, points_m, float(law.approach(places_m[0], load_n)), 0.0, 0.0)
-    return on_level(advance(law.table, bodies, load_n, state, places_m, points_m).end)
+    state = at_rest(bodies, points, float(law.approach(places[0], load_n)), 0.0, 0.0)
+    return on_level(advance(law.table, bodies, load_n, state, places, points).end)
 
 
+@dataclass
 class _Run:
     """A motion with its time step, its positions and its run-in."""
 
-    def __init__(
-        self,
-        law: ForceLaw,
-        chain: Chain,
-        load: float,
-        speed: float | Travel,
-        duration: float | None,
-        choices: Stepping,
-        path: Path | None,
-    ) -> None:
-        self.law, self.chain, self.load = law, chain, load
-        self.speed, self.choices, self.path = speed, choices, path
+    law: ForceLaw
+    chain: Chain
+    load: float
+    speed: float | Travel
+    duration: float | None
+    choices: Stepping
+    path: Path | None
+
+    def __post_init__(self) -> None:
+        law, chain, speed, choices = self.law, self.chain, self.speed, self.choices
         self.first = float(law.position_m[0])
         fastest = speed.fastest_m_s if isinstance(speed, Travel) else speed
         self.decay_s, self.slow_decay_s = chain.decay_s, 0.0
@@ -213,7 +203,7 @@ class _Run:
             self.slow_decay_s = max(modes.decay_s(modes.lowest(chain.mass_kg)), chain.own_decay_s)
         longest = choices.time_step_s or longest_step_s(law, chain, fastest, choices.per_period)
         self.lap_s = law.period_m / fastest if law.period_m and fastest > 0 else None
-        if not (duration := duration or self.lap_s):
+        if not (duration := self.duration or self.lap_s):
             raise ValueError("a motion that is no lap at constant speed needs a duration")
         # A lap at constant speed is a whole number of steps, so that laps can be compared.
         period = self.lap_s if self.lap_s and not isinstance(speed, Travel) else duration

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import partial
-from operator import attrgetter
+from operator import attrgetter as has
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,77 +25,61 @@ FORMATS = ("png", "svg", "csv")
 
 
 @dataclass(frozen=True)
-class FigureKind:
+class Kind:
     """A kind of figure: its function on axes, its table, and the runs that it holds for.
 
     Parameters
     ----------
     draw : callable of (runs, ax), or of (run, ax) for a figure of one run.
     table : callable of the same runs or run. None for a map.
-    holds : callable of runs. True, or anything but nothing, if there is such a figure of them.
+    holds : callable of the same. True, or anything but nothing, if there is such a figure.
     among : bool. Whether `draw` takes the runs `among` which a run is compared.
     """
 
     draw: Callable[..., Axes]
     table: Callable[..., DataFrame] | None = None
-    holds: Callable[[Sequence[Run]], Any] = lambda runs: True
+    holds: Callable[..., Any] = lambda shown: True
     among: bool = False
 
 
-def _has(attribute: str) -> Callable[[Sequence[Run]], Any]:
-    """Return a rule for figures of one run: whether it has anything at a dotted attribute."""
-    value = attrgetter(attribute)
-    return lambda runs: value(runs[0])
+def _turns(run: Run) -> bool:
+    return bool(run.summary.get("turn_band_hz"))
 
 
-def _turns(runs: Sequence[Run]) -> bool:
-    return bool(runs[0].summary.get("turn_band_hz"))
-
-
-def _filters(runs: Sequence[Run]) -> bool:
-    return bool(runs[0].vibration) and scene_surface(runs[0].scene).statistics.rq > 0
+def _filters(run: Run) -> bool:
+    return bool(run.vibration) and scene_surface(run.scene).statistics.rq > 0
 
 
 _LEVELS, _AREAS = (partial(sweep.swept_table, names=names) for names in (sweep.LEVELS, sweep.AREAS))
-_VIBRATES = _has("vibration")
+_VIBRATES = has("vibration")
 COMPARING = {
-    "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
-    "third_octaves_a": FigureKind(
+    "third_octaves": Kind(sound.third_octaves, sound.third_octave_table),
+    "third_octaves_a": Kind(
         partial(sound.third_octaves, a_weighted=True),
         partial(sound.third_octave_table, a_weighted=True),
     ),
-    "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
-    "levels": FigureKind(sweep.levels, _LEVELS, sweep.swept_key),
-    "contact_areas": FigureKind(sweep.contact_areas, _AREAS, sweep.swept_key),
-    "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
+    "spectrum": Kind(sound.spectrum, sound.spectrum_table),
+    "levels": Kind(sweep.levels, _LEVELS, sweep.swept_key),
+    "contact_areas": Kind(sweep.contact_areas, _AREAS, sweep.swept_key),
+    "mean_third_octaves": Kind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
 }
 SINGLE = {
-    "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
-    "spectrogram": FigureKind(sound.spectrogram, among=True),
-    "modulation": FigureKind(
-        origins.modulation,
-        origins.modulation_table,
-        lambda runs: runs[0].summary.get("turn_band_hz"),
+    "release_power": Kind(sound.release_power, sound.release_power_table, among=True),
+    "spectrogram": Kind(sound.spectrogram, among=True),
+    "modulation": Kind(origins.modulation, origins.modulation_table, _turns),
+    "wavelengths": Kind(origins.wavelengths, origins.wavelength_table, has("wavelength_octaves")),
+    "running_in": Kind(origins.running_in, origins.running_in_table, has("result.passes")),
+    "surface": Kind(contact.surface),
+    "contact_pressure": Kind(contact.contact_pressure, holds=has("result.snapshot"), among=True),
+    "recovery_events": Kind(
+        contact.recovery_events, contact.recovery_event_table, has("event_statistics")
     ),
-    "wavelengths": FigureKind(
-        origins.wavelengths, origins.wavelength_table, _has("wavelength_octaves")
-    ),
-    "running_in": FigureKind(origins.running_in, origins.running_in_table, _has("result.passes")),
-    "surface": FigureKind(contact.surface),
-    "contact_pressure": FigureKind(
-        contact.contact_pressure, holds=_has("result.snapshot"), among=True
-    ),
-    "recovery_events": FigureKind(
-        contact.recovery_events, contact.recovery_event_table, _has("event_statistics")
-    ),
-    "sources": FigureKind(vibration.sources, vibration.source_table, _VIBRATES),
-    "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _VIBRATES),
-    "contact_filter": FigureKind(
-        vibration.contact_filter, vibration.contact_filter_table, _filters
-    ),
-    "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _VIBRATES),
+    "sources": Kind(vibration.sources, vibration.source_table, _VIBRATES),
+    "contact_force": Kind(vibration.contact_force, vibration.contact_force_table, _VIBRATES),
+    "contact_filter": Kind(vibration.contact_filter, vibration.contact_filter_table, _filters),
+    "mobilities": Kind(vibration.mobilities, vibration.mobility_table, _VIBRATES),
 }
-ON_REQUEST = {"power_density": FigureKind(sound.power_density)}
+ON_REQUEST = {"power_density": Kind(sound.power_density)}
 FIGURES = COMPARING | SINGLE | ON_REQUEST
 
 
@@ -110,7 +94,7 @@ def comparing_pictures(runs: Sequence[Run], names: Iterable[str] = ()) -> Iterat
 def single_picture(name: str, run: Run, among: Sequence[Run] = ()) -> Picture | None:
     """Draw a figure of one run on the axes of all runs `among` which it is compared."""
     kind = SINGLE[name]
-    if not kind.holds([run]):
+    if not kind.holds(run):
         return None
     shared = {"among": among} if kind.among else {}
     return picture(name, partial(kind.draw, run, **shared), kind.table and kind.table(run))

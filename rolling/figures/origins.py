@@ -207,6 +207,6 @@ def running_in_table(run: Run) -> pd.DataFrame:
     """Tabulate levels [dB], release power [W], plastic work [J] and depth [um] of passes."""
     if run.result.passes is None:
         raise ValueError(f"{run.title}: has no passes, its plate has no memory")
-    table = pd.DataFrame(pass_numbers(run.scene, run.result, run.pass_sounds))
+    table = pd.DataFrame(pass_numbers(run))
     table.insert(0, "pass", np.arange(len(table)) + 1)
     return table

@@ -16,7 +16,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
-from matplotlib.transforms import ScaledTranslation
 
 from acoustics.numbers import rounded
 from rolling.results.labels import printable
@@ -30,10 +29,7 @@ WIDTH_IN, HEIGHT_IN = 8.5, 4.4
 MOST_NAMED = 24  # curves; a legend of more takes more room than they do
 _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 _ROW_IN = 0.19  # height of a row in a legend
-_LETTERS_PER_IN = 13  # of a title on axes
-_LOW_IN = 2.7  # height of axes that have no room for the note
-_MOST_LINES = 4  # of title and note; more lines are the title alone
-_LOW_SHARE = 0.5  # of the height of low axes that a legend may take below them
+_LETTERS_PER_IN = 12  # of a title on axes
 _TITLE_LETTERS, _NOTE_LETTERS = 88, 125  # of a line across a figure
 
 
@@ -69,50 +65,23 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     if len(names) > MOST_NAMED:
         note += f"; {len(names)} curves"
     ax.set_label(f"{title}\n{note}")
-    width, height = ax.bbox.width / ax.figure.dpi, ax.bbox.height / ax.figure.dpi
-    across, along = (max(12, int(_LETTERS_PER_IN * room)) for room in (1.1 * width, 0.8 * height))
-    lines = [*textwrap.wrap(title, across), *textwrap.wrap(note, across)]
-    if height < _LOW_IN or len(lines) > _MOST_LINES:
-        lines = textwrap.wrap(title, across)
-    _plain([ax.set_title("\n".join(lines), loc="left", fontsize="medium")])
-    ax.set_xlabel(_broken(ax.get_xlabel(), across))
-    ax.set_ylabel(_broken(ax.get_ylabel(), along))
-    for image in ax.images:
-        if image.colorbar is not None:
-            image.colorbar.set_label(_broken(image.colorbar.ax.get_ylabel(), along))
+    letters = [max(12, int(_LETTERS_PER_IN * side / ax.figure.dpi)) for side in ax.bbox.size]
+    heading, below = (textwrap.wrap(text, letters[0]) for text in (title, note))
+    roomy = len(heading + below) < letters[1] / 10
+    _plain([ax.set_title("\n".join(heading + below * roomy), loc="left", fontsize="medium")])
+    ax.set_xlabel(_broken(ax.get_xlabel(), letters[0]))
+    for side in (ax, *(image.colorbar.ax for image in ax.images if image.colorbar)):
+        side.set_ylabel(_broken(side.get_ylabel(), letters[1]))
     if 0 < len(names) <= MOST_NAMED:
-        _legend(ax, handles, names, int(1.2 * across), height)
+        names = [textwrap.fill(drawable(name), letters[0] - 6) for name in names]
+        _plain(ax.legend(handles, names, fontsize="small", framealpha=0.6).get_texts())
     return ax
 
 
 def _broken(label: str, letters: int) -> str:
-    """Break the label of an axis that is too long, before its unit if that is enough."""
-    name, _, unit = label.partition(" [")
-    enough = unit and len(label) > letters >= len(name)
-    return f"{name}\n[{unit}" if enough else textwrap.fill(label, letters)
-
-
-def _legend(
-    ax: Axes, handles: Sequence[Artist], names: Sequence[str], letters: int, height: float
-) -> None:
-    """Draw a legend of so many letters across below the label of x, where it hides no curve.
-
-    Low axes have no room [inches] for many rows; their legend is pale and inside.
-    """
-    low = height < _LOW_IN
-    names = [textwrap.fill(drawable(name), letters - 6) for name in names]
-    across = max(1, letters // (6 + max(map(len, names))))
-    rows = sum(1 + name.count("\n") for name in names) / across
-    if low and rows * _ROW_IN > _LOW_SHARE * height:
-        place: dict[str, Any] = {"loc": "best", "framealpha": 0.6}
-    else:
-        labels = ax.xaxis.get_tightbbox()
-        below = (ax.bbox.y0 - labels.y0) / ax.figure.dpi if labels is not None else 0.0
-        under = ScaledTranslation(0, -below - 0.05, ax.figure.dpi_scale_trans)
-        place = {"loc": "upper left", "bbox_to_anchor": (0, 0), "ncols": across}
-        place |= {"bbox_transform": ax.transAxes + under, "frameon": False, "borderaxespad": 0}
-    size = "x-small" if low else "small"
-    _plain(ax.legend(handles, names, fontsize=size, **place).get_texts())
+    """Break the label of an axis that is too long before its unit, or between words."""
+    parts = label.replace(" [", "\n[").split("\n") if len(label) > letters else [label]
+    return "\n".join(textwrap.fill(part, letters) for part in parts)
 
 
 def finish_grid(ax: Axes) -> Axes:

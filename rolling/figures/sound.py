@@ -183,11 +183,7 @@ def spectrum_table(runs: Sequence[Run]) -> pd.DataFrame:
 
 
 def _spectrum(
-    shown: Sequence[Run],
-    lines: Sequence[Lines],
-    ax: Axes | None,
-    words: tuple[str, str],
-    facts: list[str],
+    shown: list[Run], lines: list[Lines], ax: Axes | None, words: tuple[str, str], facts: list[str]
 ) -> Axes:
     """Draw spectra of runs with their labels, under a title and the label of y."""
     curves = [*zip(labels.labels(shown), lines, strict=True)]

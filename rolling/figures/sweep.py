@@ -141,7 +141,7 @@ def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> rolling.plot.mean_third_octaves(runs)  # doctest: +SKIP
     """
     shown = listed(runs)
-    return mean_bands(sweep_table(shown), _others(shown, SEED), ax, subject(shown))
+    return mean_bands(sweep_table(shown), _others(shown, SEED), axes_of(ax), subject(shown))
 
 
 def swept_key(runs: Sequence[Run]) -> str | None:
@@ -228,11 +228,7 @@ def _number(scene: Scene, key: str) -> float:
 
 
 def write_number_figures(
-    frame: pd.DataFrame,
-    numbers: Sequence[str],
-    against: Sequence[str],
-    folder: Path,
-    title: str = "",
+    frame: pd.DataFrame, numbers: Sequence[str], against: Sequence[str], folder: Path, title: str
 ) -> list[Path]:
     """Write figures of columns of runs.csv against one or over two swept keys, and of mean bands.
 
@@ -258,15 +254,10 @@ def write_number_figures(
 
 
 def number_against(
-    frame: pd.DataFrame,
-    number: str,
-    key: str,
-    curves: Sequence[str],
-    ax: Axes | None = None,
-    title: str = "",
+    frame: pd.DataFrame, number: str, key: str, curves: Sequence[str], ax: Axes, title: str
 ) -> Axes:
     """Plot the mean of a column of runs.csv against a swept key, a line per value of `curves`."""
-    ax, groups, ticks = axes_of(ax), [*groups_of(frame, curves)], _ticks(frame[key])
+    groups, ticks = [*groups_of(frame, curves)], _ticks(frame[key])
     x = np.array([*ticks.values()])
     for k, (label, group) in enumerate(groups[:_MOST_CURVES]):
         look = look_of(k, len(groups))
@@ -281,10 +272,10 @@ def number_against(
 
 
 def number_map(
-    frame: pd.DataFrame, number: str, keys: tuple[str, str], ax: Axes | None = None, title: str = ""
+    frame: pd.DataFrame, number: str, keys: tuple[str, str], ax: Axes, title: str
 ) -> Axes:
     """Plot the mean of a column of runs.csv over two swept keys, along x and y, as a map."""
-    ax, ticks = axes_of(ax), [_ticks(frame[key]) for key in keys]
+    ticks = [_ticks(frame[key]) for key in keys]
     values = frame.astype({number: float})
     table = values.pivot_table(number, keys[1], keys[0], "mean", observed=True)
     means = table.reindex([*ticks[1]], columns=[*ticks[0]]).to_numpy(dtype=float)
@@ -303,11 +294,9 @@ def number_map(
     return finish(ax, f"{number} against {words}: {title}", facts)
 
 
-def mean_bands(
-    frame: pd.DataFrame, curves: Sequence[str], ax: Axes | None = None, title: str = ""
-) -> Axes:
+def mean_bands(frame: pd.DataFrame, curves: Sequence[str], ax: Axes, title: str) -> Axes:
     """Plot the mean A-weighted third octaves of a table, a line per value of `curves`."""
-    ax, table = axes_of(ax), mean_band_table(frame, curves)
+    table = mean_band_table(frame, curves)
     # Values that are equal in print have curves of one name.
     groups = [rows for _, rows in table.groupby(np.arange(len(table)) // len(MID_HZ))]
     for k, rows in enumerate(groups[:_MOST_CURVES]):
@@ -376,9 +365,7 @@ def _ticks(values: pd.Series) -> dict[Any, float]:
     return {name: float(place) for place, name in enumerate(ticks)}
 
 
-def _name_axis(
-    ax: Axes, axis: str, key: str, ticks: Mapping[Any, float], named: bool = False
-) -> None:
+def _name_axis(ax: Axes, axis: str, key: str, ticks: dict[Any, float], named: bool = False) -> None:
     """Name an axis by its key, and its ticks where they are names, few, or all to be named."""
     word, unit = labels.named(key)
     names = [labels.printable(v) if isinstance(v, str) else f"{v:g}" for v in ticks]

@@ -15,8 +15,8 @@ from rolling.dynamics import of_scene
 from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
 from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
-from rolling.sound.effective_roughness import wavelength_bands
 from rolling.sound.vibration_sound import Vibration
+from rolling.sound.wavelengths import wavelength_bands
 from rolling.surface.scene_surface import scene_surface
 
 if TYPE_CHECKING:
@@ -210,18 +210,18 @@ def contact_filter_table(run: Run) -> pd.DataFrame:
     middle, reach = heights.shape[1] // 2, max(1, round(hertz_radius(run) / scene.spacing))
     under = heights[:, max(0, middle - reach) : middle + reach]
     closed = scene.track.lap_steps <= result.solved_steps
-    surface = wavelength_bands(under, scene.spacing, closed)
+    lengths, heights_db = wavelength_bands(under, scene.spacing, closed)
     lap = result.series["approach"][: result.solved_steps]
-    approach = wavelength_bands(lap, result.step, closed)
-    levels = np.interp(-np.log(approach.wavelength), -np.log(surface.wavelength), surface.level_db)
+    wavelength, level_db = wavelength_bands(lap, result.step, closed)
+    surface_db = np.interp(-np.log(wavelength), -np.log(lengths), heights_db)
     # Where the surface has next to nothing, the approach is bent by the contact, not filtered.
-    rough = levels > np.nanmax(levels) - _FILTERED_DB
+    rough = surface_db > np.nanmax(surface_db) - _FILTERED_DB
     return pd.DataFrame(
         {
-            "wavelength_um": 1e6 * approach.wavelength,
-            "surface_level_db": levels,
-            "approach_level_db": approach.level_db,
-            "contact_filter_db": np.where(rough, approach.level_db - levels, np.nan),
+            "wavelength_um": 1e6 * wavelength,
+            "surface_level_db": surface_db,
+            "approach_level_db": level_db,
+            "contact_filter_db": np.where(rough, level_db - surface_db, np.nan),
         }
     )
 

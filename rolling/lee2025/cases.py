@@ -92,14 +92,14 @@ def _sound_measures(run: Run) -> dict[str, float]:
     unscaled = level_uncertainty(sound.pressure, sound.sample_rate, sound.levels, False, laps=laps)
     factor = summary["factor_pa_per_w_m2"]
     unscaled_db = 20 * math.log10(P_REF_PA / (factor * I_REF_W_M2)) if factor else math.nan
-    level_db = _number(summary["laeq_db"])
-    bands_db = np.array([_number(summary["third_octave_db"][name]) for name in BAND_NAMES])
+    level_db = float(np.float64(summary["laeq_db"]))
+    bands_db = np.array([summary["third_octave_db"][name] for name in BAND_NAMES], dtype=float)
     square = np.nan_to_num(10 ** (bands_db / 10))
     return {
         "audible_10_db": level_db,
-        "audible_10_uncertainty_db": _number(summary["uncertainty_db"]["laeq"]),
+        "audible_10_uncertainty_db": np.float64(summary["uncertainty_db"]["laeq"]),
         "audible_20_db": level_db + unscaled_db,
-        "audible_20_uncertainty_db": _number(unscaled.laeq_db),
+        "audible_20_uncertainty_db": np.float64(unscaled.laeq_db),
         "centroid_hz": float(square @ MID_HZ / square.sum()) if square.any() else math.nan,
         **dict(zip(band_columns(BAND_NAMES), map(float, bands_db + unscaled_db), strict=True)),
     }
@@ -129,11 +129,6 @@ def _doubled(frequency_hz: Array, level_db: Array) -> Array:
     """Return A-weighted levels [dB] of 20 lg in place of 10 lg; the weighting stays the same."""
     weighting = a_weighting_db(frequency_hz)
     return 2 * (level_db - weighting) + weighting
-
-
-def _number(value: float | None) -> float:
-    """Return a number, with NaN in place of None."""
-    return math.nan if value is None else float(value)
 
 
 def band_columns(names: Iterable[str]) -> list[str]:

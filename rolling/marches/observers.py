@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,16 +30,6 @@ MAPS = 120  # maximum number of pressure maps of a run: the eye follows about as
 MAP_CELLS = 96  # maximum number of cells along a side of a map
 FILM_CELLS = 64  # maximum number of cells across the contact in a film
 FILM_MARGIN = 4  # cells around the contacts of a film
-
-
-class Observer(Protocol):
-    """Observer of a march."""
-
-    def __call__(self, state: ContactState, energy: StepEnergy | None) -> None:
-        """Take a state and the energies of the step before it; None at the first position."""
-
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return plain arrays by name."""
 
 
 @dataclass(frozen=True)
@@ -168,19 +158,7 @@ class Events:
         return {f"event_{name}": column for name, column in self._table.columns().items()}
 
 
-def events_of(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]] | None:
-    """Return the table of events in the arrays of a piece, or None."""
-    if "event_node" not in arrays:
-        return None
-    return {name: arrays[f"event_{name}"] for name in EVENT_COLUMNS}
-
-
 # ---- maps and snapshot
-
-
-def mapped_positions(steps: int) -> NDArray[np.int64]:
-    """Return at most MAPS evenly spaced positions of a track with `steps` steps."""
-    return np.unique(np.arange(MAPS) * steps // MAPS)
 
 
 class Maps:
@@ -189,7 +167,7 @@ class Maps:
     def __init__(self, contact: RollingContact, first: int, last: int, track_steps: int) -> None:
         self._contact = contact
         self._snapshot_at = last if first == 0 else -1
-        mapped = mapped_positions(track_steps)
+        mapped = np.unique(np.arange(MAPS) * track_steps // MAPS)  # evenly along the track
         self._positions = set(mapped[(mapped > first) | (mapped == 0)].tolist())
         self._maps: list[PressureMap] = []
         self._snapshot: dict[str, NDArray[Any]] = {}
@@ -234,24 +212,6 @@ def _snapshot(state: ContactState, contact: RollingContact) -> dict[str, NDArray
         "snapshot_pressure": cell_means(state.pressure, contact.subcells),
         "snapshot_deflection": cell_means(state.deflection, contact.subcells),
     }
-
-
-def snapshot_of(arrays: dict[str, NDArray[Any]]) -> Snapshot | None:
-    """Return the snapshot in the arrays of a piece, or None."""
-    if "snapshot_place" not in arrays:
-        return None
-    distance, along, across = arrays["snapshot_place"].tolist()
-    pressure, deflection = arrays["snapshot_pressure"], arrays["snapshot_deflection"]
-    return Snapshot(distance, along, across, pressure, deflection)
-
-
-def maps_of(arrays: dict[str, NDArray[Any]]) -> dict[int, PressureMap]:
-    """Return the pressure maps in the arrays of a piece by position."""
-    maps = {}
-    for position, distance, along, across, cell in arrays["map_places"].tolist():
-        number, pressure = int(position), arrays[f"map_{position:.0f}"]
-        maps[number] = PressureMap(number, distance, along, across, cell, pressure)
-    return maps
 
 
 # ---- film
@@ -320,8 +280,4 @@ def _packed(values: Array, kind: type[np.unsignedinteger]) -> tuple[NDArray[Any]
     return np.rint(values / unit).astype(kind), unit
 
 
-def slow_motion_of(first: int, stride: int, arrays: dict[str, NDArray[Any]]) -> SlowMotion:
-    """Return the slow motion in the arrays of a film from a position on."""
-    along, across, cell, pressure_unit, release_unit = arrays["film_place"].tolist()
-    units, maps = (pressure_unit, release_unit), (arrays["film_pressure"], arrays["film_release"])
-    return SlowMotion(first, stride, along, across, cell, *units, *maps)
+Observer = Series | Events | Maps | Film

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -17,7 +16,6 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from rolling.check import cost, error_cost
-from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
@@ -32,6 +30,7 @@ from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import continued_rows, heights
 
+_half_space = lru_cache(maxsize=4)(half_space_of)  # which equal contacts share
 # Steps of a piece. A cold start costs four to eight steps, which is 2 to 4 % of a piece.
 PIECE_STEPS = 200
 # Side of a cell on a level, in the run's cells.
@@ -97,12 +96,6 @@ class Piece:
             suffix = _short_digest(self.forces.tobytes())
         return "-".join(filter(None, (self.kind, str(self.first), str(self.last), suffix)))
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Piece) and hash(self) == hash(other)
-
-    def __hash__(self) -> int:
-        return hash((self.identity, self.key))
-
 
 def _short_digest(content: bytes) -> str:
     """Return 16 hex digits of the SHA-256 of some bytes."""
@@ -114,15 +107,8 @@ def track_pieces(steps: int) -> list[tuple[int, int]]:
     return [(first, min(first + PIECE_STEPS, steps)) for first in range(0, steps, PIECE_STEPS)]
 
 
-def march_piece(
-    piece: Piece, progress: Callable[[int], object] = lambda steps: None
-) -> dict[str, NDArray[Any]]:
+def march_piece(piece: Piece) -> dict[str, NDArray[Any]]:
     """March a piece and return plain arrays by name.
-
-    Parameters
-    ----------
-    piece : Piece. The piece.
-    progress : callable. It receives the number of steps, 1 after each step.
 
     Raises
     ------
@@ -145,7 +131,7 @@ def march_piece(
         contact = replace(contact, heights=unrolled(scene, contact.heights, last - start))
         sinking = Sinking(contact, start, first, scene.track.n_along)
     try:
-        _observe(piece, contact, (start, first, last), observers, sinking, progress)
+        _observe(piece, contact, (start, first, last), observers, sinking)
     except ContactError as error:
         if piece.kind in ("track", "pass"):
             raise
@@ -165,7 +151,6 @@ def _observe(
     positions: tuple[int, int, int],
     observers: list[Observer],
     sinking: Sinking | None,
-    progress: Callable[[int], object],
 ) -> None:
     """March from a start, and show states and energies of steps to observers from a first position.
 
@@ -174,7 +159,8 @@ def _observe(
     energies = piece.kind not in ("load", "judge")
     left_end = piece.scene.recovery.rule == "left_end"
     old: ContactState | None = None
-    half_space, (start, first, last) = half_space_for(contact), positions
+    start, first, last = positions
+    half_space = _half_space(contact.spacing, contact.contact_modulus, contact.subcells)
     for state in march(contact, start, last, half_space):
         work = sinking(state) if sinking else 0.0
         if state.position < first:
@@ -184,21 +170,9 @@ def _observe(
             energy = step_energy(old, state, half_space, left_end) if energies else None
             if energy and work:
                 energy = replace(energy, loading=energy.loading + work)
-            progress(1)
         for observer in observers:
             observer(state, energy)
         old = state
-
-
-@lru_cache(maxsize=4)
-def _half_space(spacing: float, contact_modulus: float, subcells: int) -> HalfSpace:
-    """Return the half-space of a spacing [m], a contact modulus [Pa] and sub-cells, made once."""
-    return half_space_of(spacing, contact_modulus, subcells)
-
-
-def half_space_for(contact: RollingContact) -> HalfSpace:
-    """Return the half-space of a contact; equal contacts share it."""
-    return _half_space(contact.spacing, contact.contact_modulus, contact.subcells)
 
 
 def _contact_of(piece: Piece) -> RollingContact:
@@ -227,22 +201,10 @@ def level_contact(scene: Scene, level: str, first: int, steps: int) -> RollingCo
     """Return the contact of a stretch on a level of accuracy, on the patch of surface around it.
 
     Position 0 of the contact is the first position of the stretch. All levels have the run's number
-    of sub-cells per cell.
+    of sub-cells per cell. The level of the detail holds that of the surface's law on flat cells.
     """
+    side, detail = SIDES[level], level == error_cost.DETAIL
     tight = level in ("tight", "fine")
-    tolerance = error_cost.tight_tolerance(scene) if tight else scene.tolerance
-    detail = level == error_cost.DETAIL
-    return contact_on_grid(scene, SIDES[level], tolerance, first, steps, detail)
-
-
-def contact_on_grid(
-    scene: Scene, side: float, tolerance: float, first: int, steps: int, detail: bool = False
-) -> RollingContact:
-    """Return the contact of a stretch with cells of another side, in cells of the run, 1/2, 1 or 2.
-
-    Position 0 of the contact is the first position of the stretch. With `detail`, cells of half the
-    side hold the detail of the surface's law, and are flat.
-    """
     whole, surface = rolling_contact(scene), heights(scene)
     # Twice the radius of overlap holds the highest peaks, and a few nodes hold the run-in.
     spacing = whole.cell_spacing
@@ -268,5 +230,5 @@ def contact_on_grid(
         slopes=slopes,
         spacing=whole.spacing * side,
         start=place - row * spacing - off_centre,
-        tolerance=tolerance,
+        tolerance=error_cost.tight_tolerance(scene) if tight else scene.tolerance,
     )

@@ -14,8 +14,8 @@ from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.contact.recovery import join_events
 from rolling.dynamics.motion import BodyMotion
-from rolling.marches import observers
 from rolling.marches.observers import (
+    EVENT_COLUMNS,
     MOVING_SERIES,
     STATE_SERIES,
     STEP_SERIES,
@@ -301,7 +301,10 @@ class Result:
         elif "fault" in arrays:
             self.slow_motion = SlowMotion.none()
         else:
-            self.slow_motion = observers.slow_motion_of(piece.first, piece.stride, arrays)
+            along, across, cell, *units = arrays["film_place"].tolist()
+            maps = arrays["film_pressure"], arrays["film_release"]
+            places = piece.first, piece.stride, along, across, cell
+            self.slow_motion = SlowMotion(*places, units[0], units[1], *maps)
 
     def _add_track(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         if not self.series["approach"].flags.writeable:
@@ -310,11 +313,15 @@ class Result:
             self.series[name][piece.first : piece.last] = arrays[name]
         for name in STATE_SERIES:
             _fill_states(self.series[name], piece, arrays[name])
-        self.snapshot = observers.snapshot_of(arrays) or self.snapshot
-        self.maps |= observers.maps_of(arrays)
-        events = observers.events_of(arrays)
-        if events is not None:
-            self.event_pieces[piece.first] = events
+        if "snapshot_place" in arrays:
+            distance, along, across = arrays["snapshot_place"].tolist()
+            fields = arrays["snapshot_pressure"], arrays["snapshot_deflection"]
+            self.snapshot = Snapshot(distance, along, across, *fields)
+        for position, distance, along, across, cell in arrays["map_places"].tolist():
+            place, pressure = (distance, along, across, cell), arrays[f"map_{position:.0f}"]
+            self.maps[int(position)] = PressureMap(int(position), *place, pressure)
+        if "event_node" in arrays:
+            self.event_pieces[piece.first] = {x: arrays[f"event_{x}"] for x in EVENT_COLUMNS}
 
     def left_by_passes(self, heights: Array) -> Array:
         """Return the heights [m] of a plate as its passes leave them."""

@@ -18,8 +18,7 @@ from rolling.results.run_errors import total_errors_db
 from rolling.results.sentences import say
 from rolling.results.verdict import ranks
 from rolling.scene.scene import Scene
-from rolling.sound import solver_error
-from rolling.sound.contact_sound import ContactSound
+from rolling.sound.contact_sound import ContactSound, solver_doubt
 from rolling.sound.vibration_sound import Vibration
 
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
@@ -85,7 +84,7 @@ def caveats(
         | _of_vibration(scene, vibration)
     )
     if sound.source == "release":
-        hidden = solver_error.doubt(scene, sound.audible_rms, sound.resolved_rms)
+        hidden = solver_doubt(scene, sound.audible_rms, sound.resolved_rms)
         texts |= {"solver": f"solver: {hidden}"} if hidden else {}
     return [{"key": key, "text": text} for key, text in texts.items()]
 

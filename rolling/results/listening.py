@@ -7,11 +7,8 @@ from __future__ import annotations
 
 import math
 import os
-import shutil
-import subprocess
 import sys
-import threading
-from contextlib import suppress
+import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,7 +32,6 @@ if TYPE_CHECKING:
 Speed = float | tuple[float, float]  # [m/s], constant or from start to end
 
 LEAST_S = 5.0  # [s] of listen.wav; a shorter record is a click
-PLAYERS = ("afplay", "pw-play", "paplay", "aplay", "ffplay -nodisp -autoexit", "xdg-open")
 LEAST_POSITIONS = 64  # of a solved track; fewer have no spectrum
 COARSE_HZ = 10e3  # highest frequency of the steps below which the sound is dull
 OFTEN = 0.1  # of a record's duration, in which forces beyond the marched loads are named
@@ -142,22 +138,10 @@ def facts(run: Run) -> str:
 
 
 def open_player(path: Path) -> None:
-    """Play a file by a player of the system, where a person sits at a terminal and one exists."""
-    if not sys.stdout.isatty() or "CI" in os.environ:
-        return
-    has_display = sys.platform == "darwin" or {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}
-    silent: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-
-    def play(words: list[str]) -> None:  # in a session of its own, which survives Ctrl-C
-        with suppress(OSError):
-            subprocess.run(words, start_new_session=True, check=False, **silent)
-
-    for command in PLAYERS if has_display else PLAYERS[:-1]:
-        name, *options = command.split()
-        if program := shutil.which(name):
-            words = [program, *options, str(path)]
-            threading.Thread(target=play, args=(words,), daemon=True).start()
-            return
+    """Play a file by the player of the desktop, where a person sits at a terminal of one."""
+    desktop = sys.platform in ("darwin", "win32") or {"DISPLAY", "WAYLAND_DISPLAY"} & {*os.environ}
+    if desktop and sys.stdout.isatty() and "CI" not in os.environ:
+        webbrowser.open(path.resolve().as_uri())
 
 
 # ---- long records
@@ -244,8 +228,5 @@ def limits(numbers: dict[str, Any]) -> list[str]:
         "force": outside > OFTEN,
         "waves": numbers["lowest_frequency_hz"] > LONG_WAVES_HZ,
     }
-    return [
-        say(f"long.limit.{name}", percent=100 * outside, **numbers)
-        for name, doubt in doubts.items()
-        if doubt
-    ]
+    true = [name for name, doubt in doubts.items() if doubt]
+    return [say(f"long.limit.{name}", percent=100 * outside, **numbers) for name in true]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,54 +21,50 @@ from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 from rolling.sound import error_estimate
 from rolling.sound.contact_sound import ContactSound
-from rolling.sound.error_estimate import NO_DETAIL, DetailErrors, LevelErrors, RecordLevels
+from rolling.sound.error_estimate import LevelErrors, RecordLevels
 from rolling.sound.vibration_sound import Vibration
 
+if TYPE_CHECKING:
+    from rolling.results.run_result import Run
+
 LINEAR = 0.3  # rms of the contact force over the load up to which sphere and plate are linear
-_BANDS = np.full(len(BAND_NAMES), math.nan)
-_UNKNOWN = LevelErrors(math.nan, False, _BANDS, _BANDS, _BANDS, *[math.nan] * 6)
-_UNKNOWN_DETAIL = DetailErrors(_BANDS, _BANDS, math.nan, math.nan)
+_NAN = np.full(len(BAND_NAMES) + 1, math.nan)
+_UNKNOWN = LevelErrors(math.nan, False, _NAN, _NAN, _NAN, *[math.nan] * 3)
 
 
-def error_numbers(
-    scene: Scene,
-    result: Result,
-    sound: ContactSound,
-    vibration: Vibration | None,
-    spreads: Mapping[str, float | None],
-) -> dict[str, Any]:
+def error_numbers(run: Run, spreads: Mapping[str, float | None]) -> dict[str, Any]:
     """Return the errors of a run for summary.json; none unless the scene asks for them.
 
     `spreads` are uncertainties of LAeq [dB] by their origin: the record and, of a vibration, more.
     """
+    scene, result, sound = run.scene, run.result, run.sound
     if not scene.numerics.error_estimate:
         return {}
-    levels, detail, plastic = _UNKNOWN, _UNKNOWN_DETAIL, (math.nan, math.nan)
-    vibrating = vibration if sound.source == "vibration" else None
-    if reason := _not_linear(vibrating) or _reason(scene, result, sound):
+    levels, detail, plastic = _UNKNOWN, np.stack([_NAN, _NAN]), (math.nan, math.nan)
+    vibrating = run.vibration if sound.source == "vibration" else None
+    if reason := (_not_linear(vibrating) if vibrating else "") or _reason(scene, result, sound):
         estimate: dict[str, Any] = {"reason": reason}
     else:
-        levels, detail, estimate = _estimate(scene, result, sound)
+        levels, detail, estimate = _estimate(run)
         areas = (error_stretches.plastic_areas(scene, result, grid) for grid in ("tight", "fine"))
         plastic = error_estimate.mean_error(*areas)
     # The level is not corrected for the error of the grid, which therefore counts whole.
     parts = dict.fromkeys(("record", "grid", "solver")) | dict(spreads)
-    parts["grid"] = known(math.hypot(levels.laeq_grid_db, levels.laeq_grid_uncertainty_db))
-    parts["solver"] = known(abs(levels.laeq_solver_db))
-    if detail is not NO_DETAIL and detail is not _UNKNOWN_DETAIL:
-        parts["subgrid"] = known(math.hypot(detail.laeq_db, detail.laeq_uncertainty_db))
+    parts["grid"] = known(math.hypot(levels.grid_db[-1], levels.grid_uncertainty_db[-1]))
+    parts["solver"] = known(abs(levels.solver_db[-1]))
+    if np.nan_to_num(detail).any():
+        parts["subgrid"] = known(math.hypot(*detail[:, -1]))
     total = math.sqrt(sum(part**2 for part in parts.values() if part is not None))
+    arrays = {
+        "grid_error_db": levels.grid_db,
+        "grid_error_uncertainty_db": levels.grid_uncertainty_db,
+        "solver_error_db": levels.solver_db,
+        "subgrid_error_db": detail[0],
+        "subgrid_error_uncertainty_db": detail[1],
+    }
     return {
-        "grid_error_db": known_bands(levels.grid_db),
-        "grid_error_uncertainty_db": known_bands(levels.grid_uncertainty_db),
-        "solver_error_db": known_bands(levels.solver_db),
-        "laeq_grid_error_db": known(levels.laeq_grid_db),
-        "laeq_grid_error_uncertainty_db": known(levels.laeq_grid_uncertainty_db),
-        "laeq_solver_error_db": known(levels.laeq_solver_db),
-        "subgrid_error_db": known_bands(detail.bands_db),
-        "subgrid_error_uncertainty_db": known_bands(detail.bands_uncertainty_db),
-        "laeq_subgrid_error_db": known(detail.laeq_db),
-        "laeq_subgrid_error_uncertainty_db": known(detail.laeq_uncertainty_db),
+        **{name: known_bands(values[:-1]) for name, values in arrays.items()},
+        **{f"laeq_{name}": known(float(values[-1])) for name, values in arrays.items()},
         "plastic_ratio_grid_error": known(plastic[0]),
         "plastic_ratio_grid_error_uncertainty": known(plastic[1]),
         "grid_signal_db": known(levels.grid_signal_db),
@@ -96,36 +92,33 @@ def known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _estimate(
-    scene: Scene, result: Result, sound: ContactSound
-) -> tuple[LevelErrors, DetailErrors, dict[str, Any]]:
+def _estimate(run: Run) -> tuple[LevelErrors, Array, dict[str, Any]]:
     """Return errors of levels, errors from missing detail, and the facts of the estimate."""
+    scene, result, sound = run.scene, run.result, run.sound
     powers = error_stretches.stretch_powers(scene, result)
     own_factor = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
     lap_s = sound.duration * result.solved_steps / result.steps
     record = RecordLevels.of(sound.levels, own_factor, lap_s)
-    detail = _UNKNOWN_DETAIL if scene.height_paths else NO_DETAIL
+    # A file of heights may lack detail; the law of a made surface may end before the grid.
+    detail = np.full((2, len(_NAN)), math.nan if scene.height_paths else 0.0)
     if with_detail := error_stretches.detail_powers(scene, result):
         detail = error_estimate.detail_errors(with_detail, record)
     levels = error_estimate.level_errors(powers, record)
-    return (
-        levels,
-        detail,
-        {
-            "stretches": len(error_stretches.stretch_firsts(scene, result)),
-            "steps": result.stretches.steps if result.stretches else 0,
-            "order": levels.order,
-            "order_measured": levels.order_measured,
-            "worst_uncertainty_db": known(error_estimate.worst_uncertainty_db(powers)),
-        },
-    )
+    estimate = {
+        "stretches": len(error_stretches.stretch_firsts(scene, result)),
+        "steps": result.stretches.steps if result.stretches else 0,
+        "order": levels.order,
+        "order_measured": levels.order_measured,
+        "worst_uncertainty_db": known(error_estimate.worst_uncertainty_db(powers)),
+    }
+    return levels, detail, estimate
 
 
-def _not_linear(vibration: Vibration | None) -> str:
+def _not_linear(vibration: Vibration) -> str:
     """Explain that no linear chain carries an error to the sound; empty where one does."""
-    if vibration is not None and vibration.motion.flight_share > 0:
+    if vibration.motion.flight_share > 0:
         words = "contact is lost"
-    elif vibration is not None and vibration.rms_ratio > LINEAR:
+    elif vibration.rms_ratio > LINEAR:
         words = f"the contact force fluctuates by {rounded(vibration.rms_ratio)} of the load"
     else:
         return ""

@@ -23,7 +23,7 @@ from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.listening import listen, reason_against, released
-from rolling.results.running_in import pass_numbers, pass_sounds
+from rolling.results.running_in import pass_numbers
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
@@ -84,8 +84,13 @@ class Run:
     @cached_property
     def pass_sounds(self) -> list[ContactSound]:
         """Sound of the release of each pass; empty for a plate without memory."""
-        closed = released(self.scene, self.result)[1]
-        return pass_sounds(self.scene, self.result, closed, scene_surface(self.scene).has_seam)
+        result, scene = self.result, self.scene
+        if result.passes is None:
+            return []
+        closed, has_seam = released(scene, result)[1], scene_surface(scene).has_seam
+        steps, lap = np.arange(result.steps) % result.solved_steps, result.solved_steps
+        energies = result.passes.series["release_energy"][:, steps]
+        return [contact_sound(scene, x, result.step, closed, lap, has_seam) for x in energies]
 
     @property
     def title(self) -> str:
@@ -294,18 +299,18 @@ def hear(
     ContactError : the marches make no force law.
     """
     energy, closed = released(scene, result)
-    moving = result.moving if scene.moves_release else None
     lap, has_seam = result.solved_steps, scene_surface(scene).has_seam
     release = contact_sound(scene, energy, result.step, closed, lap, has_seam)
     vibration = _vibration(scene, result, release)
     vibrates = vibration is not None and scene.sound.source == "vibration"
     sound = heard(release, vibration) if vibration and vibrates else release
-    numbers = summary or summarize(scene, result, sound, release, vibration, moving)
-    run = Run(label, values, folder, scene, result, sound, numbers, vibration)
-    if summary is None and result.passes is not None:
-        numbers["passes"] = pass_numbers(scene, result, run.pass_sounds)
-    if summary is None and scene.sound.listen_s is not None:
-        numbers["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
+    run = Run(label, values, folder, scene, result, sound, summary or {}, vibration)
+    if summary is None:
+        run.summary.update(summarize(run, release))
+        if result.passes is not None:
+            run.summary["passes"] = pass_numbers(run)
+        if scene.sound.listen_s is not None:
+            run.summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -10,10 +9,8 @@ import numpy as np
 from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.numbers import decibels_a
-from rolling.marches.result import Result
-from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
-from rolling.sound.vibration_estimate import estimate
+from rolling.sound.contact_sound import FADE_S
+from rolling.sound.radiators import vibration_estimate
 
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
@@ -22,33 +19,21 @@ PASS_S, PAUSE_S = 1.5, 0.25  # [s] of a pass for the ear, and of the silence aft
 MOST_HEARD = 12  # passes in the WAV; of more, it holds passes in a geometric sequence
 
 
-def pass_sounds(scene: Scene, result: Result, closed: bool, has_seam: bool) -> list[ContactSound]:
-    """Return the sound of the release of each pass; none for a plate without memory."""
-    if result.passes is None:
-        return []
-    steps, lap = np.arange(result.steps) % result.solved_steps, result.solved_steps
-    return [
-        contact_sound(scene, energy[steps], result.step, closed, lap, has_seam)
-        for energy in result.passes.series["release_energy"]
-    ]
-
-
-def pass_numbers(
-    scene: Scene, result: Result, sounds: Sequence[ContactSound]
-) -> list[dict[str, Any]]:
+def pass_numbers(run: Run) -> list[dict[str, Any]]:
     """Return levels, release power, plastic work and maximum depth of each pass.
 
     The level of the vibration is an estimate from the approach, for scenes without dynamics.
     """
-    passes, numbers = result.passes, list[dict[str, Any]]()
+    scene, result, passes = run.scene, run.result, run.result.passes
+    numbers = list[dict[str, Any]]()
     assert passes is not None  # asked for by the caller
     places = np.append(np.arange(result.steps) % result.solved_steps, -1)
     places[-1] = places[-2] + 1
-    for k, sound in enumerate(sounds):
+    for k, sound in enumerate(run.pass_sounds):
         vibration = None
         if scene.dynamics is None:
             approach = passes.series["approach"][k, places]
-            vibration, _ = estimate(scene, approach, result.step, sound.closed)
+            vibration, _ = vibration_estimate(scene, approach, result.step, sound.closed)
         numbers.append(
             {
                 "laeq_db": sound.levels.laeq_db,

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,55 +29,43 @@ from rolling.results import verdict
 from rolling.results.caveats import caveats
 from rolling.results.run_errors import error_numbers, known, known_bands
 from rolling.scene.scene import Scene
-from rolling.sound import vibration_estimate
+from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import P_REF_W, Vibration, by_band, compact_source_db
-from rolling.sound.wavelengths import wavelength_octaves
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 from rolling.terminal import program
+
+if TYPE_CHECKING:
+    from rolling.results.run_result import Run
 
 LEAST_TURNS = 2.0  # of a record whose modulation by the turns is judged
 _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
 
 
-def summarize(
-    scene: Scene,
-    result: Result,
-    sound: ContactSound,
-    release: ContactSound,
-    vibration: Vibration | None,
-    moving: MovingRelease | None,
-) -> dict[str, Any]:
-    """Collect the numbers of a run; levels of silence are None.
-
-    scene : Scene. A scene without a sweep.
-    result : Result. The whole result.
-    sound, release : ContactSound. The sound that is heard, and that of the release.
-    vibration : Vibration. Vibration of sphere and plate, or None.
-    moving : MovingRelease. The release under the moving load, or None.
-    """
-    surface, seconds = scene_surface(scene), result.series["step_time"]
-    law = _law(scene, result, vibration)
+def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
+    """Collect the numbers of a run, with the sound of its release; levels of silence are None."""
+    scene, result, sound, vibration = run.scene, run.result, run.sound, run.vibration
+    surface, times = scene_surface(scene), result.series["step_time"]
+    times = times[np.isfinite(times)]  # unknown of marches that were read from a file
+    moving = result.moving if scene.moves_release else None
+    vibrates, law = sound.source == "vibration", _law(run)
     origins: dict[str, float | None] = {"record": sound.uncertainty.laeq_db}
-    if vibration is not None and sound.source == "vibration":
+    if vibration is not None and vibrates:
         origins = {**vibration.spreads}
         if (error := law.get("force_law_error_db")) is not None:
             origins["force_law"] = error
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
     del spreads["third_octave"]
-    times = seconds[np.isfinite(seconds)]  # unknown of marches that were read from a file
-    repeats = sound.source == "release" or bool(vibration and vibration.motion.settled)
+    repeats = not vibrates or bool(vibration and vibration.motion.settled)
     laps = result.steps / result.solved_steps if repeats else 1.0
-    errors = error_numbers(scene, result, sound, vibration, origins)
-    left, approach = result.left_by_passes(surface.heights), result.series["approach"]
-    octaves = wavelength_octaves(scene, sound, left, approach)
+    errors = error_numbers(run, origins)
     summary = {
         "name": scene.name,
         "load_n": scene.load,
         "steps": result.steps,
         "source": sound.source,
-        "q": None if sound.source == "vibration" or scene.sound.gain_pa_per_w_m2 else scene.sound.q,
+        "q": None if vibrates or scene.sound.gain_pa_per_w_m2 else scene.sound.q,
         **asdict(sound.levels),
         "steady_level_db": sound.steady_level,
         "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
@@ -85,21 +73,28 @@ def summarize(
         "record_scatter_db": record_scatter(sound.pressure, laps),
         **errors,
         **_loudness(scene, sound),
-        **_release(release, sound),
+        "duration_s": sound.duration,
+        "loops": sound.loops,
+        "highest_frequency_hz": sound.highest,
+        "factor_pa_per_w_m2": sound.factor,
+        "release_power_mean_w": release.mean_power,
+        "release_power_rms_w": release.power_rms,
+        "release_power_audible_rms_w": release.audible_rms,
+        "release_power_resolved_rms_w": release.resolved_rms,
         **_contact(scene, result),
         "tolerance": scene.tolerance,
         "step_ms": float(np.median(times) * 1e3) if len(times) else None,
         "seconds": float(times.sum()),
         "surface": asdict(surface.statistics),
-        "levelling": _levelling(surface.levelling) if surface.levelling else None,
+        "levelling": surface.levelling and _levelling(surface.levelling),
         **surface.made,
         **({"preparation": [*map(asdict, surface.preparation)]} if surface.preparation else {}),
         **_turns(scene, surface, sound),
-        "wavelength_octaves": [octave._asdict() for octave in octaves],
-        **_vibration(scene, release, vibration),
+        "wavelength_octaves": [octave._asdict() for octave in run.wavelength_octaves],
+        **(_vibration(scene, release, vibration) if vibration else {}),
         **law,
-        **_moving(result, moving),
-        **_estimate(scene, result, release),
+        **(_moving(result, moving) if moving and not moving.fault else {}),
+        **(_estimate(scene, result, release) if scene.dynamics is None else {}),
     }
     summary["caveats"] = caveats(scene, sound, errors, vibration, moving)
     return summary | {"verdict": verdict.verdict(summary, scene)}
@@ -149,20 +144,6 @@ def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
         return {}
     heard = loudness.loudness(sound.pressure, sound.sample_rate, sound.closed)
     return {"loudness_sone": heard.sone, "sharpness_acum": heard.acum}
-
-
-def _release(release: ContactSound, sound: ContactSound) -> dict[str, Any]:
-    """Return the duration of a record, and the release power behind it."""
-    return {
-        "duration_s": sound.duration,
-        "loops": sound.loops,
-        "highest_frequency_hz": sound.highest,
-        "factor_pa_per_w_m2": sound.factor,
-        "release_power_mean_w": release.mean_power,
-        "release_power_rms_w": release.power_rms,
-        "release_power_audible_rms_w": release.audible_rms,
-        "release_power_resolved_rms_w": release.resolved_rms,
-    }
 
 
 def _contact(scene: Scene, result: Result) -> dict[str, Any]:
@@ -222,10 +203,8 @@ def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str
     }
 
 
-def _moving(result: Result, moving: MovingRelease | None) -> dict[str, Any]:
+def _moving(result: Result, moving: MovingRelease) -> dict[str, Any]:
     """Return the numbers of a release under the moving load."""
-    if moving is None or moving.fault:
-        return {}
     defect = np.abs(moving.steps["energy_defect"]).max()
     return {
         "force_law_error_m": moving.law_error,
@@ -233,13 +212,13 @@ def _moving(result: Result, moving: MovingRelease | None) -> dict[str, Any]:
     }
 
 
-def _law(scene: Scene, result: Result, vibration: Vibration | None) -> dict[str, Any]:
+def _law(run: Run) -> dict[str, Any]:
     """Return the loads of the force law, its error, and the time of its marches."""
-    marches = result.load_marches
+    vibration, marches = run.vibration, run.result.load_marches
     if vibration is None or marches is None:
         return {}
     loads = vibration.law.load_n.tolist()
-    error = force_law.law_error(scene, result, loads)
+    error = force_law.law_error(run.scene, run.result, loads)
     return {
         "force_law_loads": len(loads),
         "force_law_min_n": loads[0],
@@ -251,10 +230,8 @@ def _law(scene: Scene, result: Result, vibration: Vibration | None) -> dict[str,
     }
 
 
-def _vibration(scene: Scene, release: ContactSound, vibration: Vibration | None) -> dict[str, Any]:
+def _vibration(scene: Scene, release: ContactSound, vibration: Vibration) -> dict[str, Any]:
     """Return the numbers of a vibration: levels of both sources, force, bodies and motion."""
-    if vibration is None:
-        return {}
     chain, motion, ratio = vibration.chain, vibration.motion, vibration.force_ratio
     largest = float(motion.force_n.max())
     # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
@@ -310,9 +287,8 @@ def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
         return {}
     places = ([round(1e3 * x, 6) for x in place] for place in scene.listeners)
     heard = zip(places, vibration.listener_levels(), strict=True)
-    keys = "at_mm", "laeq_db", "level_db"
-    rows = ((place, levels.laeq_db, levels.level_db) for place, levels in heard)
-    return {"listeners": [dict(zip(keys, row, strict=True)) for row in rows]}
+    rows = ((at, levels.laeq_db, levels.level_db) for at, levels in heard)
+    return {"listeners": [{"at_mm": at, "laeq_db": a, "level_db": z} for at, a, z in rows]}
 
 
 def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:
@@ -329,14 +305,12 @@ def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:
 
 def _estimate(scene: Scene, result: Result, release: ContactSound) -> dict[str, Any]:
     """Return the estimate of the vibration that a scene without dynamics leaves out."""
-    if scene.dynamics is not None:
-        return {}
     approach, closed = result.whole("approach"), release.closed
-    laeq, ratio = vibration_estimate.estimate(scene, approach, result.step, closed)
+    laeq, ratio = radiators.vibration_estimate(scene, approach, result.step, closed)
     return {
         "vibration_estimate_laeq_db": laeq,
         "vibration_estimate_force_ratio": ratio,
-        "vibration_estimate_bodies": vibration_estimate.bodies_text(scene),
+        "vibration_estimate_bodies": radiators.bodies_text(scene),
     }
 
 

@@ -132,11 +132,9 @@ def _sized(
     return Contribution(name, word, size, text)
 
 
-def _unsized(
-    name: str, variant: str = "", word: str = INDICATIVE, **numbers: object
-) -> Contribution:
+def _unsized(name: str, variant: str = "", word: str = INDICATIVE, **facts: object) -> Contribution:
     """Return a contribution of unknown decibels."""
-    return Contribution(name, word, None, say(f"verdict.{name}{variant}", **numbers))
+    return Contribution(name, word, None, say(f"verdict.{name}{variant}", **facts))
 
 
 # ---- contributions

@@ -14,10 +14,11 @@ from typing import Any
 from rolling.check import cost
 from rolling.contact.solver import ContactError
 from rolling.marches.next_pieces import next_pieces, own_part
-from rolling.marches.piece import contact_identity
+from rolling.marches.piece import Piece, contact_identity
 from rolling.marches.result import Result
 from rolling.run.pools import Pool, Task
-from rolling.run.worker import KILLED, MOST_BREAKS, Failure, solve_piece
+from rolling.run.worker import KILLED, MOST_BREAKS, solve_piece
+from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.terminal import progress
 
@@ -90,7 +91,6 @@ class RunLoop:
             groups[contact_identity(scene)].append(number)
         self._groups = deque(sorted(groups.values(), key=lambda group: -self._costs[group[0]]))
         self._queue: deque[Task] = deque()
-        self._suspects: deque[Task] = deque()  # tasks in hand when the pool broke
         self._flying: dict[Future[Any], Task] = {}
         self._wanting: dict[tuple[str, str], list[int]] = {}  # runs by the key of their task
         self._lacking: Counter[int] = Counter()  # pieces that each run waits for
@@ -107,7 +107,7 @@ class RunLoop:
         KeyboardInterrupt : Ctrl-C or SIGTERM. Files of finished pieces are kept.
         """
         with ended_by_signal():
-            while self._groups or self._queue or self._suspects or self._flying:
+            while self._groups or self._queue or self._flying:
                 self._hand_out(pool)
                 done, _ = wait(self._flying, LOOK_SECONDS, FIRST_COMPLETED)
                 pool.look()
@@ -119,19 +119,21 @@ class RunLoop:
     def _hand_out(self, pool: Pool) -> None:
         """Fill the slots of the pool; a suspect is alone in it."""
         while not any(self._breaks[task.key] for task in self._flying.values()):
-            while not (self._queue or self._suspects) and self._groups:
+            while not self._queue and self._groups:
                 self._begin(self._groups.popleft())
-            waiting = self._suspects or self._queue
-            if not waiting or len(self._flying) >= (1 if self._suspects else pool.slots):
+            if not self._queue:
                 return
-            task = waiting.popleft()
+            task = self._queue[0]
+            if len(self._flying) >= (1 if self._breaks[task.key] else pool.slots):
+                return
+            self._queue.popleft()
             if not self._wanting.get(task.key):  # its runs have failed
                 self._wanting.pop(task.key, None)
                 continue
             try:
                 self._flying[pool.submit(task)] = task
             except BrokenExecutor:
-                waiting.appendleft(task)
+                self._queue.appendleft(task)
                 self._suspect(pool)
 
     def _begin(self, group: Sequence[int]) -> None:
@@ -174,8 +176,7 @@ class RunLoop:
 
     def _collect(self, future: Future[Any], pool: Pool) -> bool:
         """Take the value of a task; return false where the pool broke."""
-        task = self._flying[future]
-        reason = ""
+        task, reason = self._flying[future], ""
         try:
             value = future.result()
             if value is None and task.piece is not None:  # its file holds the arrays
@@ -185,6 +186,8 @@ class RunLoop:
         except CancelledError:
             pool.rebuild()
             raise
+        except (ContactError, SceneError, MemoryError) as error:
+            reason = str(error) or "not enough memory"
         except OSError as error:
             if task.piece is not None or error.errno in OF_A_DISK:
                 raise
@@ -196,23 +199,18 @@ class RunLoop:
         self._bar.update(task.cost)
         progress.detail(f"done: {' '.join(task.key)}")
         numbers = self._wanting.pop(task.key, [])
-        if reason or isinstance(value, Failure):
-            for number in numbers:
-                self._fail(number, reason or value.reason)
-        elif task.piece is None:
-            for number in numbers:
+        for number in numbers:
+            if reason:
+                self._fail(number, reason)
+            elif task.piece is None:
                 self._finished(number)
-        else:
-            for number in numbers:
-                self._add(number, task, value)
+            else:
+                self._add(number, task.piece, value)
         return True
 
-    def _add(self, number: int, task: Task, value: dict[str, Any]) -> None:
+    def _add(self, number: int, piece: Piece, arrays: dict[str, Any]) -> None:
         """Add a piece to a run, and go on with the run after the last piece that it waits for."""
-        if number in self.failures:
-            return
-        assert task.piece is not None
-        self._results[number].add(task.piece, value)
+        self._results[number].add(piece, arrays)
         self._lacking[number] -= 1
         if not self._lacking[number]:
             self._advance(number)
@@ -231,7 +229,7 @@ class RunLoop:
         for task in self._flying.values():
             self._breaks[task.key] += 1
             if self._breaks[task.key] < MOST_BREAKS:
-                self._suspects.append(task)
+                self._queue.appendleft(task)
             else:
                 for number in self._wanting.pop(task.key, []):
                     self._fail(number, KILLED)

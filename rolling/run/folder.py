@@ -15,7 +15,6 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-import rolling
 from rolling.scene import file
 from rolling.scene import sweep as sweeps
 from rolling.scene.height_files import open_regular, read_regular
@@ -154,20 +153,12 @@ def _foreign(folder: Path) -> str:
         return ""
     if not folder.is_dir():
         return "not a folder"
-    if (folder / "run.json").exists() or (folder / "resolved.yaml").exists():
-        return (
-            "made by version 0.1 of rolling-contact-noise, which reads it; version"
-            f" {rolling.__version__} does not"
-        )
-    strangers = [path.name for path in folder.iterdir() if not _is_own(path.name)]
+    # Locks and files half written may stand in a folder without a scene.
+    own = f"{LOCK}*", f".*{files.PARTIAL}"
+    strangers = [path.name for path in folder.iterdir() if not any(map(path.match, own))]
     if strangers:
         return f"no run folder, it holds {', '.join(sorted(strangers)[:3])}"
     return ""
-
-
-def _is_own(name: str) -> bool:
-    """Return whether a file in a folder without a scene is a lock or a file half written."""
-    return name.startswith(LOCK) or (name.startswith(".") and name.endswith(".partial"))
 
 
 def refuse_other(folder: Path, scene: Scene) -> bool:

@@ -57,16 +57,27 @@ class Task:
 
 
 class Pool(ExitStack):
-    """Place where tasks are done, used as a context.
+    """Place where tasks are done, used as a context; this one does each at once in this process.
 
     slots : int. Number of tasks that may be in hand at the same time.
     """
 
     slots = 1
 
+    def __enter__(self) -> Self:
+        from rolling.contact import compiling
+
+        self.enter_context(compiling.told(progress.compiling))
+        return self
+
     def submit(self, task: Task) -> Future[Any]:
         """Hand out a task."""
-        raise NotImplementedError
+        future: Future[Any] = Future()
+        try:
+            future.set_result(task.function(*task.arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
 
     def rebuild(self) -> None:
         """Replace processes that broke."""
@@ -77,25 +88,6 @@ class Pool(ExitStack):
     def reason(self, error: Exception) -> str:
         """Return the reason why a task failed, or raise its error, which is none of the physics."""
         raise error
-
-
-class ThisProcess(Pool):
-    """Pool that does each task at once in this process."""
-
-    def __enter__(self) -> Self:
-        from rolling.contact import compiling
-
-        self.enter_context(compiling.told(progress.compiling))
-        return self
-
-    def submit(self, task: Task) -> Future[Any]:
-        """Do a task and return its completed future."""
-        future: Future[Any] = Future()
-        try:
-            future.set_result(task.function(*task.arguments))
-        except Exception as error:
-            future.set_exception(error)
-        return future
 
 
 @contextmanager
@@ -170,7 +162,7 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
     pieces = sum(len(track_pieces(scene.track.solved_steps)) for scene in scenes)
     workers = min(workers or cost.cores(), pieces)
     if workers <= 1:
-        return ThisProcess()
+        return Pool()
     try:
         from loky.backend import get_context
 
@@ -183,7 +175,7 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
             f" (is /dev/shm there and writable? {error}): all is done in one process",
             file=sys.stderr,
         )
-        return ThisProcess()
+        return Pool()
     return LocalPool(workers)
 
 

@@ -5,7 +5,6 @@ A Dask scheduler imports this module as well, so the solver is imported where a 
 
 from __future__ import annotations
 
-import ctypes
 import io
 import os
 import pickle
@@ -14,8 +13,6 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,7 +33,6 @@ Arrays = dict[str, NDArray[Any]]
 
 MOST_BREAKS = 3  # of processes by a task, before its runs have failed
 KILLED = f"a worker process was killed {MOST_BREAKS} times while it had this run; out of memory?"
-_PR_SET_PDEATHSIG = 1  # of prctl(2)
 _MOST_PIECE = 2**30  # bytes of the file of a piece
 _threads = threading.local()  # of a worker of a cluster; each has a process that does its tasks
 # A process imports nothing from the working directory, and runs its libraries on one thread. Large
@@ -51,13 +47,6 @@ ENVIRONMENT = {
 }
 
 
-@dataclass(frozen=True)
-class Failure:
-    """A task that failed, with the reason for the user."""
-
-    reason: str
-
-
 class OtherProgramError(Exception):
     """A worker of a cluster that runs another version of the program."""
 
@@ -67,36 +56,29 @@ def piece_path(pieces: Path, piece: Piece) -> Path:
     return pieces / piece.identity[:16] / f"{piece.key}.npz"
 
 
-def solve_piece(piece: Piece, pieces: Path | None) -> Arrays | Failure:
+def solve_piece(piece: Piece, pieces: Path | None) -> Arrays:
     """March a piece, or read its file; a folder of pieces receives the file of a new piece."""
     path = None if pieces is None else piece_path(pieces, piece)
     if path is not None and (arrays := read_piece(path)) is not None:
         return arrays
-    from rolling.contact.solver import ContactError
     from rolling.marches.piece import march_piece
-    from rolling.scene.messages import SceneError
 
-    try:
-        arrays = march_piece(piece)
-    except (ContactError, SceneError, MemoryError) as error:
-        return Failure(str(error) or "not enough memory")
-    if path is not None:
+    arrays = march_piece(piece)
+    if pieces is not None and path is not None:
         content = io.BytesIO()
         np.savez(content, allow_pickle=False, **arrays)
-        assert pieces is not None
         make_below(pieces.parent, path.parent)
         write_bytes(path, content.getvalue())
     return arrays
 
 
-def store_piece(piece: Piece, pieces: Path) -> Failure | None:
+def store_piece(piece: Piece, pieces: Path) -> None:
     """March a piece into its file, and return nothing that could fill a pipe.
 
     A worker that is killed while it sends more than the pipe takes at once leaves a reader that
     waits for ever, because the reader's own process keeps the other end open as well.
     """
-    value = solve_piece(piece, pieces)
-    return value if isinstance(value, Failure) else None
+    solve_piece(piece, pieces)
 
 
 def read_piece(path: Path) -> Arrays | None:
@@ -111,19 +93,12 @@ def read_piece(path: Path) -> Arrays | None:
         return None
 
 
-def finish_run(run: RunFolder, label: str, result: Result) -> Failure | None:
+def finish_run(run: RunFolder, label: str, result: Result) -> None:
     """Make the sound of a complete run and write the files of its folder."""
-    from rolling.contact.solver import ContactError
     from rolling.results.run_files import write_run
     from rolling.results.run_result import hear
-    from rolling.scene.messages import SceneError
 
-    try:
-        heard = hear(label, run.values, run.folder, run.scene, result)
-    except (ContactError, SceneError, MemoryError) as error:
-        return Failure(str(error) or "not enough memory")
-    write_run(heard)
-    return None
+    write_run(hear(label, run.values, run.folder, run.scene, result))
 
 
 def act(task: bytes, program: Program) -> Any:
@@ -135,6 +110,7 @@ def act(task: bytes, program: Program) -> Any:
     Raises
     ------
     OtherProgramError : this worker runs another program, or has other packages.
+    MemoryError : the process was killed again and again.
     """
     if identity() != program:
         raise OtherProgramError(str(identity()))
@@ -154,7 +130,7 @@ def act(task: bytes, program: Program) -> Any:
         if isinstance(value, Exception):
             raise value
         return value
-    return Failure(KILLED)
+    raise MemoryError(KILLED)
 
 
 def _process() -> subprocess.Popen[bytes]:
@@ -188,9 +164,6 @@ def begin(parent: int, compiles: Any = None) -> None:
     """Prepare a worker process, which ends with its parent and reports compilation."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent alone acts on Ctrl-C
     progress.silence()
-    if sys.platform.startswith("linux"):
-        with suppress(OSError, AttributeError):  # without prctl the thread below remains
-            ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
     threading.Thread(target=_end_with, args=(parent,), name="lifeline", daemon=True).start()
     if compiles is not None:
         from rolling.contact import compiling

@@ -12,13 +12,11 @@ from rolling.scene import library
 from rolling.scene.messages import (
     MATERIALS,
     fault,
-    implausible,
-    is_number,
     numbers,
     refusal,
     shown,
 )
-from rolling.scene.sections import Section
+from rolling.scene.sections import Section, number_or
 from rolling.scene.surfaces import BallSurface
 
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
@@ -27,21 +25,8 @@ Material = Annotated[str, library.listed("materials")]
 HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
 
 
-def _hardness(value: Any) -> Any:
-    """Return a hardness, or the word for a plate without one."""
-    if value == library.NONE:
-        return value
-    if is_number(value) and HARDNESS.least <= value <= HARDNESS.most:
-        return float(value)
-    words = f"got {shown(value)}, allowed: a finite number, or {library.NONE}"
-    raise fault(implausible(value, HARDNESS) if is_number(value) else words)
-
-
-_NUMBER = {"type": "number", "minimum": HARDNESS.least, "maximum": HARDNESS.most}
 Hardness = Annotated[
-    float | Literal["none"],
-    BeforeValidator(_hardness),
-    WithJsonSchema({"anyOf": [_NUMBER, {"type": "string", "const": library.NONE}]}),
+    float | Literal["none"], *number_or(library.NONE, "a finite number, or none", HARDNESS)
 ]
 
 

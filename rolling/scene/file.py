@@ -19,7 +19,7 @@ from ruamel.yaml.events import AliasEvent
 
 from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE, Sphere
-from rolling.scene.height_files import read_regular
+from rolling.scene.height_files import read_regular, reason_of
 from rolling.scene.messages import Key, SceneError, all_keys, cut, dotted, first_line, shown
 from rolling.scene.quantities import motion_of
 from rolling.scene.scene import Scene
@@ -98,11 +98,6 @@ def loads(
     return Scene.from_dict(data, folder, places, _override(data, places, overrides))
 
 
-def _bare(error: SceneError) -> str:
-    """Return the message of a fault without its place."""
-    return re.sub(r"^[^ ]*: (\d+: )?", "", str(error))
-
-
 def dump(scene: Scene) -> str:
     """Write a scene as YAML text with every default filled in.
 
@@ -141,7 +136,8 @@ def _override(data: dict[str, Any], places: dict[Key, str], overrides: Sequence[
             try:
                 data |= with_value(data, name, parse(text, "--set")[0])
             except SceneError as error:
-                faults.append(f"--set: {name}: {_bare(error)}")
+                words = re.sub(r"^[^ ]*: (\d+: )?", "", str(error))  # without its place
+                faults.append(f"--set: {name}: {words}")
                 continue
             key = messages.key_of(name)
             for inner in [other for other in places if other[: len(key)] == key]:
@@ -247,16 +243,14 @@ def read_text(path: Path) -> str:
     """Read a regular file of UTF-8 text of at most MAX_BYTES; raise SceneError where it is none."""
     try:
         return read_regular(path, MAX_BYTES).decode("utf-8-sig")
-    except FileNotFoundError as error:
-        raise SceneError([f"{path}: no such file{library.hint(path)}"]) from error
     except OSError as error:
-        words = error.strerror or str(error)
-        if words.startswith("is larger"):
+        words = reason_of(error)
+        if isinstance(error, FileNotFoundError):
+            words += library.hint(path)
+        elif words.startswith("is larger"):
             words += ", allowed: a scene file of at most that size"
         elif words.startswith("is "):
             words += ", a scene file is needed"
-        else:
-            words = f"not readable ({words})"
         raise SceneError([f"{path}: {words}"]) from error
     except UnicodeDecodeError as error:
         line, byte = error.object[: error.start].count(b"\n") + 1, error.object[error.start]

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, cast
 
 import numpy as np
 
@@ -103,13 +103,8 @@ def refuse_missing(path: Path) -> None:
     """Raise HeightFormatError for a path that is no readable regular file."""
     try:
         open_regular(path).close()
-    except FileNotFoundError as error:
-        raise HeightFormatError("no such file") from error
     except OSError as error:
-        reason = error.strerror or str(error)
-        raise HeightFormatError(
-            reason if reason.startswith("is ") else f"not readable ({reason})"
-        ) from error
+        raise HeightFormatError(reason_of(error)) from error
 
 
 def _ending(path: Path) -> str:
@@ -232,36 +227,31 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
         fields.pop()
     if separator == "," and (part := next(filter(_DECIMALS.fullmatch, fields), None)):
         raise HeightFormatError(worded("file comma", got=shown(f"...,{part.strip()}")), place)
-    try:
-        row = [float(field) for field in fields]
-        if not any(map(math.isinf, row)) and "_" not in line:
-            return row  # nan stands for an unmeasured point
-    except ValueError:
-        pass
-    wrong = next((field for field in fields if not _is_number(field)), line)
-    decimal_comma = separator != "," and _is_number(wrong.replace(",", ".", 1))
+    row = [_number(field) for field in fields]
+    if None not in row:
+        return cast("list[float]", row)
+    wrong = fields[row.index(None)]
+    decimal_comma = separator != "," and _number(wrong.replace(",", ".", 1)) is not None
     advice = ", with a point before the decimals" if decimal_comma else ""
     # The letters were read as Latin-1, and are probably UTF-8.
     text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
     raise HeightFormatError(worded("file number", got=shown(text), advice=advice), place)
 
 
-def _is_number(field: str) -> bool:
+def _number(field: str) -> float | None:
+    """Return the number in a field, nan for an unmeasured point; None for any other text."""
     try:
-        return not math.isinf(float(field)) and "_" not in field
+        value = float(field)
     except ValueError:
-        return False
+        return None
+    return None if math.isinf(value) or "_" in field else value
 
 
 # ---- regular files
 
 
-_KINDS = (
-    (stat.S_ISDIR, "a folder"),
-    (stat.S_ISFIFO, "a pipe"),
-    (stat.S_ISCHR, "a device"),
-    (stat.S_ISBLK, "a device"),
-)
+# By the letter that `ls -l` shows.
+_KINDS = {"d": "a folder", "p": "a pipe", "c": "a device", "b": "a device"}
 
 
 def open_regular(path: Path) -> io.FileIO:
@@ -275,8 +265,15 @@ def open_regular(path: Path) -> io.FileIO:
     if stat.S_ISREG(mode):
         return io.FileIO(descriptor, "rb")
     os.close(descriptor)
-    kind = next((kind for is_kind, kind in _KINDS if is_kind(mode)), "no regular file")
-    raise OSError(0, f"is {kind}")
+    raise OSError(0, f"is {_KINDS.get(stat.filemode(mode)[0], 'no regular file')}")
+
+
+def reason_of(error: OSError) -> str:
+    """Say why a file is not opened or read."""
+    reason = error.strerror or str(error)
+    if isinstance(error, FileNotFoundError):
+        return "no such file"
+    return reason if reason.startswith("is ") else f"not readable ({reason})"
 
 
 def read_regular(path: Path, most: int) -> bytes:
@@ -294,9 +291,7 @@ def file_digest(path: Path) -> str:
         stamp = path.stat()
         return _file_digest(path, (stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
     except OSError as error:
-        raise SceneError(
-            [f"surface.path: {path}: not readable ({error.strerror or error})"]
-        ) from error
+        raise SceneError([f"surface.path: {path}: {reason_of(error)}"]) from error
 
 
 @lru_cache(maxsize=1000)

@@ -12,11 +12,12 @@ from __future__ import annotations
 import math
 import warnings
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -248,7 +249,6 @@ def _axis(values: Array, name: str) -> tuple[Any, int, float]:
 DEFAULT_OVERLAP, MOST_OVERLAP = 0.1, 0.5  # of each side
 SAME = 1e-6  # relative difference of spacings that count as equal
 Pair = tuple[int, int]
-Read = TypeVar("Read")
 
 
 @dataclass(frozen=True)
@@ -277,9 +277,8 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
 
     Raise a fault where the file has no heights or does not go with the keys of the surface.
     """
-    shape, steps = readable(
-        path, surface.path, ("surface", "path"), lambda: _shape_and_steps(path, surface)
-    )
+    with faults_at(path, surface.path, ("surface", "path")):
+        shape, steps = _shape_and_steps(path, surface)
     if is_turned(shape, surface):
         shape, steps = shape[::-1], steps and steps[::-1]
     spacing = min(steps or (0.0,)) if surface.spacing_um is None else surface.spacing_um * 1e-6
@@ -350,8 +349,8 @@ def refuse_turn(path: Path, name: str, track: Track) -> None:
 
     `name` is the path as the scene has it.
     """
-    at = "sphere", "surface", "path"
-    rows, columns = readable(path, name, at, lambda: height_files.nodes(path))
+    with faults_at(path, name, ("sphere", "surface", "path")):
+        rows, columns = height_files.nodes(path)
     if rows != track.turn_nodes or columns not in (1, track.n_across):
         radius = rounded(rows * track.spacing * 1e3 / (2 * math.pi), 8)
         file = {"path": name, "rows": rows, "columns": columns, "radius": radius}
@@ -359,13 +358,11 @@ def refuse_turn(path: Path, name: str, track: Track) -> None:
         raise refusal("sphere.surface.path turn", **file, **turn)
 
 
-def readable(path: Path, name: str, at: tuple[str, ...], read: Callable[[], Read]) -> Read:
-    """Return the result of `read` on a file; raise a fault at a key where it holds no heights.
-
-    `name` is the path as the scene has it.
-    """
+@contextmanager
+def faults_at(path: Path, name: str, at: tuple[str, ...]) -> Iterator[None]:
+    """Raise a fault at a key where a file holds no heights; `name` is its path in the scene."""
     try:
-        return read()
+        yield
     except height_files.HeightFormatError as error:
         missing = isinstance(error.__cause__, FileNotFoundError)
         place = f" (looked in {path.parent.absolute()})" if missing else ""

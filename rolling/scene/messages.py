@@ -131,7 +131,9 @@ def implausible(value: float, sizes: Plausible) -> str:
 
 
 def unknown_name(name: str, root: type[BaseModel]) -> str:
-    """Write that a dotted name is unknown, with the nearest and all names of its section."""
+    """Write that a name is unknown or ambiguous, with the nearest names or those it stands for."""
+    if len(fitting := _fitting(name, root)) > 1:
+        return f"stands for {' or '.join(fitting)}, give one of these"
     known = all_keys(root)
     section = name.rpartition(".")[0]
     siblings = [key for key in known if section and key.rpartition(".")[0] == section != "sweep"]
@@ -304,14 +306,16 @@ def words_for_numbers(root: type[BaseModel]) -> dict[str, tuple[str, ...]]:
 
 def full_key(name: str, root: type[BaseModel]) -> str:
     """Return the dotted key for a bare or dotted name; raise SceneError if none or several fit."""
-    if name in all_keys(root):
-        return name
-    last = [key for key in keys(root) if key.rpartition(".")[2] == name]
-    last = [key for key in last if key.count(".") == last[0].count(".")]  # outer sections first
-    if len(last) == 1:
-        return last[0]
-    words = f"stands for {' or '.join(last)}, give one of these"
-    raise SceneError([f"scene: {name}: {words if last else unknown_name(name, root)}"])
+    fitting = [name] if name in all_keys(root) else _fitting(name, root)
+    if len(fitting) == 1:
+        return fitting[0]
+    raise SceneError([f"scene: {name}: {unknown_name(name, root)}"])
+
+
+def _fitting(name: str, root: type[BaseModel]) -> list[str]:
+    """Return the dotted keys that end in a bare name; keys of outer sections win."""
+    fitting = [key for key in keys(root) if key.rpartition(".")[2] == name]
+    return [key for key in fitting if key.count(".") == fitting[0].count(".")]
 
 
 @cache

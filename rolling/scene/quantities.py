@@ -173,11 +173,6 @@ class SceneQuantities(Section):
         return contact_modulus(self.sphere, self.plate)
 
     @property
-    def plate_modes(self) -> float:
-        """Approximate number of modes of a plate with edges up to 30 kHz; 0 without edges."""
-        return plate_modes(self.plate)
-
-    @property
     def listeners(self) -> list[tuple[float, float, float]]:
         """Listeners [m] of a plate with edges from its corner, by default one above the contact."""
         if self.sound.listener_mm is not None:

@@ -30,11 +30,13 @@ from pydantic import (
 from acoustics.numbers import rounded
 from rolling.scene import library
 from rolling.scene.messages import (
+    Plausible,
     SceneError,
     cut,
     dotted,
     explained,
     fault,
+    implausible,
     is_number,
     numbers,
     plain,
@@ -169,23 +171,30 @@ Speed = Annotated[
 LOAD = f"greater than 0, or {WEIGHT}"
 
 
-def _number_or(word: str, allowed: str, **limits: float) -> tuple[BeforeValidator, WithJsonSchema]:
-    """Return validator and schema of a number within limits of JSON Schema, or a word for it."""
+def number_or(
+    word: str, allowed: str, sizes: Plausible | None = None, **limits: float
+) -> tuple[BeforeValidator, WithJsonSchema]:
+    """Return validator and schema of a word, or of a number within limits of JSON Schema."""
+    if sizes is not None:
+        limits = {"minimum": sizes.least, "maximum": sizes.most}
+    above = limits.get("exclusiveMinimum", -math.inf)
+    least, most = limits.get("minimum", -math.inf), limits.get("maximum", math.inf)
 
     def chosen(value: Any) -> Any:
         if isinstance(value, str) and value == word:
             return value
-        above = limits.get("exclusiveMinimum", -math.inf)
-        least, most = limits.get("minimum", -math.inf), limits.get("maximum", math.inf)
-        if is_number(value) and value > above and least <= value <= most:
-            return float(value)
+        if is_number(value):
+            if value > above and least <= value <= most:
+                return float(value)
+            if sizes is not None:
+                raise fault(implausible(value, sizes))
         raise fault(f"got {shown(value)}, allowed: {allowed}")
 
-    kinds = [{"type": "string", "const": word}, {"type": "number", **limits}]
+    kinds = [{"type": "number", **limits}, {"type": "string", "const": word}]
     return BeforeValidator(chosen), WithJsonSchema({"anyOf": kinds})
 
 
-Load = Annotated[float | Literal["weight"], *_number_or(WEIGHT, LOAD, exclusiveMinimum=0)]
+Load = Annotated[float | Literal["weight"], *number_or(WEIGHT, LOAD, exclusiveMinimum=0)]
 
 
 class Rolling(Section):
@@ -253,7 +262,7 @@ def _step_nodes(value: float) -> float:
 
 Tolerance = Annotated[
     float | Literal["auto"],
-    *_number_or("auto", TOLERANCE, minimum=TOLERANCES[0], maximum=TOLERANCES[1]),
+    *number_or("auto", TOLERANCE, minimum=TOLERANCES[0], maximum=TOLERANCES[1]),
 ]
 
 

@@ -13,7 +13,6 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ValidationError
@@ -207,11 +206,11 @@ def with_paths(data: Mapping[str, Any], moved: Callable[[str], str]) -> dict[str
         return values
 
     result = {name: section(name, values) for name, values in data.items()}
-    sweep = result["sweep"] = dict(data.get("sweep", {}))
-    for name, listed in sweep.items():
+    for name, listed in data.get("sweep", {}).items():
         last = name.rpartition(".")[2]
         if last in ("path", "surface", "sphere"):
-            sweep[name] = {str(label): section(last, form) for label, form in choices(listed)}
+            moved_forms = {str(label): section(last, form) for label, form in choices(listed)}
+            result["sweep"] = {**result["sweep"], name: moved_forms}
     return result
 
 
@@ -321,10 +320,12 @@ def differences(old: Scene, new: Scene) -> list[str]:
     keys = list(dict.fromkeys([*after, *before]))
     if before["surface.kind"] != after["surface.kind"]:
         keys = [key for key in keys if key == "surface.kind" or not key.startswith("surface.")]
+    # A path of a height file stands at the end of a key, or in the swept section.
+    keys = [key for key in keys if not ("surface.path" in key or key.split(".")[-1] == "path")]
     lines = [
         f"{key}: got {shown(after.get(key))}, has {shown(before.get(key))}"
         for key in keys
-        if before.get(key) != after.get(key) and not _is_path(key)
+        if before.get(key) != after.get(key)
     ]
     if lines:
         return lines
@@ -335,11 +336,6 @@ def differences(old: Scene, new: Scene) -> list[str]:
         section = next(iter(new.height_paths), "surface")
         return [f"{section}.path: the heights are others than those of the earlier run"]
     return []
-
-
-def _is_path(key: str) -> bool:
-    """Tell whether a dotted key holds the path of a height file, swept or not."""
-    return "surface.path" in key or key.rpartition(".")[2] == "path"
 
 
 def contains(small: Scene, large: Scene) -> bool:
@@ -358,20 +354,8 @@ def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
     """Yield name and plain values of each run of a scene."""
     data = {name: value for name, value in scene.to_dict().items() if name != "sweep"}
     for values, forms in product(scene.sweep):
-        swept = with_values(data, forms)
-        swept["surface"] = _digested(swept["surface"], scene.folder)
-        if "surface" in swept["sphere"]:
-            ball = _digested(swept["sphere"]["surface"], scene.folder)
-            swept["sphere"] = {**swept["sphere"], "surface": ball}
+        swept = with_paths(with_values(data, forms), lambda path: file_digest(scene.folder / path))
         yield run_name(values), _numbers(swept)
-
-
-def _digested(surface: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return the values of a surface with the digest of its file in place of the path."""
-    values = dict(surface)
-    if "path" in values:
-        values["sha256"] = file_digest(folder / values.pop("path"))
-    return values
 
 
 def _numbers(value: Any) -> Any:

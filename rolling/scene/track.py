@@ -46,9 +46,7 @@ class Motion:
         if times[0] != 0 or not np.all(np.diff(times) > 0):
             raise ValueError("the times of a motion must increase strictly from 0")
         if not np.all(np.isfinite(speeds)) or np.any(speeds < 0) or not np.any(speeds > 0):
-            raise ValueError(
-                "the speeds of a motion must be finite, not negative, and not all zero"
-            )
+            raise ValueError("the speeds must be finite, not negative, and not all zero")
 
     @classmethod
     def of(cls, speed: float | Sequence[Sequence[float]]) -> Motion:
@@ -237,11 +235,6 @@ class Track:
         if not self.turn_nodes:
             return 0.0
         return self.distance / (self.turn_nodes * self.spacing)
-
-    @property
-    def closing_nodes(self) -> int:
-        """Nodes after which surface and sphere first close together."""
-        return math.lcm(self.plate_nodes, self.turn_nodes or 1)
 
 
 class Rolled(NamedTuple):

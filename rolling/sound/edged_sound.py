@@ -64,9 +64,8 @@ def pressures(
     if points is not None:
         heard += _fading(scene, plate, force, places, points)
     ends = fade_length(len(force), len(force) / rate)
-    return np.array(
-        [resampling.band_limit(resampling.fade(record, ends), rate) for record in heard]
-    )
+    faded = [resampling.fade(record, ends) for record in heard]
+    return np.array([resampling.band_limit(record, rate) for record in faded])
 
 
 def _spectra(
@@ -111,11 +110,7 @@ def _parts(first: int, last: int, values: int) -> list[slice]:
 
 
 def _fading(
-    scene: Scene,
-    plate: RectangularPlate,
-    force: Array,
-    listeners: Sequence[Listener],
-    points: Array,
+    scene: Scene, plate: RectangularPlate, force: Array, listeners: list[Listener], points: Array
 ) -> Array:
     """Return the pressure [Pa] at listeners of the modes that fade within a stretch of a record.
 

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,29 +116,19 @@ class RecordLevels:
         return cls(z, a, own_factor, seconds)
 
 
-@dataclass(frozen=True)
-class LevelErrors:
+class LevelErrors(NamedTuple):
     """Errors of levels and of the signal. An error is the reported value less the true value.
 
-    order : float. Order of convergence that extrapolates to infinitely fine grids.
-    order_measured : bool. If false, the order is the default, because a level equals another.
-    grid_db, grid_uncertainty_db, solver_db : (bands,) arrays, dB. Errors of the band levels from
-        grid and solver, and the standard uncertainty of the former; NaN: unknown.
-    laeq_grid_db, laeq_grid_uncertainty_db, laeq_solver_db : float, dB. The same of LAeq.
-    grid_signal_db, solver_signal_db : float, dB. Rms error of the signal over its rms fluctuation.
-    grid_signal_uncertainty_db : float, dB. Standard uncertainty of the former.
+    The errors of levels are arrays [dB] over the bands, with LAeq at their end; NaN: unknown.
     """
 
-    order: float
-    order_measured: bool
+    order: float  # of convergence, which extrapolates to infinitely fine grids
+    order_measured: bool  # if false, the order is the default, because a level equals another
     grid_db: Array
-    grid_uncertainty_db: Array
+    grid_uncertainty_db: Array  # standard uncertainty of the former
     solver_db: Array
-    laeq_grid_db: float
-    laeq_grid_uncertainty_db: float
-    laeq_solver_db: float
-    grid_signal_db: float
-    grid_signal_uncertainty_db: float
+    grid_signal_db: float  # rms error of the signal from the grid over its rms fluctuation
+    grid_signal_uncertainty_db: float  # standard uncertainty of the former
     solver_signal_db: float
 
 
@@ -190,44 +181,23 @@ def _groups(lines: NDArray[np.int64], bands: int) -> tuple[tuple[int, ...], ...]
 # ---- errors
 
 
-@dataclass(frozen=True)
-class DetailErrors:
-    """Errors of levels because the detail of a law below the spacing is missing.
-
-    An error is the reported value less the value with all detail.
-
-    bands_db, bands_uncertainty_db : (bands,) arrays, dB. Errors of the band levels and their
-        standard uncertainty; NaN: unknown.
-    laeq_db, laeq_uncertainty_db : float, dB. Error of LAeq and its standard uncertainty.
-    """
-
-    bands_db: Array
-    bands_uncertainty_db: Array
-    laeq_db: float
-    laeq_uncertainty_db: float
-
-
-# The errors of a law that ends before the grid.
-NO_DETAIL = DetailErrors(np.zeros(len(BAND_NAMES)), np.zeros(len(BAND_NAMES)), 0.0, 0.0)
-
-
-def detail_errors(powers: BandPowers, record: RecordLevels) -> DetailErrors:
+def detail_errors(powers: BandPowers, record: RecordLevels) -> Array:
     """Estimate the errors of a record from stretches without (own) and with detail (fine).
 
-    Each further octave of detail adds half as much, as the heights of an exponential law do in
-    power. The few stretches count by their lines, because a jackknife needs more of them.
+    The detail of a law below the spacing is missing. Each further octave of detail adds half as
+    much, as the heights of an exponential law do in power. The few stretches count by their lines,
+    because a jackknife needs more of them. The rows are the errors of the bands and of LAeq, and
+    their standard uncertainties, (2, bands + 1) [dB].
     """
-    total, bands = powers.sums.sum(axis=0), len(BAND_NAMES)
-    numbers = _reported(total, powers, record)
-    errors, laeq = numbers[:bands], float(numbers[-2])
-    of_lines = _scatter(powers, math.inf) / _widening(len(powers.sums))
-    share = np.nan_to_num(record.a * 10.0 ** (-errors / 10.0))
+    errors, _ = _reported(powers.sums.sum(axis=0), powers, record)
+    widening = _widening(len(powers.sums))
+    of_lines = _scatter(powers, math.inf) / widening
+    share = np.nan_to_num(record.a * 10.0 ** (-errors[:-1] / 10.0))
     share /= share.sum() or 1.0
-    of_groups = (of_lines[group[0]] * share[list(group)].sum() for group in powers.groups)
+    laeq = math.hypot(*(of_lines[k[0]] * share[list(k)].sum() for k in powers.groups))
+    spread = np.append(_scatter(powers, _record_lines(powers, record)) / widening, laeq)
     doubt = DOUBT * (1.0 - 1.0 / refinement_factor(DEFAULT_ORDER))
-    spread = _scatter(powers, _record_lines(powers, record)) / _widening(len(powers.sums))
-    spread = np.hypot(spread, doubt * errors)
-    return DetailErrors(errors, spread, laeq, math.hypot(*of_groups, doubt * laeq))
+    return np.stack([errors, np.hypot(spread, doubt * errors)])
 
 
 def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
@@ -235,31 +205,25 @@ def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
 
     The part that the order extrapolates is in doubt by half.
     """
-    total, bands = powers.sums.sum(axis=0), len(BAND_NAMES)
+    total = powers.sums.sum(axis=0)
     order, measured = _order(total)
-    factor = refinement_factor(order)
-    numbers = _reported(total, powers, record)
-    spread = _jackknife(powers.sums, lambda part: _reported(part, powers, record))
-    spread[:bands] = np.hypot(spread[:bands], _scatter(powers, _record_lines(powers, record)))
-    spread[:bands] = np.hypot(spread[:bands], _not_shared(numbers[:bands], spread[:bands], powers))
-    spread = np.hypot(spread, DOUBT * (1.0 - 1.0 / factor) * np.abs(numbers))
+    grid, solver = _reported(total, powers, record)
+    spread, _ = _jackknife(powers.sums, lambda part: _reported(part, powers, record))
+    bands = np.hypot(spread[:-1], _scatter(powers, _record_lines(powers, record)))
+    spread[:-1] = np.hypot(bands, _not_shared(grid[:-1], bands, powers))
+    doubt = DOUBT * (1.0 - 1.0 / refinement_factor(order))
     signal = _grid_signal_db(total)
-    signal_spread = _jackknife(powers.sums, lambda part: np.array([_grid_signal_db(part)]))
+    signal_spread = _jackknife(powers.sums, lambda part: np.array(_grid_signal_db(part)))
     extrapolated = signal - _signal_db(total[_GRID], total[_FINE], 1.0)
     return LevelErrors(
-        order=order,
-        order_measured=measured,
-        grid_db=numbers[:bands],
-        grid_uncertainty_db=spread[:bands],
-        solver_db=numbers[bands : 2 * bands],
-        laeq_grid_db=float(numbers[-2]),
-        laeq_grid_uncertainty_db=float(spread[-2]),
-        laeq_solver_db=float(numbers[-1]),
-        grid_signal_db=signal,
-        grid_signal_uncertainty_db=math.hypot(float(signal_spread[0]), DOUBT * extrapolated),
-        solver_signal_db=_signal_db(
-            total[_SOLVER], total[_TIGHT], _solver_factor(powers.tolerance_ratio)
-        ),
+        order,
+        measured,
+        grid,
+        np.hypot(spread, doubt * np.abs(grid)),
+        solver,
+        signal,
+        math.hypot(float(signal_spread), DOUBT * extrapolated),
+        _signal_db(total[_SOLVER], total[_TIGHT], _solver_factor(powers.tolerance_ratio)),
     )
 
 
@@ -405,13 +369,13 @@ def _ratios(total: Array, powers: BandPowers) -> tuple[Array, Array]:
 
 
 def _reported(total: Array, powers: BandPowers, record: RecordLevels) -> Array:
-    """Return errors of the reported band levels and of LAeq, from grid and solver [dB]."""
-    errors, of_laeq = [], []
+    """Return the errors of reported bands and of LAeq from grid and solver, (2, bands + 1) [dB]."""
+    errors = []
     for error in _ratios(total, powers):
         shift = -0.5 * _sum_error(record.z, error) if record.own_factor else 0.0
-        errors.append(np.where(np.isnan(record.z), np.nan, error + shift))
-        of_laeq.append(_sum_error(record.a, error) + shift)
-    return np.concatenate([*errors, of_laeq])
+        bands = np.where(np.isnan(record.z), np.nan, error)
+        errors.append(np.append(bands, _sum_error(record.a, error)) + shift)
+    return np.array(errors)
 
 
 def _sum_error(power: Array, error_db: Array) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from acoustics import level, radiation, resampling, wav
 from acoustics.arrays import Array, short_repr
 from acoustics.continued_rows import ContinuedRows
-from acoustics.gaussianity import kurtosis
+from acoustics.uncertainty import kurtosis
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion, turn_m
 from rolling.scene.scene import Scene
@@ -71,7 +71,7 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     samples.append(decimator.end())
     fade = contact_sound.faded_out if falls else contact_sound.faded
     fluctuation = fade(np.concatenate(samples), seconds)
-    _, heard = vibration_sound.radiated(scene, fluctuation, rate, len(fluctuation), False, 2)
+    _, heard = vibration_sound.radiated(scene, fluctuation, rate, False, 2)
     numbers = _numbers(scene, heard[0], seconds, law.spacing_m, motion.law.rows) | {
         "impacts": motion.impacts,
         "flight_share": motion.apart / motion.taken,

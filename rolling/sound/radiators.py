@@ -1,24 +1,38 @@
-"""Bodies that a vibration makes heard, their sound power, and their linear gain."""
+"""Bodies that a vibration makes heard: sound power, and levels by a linear chain.
+
+Sphere, contact and plate are a chain of linear bodies that the approach under the constant load
+moves. It gives the comb of a looped record, in which a sharp resonance falls on a line or between
+two, and the level of the vibration that a run without dynamics leaves out. Its scene need not
+describe the bodies: a steel sphere on a steel plate of 10 mm replaces missing ones.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from acoustics import spectrum, wav
+from acoustics import level, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, third_octave_mean_square
-from acoustics.radiation import Ball, HalfSpaceBody, ThinPlate, axis_transfer
+from acoustics.numbers import rounded
+from acoustics.radiation import Body, HalfSpaceBody, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power
+from acoustics.spectrum import audible_lines
+from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
+from rolling.dynamics.force_law import ForceLaw
+from rolling.dynamics.of_scene import NEAR_SPEEDS
+from rolling.scene.quantities import STEEL_DENSITY
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
+from rolling.sound.contact_sound import faded, oversampling
 from rolling.sound.error_estimate import Gain
 
 
-def sources(scene: Scene) -> list[ThinPlate | HalfSpaceBody | Ball]:
+def sources(scene: Scene) -> list[Body]:
     """Return the bodies that are heard."""
     return [ground(scene), *([of_scene.ball(scene)] if scene.sound.ball else [])]
 
@@ -29,9 +43,7 @@ def powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
     of_ball = band_power(force, rate, of_scene.ball(scene))
     plate = np.full(len(of_ball), np.nan)
     if (rectangle := of_scene.rectangular_plate(scene)) is not None:
-        frequency, square = spectrum.line_spectrum(force, rate)
-        audible = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-        frequency, square = frequency[audible], square[audible]
+        frequency, square = audible_lines(force, rate)
         power = edged_sound.power_per_force(scene, rectangle, frequency)
         plate = third_octave_mean_square(frequency, square * power)
     elif isinstance(body, ThinPlate):
@@ -77,3 +89,122 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
         return np.square(np.abs(transfer * force))
 
     return gain
+
+
+BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
+_SPEEDS = (60, 1000)  # minimum and maximum number of speeds
+_MOST_LINES = 200_000  # lines of all speeds, unless the minimum has more
+
+
+class Comb(NamedTuple):
+    """Levels of a looped record over speeds within 3 %, by the linear chain."""
+
+    spread_db: float  # rms difference of LAeq from the level of the mean power
+    mean_laeq_db: float | None  # level of the mean power
+
+
+def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
+    """Return the levels over other speeds; None where a resonance holds several lines.
+
+    The force of a lap has lines, and a sharp resonance falls on a line or between two: that of the
+    sphere on its contact, or a mode of the plate at the frequency that halves the power.
+    """
+    if law.period_m is None:
+        return None
+    spacing = scene.motion.fastest(scene.duration) / law.period_m
+    approach = law.approach(law.position_m, scene.load)
+    lines: Array = 2 * np.square(np.abs(np.fft.rfft(approach)[1:] / len(approach)))
+    order = np.arange(1, len(lines) + 1)
+    gain = roughness_gain(scene, chain)
+
+    def powers(ratio: float) -> tuple[Array, Array, Array]:
+        """Return frequencies, mean squares and A-weighted gains of lines at a ratio of speeds."""
+        frequency = np.asarray(order * (spacing * ratio), dtype=float)
+        audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
+        frequency = frequency[audible]
+        weights: Array = 10 ** (a_weighting_db(frequency) / 10) * gain(frequency)
+        return frequency, lines[audible], weights
+
+    quality, middle, most = chain.quality, chain.resonance_hz, _SPEEDS[1]
+    if chain.modes is not None:
+        frequency, squares, weights = powers(1.0)
+        passed = np.cumsum(squares * weights)
+        if not len(passed) or not passed[-1] > 0:
+            return None
+        middle = float(frequency[np.searchsorted(passed, passed[-1] / 2)])
+        quality = 1 / (scene.plate.loss_factor or 1.0)
+        most = max(_SPEEDS[0], min(most, _MOST_LINES // len(passed)))
+    if middle / quality > BROAD * spacing:
+        return None
+    count = int(np.clip(16 * NEAR_SPEEDS * quality, _SPEEDS[0], most))
+    ratios = np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count)
+    sums = [float(squares @ weights) for _, squares, weights in map(powers, ratios)]
+    mean = float(np.mean(sums))
+    if not min(sums) > 0:  # no line is heard
+        return None
+    spread = np.sqrt(np.mean(np.square(10 * np.log10(np.array(sums) / mean))))
+    return Comb(float(spread), level.level_db(mean))
+
+
+THICKNESS_MM = 10.0
+STEEL = {"plate.youngs_modulus_gpa": 210.0, "plate.poissons_ratio": 0.3}
+_POINTS = 8  # of the gain within the interval of a line, over which a resonance is averaged
+
+
+def with_bodies(scene: Scene) -> Scene:
+    """Return a scene that describes sphere and plate, with steel where a scene says nothing."""
+    plate = scene.plate
+    bodies: dict[str, Any] = {"dynamics": {}, "sound.source": "release"}
+    if plate.density_kg_m3 is None:
+        bodies |= STEEL | {"plate.density_kg_m3": STEEL_DENSITY}
+    if plate.thickness_mm is None:
+        bodies["plate.thickness_mm"] = THICKNESS_MM
+    if scene.sphere.density_kg_m3 is None:
+        bodies["sphere.density_kg_m3"] = STEEL_DENSITY
+    return scene.with_(bodies)
+
+
+def bodies_text(scene: Scene) -> str:
+    """Write the bodies of an estimate: a ball of steel on a 10 mm plate of steel."""
+    ball, plate = (
+        "steel" if density is None else f"{rounded(density, 4)} kg/m³"
+        for density in (scene.sphere.density_kg_m3, scene.plate.density_kg_m3)
+    )
+    thickness = scene.plate.thickness_mm or THICKNESS_MM
+    return f"a ball of {ball} on a {rounded(thickness, 4)} mm plate of {plate}"
+
+
+def vibration_estimate(
+    scene: Scene, approach: Array, step: float, closed: bool
+) -> tuple[float | None, float]:
+    """Estimate LAeq [dB] of the vibration, and the rms of its contact force over the load.
+
+    The approach [m] under the constant load stands at the ends of steps [m], of whole laps if
+    `closed`. LAeq is None where it does not fluctuate within hearing.
+    """
+    motion, steps = scene.motion, len(approach) - 1
+    duration = motion.duration(steps * step)
+    if scene.is_smooth or steps < 4:
+        return None, 0.0
+    signal, constant = approach[:-1], motion.is_constant(duration)
+    if not constant:
+        count = steps * oversampling(motion, duration, step)
+        places = np.asarray(motion.distance(np.arange(count) * duration / count)) / step
+        signal = np.interp(places, np.arange(steps + 1), approach)
+    if not (closed and constant):
+        signal = faded(signal, duration)
+    rate = len(signal) / duration
+    frequency, mean_square = audible_lines(signal - signal.mean(), rate)
+    if not len(frequency):
+        return None, 0.0
+    stiffness = 2 * scene.contact_modulus * of_scene.hertz_radius(scene)
+    bodies = with_bodies(scene)
+    chain = of_scene.chain(bodies, stiffness)
+    offsets = ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5) / duration
+    points = np.maximum(frequency[:, None] + offsets, 1.0).ravel()
+    weighted = roughness_gain(bodies, chain)(points) * 10 ** (a_weighting_db(points) / 10)
+    forces = np.square(np.abs(chain.force(points, np.ones(len(points)))))
+    square, force_square = (
+        float(mean_square @ gain.reshape(-1, _POINTS).mean(axis=1)) for gain in (weighted, forces)
+    )
+    return level.level_db(square), math.sqrt(force_square) / scene.load

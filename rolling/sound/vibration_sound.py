@@ -23,9 +23,8 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import MOST_STEPS, BodyMotion
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
-from rolling.sound.comb import comb
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
-from rolling.sound.radiators import known_bands, powers, sources
+from rolling.sound.radiators import comb, known_bands, powers, sources
 
 P_REF_W = 1e-12  # reference sound power
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
@@ -160,23 +159,18 @@ def _radiated(
     else:
         fluctuation = motion.force_n - scene.load
         fluctuation = fluctuation if closed else faded(fluctuation, duration)
-    samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
-    return radiated(scene, fluctuation, 1 / motion.time_step_s, samples, closed, listeners)
+    return radiated(scene, fluctuation, 1 / motion.time_step_s, closed, listeners)
 
 
 def radiated(
-    scene: Scene,
-    fluctuation: Array,
-    rate_hz: float,
-    samples: int,
-    closed: bool,
-    listeners: int | None = None,
+    scene: Scene, fluctuation: Array, rate: float, closed: bool, listeners: int | None = None
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
+    samples = max(2, round(len(fluctuation) / rate * wav.SAMPLE_RATE_HZ))
     force = _heard(fluctuation, samples)
     if (plate := of_scene.rectangular_plate(scene)) is not None:
         return force, edged_sound.pressures(scene, plate, force, closed, listeners)
-    pressure = pressure_on_axis(fluctuation, rate_hz, sources(scene), scene.sound.distance_m)
+    pressure = pressure_on_axis(fluctuation, rate, sources(scene), scene.sound.distance_m)
     return force, _heard(pressure, samples)[None]
 
 

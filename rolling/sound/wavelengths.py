@@ -1,9 +1,10 @@
-"""Part of the sound that sounds at each octave of roughness wavelength, and follows its waves.
+"""Roughness over wavelength: its part of the sound, and its level before and after the contact.
 
 A wave of length L along the track sounds at the frequency v/L. The record holds the contact filter
 already. Waves much shorter than the contact are averaged out, and the sound at their frequencies
 comes from the nonlinear contact of longer waves. The coherence of surface and approach tells both
-apart.
+apart. The spectrum of the approach under a constant load less that of the surface is the contact
+filter of wheel and rail.
 """
 
 from __future__ import annotations
@@ -14,8 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.bands import AUDIBLE_HZ
-from acoustics.spectrum import line_spectrum
+from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
 from rolling.dynamics.of_scene import hertz_radius
 from rolling.scene.scene import Scene
@@ -46,9 +46,7 @@ class WavelengthOctave(NamedTuple):
 
 def weighted_lines(sound: ContactSound) -> tuple[Array, Array, Array]:
     """Return the audible lines of a record: frequencies [Hz], Z and A mean squares [Pa2]."""
-    frequency, square = line_spectrum(sound.pressure, sound.sample_rate)
-    audible = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-    frequency, square = frequency[audible], square[audible]
+    frequency, square = audible_lines(sound.pressure, sound.sample_rate)
     return frequency, square, square * 10.0 ** (a_weighting_db(frequency) / 10.0)
 
 
@@ -127,3 +125,43 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
         if len(x) >= _LEAST_LINES and powers > 0:
             shares[int(k)] = float(abs(np.vdot(x, y)) ** 2 / powers)
     return shares
+
+
+_HALF_BAND = 10**0.05  # from the middle of a third octave to its edges
+
+
+def wavelength_bands(profiles: Array, spacing: float, closed: bool) -> tuple[Array, Array]:
+    """Return wavelengths [m] and levels [dB re 1 um] of profiles along the track, in third octaves.
+
+    The wavelengths descend, and the lines of profiles have their mean. The level is NaN for a band
+    without a line or without roughness.
+
+    Parameters
+    ----------
+    profiles : (n,) or (n, lines) array, m
+        Heights along the track, of one line or several.
+    spacing : float, m
+        Distance of the heights.
+    closed : bool
+        If true, the end leads to the beginning. Otherwise a straight line is removed, and the
+        ends are faded.
+    """
+    heights = profiles.reshape(len(profiles), -1)
+    count = len(heights)
+    if not closed:
+        t = np.linspace(-1.0, 1.0, count)[:, None]
+        heights = heights - heights.mean(axis=0)
+        heights = heights - t * (np.sum(t * heights, axis=0) / np.sum(t**2))
+        heights = heights * np.hanning(count)[:, None] * np.sqrt(8 / 3)
+    lines = np.abs(np.fft.rfft(heights, axis=0)) ** 2 / count**2
+    lines[1 : (count + 1) // 2] *= 2
+    wave_number = np.fft.rfftfreq(count, spacing)[1:]
+    mean_square = lines[1:].mean(axis=1)
+    first = np.round(10 * np.log10(wave_number[0]))
+    last = np.floor(10 * np.log10(wave_number[-1] / _HALF_BAND))
+    middle = 10 ** (np.arange(first, last + 1) / 10)
+    edges = np.append(middle / _HALF_BAND, middle[-1] * _HALF_BAND)
+    band = np.searchsorted(edges, wave_number, side="right") - 1
+    inside = (band >= 0) & (band < len(middle))
+    sums = np.bincount(band[inside], mean_square[inside], len(middle))
+    return 1 / middle, 10 * np.log10(np.where(sums > 0, sums, np.nan) / 1e-12)

@@ -17,5 +17,3 @@ refined, contact_of_scene
 scene_surface
     gives the surface of a scene, plate and sphere together, with its statistics
 """
-
-from rolling.surface.heights import gaussian as gaussian

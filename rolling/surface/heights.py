@@ -46,44 +46,6 @@ class Statistics:
     lowest: float
 
 
-def gaussian(
-    shape: tuple[int, int],
-    spacing: float,
-    ra: float,
-    correlation_length: tuple[float, float],
-    autocorrelation: str,
-    seed: int | Sequence[int],
-) -> Array:
-    """Generate periodic Gaussian heights [m] of exact Ra and zero mean.
-
-    White noise is filtered with the square root of the spectrum.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        Nodes along and across the track.
-    spacing : float, m
-        Node spacing.
-    ra : float, m
-        Arithmetic mean roughness.
-    correlation_length : (float, float), m
-        Correlation lengths along and across the track.
-    autocorrelation : str
-        Key of AUTOCORRELATIONS; its r / L is the norm of (x / L_along, y / L_across).
-    seed : int or sequence of int
-        Seed of numpy's default generator.
-
-    Raises
-    ------
-    SurfaceError
-        The filter leaves nothing, because a correlation length is far above the size of the
-        surface.
-    """
-    heights = filtered(white_noise(shape, seed), spacing, correlation_length, autocorrelation)
-    heights *= ra / np.abs(heights).mean()
-    return heights
-
-
 def white_noise(shape: tuple[int, int], seed: int | Sequence[int]) -> Array:
     """Generate white noise of unit variance from a seed."""
     return np.random.default_rng(seed).standard_normal(shape)
@@ -98,7 +60,18 @@ def filtered(
 ) -> Array:
     """Filter periodic white noise to heights of zero mean and a variance of about 1.
 
-    Parameters as in `gaussian`; an angle [rad] turns the two directions of correlation.
+    Parameters
+    ----------
+    noise : (m, n) array
+        White noise of unit variance.
+    spacing : float, m
+        Node spacing.
+    correlation_length : (float, float), m
+        Correlation lengths along and across the track.
+    autocorrelation : str
+        Key of AUTOCORRELATIONS; its r / L is the norm of (x / L_along, y / L_across).
+    angle : float, rad
+        Angle by which the two directions of correlation are turned.
 
     Raises
     ------
@@ -195,11 +168,6 @@ def turned(x: Any, y: Any, angle: float) -> tuple[Any, Any]:
     if not angle:
         return x, y
     return np.cos(angle) * x + np.sin(angle) * y, np.cos(angle) * y - np.sin(angle) * x
-
-
-def smooth(shape: tuple[int, int]) -> Array:
-    """Make flat heights [m]."""
-    return np.zeros(shape)
 
 
 def statistics(heights: Array, spacing: float) -> Statistics:

@@ -163,7 +163,7 @@ def seam(heights: Array, axis: int) -> Seam:
     single outliers do not affect; either may show the seam. A groove or a cliff over the whole
     width hides a seam whose step is no deeper.
     """
-    last_to_first = np.take(heights, 0, axis) - np.take(heights, -1, axis)
+    last_to_first = _across_seam(heights, axis)
     differences = np.abs(np.diff(heights, axis=axis))
     rms = np.sqrt(np.mean(np.square(differences), axis=1 - axis))
     step = float(np.sqrt(np.mean(last_to_first**2)))
@@ -214,12 +214,13 @@ def _helps(heights: Array, spacing: float, axis: int, seam: Seam, slope: float) 
     """Tell whether the seam stands out and subtracting the plane lowers it."""
     if not seam.stands_out:
         return False
-    step = (
-        np.take(heights, 0, axis)
-        - np.take(heights, -1, axis)
-        + slope * spacing * (heights.shape[axis] - 1)
-    )
+    step = _across_seam(heights, axis) + slope * spacing * (heights.shape[axis] - 1)
     return bool(np.sqrt(np.mean(step**2)) < seam.step)
+
+
+def _across_seam(heights: Array, axis: int) -> Array:
+    """Return the differences from the last row of heights to the first [m]."""
+    return np.asarray(np.take(heights, 0, axis) - np.take(heights, -1, axis))
 
 
 def _stands_out(size: float, neighbours: Array) -> bool:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from scipy import fft
@@ -218,25 +219,16 @@ def filled(heights: Array, wraps: bool) -> Array:
         raise SurfaceError(f"{share}, allowed: up to {100 * MOST_UNMEASURED:.0f} %")
     number = np.full(heights.shape, -1)
     number[gaps] = np.arange(count)
-    degree, known = np.zeros(count), np.zeros(count)
-    rows, columns = [], []
-    for axis in (0, 1):
-        last = heights.shape[axis] - (0 if wraps else 1)
-        here = np.take(number, range(last), axis), np.take(heights, range(last), axis)
-        there = (np.take(a, range(1, last + 1), axis, mode="wrap") for a in (number, heights))
-        pair = here, tuple(there)
-        for (node, _), (neighbour, height) in (pair, pair[::-1]):
-            missing = node >= 0
-            node, neighbour, height = node[missing], neighbour[missing], height[missing]
-            degree += np.bincount(node, minlength=count)
-            inner = neighbour >= 0
-            known += np.bincount(node[~inner], height[~inner], minlength=count)
-            rows.append(node[inner])
-            columns.append(neighbour[inner])
-    row, column = np.concatenate(rows), np.concatenate(columns)
-    laplace = sparse.diags_array(degree) - sparse.coo_array(
-        (np.ones(len(row)), (row, column)), shape=(count, count)
-    )
+    along, across = np.nonzero(gaps)
+    # Beyond an edge that does not wrap a node is its own neighbour, whose part cancels.
+    mode: Literal["wrap", "edge"] = "wrap" if wraps else "edge"
+    numbers, z = np.pad(number, 1, mode), np.pad(heights, 1, mode)
+    places = [(along + i, across + j) for i, j in ((2, 1), (0, 1), (1, 2), (1, 0))]
+    known = np.nansum([z[place] for place in places], axis=0)
+    neighbours = np.concatenate([numbers[place] for place in places])
+    inner = np.flatnonzero(neighbours >= 0)
+    links = np.ones(len(inner)), (inner % count, neighbours[inner])
+    laplace = 4 * sparse.eye_array(count) - sparse.coo_array(links, shape=(count, count))
     factors = linalg.splu(
         laplace.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )

@@ -32,11 +32,9 @@ def dies_out(heights: Array) -> bool:
     z = heights - heights.mean()
     rms = float(np.sqrt(np.mean(z**2)))
     lines = np.fft.rfft2(z)
-    along, across = (
-        2 * np.abs(np.fft.fftfreq(z.shape[0])),
-        2 * np.abs(np.fft.rfftfreq(z.shape[1])),
-    )
-    lines[np.ix_(along < OUTER, across < OUTER)] = 0.0
+    along, across = np.fft.fftfreq(z.shape[0]), np.fft.rfftfreq(z.shape[1])
+    inner = [2 * np.abs(frequency) < OUTER for frequency in (along, across)]
+    lines[np.ix_(*inner)] = 0.0
     outer = np.fft.irfft2(lines, s=z.shape)
     return float(np.abs(outer).max()) <= MOST_OUTER * rms
 

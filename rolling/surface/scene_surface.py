@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from rolling.scene.height_files import reason_of
 from rolling.scene.height_grid import height_grid
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -58,9 +59,8 @@ class SceneSurface:
     @cached_property
     def correlations(self) -> tuple[Correlation, Correlation]:
         """Correlation of the heights along and across."""
-        return surface.correlation(self.heights, self.spacing, 0), surface.correlation(
-            self.heights, self.spacing, 1
-        )
+        along, across = (surface.correlation(self.heights, self.spacing, k) for k in (0, 1))
+        return along, across
 
     @cached_property
     def form_share(self) -> float:
@@ -109,8 +109,7 @@ def identity(scene: Scene) -> tuple[Any, ...]:
         try:
             stamp = path.stat()
         except OSError as error:
-            words = f"{path}: not readable ({error.strerror or error})"
-            raise SceneError([f"{section}.path: {words}"]) from error
+            raise SceneError([f"{section}.path: {path}: {reason_of(error)}"]) from error
         stamps.append((stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
     ball = scene.sphere.surface
     return (
@@ -160,7 +159,7 @@ def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
     shape = track.n_along, track.n_across
     if s.law is not None:
         return made.of_law(shape, scene.spacing, s.law, s.law.seed), None, []
-    return surface.smooth(shape), None, []
+    return np.zeros(shape), None, []
 
 
 def has_detail(scene: Scene) -> bool:
@@ -238,7 +237,7 @@ def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, dict[str, Any]
     elif isinstance(ball, BallHeightFile):
         heights = _read(scene, ball)
     else:
-        heights = surface.smooth(shape)
+        heights = np.zeros(shape)
     described = made.described("ball_surface_made", heights, spacing, law)
     if ball.has_form:
         heights += _form(ball, track.turn_nodes)[:, None]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from acoustics import kurtosis, level
-from acoustics.gaussianity import kurtosis_uncertainty
 from acoustics.laps import Lap, crossfaded_lap
 from acoustics.resampling import band_limit, fade
+from acoustics.uncertainty import kurtosis_uncertainty
 
 RATE = 48000
 
@@ -16,7 +16,7 @@ RATE = 48000
 def noise(samples: int, low: float = 20, high: float = 20000, seed: int = 1) -> np.ndarray:
     """Return noise of a band that closes on itself."""
     random = np.random.default_rng(seed)
-    return band_limit(random.standard_normal(samples), RATE, low, high)
+    return band_limit(random.standard_normal(samples), RATE, (low, high))
 
 
 def bend(record: np.ndarray) -> float:

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from acoustics import kurtosis
-from acoustics.continued_rows import ContinuedRows
-from acoustics.random_rows import RandomRows
+from acoustics.continued_rows import ContinuedRows, RandomRows
 
 
 def coloured(count: int, seed: int, length: float = 30.0) -> np.ndarray:

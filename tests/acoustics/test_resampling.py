@@ -90,8 +90,10 @@ def test_band_edges_are_taken_as_the_third_octaves_take_them():
     # at 600 rad.
     t = np.arange(1000) / 1000.0
     low, high = np.sin(2.0 * np.pi * 100.0 * t), np.sin(2.0 * np.pi * 200.0 * t)
-    np.testing.assert_allclose(band_limit(5.0 + low + high, 1000.0, 100.0, 200.0), low, atol=1e-12)
-    np.testing.assert_allclose(band_limit(5.0 + low, 1000.0, 0.0, 200.0), low, atol=1e-12)
+    np.testing.assert_allclose(
+        band_limit(5.0 + low + high, 1000.0, (100.0, 200.0)), low, atol=1e-12
+    )
+    np.testing.assert_allclose(band_limit(5.0 + low, 1000.0, (0.0, 200.0)), low, atol=1e-12)
 
 
 # The docstring gives -112 and -91 dB; the contract is -60 dB at 0.9 of Nyquist.

@@ -60,7 +60,7 @@ def test_frames_fit_the_record(seconds, frame_s, frames):
 def test_a_loop_keeps_its_energy(n):
     # Frames every 16th of a Hann window weigh all samples alike (to rounding); what is left of a
     # hop at the end does not.
-    record = band_limit(noise(3, n), RATE, 30.0, 20000.0)
+    record = band_limit(noise(3, n), RATE, (30.0, 20000.0))
     found = spectrogram(record, RATE)
     mean_square = (density(found) * WIDTHS[:, np.newaxis]).sum(axis=0).mean()
     # Lines of 25 Hz smear 1e-4 beyond the outer rows; the hops that do not fill the record are

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
+from hard_cases.gaussian_heights import gaussian
 from tqdm import tqdm
 
 from acoustics.arrays import Array
@@ -20,7 +21,6 @@ from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
-from rolling.surface import heights as surface
 from rolling.surface.contact_of_scene import auto_subcells, on_subcells
 from rolling.surface.refined import dies_out, subcell_heights
 
@@ -65,7 +65,7 @@ class EdgeScene:
 def rough(ra_um: float, length_um: float, law: str = "gaussian", seed: int = 1) -> Array:
     """Make random heights [m]."""
     lengths = (length_um * 1e-6, length_um * 1e-6)
-    return surface.gaussian(NODES, SPACING, ra_um * 1e-6, lengths, law, seed)
+    return gaussian(NODES, SPACING, ra_um * 1e-6, lengths, law, seed)
 
 
 def pitted(ra_um: float, share: float, depth_um: float, seed: int) -> Array:

@@ -26,7 +26,7 @@ from acoustics.level import SoundLevels
 from rolling.accuracy.variants import Variant, march_variant
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
-from rolling.marches.piece import half_space_for
+from rolling.contact.subcells import half_space_of
 from rolling.sound.contact_sound import contact_sound
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.made import continued
@@ -135,7 +135,11 @@ def with_detail(scene: rc.Scene) -> Array:
     finer = replace(
         contact, heights=cells, spacing=spacing / contact.subcells, start=start, slopes=False
     )
-    release, old, half_space = np.empty(scene.track.n_along), None, half_space_for(finer)
+    release, old, half_space = (
+        np.empty(scene.track.n_along),
+        None,
+        half_space_of(finer.spacing, finer.contact_modulus, finer.subcells),
+    )
     for state in march(finer, 0, len(release), half_space):
         if old is not None:
             release[old.position] = step_energy(old, state, half_space).release

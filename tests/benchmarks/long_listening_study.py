@@ -20,8 +20,8 @@ import rolling as rc
 from acoustics import uncertainty
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
-from acoustics.gaussianity import kurtosis
 from acoustics.level import SoundLevels, sound_levels
+from acoustics.uncertainty import kurtosis
 from rolling.dynamics.force_law import ForceLaw
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene

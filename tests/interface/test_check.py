@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 from scene_text import WIDE
 
 from acoustics import wav
@@ -181,9 +182,7 @@ def test_roughness_is_that_of_the_surface_made(law: str) -> None:
     scene = loads(
         WIDE, [f"surface.autocorrelation={law}", "surface.correlation_length_across_um=20"]
     )
-    made = surface.statistics(
-        surface.gaussian((2048, 512), 2e-6, 1e-7, (10e-6, 20e-6), law, 1), 2e-6
-    )
+    made = surface.statistics(gaussian((2048, 512), 2e-6, 1e-7, (10e-6, 20e-6), law, 1), 2e-6)
     # A sample of some 10^4 correlation areas: 1 to 2 %.
     assert roughness(scene) == pytest.approx((made.rq, made.rms_slope), rel=0.03)
 

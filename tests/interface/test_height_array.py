@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 from scene_text import PLAIN
 
 import rolling as rc
 from rolling.scene import file
-from rolling.surface import heights as surface
 
-Z = surface.gaussian((96, 80), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 1)
+Z = gaussian((96, 80), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 1)
 SHORT = ["rolling.load_n=0.1", "rolling.duration_s=2e-4"]
 
 

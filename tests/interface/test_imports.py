@@ -29,9 +29,9 @@ FLOORS = {
     ),
     "acoustics": (
         ("arrays", "numbers"),
-        ("bands", "radiation", "random_rows", "weighting"),
+        ("bands", "radiation", "weighting"),
         ("baffled_modes", "continued_rows", "plot_style", "resampling", "spectrum"),
-        ("gaussianity", "level", "loudness", "modulation", "rectangular_plate", "sound_power"),
+        ("level", "loudness", "modulation", "rectangular_plate", "sound_power"),
         ("laps", "plots", "uncertainty", "wav"),
     ),
 }

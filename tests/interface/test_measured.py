@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases import gaussian_heights
 
 from rolling.check import cost, findings
 from rolling.check.finding import Finding
@@ -27,7 +28,7 @@ rolling: {load_n: 0.5, speed_m_s: 0.1}
 
 
 def gaussian(rows: int, columns: int, nodes: float = 6.0, seed: int = 3) -> np.ndarray:
-    return surface.gaussian(
+    return gaussian_heights.gaussian(
         (rows, columns), SPACING, 1e-7, (nodes * SPACING, nodes * SPACING), "gaussian", seed
     )
 
@@ -152,7 +153,9 @@ def test_correlation_length_is_that_of_the_law(law: str) -> None:
     About 5,000 correlation areas leave 2 %, and the chord of the interpolation adds to it.
     """
     decay, exponent = surface.AUTOCORRELATIONS[law]
-    heights = surface.gaussian((1500, 400), SPACING, 1e-7, (8 * SPACING, 5 * SPACING), law, 1)
+    heights = gaussian_heights.gaussian(
+        (1500, 400), SPACING, 1e-7, (8 * SPACING, 5 * SPACING), law, 1
+    )
     for axis, length in ((0, 8 * SPACING), (1, 5 * SPACING)):
         got = surface.correlation(heights, SPACING, axis)
         assert got.length == pytest.approx(length * decay ** (-1 / exponent), rel=0.08)

@@ -183,14 +183,14 @@ def test_compilation_is_said_once_unless_silence_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A first run in a script compiles for a minute, and its terminal says so."""
-    submit = pools.ThisProcess.submit
+    submit = pools.Pool.submit
 
-    def compiling(pool: pools.ThisProcess, task: pools.Task) -> Any:
+    def compiling(pool: pools.Pool, task: pools.Task) -> Any:
         terminal_progress.compiling()
         return submit(pool, task)
 
     monkeypatch.setattr(terminal_progress._voice, "has_told_compiling", False)
-    monkeypatch.setattr(pools.ThisProcess, "submit", compiling)
+    monkeypatch.setattr(pools.Pool, "submit", compiling)
     rc.simulate(rc.read_scene(folder / "scene.yaml"), workers=1, progress=progress)
     told = capsys.readouterr().err.count(terminal_progress.COMPILING)
     assert told == (0 if progress is False else 1)

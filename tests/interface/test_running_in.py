@@ -16,7 +16,6 @@ import rolling as rc
 from acoustics import wav
 from rolling import cli
 from rolling.check import cost, refusals
-from rolling.marches import slow_motion
 from rolling.marches.piece import contact_identity
 from rolling.report.page import page
 from rolling.results.run_result import Run
@@ -94,7 +93,7 @@ def test_summary(run: Run) -> None:
 
 def test_film_shows_the_last_pass(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its maps release as much as the steps between them; packing rounds to 1e-4."""
-    monkeypatch.setattr(slow_motion, "SHARE", 0.3)
+    monkeypatch.setattr("rolling.marches.next_pieces.SHARE", 0.3)
     result = march_all(loads(MEMORY), film=True)
     film, series = result.slow_motion, result.series["release_energy"]
     assert film is not None

@@ -265,3 +265,9 @@ def test_schema_describes_every_key() -> None:
             assert key.get("description"), name
     for name, unit in (("radius_mm", "[mm]"), ("youngs_modulus_gpa", "[GPa]")):
         assert unit in root["$defs"]["Sphere"]["properties"][name]["description"]
+
+
+def test_a_bare_key_of_several_sections_names_them() -> None:
+    (fault,) = faults(PLAIN, "youngs_modulus_gpa=3")
+    both = "sphere.youngs_modulus_gpa or plate.youngs_modulus_gpa"
+    assert fault == f"--set: youngs_modulus_gpa: stands for {both}, give one of these"

@@ -120,3 +120,13 @@ def test_any_surface_has_its_picture(heights: np.ndarray) -> None:
     np.save("odd.npy", heights)
     assert cli.main(["surface", "odd.npy", "--spacing-um", "1", "-q"]) == 0
     assert len(pd.read_csv("outputs/odd.npy-surface/surface.csv")) == len(NAMES)
+
+
+def test_a_swept_surface_is_described_without_its_sweep(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A sweep of the load leaves the surface as it is, so nothing is said of it."""
+    for sweep, is_said in (("{surface.seed: [1, 2]}", True), ("{rolling.load_n: [1, 2]}", False)):
+        Path("swept.yaml").write_text(f"{SCENE}sweep: {sweep}\n")
+        assert cli.main(["surface", "swept.yaml"]) == 0
+        assert ("without its sweep" in capsys.readouterr().err) == is_said

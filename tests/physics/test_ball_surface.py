@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from ball_scenes import TURN, small_ball
+from hard_cases.gaussian_heights import gaussian
 from helpers import march_all, roll
 
 from acoustics import envelope_spectrum
@@ -15,7 +16,6 @@ from rolling.check.vibration import force_rms
 from rolling.marches.piece import contact_identity
 from rolling.results.run_result import hear
 from rolling.scene.surfaces import GRADES
-from rolling.surface import heights as surface
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import ball_heights, heights, rolled_together, scene_surface
 
@@ -26,7 +26,7 @@ ROUGH = {"kind": "gaussian", "roughness_ra_um": 0.005, "correlation_length_um": 
 def test_a_rough_ball_on_a_smooth_plate_is_a_smooth_ball_on_that_field() -> None:
     """Bit by bit, over one turn and the beginning of the next."""
     scene, ra, length = small_ball(**ROUGH), 0.005 * 1e-6, 10 * 1e-6
-    field = surface.gaussian((TURN, 16), scene.spacing, ra, (length, length), "gaussian", (4, 1))
+    field = gaussian((TURN, 16), scene.spacing, ra, (length, length), "gaussian", (4, 1))
     rough, smooth = rolling_contact(scene), rolling_contact(small_ball(), field)
     for ours, theirs in zip(roll(rough, 290, 330), roll(smooth, 290, 330), strict=True):
         assert np.array_equal(ours.pressure, theirs.pressure)

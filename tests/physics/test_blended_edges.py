@@ -10,12 +10,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 from helpers import assert_solved, make_track, releases, roll, rough, space_of, step_energies
 
 from rolling.contact import solver
 from rolling.contact.state import RollingContact
 from rolling.surface.contact_of_scene import on_subcells
-from rolling.surface.heights import gaussian
 from rolling.surface.refined import refined
 
 HARDNESS = 2.1e9

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 
 from rolling.surface import heights as surface
 from rolling.surface import levelling
@@ -14,7 +15,7 @@ LENGTHS = [(1, 1), (5, 5), (3, 40), (40, 3)]  # nodes along and across
 
 
 def made(shape: tuple[int, int], lengths: tuple[float, float], law: str, seed: int) -> np.ndarray:
-    return surface.gaussian(shape, 1.0, 1e-7, lengths, law, seed)
+    return gaussian(shape, 1.0, 1e-7, lengths, law, seed)
 
 
 def dents(shape: tuple[int, int], across: bool, rng: np.random.Generator) -> np.ndarray:
@@ -114,7 +115,7 @@ def test_a_tilted_crop_is_levelled_along_its_tilt_only() -> None:
 
     The slopes are those of the tilt, apart from the random slope of the crop.
     """
-    larger = surface.gaussian((2400, 180), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)
+    larger = gaussian((2400, 180), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)
     crop = larger[:2000, :128] - larger[:2000, :128].mean()
     tilt = 1e-6 * (np.arange(2000) / 1999 - 0.5)
     heights, how = levelling.level(crop + tilt[:, None], SPACING, "auto")
@@ -136,7 +137,7 @@ def test_spikes_of_the_instrument_do_not_hide_the_tilt() -> None:
     """Single nodes 20 um high raise the rms of their rows above the seam's, not the median."""
     rng = np.random.default_rng(0)
     heights = (
-        surface.gaussian((400, 100), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)
+        gaussian((400, 100), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 4)
         + np.linspace(0, 1e-6, 400)[:, None]
     )
     heights[rng.integers(0, 400, 5), rng.integers(0, 100, 5)] += 20e-6
@@ -147,7 +148,7 @@ def test_spikes_of_the_instrument_do_not_hide_the_tilt() -> None:
 
 @pytest.mark.parametrize("mode", ["auto", "none"])
 def test_periodic_heights_are_returned_bit_by_bit(mode: str) -> None:
-    heights = surface.gaussian((200, 100), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 3)
+    heights = gaussian((200, 100), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 3)
     same, how = levelling.level(heights, SPACING, mode)
     assert same is heights
     assert how.taken == (0.0, 0.0) and how.ra_before == how.ra_after
@@ -158,7 +159,7 @@ def test_periodic_heights_are_returned_bit_by_bit(mode: str) -> None:
 
 def test_plane_is_always_taken_off() -> None:
     """The residual has no plane left, and the second differences of the plane vanish."""
-    heights = surface.gaussian((60, 50), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 3)
+    heights = gaussian((60, 50), SPACING, 1e-7, (1e-5, 1e-5), "gaussian", 3)
     level, how = levelling.level(heights, SPACING, "plane")
     assert all(how.taken)
     assert max(abs(levelling.slope(level, SPACING, axis)) for axis in (0, 1)) < 1e-12 * max(

@@ -10,7 +10,7 @@ from finished import VIBRATING, marched
 from helpers import hertz_law
 from long_listening_study import compare
 
-from acoustics.gaussianity import kurtosis
+from acoustics.uncertainty import kurtosis
 from rolling.dynamics import long_motion
 from rolling.dynamics.long_motion import LongLaw, LongMotion
 from rolling.results.run_result import Run

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 from scene_text import PLAIN
 from scipy.integrate import quad
 
@@ -183,7 +184,7 @@ def test_lay_along_and_across_is_that_of_both_lengths(lay: float, lengths: tuple
     plain = [1e-6 * length for length in lengths]
     np.testing.assert_array_equal(
         made.of_law(SHAPE, SPACING, law, 4),
-        surface.gaussian(SHAPE, SPACING, 1e-7, tuple(plain), "gaussian", 4),
+        gaussian(SHAPE, SPACING, 1e-7, tuple(plain), "gaussian", 4),
     )
 
 

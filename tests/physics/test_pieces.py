@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 from helpers import march_all
 from scene_text import PLAIN, TINY
 
@@ -24,7 +25,6 @@ from rolling.marches.result import Result
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact
-from rolling.surface.heights import gaussian
 
 SHORT = ("rolling.load_n=0.3", "rolling.duration_s=0.0088", "surface.width_um=96")  # 440 steps
 
@@ -115,9 +115,9 @@ def test_keys_of_pieces_differ_and_name_files(reference: Result) -> None:
         Piece(**{**base, "first": 100}, kind="track"),
     ]
     keys = [piece.key for piece in pieces]
-    assert len(set(keys)) == len(set(pieces)) == len(pieces)
+    assert len(set(keys)) == len(pieces)
     assert all(set(key) <= set("abcdefghijklmnopqrstuvwxyz0123456789-") for key in keys)
-    assert Piece(**base, kind="track") == pieces[0]
+    assert Piece(**base, kind="track").key == keys[0]
 
 
 @pytest.mark.parametrize(
@@ -186,10 +186,8 @@ def test_a_track_that_cannot_be_solved_raises_and_a_load_returns_its_fault() -> 
         assert list(arrays) == ["fault"] and "can carry" in str(arrays["fault"])
 
 
-def test_steps_and_expected_seconds_are_counted() -> None:
-    given, steps = scene(), list[int]()
+def test_each_step_of_a_piece_has_equal_expected_seconds() -> None:
+    given = scene()
     pieces = next_pieces(given, Result.empty(given))
-    march_piece(pieces[-1], steps.append)
-    assert sum(steps) == pieces[-1].last - pieces[-1].first == 40
     per_step = {round(piece.cost / (piece.last - piece.first), 12) for piece in pieces}
     assert len(per_step) == 1 and per_step.pop() > 0

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 
 from rolling.scene.height_grid import HeightGrid, height_grid
 from rolling.scene.surfaces import HeightFile
-from rolling.surface import heights as surface
 from rolling.surface import levelling, measured, preparation
 from rolling.surface.heights import SurfaceError
 
@@ -20,7 +20,7 @@ UM = 1e-6
 def rough(rows: int, columns: int, length: float = 8.0, seed: int = 1) -> np.ndarray:
     """Return a crop of Gaussian heights, Ra 0.1 um, spacing 1 um: no period."""
     shape = rows + 60, columns + 60
-    z = surface.gaussian(shape, UM, 1e-7, (length * UM, length * UM), "gaussian", seed)
+    z = gaussian(shape, UM, 1e-7, (length * UM, length * UM), "gaussian", seed)
     return z[:rows, :columns] - z[:rows, :columns].mean()
 
 
@@ -83,7 +83,7 @@ def test_filled_heights_lie_between_their_neighbours(wraps: bool) -> None:
 @pytest.mark.slow
 def test_a_third_of_a_million_nodes_is_filled_in_seconds() -> None:
     """The direct solution fulfils the equation to 1e-12 of the heights; this takes 4 s."""
-    z = surface.gaussian((1000, 1000), UM, 1.0, (1e-5, 1e-5), "gaussian", 1)
+    z = gaussian((1000, 1000), UM, 1.0, (1e-5, 1e-5), "gaussian", 1)
     z[200:748, 200:748] = np.nan
     out = preparation.filled(z, False)
     mean = (out[:-2, 1:-1] + out[2:, 1:-1] + out[1:-1, :-2] + out[1:-1, 2:]) / 4
@@ -141,7 +141,7 @@ def test_a_blend_keeps_the_roughness_and_leaves_no_seam() -> None:
 
 def test_a_blend_of_equal_parts_is_that_part() -> None:
     """A measurement of more than a period gives the period back."""
-    z = surface.gaussian((100, 64), UM, 1e-7, (8e-6, 8e-6), "gaussian", 3)
+    z = gaussian((100, 64), UM, 1e-7, (8e-6, 8e-6), "gaussian", 3)
     out, _ = preparation.blended(np.concatenate([z, z[:25]]), (25, 0), UM)
     np.testing.assert_allclose(out, z, atol=1e-15)
 

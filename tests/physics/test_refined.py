@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 
-from rolling.surface.heights import gaussian
 from rolling.surface.refined import cells_of_patch, refined, subcell_heights
 
 

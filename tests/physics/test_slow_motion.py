@@ -8,12 +8,10 @@ from helpers import march_all
 from scene_text import BODIES, NARROW
 
 from rolling.dynamics import of_scene
-from rolling.marches import slow_motion
 from rolling.marches.force_law import force_law
-from rolling.marches.next_pieces import next_pieces
+from rolling.marches.next_pieces import COLD_STEPS, FEWEST, film_stretch, loudest, next_pieces
 from rolling.marches.piece import march_piece
 from rolling.marches.result import Result
-from rolling.marches.slow_motion import COLD_STEPS, film_stretch, loudest
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 
@@ -28,7 +26,7 @@ numerics: {{tolerance: 1.0e-4}}
 @pytest.fixture(autouse=True)
 def generous(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a run of 400 steps pay for a film."""
-    monkeypatch.setattr(slow_motion, "SHARE", 0.3)
+    monkeypatch.setattr("rolling.marches.next_pieces.SHARE", 0.3)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +37,7 @@ def scene() -> Scene:
 @pytest.fixture(scope="module")
 def solved(scene: Scene) -> Result:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(slow_motion, "SHARE", 0.3)
+        patch.setattr("rolling.marches.next_pieces.SHARE", 0.3)
         return march_all(scene, film=True)
 
 
@@ -52,7 +50,7 @@ def test_the_stretch_lies_around_the_loudest_event_and_costs_little(
     event = np.convolve(solved.series["release_energy"], np.ones(10), "valid").argmax() + 5
     assert event in stretch
     assert film_stretch(scene, Result.empty(scene)) is None
-    monkeypatch.setattr(slow_motion, "SHARE", 0.05)  # too few of 400 steps
+    monkeypatch.setattr("rolling.marches.next_pieces.SHARE", 0.05)  # too few of 400 steps
     assert film_stretch(scene, solved) is None
 
 
@@ -66,7 +64,7 @@ def test_the_loudest_place_is_the_middle_of_the_largest_mean() -> None:
 def test_maps_hold_the_release_and_the_load_of_the_run(solved: Result) -> None:
     """Releases have 16 bits and pressures 8, of the maximum over all cells and maps."""
     film = solved.slow_motion
-    assert film is not None and len(film.positions) >= slow_motion.FEWEST
+    assert film is not None and len(film.positions) >= FEWEST
     steps = solved.series["release_energy"][film.positions[0] : film.positions[-1]]
     released = film.release[1:].sum(axis=(1, 2)) * film.release_unit
     assert released == pytest.approx(steps, rel=0.02)

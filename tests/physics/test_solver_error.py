@@ -8,8 +8,12 @@ from helpers import march_all
 
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
-from rolling.sound import solver_error
-from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.contact_sound import (
+    ContactSound,
+    contact_sound,
+    resolved_fluctuation,
+    solver_doubt,
+)
 
 SMOOTH = """\
 name: smooth
@@ -78,16 +82,16 @@ def test_a_release_below_the_solver_error_is_silent_and_says_so() -> None:
     scene = loads(ROUGH.replace("RA", "0.000001"), ["numerics.tolerance=1e-4"])
     sound = heard(scene)
     assert sound.levels.level_db is None
-    doubt = solver_error.doubt(scene, sound.audible_rms, sound.resolved_rms)
+    doubt = solver_doubt(scene, sound.audible_rms, sound.resolved_rms)
     assert doubt is not None and "silent" in doubt and "numerics.tolerance" in doubt
 
 
 def test_doubts_by_the_distance_from_the_error() -> None:
     rough, smooth = loads(ROUGH.replace("RA", "0.1")), loads(SMOOTH)
-    assert "stands 6 dB above the solver's error" in str(solver_error.doubt(rough, 2.0, 1.0))
-    assert "counts as silent" in str(solver_error.doubt(rough, 1.0, 1.0))
-    assert solver_error.doubt(rough, 3.2, 1.0) is None
-    assert solver_error.doubt(smooth, 0.5, 1.0) is None
+    assert "stands 6 dB above the solver's error" in str(solver_doubt(rough, 2.0, 1.0))
+    assert "counts as silent" in str(solver_doubt(rough, 1.0, 1.0))
+    assert solver_doubt(rough, 3.2, 1.0) is None
+    assert solver_doubt(smooth, 0.5, 1.0) is None
 
 
 @pytest.mark.parametrize(
@@ -105,7 +109,7 @@ def test_an_error_that_is_white_along_the_track_is_known_in_the_band(
     scene = loads(SMOOTH, [f"rolling.speed_m_s={speed}", "rolling.duration_s=1"])
     noise = np.random.default_rng(1).standard_normal(5000)
     for factor in (0.5, 2.0):
-        energy = 1e-9 * (1 + factor * solver_error.resolved_fluctuation(scene) * noise)
+        energy = 1e-9 * (1 + factor * resolved_fluctuation(scene) * noise)
         sound = contact_sound(scene, energy, 3e-6, closed)
         assert sound.audible_rms == pytest.approx(factor * sound.resolved_rms, rel=0.2)
         assert (sound.levels.level_db is None) == (factor < 1)

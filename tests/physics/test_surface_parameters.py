@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 from scipy.special import ndtri
 
 from acoustics.arrays import Array
 from rolling.surface import parameters as iso
-from rolling.surface.heights import gaussian
 
 STEP = 1e-6
 LENGTHS = {"Sa", "Sq", "Sp", "Sv", "Sz", "Sal", "Sk", "Spk", "Svk"}

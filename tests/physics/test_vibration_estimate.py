@@ -15,7 +15,7 @@ from acoustics.weighting import a_weighting_db
 from rolling.results.run_result import Run
 from rolling.results.runs_table import beside_text
 from rolling.scene.file import loads
-from rolling.sound.vibration_estimate import bodies_text, estimate
+from rolling.sound.radiators import bodies_text, vibration_estimate
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_a_sine_follows_the_chain() -> None:
     force = 1e-9 / abs(-1 / (mass * w**2) + 1 / stiffness + mobility / (1j * w))
     pressure = 1.204 * force / (2 * math.pi * area) / math.sqrt(2)
     expected = 20 * math.log10(pressure / 2e-5) + float(a_weighting_db(np.array([frequency]))[0])
-    laeq, ratio = estimate(scene, approach, step, closed=True)
+    laeq, ratio = vibration_estimate(scene, approach, step, closed=True)
     assert laeq == pytest.approx(expected, abs=0.1)
     assert ratio == pytest.approx(force / math.sqrt(2), rel=0.01)  # at a load of 1 N
 

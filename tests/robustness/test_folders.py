@@ -112,7 +112,7 @@ def test_a_lock_that_is_a_link_reaches_no_other_file(
     [
         ("thesis.txt", "it holds thesis.txt"),
         ("scene.yaml", "it holds scene.yaml"),
-        ("run.json", "made by version 0.1"),
+        ("run.json", "it holds run.json"),
     ],
 )
 def test_a_foreign_folder_is_refused_and_left_as_it_was(

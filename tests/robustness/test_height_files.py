@@ -13,13 +13,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hard_cases.gaussian_heights import gaussian
 
 from acoustics.numbers import rounded
 from rolling.check import findings
 from rolling.scene import file, height_files
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.surface import heights, scene_surface
+from rolling.surface import scene_surface
 
 TEXT = """\
 name: measured
@@ -28,7 +29,7 @@ plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
 surface: {kind: file, path: %s, spacing_um: 2}
 rolling: {load_n: 0.2, speed_m_s: 0.1}
 """
-Z = heights.gaussian((24, 32), 2e-6, 2e-8, (1e-5, 1e-5), "gaussian", 1)
+Z = gaussian((24, 32), 2e-6, 2e-8, (1e-5, 1e-5), "gaussian", 1)
 ROWS = [[repr(float(number)) for number in row] for row in Z]
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from hard_cases.gaussian_heights import gaussian
 from scene_text import SMALL
 
 from rolling import cli
@@ -19,7 +20,6 @@ from rolling.accuracy import work_precision
 from rolling.accuracy.variants import stretch_of, variant_contact, variants_of
 from rolling.contact.solver import ContactError
 from rolling.scene.scene import Scene
-from rolling.surface import heights as surface
 from rolling.surface import refined, scene_surface
 
 pytestmark = pytest.mark.slow
@@ -128,7 +128,7 @@ def test_variants_cover_both_edges_of_a_yielding_plate_once() -> None:
 
 def test_height_files_are_refined_by_their_spectrum(tmp_path: Path) -> None:
     """Between the nodes a smooth file continues, and pits of one node have flat cells."""
-    smooth = surface.gaussian((120, 64), 2e-6, 1e-7, (10e-6, 10e-6), "gaussian", 1)
+    smooth = gaussian((120, 64), 2e-6, 1e-7, (10e-6, 10e-6), "gaussian", 1)
     pits = smooth.copy()
     pits[np.random.default_rng(2).random(pits.shape) < 0.02] -= 2e-6
     contacts = {}

@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 from finished import run_of
+from hard_cases.gaussian_heights import gaussian
 from memory_scenes import MEMORY
 
-from rolling.marches import slow_motion
 from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
-from rolling.surface import heights
 
 STEPS = 300  # once round: 0.6 mm, 6 ms
 HOSTILE = "quoted \"one\" 'two' & </script><img src=x onerror=alert(1)><!-- <script>"
@@ -65,7 +64,7 @@ numerics: {tolerance: 1.0e-3}
 def folder() -> Path:
     """Return a folder with the height file of the scenes."""
     made = Path(mkdtemp(prefix="report-runs-"))
-    rough = heights.gaussian((STEPS, 100), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 3)
+    rough = gaussian((STEPS, 100), 2e-6, 1e-7, (1e-5, 1e-5), "gaussian", 3)
     np.save(made / "z<i>.npy", rough)
     return made
 
@@ -80,7 +79,8 @@ def scene_of(text: str) -> Scene:
 def solved(scene: Scene, values: dict[str, Any] | None = None, film: bool = False) -> Run:
     """March a scene in this process and make its sound."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(slow_motion, "SHARE", 0.3)  # a film of a run that is too short for one
+        # A run that is too short for a film gets one.
+        patch.setattr("rolling.marches.next_pieces.SHARE", 0.3)
         return replace(run_of(scene, folder(), film), values=values or {})
 
 

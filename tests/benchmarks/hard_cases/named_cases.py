@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array
+from hard_cases.gaussian_heights import gaussian
 from rolling.contact import closed_forms
 from rolling.contact.state import RollingContact
-from rolling.surface import heights as surface
 
 STEEL = 210e9 / (1 - 0.3**2)  # E* [Pa] of the plate under a rigid sphere
 CELL = 4e-12  # [m2], area of a node at the common spacing of 2 um
@@ -63,7 +63,7 @@ def rough(
     along: int, across: int, ra: float, seed: int = 1, spacing: float = 2e-6, length: float = 10e-6
 ) -> Array:
     """Make Gaussian heights [m] (along, across) with this Ra and correlation length [m]."""
-    return surface.gaussian((along, across), spacing, ra, (length, length), "gaussian", seed)
+    return gaussian((along, across), spacing, ra, (length, length), "gaussian", seed)
 
 
 def make_track(heights: Array, **changes: Any) -> RollingContact:
