@@ -1,30 +1,15 @@
 // ---- charts: opening, reading by pointer and keyboard, zoom, curves on and off ----
 
 import { pointsOf, positive, quantity } from "./chart_scale.js";
-import { dashesOf, drawChart, drawn, isGrey, markOf } from "./chart_draw.js";
+import { dashesOf, drawChart, drawn, isGrey, make, markOf } from "./chart_draw.js";
 import { saveChart } from "./chart_save.js";
 import { listenTo, resetZoom, showReading } from "./chart_touch.js";
 
 const MOST_ROWS = 500; // of a table of values
 const PALETTE = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
-export const make = (name, attributes = {}, ...children) => {
-  const made = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  made.append(...children);
-  return made;
-};
-
-/** A colour for light and for dark ground, as a value of CSS. */
-export function shadesOf(colour) {
-  const [red, green, blue] = [1, 3, 5].map((start) => parseInt(colour.slice(start, start + 2), 16) / 255);
-  const high = Math.max(red, green, blue), low = Math.min(red, green, blue), light = (high + low) / 2, pale = 1 - 0.55 * light;
-  const lifted = [red, green, blue].map((part) => {
-    const share = high > low ? (part - light) / (light < 0.5 ? light : 1 - light) : 0;
-    return Math.round(255 * Math.min(1, Math.max(0, pale + share * (1 - pale))));
-  });
-  return `light-dark(${colour}, rgb(${lifted.join(" ")}))`;
-}
+/** A colour for light ground, and as much lighter as it is dark for dark ground. */
+export const shadesOf = (colour) => `light-dark(${colour}, oklch(from ${colour} calc(1 - 0.45 * l) c h))`;
 
 /** Give every run of the page its colour, the one of its curve where runs are compared. */
 export function colourRuns(charts, labels) {
@@ -34,16 +19,16 @@ export function colourRuns(charts, labels) {
   for (const chart of charts) chart.paints = paintsOf(chart, labels, colours);
 }
 
-/** Colours of the curves of a chart: those of runs, and for a run's own chart the first is its colour. */
+/** Colours of the curves of a chart: those of runs, and in a chart of one run the first is its colour. */
 function paintsOf({ curves, run }, labels, colours) {
   const spare = PALETTE.filter((colour) => !colours.includes(colour) && !curves.some((curve) => curve.colour === colour));
-  return curves.map(({ name, colour }, number) => {
-    const own = labels.indexOf(name), same = colours.indexOf(colour);
-    if (own >= 0) return `var(--run-${own})`;
+  const compared = run === undefined && curves.some((curve) => labels.includes(curve.name));
+  return curves.map(({ colour }) => {
+    const same = colours.indexOf(colour);
     if (isGrey(colour)) return "var(--chart-shade)";
-    if (run === undefined) return same >= 0 && labels.length > 1 && !name.startsWith("LAeq") && curves.some((curve) => labels.includes(curve.name)) ? `var(--run-${same})` : shadesOf(colour);
-    if (number === 0 || colour === curves[0].colour) return `var(--run-${run})`;
-    return shadesOf(same >= 0 && spare.length ? spare.shift() : colour);
+    if (compared && same >= 0) return `var(--run-${same})`;
+    if (run !== undefined && colour === curves[0].colour) return `var(--run-${run})`;
+    return shadesOf(run !== undefined && same >= 0 ? spare.shift() ?? colour : colour);
   });
 }
 
@@ -58,7 +43,7 @@ export function openCharts(charts, labels) {
 export function openChart(figure, chart) {
   const copyOf = (axis) => ({ ...axis, limits: [...axis.limits] });
   const plot = { figure, chart, points: pointsOf(chart), places: null, reading: null };
-  plot.full = { x: copyOf(chart.x), y: chart.y.map(copyOf), hidden: new Set(), top: null };
+  plot.full = { x: copyOf(chart.x), y: chart.y.map(copyOf), hidden: new Set() };
   plot.view = { ...plot.full, x: copyOf(chart.x), y: chart.y.map(copyOf) };
   chart.offsets = offsetsOf(chart);
   chart.hatched = [...new Set(chart.parts.filter((part) => part.hatch).map((part) => part.of))];
@@ -110,9 +95,9 @@ function makeLegend(plot) {
   if (names.length > 24) return;
   figure.querySelector(".legend").replaceChildren(...names.map((name) => {
     const number = chart.curves.findIndex((curve) => curve.name === name), button = make("button", { type: "button", "aria-pressed": "true" });
-    const key = drawn("svg", { width: 30, height: 12, "aria-hidden": "true" }), filled = chart.parts.some((part) => part.of === number && ["span", "bar", "band"].includes(part.kind));
+    const key = drawn("svg", { width: 30, height: 12, "aria-hidden": "true" }), filled = chart.parts.find((part) => part.of === number && ["span", "bar", "band"].includes(part.kind));
     const marked = chart.parts.find((part) => part.of === number && part.size), lined = chart.parts.some((part) => part.of === number && (part.width || ["rule", "steps"].includes(part.kind)));
-    key.append(filled ? drawn("rect", { x: 3, y: 1, width: 24, height: 10, class: "key" }) : drawn("path", { d: lined ? "M1 6H29" : "", class: "line", "stroke-dasharray": dashesOf(chart.curves, number) }));
+    key.append(filled ? drawn("rect", { x: 3, y: 1, width: 24, height: 10, class: "key", opacity: filled.alpha }) : drawn("path", { d: lined ? "M1 6H29" : "", class: "line", "stroke-dasharray": dashesOf(chart.curves, number) }));
     if (marked) key.append(drawn("path", { d: markOf(marked, chart), transform: "translate(15 6)", class: lined ? "mark" : "mark open" }));
     key.style.setProperty("--c", chart.paints[number]);
     button.append(key, name);

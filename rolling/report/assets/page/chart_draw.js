@@ -11,14 +11,14 @@ const MARKS = {
 const LETTER = 6.4; // width of a letter of a label [pixels]
 const ROW = 16;
 
-/** Make an element of SVG with attributes and children. */
-export function drawn(name, attributes = {}, ...children) {
-  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+/** Return a function that makes elements of a kind of markup with attributes and children. */
+const making = (space) => (name, attributes = {}, ...children) => {
+  const made = document.createElementNS(`http://www.w3.org/${space}`, name);
   for (const [key, value] of Object.entries(attributes)) if (value !== null && value !== undefined) made.setAttribute(key, value);
   made.append(...children);
   return made;
-}
-
+};
+export const drawn = making("2000/svg"), make = making("1999/xhtml");
 export const isGrey = (colour) => new Set(colour.slice(1).match(/../g)).size === 1 && colour !== "#000000";
 
 export const markOf = (part, chart) => MARKS[part.size > 6 ? "D" : chart.curves[part.of]?.marker] ?? MARKS.o;
@@ -78,13 +78,12 @@ export function drawChart(svg, chart, view, width) {
   const groups = chart.curves.map((_, number) => drawn("g", { "data-curve": number }));
   const behind = ["span", "image", "band"];
   for (const part of chart.parts) {
-    const shape = shapeOf(part, chart, places);
-    const group = part.of === undefined || behind.includes(part.kind) ? plot : groups[part.of];
-    if (part.of !== undefined) shape.style.setProperty("--c", chart.paints[part.of]);
-    if (part.of === undefined || !view.hidden.has(chart.curves[part.of].name)) group.append(shape);
+    if (view.hidden.has(chart.curves[part.of]?.name)) continue;
+    const shape = shapeOf(part, chart, places), group = behind.includes(part.kind) ? plot : groups[part.of] ?? plot;
+    shape.style.setProperty("--c", chart.paints[part.of] ?? "");
+    group.append(shape);
   }
   plot.append(...groups);
-  groups[view.top]?.classList.add("top");
   const middle = { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2, class: "silent" };
   const texts = chart.texts.map((text) => drawn("text", middle, text));
   svg.replaceChildren(drawn("defs", {}, clip), drawAxes(chart, view, places), plot, ...texts, drawn("g", { class: "over" }));

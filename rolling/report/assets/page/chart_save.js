@@ -32,7 +32,7 @@ export function csvOf(chart) {
 function savedChart({ figure, chart, view }) {
   const svg = drawn("svg", { xmlns: "http://www.w3.org/2000/svg", class: "saved" });
   figure.querySelector(".plot").append(svg);
-  const { height } = drawChart(svg, chart, { ...view, top: null }, WIDTH), title = rowsOf(chart.title, 110), note = rowsOf(chart.note, 140), top = 20 * title.length + 15 * note.length + 8;
+  const { height } = drawChart(svg, chart, view, WIDTH), title = rowsOf(chart.title, 110), note = rowsOf(chart.note, 140), top = 20 * title.length + 15 * note.length + 8;
   const inner = drawn("g", { transform: `translate(0 ${top})` }, ...svg.childNodes), texts = title.map((row, k) => drawn("text", { x: 6, y: 20 * (k + 1), class: "title" }, row));
   texts.push(...note.map((row, k) => drawn("text", { x: 6, y: 20 * title.length + 15 * (k + 1) }, row)));
   const names = [...new Set(chart.curves.map(({ name }) => name))].filter((name) => name && !view.hidden.has(name)).slice(0, 24);

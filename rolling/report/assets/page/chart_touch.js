@@ -1,8 +1,8 @@
 // ---- charts: reading by pointer and keyboard, zoom, time ----
 
 import { nearest, quantity, zoomed } from "./chart_scale.js";
-import { drawn } from "./chart_draw.js";
-import { make, nameOf, placeText, redraw, valueText } from "./chart.js";
+import { drawn, make } from "./chart_draw.js";
+import { nameOf, placeText, redraw, valueText } from "./chart.js";
 
 const READ_WITHIN = 30; // pixels along x within which a curve is read
 const MOST_READ = 8; // curves in a reading
@@ -34,7 +34,9 @@ export function readAt(plot, pixel) {
 
 /** Show the values that are read beside a line at their place. */
 export function showReading(plot) {
-  const { svg, output, reading, places, chart } = plot, over = svg.querySelector(".over");
+  const { svg, output, reading, places, chart } = plot, over = svg.querySelector(".over"), first = reading?.near?.[0].curve;
+  for (const group of svg.querySelectorAll("[data-curve]")) group.classList.toggle("top", Number(group.dataset.curve) === first);
+  svg.querySelector(".parts").append(...svg.querySelectorAll(".top")); // no other curve hides the one that is read
   over.replaceChildren(...(plot.playhead ? [plot.playhead] : []));
   output.hidden = !reading;
   if (!reading) return;
@@ -128,9 +130,7 @@ export function listenTo(plot) {
     if (pressed.has(event.pointerId)) pressed.set(event.pointerId, at);
     if (pressed.size === 2) return pinch();
     readAt(plot, at);
-    plot.view.top = plot.reading?.near?.[0].curve ?? null;
     showReading(plot);
-    raise(plot);
     if (start && event.pointerType !== "touch" && Math.abs(at.x - start.x) > DRAGGED) showDragged(plot, start, at);
   });
   const release = (event) => {
@@ -162,16 +162,8 @@ export function listenTo(plot) {
 }
 
 function leave(plot) {
-  plot.reading = plot.view.top = null;
+  plot.reading = null;
   showReading(plot);
-  raise(plot);
-}
-
-/** Bring the curve that is read to the front. */
-function raise({ svg, view }) {
-  for (const group of svg.querySelectorAll(".parts > g[data-curve]")) group.classList.toggle("top", Number(group.dataset.curve) === view.top);
-  const top = svg.querySelector(".parts > .top");
-  if (top) top.parentNode.append(top);
 }
 
 function showDragged({ svg, output, places: { box } }, from, to) {
@@ -196,9 +188,7 @@ function byKey(plot, key) {
     const next = row.at({ ArrowLeft: Math.max(0, at - 1), ArrowRight: entry ? Math.min(row.length - 1, at + 1) : 0, Home: 0, End: -1 }[key] ?? Math.max(0, at));
     if (!next) return true;
     readAt(plot, { x: places.x.pixel(next.x), y: places.y[next.right ? 1 : 0].pixel(middleOf(next)) });
-    view.top = plot.reading?.near?.[0].curve ?? null;
     showReading(plot);
-    raise(plot);
   } else return false;
   return true;
 }
