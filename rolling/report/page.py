@@ -6,7 +6,9 @@ behaviour are in `assets/`.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import jinja2
@@ -18,13 +20,13 @@ from rolling import __version__
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
-from rolling.report import assumed, film, hearing, live, maps, records, scripts, text
+from rolling.report import assumed, charts, film, hearing, live, maps, records, scripts, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.terminal import defaults
 
-LARGEST_CSV = 200_000  # bytes on the page; `rolling plot` writes longer tables
+LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
@@ -50,8 +52,11 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     views = _views(shown)
     players = [_player(view, scale) for view in views]
     data: dict[str, Any] = {"runs": players, "view": scale, "bands": BAND_NAMES}
+    data["charts"] = shown_charts = list[dict[str, Any]]()
     data["long"] = any(player["long"] for player in players)
-    template = environment().get_template("report.html")
+    templates = environment()
+    templates.globals["numbered"] = partial(_number, shown_charts)
+    template = templates.get_template("report.html")
     html = template.render(
         version=__version__,
         title=text.titles(runs),
@@ -76,8 +81,8 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
         surfaces=_surfaces(shown),
         vibrations=_vibrations(views),
-        css=Markup(text.asset("report.css") + text.asset("play.css")),
-        js=Markup(scripts.joined("page/begin.js")),
+        css=Markup("".join(map(text.asset, ("report.css", "play.css", "chart.css")))),
+        js=Markup(scripts.joined("page/begin.js" if shown else "page/begin_charts.js")),
         engine=Markup(scripts.joined("engine/worklet.js")),
         data=data,
     )
@@ -120,11 +125,11 @@ def _descriptions(runs: Sequence[Run]) -> list[str]:
 def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
     """Return label, sound, notes on repetition and pictures of each run."""
     views = []
-    for run, sound in zip(runs, records.of_runs(runs), strict=True):
+    for number, (run, sound) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
         # The page has maps that move, and each surface once.
         left_out = {"surface", "contact_pressure" if run.result.maps else ""}
         pictures = {
-            name: _exhibit(picture)
+            name: _exhibit(picture, number)
             for name in SINGLE
             if name not in left_out and (picture := single_picture(name, run, runs))
         }
@@ -162,30 +167,25 @@ def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
 # ---- pictures
 
 
-def _exhibit(picture: Picture) -> dict[str, Any]:
-    """Embed a picture with its table, its size [CSS pixels] and, over time, its time axis."""
-    svg, table = picture.file("svg") or b"", picture.file("csv")
-    short = table is not None and len(table) <= LARGEST_CSV
-    width, height = picture.figure.get_size_inches()
-    return {
-        "name": picture.name,
-        "alt": picture.alt,
-        "src": maps.uri("image/svg+xml", svg),
-        "csv": maps.uri("text/csv", table) if table is not None and short else None,
-        "size": (round(96 * width), round(96 * height)),
-        "time": time_axis(picture) if picture.name in TIMELINES else None,
-    }
+def _exhibit(picture: Picture, run: int | None = None) -> dict[str, Any]:
+    """Read a picture, of one run by its number or of several, as a chart with its table."""
+    chart, table = charts.chart_of(picture), picture.file("csv")
+    if table is not None and len(table) <= LARGEST_CSV:
+        chart["csv"] = table.decode()
+    if picture.name in TIMELINES:
+        chart["second"] = seconds(chart["x"]["unit"])
+    return chart if run is None else chart | {"run": run}
 
 
-def time_axis(picture: Picture) -> dict[str, float]:
-    """Return the plot area of a drawn picture [percent of the picture] and its time limits [s]."""
-    ax = picture.figure.axes[0]
-    left, bottom, right, top = (100 * share for share in ax.get_position().extents)
-    unit = ax.get_xlabel().partition("[")[2].partition("]")[0]
-    second = next(1000.0**power for power, sign in PREFIXES.items() if f"{sign}s" == unit)
-    begin, end = (second * limit for limit in ax.get_xlim())
-    area = {"left": left, "right": right, "top": 100 - top, "bottom": 100 - bottom}
-    return area | {"begin": begin, "end": end}
+def _number(charts: list[dict[str, Any]], chart: dict[str, Any]) -> int:
+    """Append a chart to those of the page and return its number."""
+    charts.append(chart)
+    return len(charts) - 1
+
+
+def seconds(unit: str) -> float:
+    """Return the seconds of a unit of time with its prefix."""
+    return next(1000.0**power for power, sign in PREFIXES.items() if f"{sign}s" == unit)
 
 
 def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
@@ -214,7 +214,8 @@ def _vibrations(views: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[st
     seen: dict[str, tuple[str, dict[str, Any]]] = {}
     for view in views:
         for picture in (view["pictures"][x] for x in VIBRATION if x in view["pictures"]):
-            seen.setdefault(picture["csv"] or picture["src"], (view["label"], picture))
+            numbers = json.dumps([picture["xs"], picture["parts"]])
+            seen.setdefault(numbers, (view["label"], picture))
     shown: dict[str, list[dict[str, Any]]] = {}
     for label, picture in seen.values():
         shown.setdefault(label, []).append(picture)

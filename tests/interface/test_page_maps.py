@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from report_browser import PIXELS, data_of, hear, map_of, play, seek, time_of, until
 from report_runs import runs_of
 
-from rolling.figures.catalogue import single_picture
 from rolling.figures.vibration import hertz_radius
 from rolling.report.maps import palette
 from rolling.results.run_result import Run
@@ -114,34 +111,6 @@ def test_maps_move_while_it_plays_unless_motion_is_unwanted(wish: str, pages, op
         page.click("#play")  # paused: the map of its place
         until(page, "document.querySelector('#play').textContent === 'Play'")
         assert map_of(page) == nearest_map(runs_of("three")[0], float(page.input_value("#seek")))
-
-
-@pytest.mark.parametrize("name", ["release_power", "spectrogram"])
-def test_playheads_stand_at_the_place_of_their_time(name: str, pages, opened) -> None:
-    """The line stands within 1.5 pixels of its place by matplotlib's transform of the axes."""
-    runs = runs_of("three")
-    picture = single_picture(name, runs[0], runs)
-    assert picture is not None and picture.file("svg")
-    ax, figure = picture.figure.axes[0], picture.figure
-    width = figure.get_size_inches()[0] * figure.dpi
-    unit = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[re.search(r"\[(.*?)\]", ax.get_xlabel())[1]]
-    low, high = ax.get_position().y0, ax.get_position().y1
-    with opened(pages("three")) as page:
-        line = f".timeline[data-name={name}][data-run='0']"
-        for seconds in (0.05, 0.85):
-            seek(page, seconds)
-            box = page.locator(f"{line} img").bounding_box()
-            head = page.locator(f"{line} .playhead").bounding_box()
-            share = ax.transData.transform((seconds / unit, 0))[0] / width
-            assert head["x"] == pytest.approx(box["x"] + box["width"] * share, abs=1.5)
-            assert head["y"] == pytest.approx(box["y"] + (1 - high) * box["height"], abs=1.5)
-            assert head["height"] == pytest.approx((high - low) * box["height"], abs=1.5)
-        share = ax.transData.transform((0.6 / unit, 0))[0] / width
-        box = page.locator(f"{line} img").bounding_box()
-        place = {"x": box["width"] * share, "y": box["height"] / 2}
-        page.locator(f"{line} img").click(position=place)
-        pixel = 0.9 / (ax.get_position().width * box["width"])  # in seconds
-        assert time_of(page) == pytest.approx(0.6, abs=1.5 * pixel)
 
 
 def test_keys_act_as_the_page_states(pages, opened) -> None:

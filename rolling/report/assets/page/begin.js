@@ -1,10 +1,11 @@
 // ---- the beginning ----
 
-import { $, longest, runs, state } from "./core.js";
+import { $, data, longest, runs, state } from "./core.js";
 import { recordOf } from "./records.js";
 import { choose, say } from "./choices.js";
 import { showStill } from "./still.js";
 import { drawFilm, filmOf } from "./film.js";
+import { openCharts } from "./chart.js";
 import { showDifference } from "./compare.js";
 import { beginPlaying, redrawPlayed } from "./play_hand.js";
 import { listen, markScrolling } from "./keys.js";
@@ -16,6 +17,7 @@ export function begin() {
   $("#seek").max = longest();
   $("#loop").checked = state.loop;
   listen();
+  openCharts(data.charts, runs.map((run) => run.label));
   for (const colours of ["(prefers-color-scheme: dark)", "print"]) matchMedia(colours).addEventListener("change", recolour);
   new ResizeObserver(markScrolling).observe(document.body);
   new IntersectionObserver(([hero]) => document.documentElement.classList.toggle("beyond", !hero.isIntersecting)).observe($("header"));
@@ -40,7 +42,6 @@ export async function decodeInTurn() {
 export function recolour() {
   showStill();
   redrawPlayed();
-  showDifference();
   if (filmOf()) drawFilm();
 }
 

@@ -33,14 +33,14 @@ export function prepareMotion({ motion }, width) {
   canvas.width = width; // small print stays legible
 }
 
-const forceText = (force) => (force < 1 ? `${Number((1e3 * force).toPrecision(3))} mN` : `${Number(force.toPrecision(3))} N`);
+export const newtons = (force) => (force < 1 ? `${Number((1e3 * force).toPrecision(3))} mN` : `${Number(force.toPrecision(3))} N`);
 const heightText = (nm) => (Math.abs(nm) < 1000 ? `${Number(nm.toPrecision(3))} nm` : `${Number((nm / 1000).toPrecision(3))} µm`).replace("-", "−");
 
 /** Says what the ball does at a time; nothing without its motion. */
 export function saidMotion(shown, time) {
   if (!shown.motion) return "";
   const { motion } = shown, at = sampleAt(motion, time);
-  const presses = flightAt(shown, time) ? "flies" : `presses with ${forceText(motion.force_n[at])}`;
+  const presses = flightAt(shown, time) ? "flies" : `presses with ${newtons(motion.force_n[at])}`;
   return `; the ball is ${heightText(motion.height_nm[at])} high and ${presses}`;
 }
 
@@ -62,8 +62,8 @@ export function drawMotion(shown) {
   const weakest = Math.min(...motion.force_n, motion.load_n); // zero with a flight
   const force = { values: motion.force_n, top: height / 2, low: weakest, high: hardest };
   drawLoad(axis, laneY(axis, force)(motion.load_n));
-  drawLane(axis, motion, { ...force, title: `force, ${forceText(weakest)} to ${forceText(hardest)}; dashed: load ${forceText(motion.load_n)}` });
-  drawReading(axis, `${heightText(motion.height_nm[axis.passed])}, ${flightAt(shown, now) ? "the ball flies" : forceText(motion.force_n[axis.passed])}`);
+  drawLane(axis, motion, { ...force, title: `force, ${newtons(weakest)} to ${newtons(hardest)}; dashed: load ${newtons(motion.load_n)}` });
+  drawReading(axis, `${heightText(motion.height_nm[axis.passed])}, ${flightAt(shown, now) ? "the ball flies" : newtons(motion.force_n[axis.passed])}`);
 }
 
 function inks(canvas) {

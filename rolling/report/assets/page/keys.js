@@ -3,11 +3,11 @@
 import { $, $$, longest, runs, sharedTime, state } from "./core.js";
 import { glide, pause, play, seek } from "./player.js";
 import { choose, setLong, setLoop, setMode } from "./choices.js";
-import { seekByClick, timelines } from "./motion.js";
+import { seekByClick } from "./motion.js";
 import { stepMap } from "./contact.js";
 import { seekFilm, showRate } from "./film.js";
 import { playFilm, realTime, stopFilm } from "./film_sound.js";
-import { copy, save, saveRecord } from "./downloads.js";
+import { copy, saveRecord } from "./downloads.js";
 import { showDifference } from "./compare.js";
 import { ABX, beginTest, endTest } from "./abx.js";
 
@@ -31,7 +31,7 @@ export function onKey(event) {
   if (on.matches("select, textarea, audio, [contenteditable], input:not([type=radio], [type=checkbox], [type=range])")) return;
   // Keys that the focused control has a use of its own for.
   if (key === " " && on.matches("button, summary, a, [type=checkbox], [type=radio]:not(:checked)")) return;
-  if ((key.startsWith("Arrow") || key === "Home") && on.matches("[type=range], [type=radio], pre, .paper, .scroll")) return;
+  if ((key.startsWith("Arrow") || key === "Home") && on.matches("[type=range], [type=radio], pre, .scroll")) return;
   if (on.id === "map" && key.startsWith("Arrow")) stepMap(key === "ArrowLeft" || key === "ArrowUp" ? -1 : 1);
   else if (/^[1-9]$/.test(key) && runs.length > 1) choose(Number(key) - 1);
   else if (Object.hasOwn(KEYS, key.toLowerCase())) KEYS[key.toLowerCase()]();
@@ -59,16 +59,15 @@ export function listen() {
   on("#film-seek", "input", (slider) => { stopFilm(); seekFilm(Number(slider.value)); });
   on("#before", "click", () => stepMap(-1));
   on("#after", "click", () => stepMap(1));
-  on("[data-save]", "click", save);
   on("[data-wav]", "click", saveRecord);
   on("[data-copy]", "click", (button) => copy($(`#${button.dataset.copy}`).textContent, button));
-  for (const line of timelines) line.figure.querySelector(".sheet").addEventListener("click", (event) => seekByClick(event, line));
+  document.addEventListener("chart-seek", seekByClick);
   for (const player of $$("audio")) player.addEventListener("play", () => playAlone(player));
 }
 
 /** Boxes that hold more than they show can be scrolled by keyboard, the others are no stop of Tab. */
 export function markScrolling() {
-  for (const box of $$(".paper, .scroll")) {
+  for (const box of $$(".scroll")) {
     const wide = box.scrollWidth > box.clientWidth + 1;
     const long = box.scrollHeight > box.clientHeight + 1;
     const label = !long ? "scrolls sideways" : wide ? "scrolls" : "scrolls down";
