@@ -8,9 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from acoustics.numbers import rounded
 from rolling.figures.vibration import hertz_radius
-from rolling.report.assumed import surface_words
 from rolling.report.text import asset, sentence
 from rolling.results.run_result import Run
 from rolling.results.sentences import say
@@ -18,7 +16,6 @@ from rolling.sound.wavelengths import mean_speed, weighted_lines
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it
 ALIKE = 0.05  # relative difference of pitch that is not named
-MOST_KINDS = 3  # of a part of the situation that are all named
 MAINLY = 0.5  # share of the sound that is called most
 DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
 
@@ -35,44 +32,6 @@ def colour(run: Run) -> tuple[float, float, float] | None:
     outside = (1.0 - MOST) / 2.0
     low, high = (float(frequency[np.searchsorted(share, at)]) for at in (outside, 1.0 - outside))
     return math.exp(float(np.average(np.log(frequency), weights=power))), low, high
-
-
-# ---- situation
-
-
-def situation(runs: Sequence[Run]) -> str:
-    """Describe bodies, motion and listener; a part that differs between runs has all its kinds."""
-    parts = [_parts(run) for run in runs]
-    kinds = {name: _kinds([*dict.fromkeys(part[name] for part in parts)]) for name in parts[0]}
-    return _capitalized(say("situation", **kinds))
-
-
-def _parts(run: Run) -> dict[str, str]:
-    """Return bodies, motion, surface and distance of a run in words."""
-    scene, plate = run.scene, run.scene.plate
-    yields = f" that yields at {plate.cap_gpa:g} GPa" if math.isfinite(plate.cap_gpa) else ""
-    speed = "changing speed"
-    if run.sound.constant_speed:
-        speed = f"{rounded(scene.motion.fastest(run.sound.duration), 3)} m/s"
-    thickness = f"a {plate.thickness_mm:g} mm thick plate" if plate.thickness_mm else "a plate"
-    return {
-        "body": "an elastic" if scene.sphere.youngs_modulus_gpa else "a rigid",
-        "diameter": f"{2 * scene.sphere.radius_mm:g} mm",
-        "speed": speed,
-        "load": f"{rounded(scene.load, 6)} N",
-        "thickness": thickness,
-        "plate": f"{plate.youngs_modulus_gpa:g} GPa{yields}",
-        "surface": surface_words(scene),
-        "distance": f"{scene.sound.distance_m:g} m",
-    }
-
-
-def _kinds(words: Sequence[str]) -> str:
-    """Join the kinds of a part; of many kinds the first and the last stand for all."""
-    if len(words) > MOST_KINDS:
-        return f"{words[0]} to {words[-1]} ({len(words)} kinds)"
-    head = ", ".join(words[:-1])
-    return f"{head} or {words[-1]}" if head else words[-1]
 
 
 # ---- comparison and reason

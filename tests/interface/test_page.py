@@ -11,7 +11,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from firefox import Firefox, firefox_path
 from report_browser import MINUS, hear, until, without_browser
-from report_runs import runs_of
+from report_runs import HOSTILE, runs_of
 
 from rolling.report.page import page as page_of
 from rolling.scene.scene import Scene
@@ -114,8 +114,9 @@ def test_firefox_opens_and_plays_it_without_a_complaint(pages, tmp_path) -> None
 
 
 def test_text_of_scenes_stays_text(pages, opened) -> None:
-    """A file name that tries to be markup stays text."""
+    """A description and a file name that try to be markup stay text."""
     with opened(pages("one")) as page:
+        assert page.text_content(".description") == HOSTILE
         assert page.locator("img[src=x]").count() == 0
         assert "z<i>.npy" in page.text_content("#scene-0")
 
