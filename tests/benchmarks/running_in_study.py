@@ -2,7 +2,7 @@
 
 `python tests/benchmarks/running_in_study.py` prints both tables of docs/theory.md for a few scenes
 and a short track, in half a minute. `--full` takes 38 random scenes, two seeds and 10 mm of
-track, in five minutes of one core.
+track, in two minutes of one core.
 """
 
 from __future__ import annotations
