@@ -43,10 +43,10 @@ def roll(page) -> None:
 
 
 def level(page) -> float:
-    """Return the mean of the Fast level over a second, once it has settled."""
+    """Return the mean of the Fast level over half a second, once it has settled."""
     page.wait_for_timeout(700)
     levels = []
-    for _ in range(20):
+    for _ in range(10):
         levels.append(float(page.evaluate(LEVEL)))
         page.wait_for_timeout(50)
     return statistics.mean(levels)
