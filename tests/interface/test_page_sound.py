@@ -198,10 +198,8 @@ def test_play_begins_with_the_long_record_at_its_own_level(pages, opened) -> Non
         assert level.laeq_db(pascal, RATE) == pytest.approx(laeq, abs=0.1)
         assert gain == pytest.approx(facts[0]["long"]["playback"]["calibrated"], rel=1e-6)
         assert len(played[1]) == len(short.sound.pressure)
-        # The computed record takes its place, from its beginning.
         page.select_option("#heard", "record")
-        until(page, "tap.starts === 4")
-        assert page.text_content("#time").endswith("/ 0.450 s")  # the longer of both
+        until(page, "document.querySelector('#time').textContent.endsWith('/ 0.450 s')")
 
 
 def test_a_record_is_downloaded_as_a_wav_with_its_scale(pages, opened) -> None:
@@ -213,7 +211,8 @@ def test_a_record_is_downloaded_as_a_wav_with_its_scale(pages, opened) -> None:
         content = download.value.path().read_bytes()
         scale = data_of(path)["runs"][1]["playback"]["full_scale_pa"]
     samples, rate = soundfile.read(io.BytesIO(content))
-    assert rate == RATE and np.array_equal(samples, embedded_record(path, 1))
+    # Chromium divides positive samples by 32767 and negative ones by 32768.
+    assert rate == RATE and np.abs(samples - embedded_record(path, 1)).max() <= 2**-15
     comment = soundfile.SoundFile(io.BytesIO(content)).comment
     assert float(re.search(r"full scale is (\S+) Pa", comment)[1]) == pytest.approx(scale, rel=1e-3)
 

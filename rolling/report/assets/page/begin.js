@@ -12,6 +12,7 @@ import { listen, markScrolling } from "./keys.js";
 export function begin() {
   document.documentElement.classList.add("scripted");
   $("#transport").hidden = false;
+  $(".singles").open = false;
   $("#seek").max = longest();
   $("#loop").checked = state.loop;
   listen();
