@@ -83,6 +83,26 @@ def test_the_ball_sounds_as_its_run_and_a_slider_changes_it(playing) -> None:
         until(page, f"Math.abs({SPEED}) < 1e-3")
 
 
+def test_runs_without_dynamics_take_turns(playing) -> None:
+    """Each release has the level of its run within 0.5 dB, and another sound of the page ends it."""
+    runs = runs_of("three")
+    with playing("three") as page:
+        roll(page)
+        assert level(page) == pytest.approx(runs[0].sound.levels.laeq_db, abs=0.5)
+        page.check("input[name=play-run][value='2']", force=True)
+        assert level(page) == pytest.approx(runs[2].sound.levels.laeq_db, abs=0.5)
+        page.click("#play")
+        until(page, "document.querySelector('#play-roll').textContent.trim() === 'Roll'")
+
+
+def test_a_page_without_worklets_says_so(opened, pages) -> None:
+    with opened(pages("three")) as page:
+        page.evaluate("Object.defineProperty(BaseAudioContext.prototype, 'audioWorklet', {})")
+        page.click("#play-roll")
+        until(page, "!document.querySelector('#play-note').hidden")
+        assert "AudioWorklet" in page.text_content("#play-note")
+
+
 def test_a_hand_drags_the_ball_which_rolls_on(playing) -> None:
     with playing("flying") as page:
         page.locator("#play-stage").scroll_into_view_if_needed()
