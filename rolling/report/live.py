@@ -122,7 +122,8 @@ def _add_vibration(run: Run, data: Data, vibration: Vibration | None) -> Data:
     assert vibration is not None  # the caller's choice
     scene, law = run.scene, vibration.law
     wave = shortest_wave(law.approach(law.position_m, scene.load), law.spacing_m)
-    # Time steps resolve the waves up to the highest speed; grid and hearing set the lowest.
+    # Time steps resolve the shortest waves of the contact up to the highest speed. The grid limits
+    # the frequency of slow motions alone, to v / (2 spacing).
     fastest = FASTEST_STEPS * SAMPLE_RATE_HZ * wave / 2
     falling = scene.mass * FALL_M_S**2 / (2 * scene.load)
     data["limits"] |= {

@@ -5,8 +5,8 @@
 // a damper k tau beside a source s, F - W = k (1 + tau p) d - s, so the approach answers the source
 // as H = G / D, D = 1 + k (1 + tau p) G. Its poles p_j and residues G / D' make the motion of d exact.
 
-const RATIO = 1.5; // of the edges of bands that stand for many modes
-const ROUNDS = 200;
+const ROUNDS = 200; // of the search for poles, which takes about ten
+const ATTEMPTS = 5; // of the search with other springs
 
 /** Return the mobility [s/kg] of an infinite plate in bending. */
 export function plateMobility(young, poisson, density, thickness) {
@@ -18,28 +18,6 @@ export function plateMobility(young, poisson, density, thickness) {
 export function halfSpaceMobility(coefficient, young, poisson, density, frequency) {
   const shear = Math.sqrt(young / (2 * (1 + poisson)) / density);
   return (coefficient * frequency ** 2) / (density * shear ** 3);
-}
-
-/**
- * Return modes with those above a frequency [rad/s] replaced by one for each band of the ratio 1.5,
- * which has the static compliance of its modes and the mean mobility of an infinite plate.
- */
-export function keptModes(modes, highest) {
-  const kept = { frequency: [], damping: [], reach: [] };
-  const bands = new Map();
-  for (let i = 0; i < modes.frequency.length; i++) {
-    const w = modes.frequency[i];
-    const band = Math.floor(Math.log(w / highest) / Math.log(RATIO));
-    if (w <= highest || modes.damping[i] > 0.1) {
-      for (const name of ["frequency", "damping", "reach"]) kept[name].push(modes[name][i]);
-    } else bands.set(band, (bands.get(band) ?? 0) + modes.reach[i] ** 2);
-  }
-  for (const [band, square] of bands) {
-    kept.frequency.push(highest * RATIO ** (band + 0.5));
-    kept.damping.push((RATIO ** 0.5 - RATIO ** -0.5) / Math.PI);
-    kept.reach.push(Math.sqrt(square));
-  }
-  return kept;
 }
 
 /** Return frequency, damping and gain of ball and modes by rising frequency, the ball first. */
@@ -172,9 +150,8 @@ function settlePoles(elements, k, tau, re, im, real) {
   }
 }
 
-/** Return the chain of a ball [kg] on modes, with spring [N/m] and viscosity over stiffness [s]. */
-export function modalChain(mass, modes, stiffness, contactTime = 0) {
-  const elements = elementsOf(mass, modes);
+/** Return the poles of a ball on modes, each with the residue that it and its conjugate add. */
+function modalPoles(elements, stiffness, contactTime) {
   const [re, im] = firstPoles(elements, stiffness, contactTime);
   const real = new Uint8Array(re.length);
   settlePoles(elements, stiffness, contactTime, re, im, real);
@@ -184,12 +161,25 @@ export function modalChain(mass, modes, stiffness, contactTime = 0) {
     for (const [x, y] of places) {
       const at = receptance(elements, x, y);
       const [, , sr, si] = loopOf(stiffness, contactTime, x, y, at);
-      const square = sr * sr + si * si;
-      const weight = y === 0 ? 1 : 2; // the conjugate pole adds as much
-      poles.push([x, y, (weight * (at[0] * sr + at[1] * si)) / square, (weight * (at[1] * sr - at[0] * si)) / square]);
+      const share = (y === 0 ? 1 : 2) / (sr * sr + si * si);
+      poles.push([x, y, share * (at[0] * sr + at[1] * si), share * (at[1] * sr - at[0] * si)]);
     }
   }
-  return chainOf(poles, { mass, stiffness, contactTime, mobility: 0, modes: elements.w.length - 1 });
+  return poles;
+}
+
+/** Return the chain of a ball [kg] on modes, with spring [N/m] and viscosity over stiffness [s]. */
+export function modalChain(mass, modes, stiffness, contactTime = 0) {
+  const elements = elementsOf(mass, modes);
+  const numbers = { mass, contactTime, mobility: 0, modes: elements.w.length - 1 };
+  // The motion may split off any spring; another one parts poles that coincide.
+  for (let attempt = 0, spring = stiffness; ; attempt++, spring *= 1.01) {
+    const poles = modalPoles(elements, spring, contactTime);
+    let compliance = 0;
+    for (const [x, y, r, i] of poles) compliance -= (r * x + i * y) / (x * x + y * y);
+    const exact = Math.abs(compliance * spring - 1) < 1e-7;
+    if (exact || attempt === ATTEMPTS) return chainOf(poles, { ...numbers, stiffness: spring });
+  }
 }
 
 /** Return the chain of a ball [kg] on a plate of a mobility [s/kg]: one pair of poles in closed form. */

@@ -2,14 +2,30 @@
 // stand together in bands, which costs a part of the level.
 
 import { aWeight } from "./bands.js";
-import { keptModes } from "./chain.js";
 import { RealTransform, realLines } from "./fft.js";
 import { RATE } from "./motion.js";
+import { TAIL_DAMPING, TAIL_RATIO } from "./plate.js";
 import { AUDIBLE } from "./radiation.js";
 
 const MOST_LINES = 1200; // of the force
 const HEARD_LINES = 8192; // samples of the response
-const TAIL = 0.1; // damping ratio above which a mode already stands for a band
+
+/** Return modes with a band of the tail for each ratio 1.5 in place of own modes above a frequency [rad/s]. */
+function keptModes({ frequency, damping, reach, own }, highest) {
+  const kept = { frequency: [], damping: [], reach: [] };
+  const bands = new Map();
+  frequency.forEach((w, i) => {
+    const band = Math.floor(Math.log(w / highest) / Math.log(TAIL_RATIO));
+    if (w > highest && i < own) bands.set(band, (bands.get(band) ?? 0) + reach[i] ** 2);
+    else [kept.frequency, kept.damping, kept.reach].forEach((list, k) => list.push([w, damping[i], reach[i]][k]));
+  });
+  for (const [band, square] of bands) {
+    kept.frequency.push(highest * TAIL_RATIO ** (band + 0.5));
+    kept.damping.push(TAIL_DAMPING);
+    kept.reach.push(Math.sqrt(square));
+  }
+  return kept;
+}
 
 /** Return the roughness of a track under a load as waves: frequencies [Hz] at a speed and squares [m2]. */
 function roughnessLines(law, load, speed) {
@@ -49,7 +65,7 @@ function squaredReceptance({ mass, stiffness, contactTime }, modes, frequency) {
  * chain: {motion, modes, of, costDb}. `chain` has mass, stiffness and viscosity of the contact.
  */
 export function chosenModes(law, chain, modes, response, load, speed, most) {
-  const own = modes.frequency.filter((_, i) => modes.damping[i] < TAIL).sort((a, b) => a - b);
+  const own = modes.frequency.slice(0, modes.own); // they rise
   const whole = { motion: modes, modes: own.length, of: own.length, costDb: 0 };
   const lines = roughnessLines(law, load, speed);
   if (own.length <= most || !lines.length) return whole;

@@ -102,7 +102,8 @@ export class ForceLaw {
     const first = i * columns;
     const next = i + 1 < this.rows ? first + columns : 0;
     for (let j = 0; j < columns; j++) {
-      const [p, q] = [first + j, next + j];
+      const p = first + j;
+      const q = next + j;
       law[j] = values[p] + h01 * (values[q] - values[p]) + h10 * slopes[p] + h11 * slopes[q];
     }
     let approach = law[0];

@@ -14,6 +14,9 @@ const PER_IMPACT = 12; // steps in the time of an impact at least, which leave 0
 const CALM = 400; // steps without a flight after which the source is a parabola
 const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
 const SHARP = 0.1; // if its damping over its frequency is less
+const [FALL, ROUGH] = [1, 1e-4]; // speed [m/s] and height [m] that a ball on a track does not exceed
+const HIGHER = 1.1; // height that a ball does not reach over the height of its fall
+const STRONGEST = 1e9; // force over the load that a ball on a track does not reach
 export const RATE = 48000; // samples per second
 export const MOST_STEPS = 32; // per sample
 
@@ -79,10 +82,13 @@ export class Motion {
     this.approachBefore = this.approach + stretch * (this.approachBefore - this.approach);
     this.forceBefore = Math.max(this.force + stretch * (this.forceBefore - this.force), 0);
     Object.assign(this, { chain, load, step });
+    this.ceiling = Math.max(ROUGH + (chain.mass * FALL ** 2) / (2 * load), this.ceiling ?? 0);
     const { stiffness, contactTime, mobility, mass, re, im, residueRe, residueIm } = chain;
     const n = (this.count = re.length);
     // A state y = residue * x: the approach is the sum of the real parts.
-    for (const name of ["e0", "e1", "p0", "p1", "b0", "b1", "l0", "l1", "y0", "y1"]) this[name] = new Float64Array(n);
+    for (const name of ["e0", "e1", "b0", "b1", "y0", "y1"]) this[name] = new Float64Array(n);
+    // Weights of the source at the start, after a line or a parabola and before a line or a parabola.
+    this.starts = [0, 1].map(() => [0, 1].map(() => [new Float64Array(n), new Float64Array(n)]));
     const jump = mobility / (1 + stiffness * contactTime * mobility); // d' per source at once
     this.holds = [0, 1].map(() => ({ give: 0, turn: jump })); // d and d' per source at the end
     const ends = [];
@@ -95,11 +101,16 @@ export class Motion {
       const bend = [third[0] - second[0] / 2, third[1] - second[1] / 2]; // per second difference
       const turn = fast ? [0, 0] : [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
       // The state is kept without the source at the end, which is added at the next step.
-      const late = times(...second, ...turn);
+      const late = [times(...second, ...turn), times(second[0] + bend[0], second[1] + bend[1], ...turn)];
       [this.e0[j], this.e1[j]] = turn;
       [this.b0[j], this.b1[j]] = bend;
-      [this.l0[j], this.l1[j]] = times(...bend, ...turn);
-      [this.p0[j], this.p1[j]] = [first[0] - second[0] + late[0], first[1] - second[1] + late[1]];
+      for (const i of [0, 1]) {
+        for (const after of [0, 1]) {
+          for (const next of [0, 1]) {
+            this.starts[after][next][i][j] = first[i] - second[i] + late[after][i] - 2 * next * bend[i];
+          }
+        }
+      }
       ends.push(second);
       this.holds.forEach((hold, share) => {
         hold.give += second[0] + share * bend[0];
@@ -141,6 +152,7 @@ export class Motion {
     this.approach = this.law.liftOff - height;
     this.approachBefore = this.approach - velocity * this.step;
     this.calm = 0;
+    this.ceiling = Math.max(this.ceiling, HIGHER * height);
     [this.force, this.forceBefore] = [this.law.force(this.approach), this.law.force(this.approachBefore)];
     this.setChain(this.chain, this.load, this.step, velocity);
   }
@@ -159,20 +171,23 @@ export class Motion {
 
   /** Take one step to a position [m] and return the contact force [N] at its end. */
   advance(position) {
-    const { law, load, count, e0, e1, p0, p1, b0, b1, l0, l1, y0, y1, source, bent } = this;
-    const smooth = this.calm >= CALM;
-    const hold = (this.hold = this.holds[smooth ? 1 : 0]);
-    const { give, rise, ease } = hold;
-    const bend = smooth ? this.before - 2 * source : 0;
+    const { law, load, count, e0, e1, b0, b1, y0, y1, source } = this;
+    const smooth = this.calm >= CALM ? 1 : 0;
+    const { give, rise, ease } = (this.hold = this.holds[smooth]);
+    const start = this.starts[this.bent][smooth];
+    const p0 = start[0]; // destructuring takes as long as some modes
+    const p1 = start[1];
+    const before = smooth * this.before;
     let known = 0;
     for (let j = 0; j < count; j++) {
-      const a = e0[j] * y0[j] - e1[j] * y1[j] + p0[j] * source + l0[j] * bent + b0[j] * bend;
-      y1[j] = e1[j] * y0[j] + e0[j] * y1[j] + p1[j] * source + l1[j] * bent + b1[j] * bend;
+      const a = e0[j] * y0[j] - e1[j] * y1[j] + p0[j] * source + b0[j] * before;
+      y1[j] = e1[j] * y0[j] + e0[j] * y1[j] + p1[j] * source + b1[j] * before;
       y0[j] = a;
       known += a;
     }
     const { stiffness, contactTime } = this.chain;
-    let [drift, damping] = [0, 0]; // d' = drift + ease d
+    let drift = 0; // d' = drift + ease d
+    let damping = 0;
     if (contactTime > 0) {
       drift = this.drift(known);
       damping = stiffness * contactTime * drift;
@@ -181,18 +196,27 @@ export class Motion {
     // rise d + give F = whole: without a force d is the largest.
     const whole = known + give * (load + damping);
     const free = whole / rise;
-    let [d, force] = [free, 0];
-    if (free > law.liftOff) [d, force] = this.pressed(whole, free, drift);
-    const end = (d - known) / give;
+    const d = free > law.liftOff ? this.pressed(whole, free, drift) : free;
+    // The force of the equation, not of the law: the state then keeps it exactly.
+    const force = d < free ? Math.max((whole - rise * d) / give, 0) : 0;
+    const possible = d > law.liftOff - this.ceiling && force < STRONGEST * load;
+    if (!possible) this.release(this.ceiling / HIGHER); // the steps are too long for the ball
+    else this.end(d, force, (d - known) / give, smooth);
+    this.position = position;
+    return this.force;
+  }
+
+  /** Go on from approach [m], force [N] and source [N] at the end of a step. */
+  end(d, force, source, smooth) {
     if (force > 0 && !(this.force > 0)) this.impacts++;
-    this.before = source;
-    this.source = end;
+    this.before = this.source;
+    this.source = source;
     this.calm = force > 0 ? this.calm + 1 : 0;
-    this.bent = smooth ? end : 0; // the part of the bend that is not in the state yet
+    this.bent = smooth; // the state lacks the source at the end, and its part of the bend
     this.approachBefore = this.approach;
     this.forceBefore = this.force;
-    Object.assign(this, { position, approach: d, force });
-    return force;
+    this.approach = d;
+    this.force = force;
   }
 
   /** Return the velocity [m/s] of the approach less the part that rises with it. */
@@ -204,17 +228,18 @@ export class Motion {
     return velocity - this.hold.ease * known;
   }
 
-  /** Return approach [m] and force [N] of a step that ends in contact, by Newton's method in a bracket. */
+  /** Return the approach [m] of a step that ends in contact, by Newton's method in a bracket. */
   pressed(whole, free, drift) {
     const { law, chain } = this;
     const { give, rise, ease } = this.hold;
-    let [low, high] = [law.liftOff, free];
-    let d = this.approach > low && this.approach < high ? this.approach : high;
-    let force = 0;
+    let low = law.liftOff;
+    let high = free;
+    let d = 2 * this.approach - this.approachBefore;
+    if (!(d > low && d < high)) d = high;
     for (let i = 0; i < MOST; i++) {
       const elastic = law.force(d);
       const drag = chain.contactTime * law.stiffness;
-      force = Math.max(elastic + drag * (drift + ease * d), 0); // surfaces do not pull
+      const force = Math.max(elastic + drag * (drift + ease * d), 0); // surfaces do not pull
       const residual = rise * d + give * force - whole;
       if (residual > 0) high = d;
       else low = d;
@@ -224,7 +249,6 @@ export class Motion {
       d = next;
       if (change <= 1e-13 * Math.abs(free - law.liftOff) + 1e-16 * Math.abs(d)) break;
     }
-    // The force of the equation, not of the law: the state then keeps it exactly.
-    return [d, Math.max((whole - rise * d) / give, 0)];
+    return d;
   }
 }

@@ -4,9 +4,10 @@
 import { AIR, SOUND } from "./radiation.js";
 import { POINTS, radiationResistance, rayleighTable } from "./rayleigh.js";
 
-const MODES_HZ = 30e3; // highest natural frequency of the modes that move
+export const MODES_HZ = 30e3; // highest natural frequency of the modes that move
 const BEYOND = 100; // times this: modes up to there are summed for their static compliance
-const TAIL_RATIO = 1.5; // of the edges of the bands of the tail
+export const TAIL_RATIO = 1.5; // of the edges of the bands of the tail
+export const TAIL_DAMPING = (TAIL_RATIO ** 0.5 - TAIL_RATIO ** -0.5) / Math.PI; // its damping ratio
 const TAIL_BANDS = 6;
 
 /** A thin plate by mass per area [kg/m2], bending stiffness [N m], loss factor and edges [m]. */
@@ -40,7 +41,7 @@ export class EdgedPlate {
     return Math.sin((Math.PI * m * x) / this.edges[0]) * Math.sin((Math.PI * n * y) / this.edges[1]);
   }
 
-  /** Return frequencies [rad/s], damping ratios and reach [m/J^0.5] of the modes and of their tail at a point [m]. */
+  /** Return frequencies [rad/s], damping ratios and reach [m/J^0.5] at a point [m] of the modes, then of their tail. */
   moving(point) {
     const frequency = this.modes.map(({ w }) => w);
     const damping = this.modes.map(({ loss }) => loss / 2);
@@ -50,10 +51,10 @@ export class EdgedPlate {
     for (let band = 0; band < TAIL_BANDS; band++) {
       const share = TAIL_RATIO ** -band - (band < TAIL_BANDS - 1 ? TAIL_RATIO ** -(band + 1) : 0);
       frequency.push(2 * Math.PI * MODES_HZ * TAIL_RATIO ** (band + 0.5));
-      damping.push((TAIL_RATIO ** 0.5 - TAIL_RATIO ** -0.5) / Math.PI);
+      damping.push(TAIL_DAMPING);
       reach.push(Math.sqrt(beyond * share));
     }
-    return { frequency, damping, reach };
+    return { frequency, damping, reach, own: this.modes.length };
   }
 
   /** Return the sound of the modes at a listener for a force at a contact point [m]. */

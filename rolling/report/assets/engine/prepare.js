@@ -6,12 +6,13 @@ import { parted } from "./convolver.js";
 import { chosenModes } from "./kept.js";
 import { ForceLaw, lawTable } from "./law.js";
 import { stepsPerSample } from "./motion.js";
-import { EdgedPlate } from "./plate.js";
+import { EdgedPlate, MODES_HZ } from "./plate.js";
 import { ballPressure, compressionSpeed, halfSpacePressure, platePressure } from "./radiation.js";
 import { prepareRelease } from "./release.js";
 import { impulseResponses } from "./response.js";
 
 export const LIVE_MODES = 100; // that move in real time
+const MOST_WORK = 18; // area^1.5 [m3] times the root of the modes: 5 s
 let latestPlate = { key: "", plate: null };
 
 /** Return the slow parts of a run at settings; `most` modes move. */
@@ -51,6 +52,10 @@ function edgedPlate(run, settings) {
   const massPerArea = plateDensity * thickness;
   const bendingStiffness = (young * thickness ** 3) / (12 * (1 - poisson ** 2));
   const numbers = { massPerArea, bendingStiffness, lossFactor, length, width };
+  const count = (length * width * MODES_HZ) / (2 * Math.sqrt(bendingStiffness / massPerArea));
+  if ((length * width) ** 1.5 * Math.sqrt(count) > MOST_WORK) {
+    throw new Error(`This plate has about ${Math.round(count)} modes, too many to prepare: a thicker or smaller one has fewer.`);
+  }
   const key = JSON.stringify(numbers);
   if (latestPlate.key !== key) latestPlate = { key, plate: new EdgedPlate(numbers) };
   return latestPlate.plate;

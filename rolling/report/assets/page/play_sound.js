@@ -10,7 +10,7 @@ import { showExport, showProgress } from "./play_export.js";
 
 // `asked`: the worker prepares settings; `behind`: they have changed since. `push`: direction of a held arrow key. `fastest`: speed of the hand [m/s], which the time steps have to resolve. `dropped`: drops are wanted.
 export const live = {
-  number: -1, settings: {}, worker: null, node: null, opening: null, waiting: null, asked: false, behind: false,
+  number: -1, settings: {}, worker: null, node: null, opening: null, waiting: null, asked: false, behind: false, refused: false,
   rolling: false, held: false, push: 0, direction: 1, fastest: 0, dropped: false, volume: 0, report: null, heardAt: 0,
 };
 
@@ -38,6 +38,8 @@ export function openWorker() {
     setAsked(false);
     if (message.failed) sayPlayed(`The engine cannot play these settings: ${message.message}.`);
     else if (message.number === live.number) deliver(message);
+    if (live.refused && !message.failed) sayPlayed("");
+    live.refused = Boolean(message.failed);
     if (live.behind) askSettings();
   };
   live.worker.onerror = () => sayPlayed("The engine of the page does not start in this browser.");
