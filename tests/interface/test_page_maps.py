@@ -32,13 +32,14 @@ LUMINANCE = """() => {
   const shown = canvas.getBoundingClientRect();
   return { frames, pixels: shown.width * shown.height };
 }"""
-# Keeps the map that is shown after each frame, with the time that is heard.
+# Keeps the map that is shown after each step of the film, with the time that is heard.
 FRAMES = """() => {
   const next = window.requestAnimationFrame.bind(window);
   const slider = document.querySelector('#film-seek');
   tap.frames = [];
   window.requestAnimationFrame = (act) => next((now) => {
     act(now);
+    if (!String(act).includes('tickFilm')) return;
     const { currentTime, outputLatency } = tap.context;
     tap.frames.push([Number(slider.value), currentTime - (outputLatency || 0)]);
   });
