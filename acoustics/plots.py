@@ -169,7 +169,8 @@ def _band_curve(
     for part, colour in ((grey, GREY), (coloured, look["color"])):
         if part.start == part.stop:
             continue
-        line = dash | {"color": colour, "linewidth": 0.7 if colour == GREY and not few else 1.3}
+        own = {"color": colour, "label": f"_{label}"}  # which is not in the legend
+        line = dash | own | {"linewidth": 0.7 if colour == GREY and not few else 1.3}
         edges = EDGES_HZ[part.start : part.stop + 1]
         if few:
             ax.stairs(level[part], edges, baseline=None, **line)
@@ -177,7 +178,7 @@ def _band_curve(
             ax.plot(MID_HZ[part], level[part], **line)
         if few or colour != GREY:
             face = "white" if colour == GREY else colour
-            dots = marker | {"color": colour, "markerfacecolor": face, "linestyle": "none"}
+            dots = marker | own | {"markerfacecolor": face, "linestyle": "none"}
             ax.plot(MID_HZ[part], level[part], **dots)
     if few:
         style.bars(ax, MID_HZ[coloured], level[coloured], spread[coloured], look["color"])
@@ -194,7 +195,7 @@ def _error_marks(
     error, spread = map(_by_band, errors)
     known = np.isfinite(error) & np.isfinite(level)
     right, marked = (level - error)[known], "level less its estimated error"
-    named = None if marked in ax.get_legend_handles_labels()[1] else marked
+    named = f"_{marked}" if marked in ax.get_legend_handles_labels()[1] else marked
     # The curve's own mark shows inside a diamond of this size.
     diamond: dict[str, Any] = {"fmt": "D", "markersize": 7, "elinewidth": 0.7, "zorder": 1.8}
     diamond |= {"color": colour, "markeredgewidth": 0.8, "markerfacecolor": "none"}
@@ -202,7 +203,7 @@ def _error_marks(
     hatch: dict[str, Any] = {"facecolor": "none", "edgecolor": colour, "alpha": 0.6}
     hatch |= {"hatch": _HATCHES[number], "linewidth": 0.0, "zorder": 0.5}
     for k, band in enumerate(np.flatnonzero(known & (np.abs(error) > OFF_DB))):
-        named = None if k else f"{label}: off by more than {OFF_DB:g} dB"
+        named = f"{'_' if k else ''}{label}: off by more than {OFF_DB:g} dB"
         ax.axvspan(EDGES_HZ[band], EDGES_HZ[band + 1], label=named, **hatch)
     return [float(level) for level in right]
 

@@ -11,7 +11,7 @@ Scenes
     SmoothBall, GradedBall, BallHeightFile; SurfaceFault; check (module), SceneError;
     surface_parameters
 Runs
-    simulate, simulate_sweep, open_run, save_run, plot (module), ContactError, SweepError,
+    simulate, simulate_sweep, open_run, save_run, live, plot (module), ContactError, SweepError,
     FolderError
 Contact
     HalfSpace, solve_contact, march, closed_forms (module)

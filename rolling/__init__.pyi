@@ -8,6 +8,7 @@ from rolling.contact.march import march as march
 from rolling.contact.solver import ContactError as ContactError
 from rolling.contact.solver import solve_contact as solve_contact
 from rolling.interface import SweepError as SweepError
+from rolling.interface import live as live
 from rolling.interface import open_run as open_run
 from rolling.interface import save_run as save_run
 from rolling.interface import simulate as simulate

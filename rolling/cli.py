@@ -167,6 +167,13 @@ def _report(given: argparse.Namespace) -> int:
     return OK
 
 
+def _gallery(given: argparse.Namespace) -> int:
+    """Write a page of many runs."""
+    commands = _commands()
+    print(commands.gallery(given.run_folders, given.out or commands.GALLERY))
+    return OK
+
+
 def _table(given: argparse.Namespace) -> int:
     """Write the tables and plots of a sweep."""
     print(*_commands().tabulate(given.folder, given.plot, given.against, given.over), sep="\n")
@@ -264,7 +271,7 @@ def _schema(given: argparse.Namespace) -> int:
 _ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
     act.__name__.removeprefix("_"): act
     for act in (
-        *(_run, _check, _status, _table, _plot, _resound, _report, _listen, _surface),
+        *(_run, _check, _status, _table, _plot, _resound, _report, _gallery, _listen, _surface),
         *(_accuracy, _reproduce, _scenes, _init, _schema),
     )
 }

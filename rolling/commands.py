@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,7 +29,7 @@ from rolling.terminal.files import FolderError
 if TYPE_CHECKING:
     import pandas as pd
 
-PAGE, TABLE = "report.html", "runs.csv"
+PAGE, TABLE, GALLERY = "report.html", "runs.csv", Path("gallery.html")
 
 
 def run_scene(
@@ -186,18 +188,65 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
         raise FolderError("--out: give the file of a page of several run folders")
     if out is not None and out.exists():
         raise FolderError(f"{out}: exists; take another --out, or remove it")
+    done, unsolved = _stored(run_folders)
+    with progress.step("reading the runs, making their sound"):
+        finished = open_runs(done)
+    if out is None:
+        write_report(finished, run_folders[0], unsolved)
+        return run_folders[0] / PAGE
+    with progress.step("writing the page"):
+        content = page.page(finished, [])
+    out.parent.mkdir(parents=True, exist_ok=True)
+    files.write_bytes(out, content)
+    return out
+
+
+def _stored(run_folders: Sequence[Path]) -> tuple[list[RunFolder], list[RunFolder]]:
+    """Return the runs of run folders, those that are done and the others, each once."""
     runs = [run for folder in run_folders for run in folders.stored_runs(folder)]
     runs = list({run.folder.resolve(): run for run in runs}.values())
     done = [run for run in runs if run.is_done]
     if not done:
         raise FolderError(f"{', '.join(map(str, run_folders))}: no run is done yet")
+    return done, [run for run in runs if not run.is_done]
+
+
+def gallery(run_folders: Sequence[Path], out: Path = GALLERY) -> Path:
+    """Write one page of many runs, each with a picture, a sound and a sentence; return its file.
+
+    Parameters
+    ----------
+    run_folders : sequence of Path. Run folders, and folders of sweeps.
+    out : Path. File to write. Default: gallery.html.
+
+    Raises
+    ------
+    FolderError, SceneError : there is no folder, a folder is no run folder, nothing is done in
+        them, a run is damaged, or `out` exists. Nothing is written.
+    """
+    from rolling.report import gallery as cards
+
+    if not run_folders:
+        raise FolderError("RUN: name the run folders to show, such as `rolling gallery outputs/*`")
+    if out.exists():
+        raise FolderError(f"{out}: exists; take another --out, or remove it")
+    done, unsolved = _stored(run_folders)
+    if len(done) > cards.MOST_CARDS:
+        raise FolderError(
+            f"{len(done)} runs: a gallery shows {cards.MOST_CARDS}; name fewer folders"
+        )
+    done.sort(key=lambda run: run.scene.name)  # runs of a scene keep their order
+    names = [
+        label
+        for _, runs in itertools.groupby(done, key=lambda run: run.scene.name)
+        for label in labels.labels([*runs])
+    ]
+    opened = (
+        replace(open_runs([run])[0], label=label) for run, label in zip(done, names, strict=True)
+    )
     with progress.step("reading the runs, making their sound"):
-        finished = open_runs(done)
-    if out is None:
-        write_report(finished, run_folders[0], [run for run in runs if not run.is_done])
-        return run_folders[0] / PAGE
-    with progress.step("writing the page"):
-        content = page.page(finished, [])
+        left_out = [labels.printable(run.folder.resolve().name) for run in unsolved]
+        content = cards.gallery(opened, len(done), out.parent, left_out)
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return out

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import base64
+import sys
+import tempfile
+import webbrowser
+from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +14,7 @@ from typing import Any
 
 from acoustics.arrays import instance
 from rolling.check import refusals
-from rolling.commands import derive
+from rolling.commands import PAGE, derive
 from rolling.contact.solver import ContactError
 from rolling.marches.result import Result
 from rolling.results import labels
@@ -25,12 +30,14 @@ from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import Value
 from rolling.surface.measured import HeightArray, with_copy
+from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
 from rolling.terminal.files import FolderError
 
-__all__ = ["SweepError", "open_run", "save_run", "simulate", "simulate_sweep"]
+__all__ = ["SweepError", "live", "open_run", "save_run", "simulate", "simulate_sweep"]
 
 Values = Value | tuple[Value, ...]
+PLAY_IT = "play-it"  # the section of the page where the ball is rolled by hand
 
 
 class SweepError(ContactError):
@@ -220,3 +227,54 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
         write_run(replace(run, scene=scene, folder=folder, values={}))
         derive(folder, [alone], report)
     return folder
+
+
+def live(runs: Run | Sequence[Run]) -> Any:
+    """Open the page of a run, or of several, where the ball is rolled by hand.
+
+    The page is the report.html of a stored run, otherwise a temporary file. In a notebook the page
+    is a part of its output, of about 2 MB per run.
+
+    Parameters
+    ----------
+    runs : Run or sequence of Run. The runs of the page, 24 at most.
+
+    Returns
+    -------
+    frame : IPython.display.IFrame in a notebook, otherwise None.
+
+    Raises
+    ------
+    ValueError : there is no run, or there are too many.
+
+    Examples
+    --------
+    `live(open_run("outputs/mine"))`
+    """
+    shown = [runs] if isinstance(runs, Run) else list(runs)
+    if not 1 <= len(shown) <= defaults.MOST_RUNS_ON_PAGE:
+        most = defaults.MOST_RUNS_ON_PAGE
+        raise ValueError(f"runs: got {len(shown)}, allowed: 1 to {most} with players on a page")
+    for run in shown:
+        instance("runs", run, Run)
+    path = shown[0].home / PAGE
+    is_stored = len(shown) == 1 and "provenance" in shown[0].summary and path.is_file()
+    if not is_stored:
+        from rolling.report.page import page
+
+        if len(shown) > 1:
+            names = zip(shown, labels.labels(shown), strict=True)
+            shown = [replace(run, label=label) for run, label in names]
+        prefix = f"{shown[0].scene.name}-live-"
+        with tempfile.NamedTemporaryFile(prefix=prefix, suffix=".html", delete=False) as file:
+            file.write(page(shown))
+        path = Path(file.name)
+    if terminal.in_notebook():
+        from IPython.display import IFrame  # type: ignore[import-not-found, unused-ignore]
+
+        content = base64.b64encode(path.read_bytes()).decode()
+        return IFrame(f"data:text/html;base64,{content}#{PLAY_IT}", width="100%", height=900)
+    print(f"live: {path}")
+    if sys.stdout.isatty():
+        webbrowser.open(f"{path.resolve().as_uri()}#{PLAY_IT}")
+    return None

@@ -14,6 +14,7 @@ from rolling.marches.observers import SlowMotion
 from rolling.report import maps
 from rolling.report.maps import Pixels
 from rolling.results.run_result import Run
+from rolling.sound.wavelengths import weighted_lines
 from rolling.surface.scene_surface import scene_surface
 
 GLOW = (0, 225, 255)  # colour of cells that release energy
@@ -21,6 +22,10 @@ BRIGHTEST = 0.999  # share of the releases that are less than fully lit
 DIMMED, VEIL = 0.7, 225  # brightness of pressures, and their opacity above the surface, of 255
 SPREAD = 4.0  # standard deviations of the heights from grey to black and to white
 MOST_VALUES = 1500  # of a curve, more than the page has pixels
+RATES = (20, 50, 100, 200, 1000, 2000)  # by which the film is slowed
+AUDIBLE_RATES = RATES[:3]  # of which one is the first choice
+AUDIBLE_HZ = 100.0  # that common loudspeakers play
+MOSTLY = 0.5  # share of the sound that is still heard at the first choice
 
 
 def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
@@ -35,7 +40,9 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     -------
     film : dict. `ground` is a PNG of the surface; `pressure` and `release` hold a PNG with the
         tiles of its maps and their places in a map [cells]; `times` [s], `centres` [cells] and
-        `power_uw` belong to the maps, the power is the mean since the map before.
+        `power_uw` belong to the maps, the power is the mean since the map before. `heard` is the
+        share of the sound that lies above `AUDIBLE_HZ` by the rate at which the record is slowed,
+        and `rate` the first choice.
     """
     slow = run.result.slow_motion
     if slow is None or not slow.pressure.size:
@@ -47,8 +54,9 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     dimmed = np.rint(DIMMED * maps.palette()).astype(np.uint8)
     veil = bytes([0]) + bytes([VEIL]) * maps.SHADES
     lit = np.tile(np.array(GLOW, np.uint8), (256, 1))
+    heard = heard_shares(run)
     return {
-        "ground": _ground(run, slow),
+        "ground": maps.png(_ground(run, slow)),
         "pressure": _sheet(pressed, dimmed, veil),
         "release": _sheet(glow(slow.release), lit, bytes(range(256))),
         "size": slow.pressure.shape[1:],
@@ -58,8 +66,19 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
         "centres": _centres(run, slow),
         "times": np.round(times, 8).tolist(),
         "power_uw": _short(power * 1e6),
+        "heard": {rate: round(share, 3) for rate, share in heard.items()},
+        "rate": max((x for x in AUDIBLE_RATES if heard[x] >= MOSTLY), default=AUDIBLE_RATES[0]),
         "motion": motion_between(run, float(times[0]), float(times[-1])),
     }
+
+
+def heard_shares(run: Run) -> dict[int, float]:
+    """Return the share of the A-weighted power above `AUDIBLE_HZ` by the rate of slowing."""
+    if run.sound.levels.laeq_db is None:
+        return dict.fromkeys(RATES, 0.0)
+    frequency, _, power = weighted_lines(run.sound)
+    total = float(power.sum())
+    return {rate: float(power[frequency > AUDIBLE_HZ * rate].sum()) / total for rate in RATES}
 
 
 def glow(release: NDArray[np.uint16]) -> Pixels:
@@ -77,7 +96,7 @@ def _centres(run: Run, slow: SlowMotion) -> list[tuple[float, float]]:
     return [(round(float(x), 3), round(down, 3)) for x in (along - slow.along) / slow.cell]
 
 
-def _ground(run: Run, slow: SlowMotion) -> str:
+def _ground(run: Run, slow: SlowMotion) -> Pixels:
     """Draw the heights of the part of the plate that the slow motion shows, white is high."""
     heights, spacing = scene_surface(run.scene).heights, run.scene.spacing
     nodes = round(slow.cell / spacing)  # along the side of a cell
@@ -89,7 +108,39 @@ def _ground(run: Run, slow: SlowMotion) -> str:
     part = np.asarray(heights[np.ix_(*places)])
     spread = SPREAD * float(part.std()) or 1.0
     share = np.clip(0.5 + 0.5 * (part - part.mean()) / spread, 0.0, 1.0)
-    return maps.png(np.rint(255 * share).astype(np.uint8).T[::-1])
+    return np.asarray(np.rint(255 * share).astype(np.uint8).T[::-1])
+
+
+def still(run: Run) -> dict[str, Any] | None:
+    """Draw the loudest moment of a run as `png`, with the contact `at` [percent of the width].
+
+    Without a slow motion it is the map in the middle of the record; None without maps.
+    """
+    slow = run.result.slow_motion
+    if slow is None or not slow.pressure.size:
+        return maps.middle_map(run)
+    if run.vibration is None:
+        loudest = int(np.argmax(slow.release.sum(axis=(1, 2), dtype=np.int64)))
+    else:
+        motion, times = run.vibration.motion, run.position_time[slow.positions]
+        loudest = int(np.argmax(np.interp(times, motion.time_s, motion.force_n)))
+    ground = np.repeat(_ground(run, slow)[:, :, None].astype(float), 3, axis=2)
+    nodes = ground.shape[0] // slow.pressure.shape[2]
+    shade = maps.shades(slow.pressure[loudest], float(slow.pressure.max()) or 1.0)
+    lit = glow(slow.release)[loudest]
+    layers = (
+        (DIMMED * maps.palette()[shade], np.where(shade > 0, VEIL, 0)),
+        (np.broadcast_to(GLOW, (*lit.shape, 3)), lit),
+    )
+    for colour, opacity in layers:
+        share = opacity[:, :, None] / 255
+        above, share = (
+            np.repeat(np.repeat(x.swapaxes(0, 1)[::-1], nodes, 0), nodes, 1)
+            for x in (colour, share)
+        )
+        ground += share * (above - ground)
+    at = 100 * _centres(run, slow)[loudest][0] / slow.pressure.shape[1]
+    return {"png": maps.png(np.rint(ground).astype(np.uint8)), "at": round(at)}
 
 
 def _sheet(shown: Pixels, colours: Pixels, opacity: bytes) -> dict[str, Any]:

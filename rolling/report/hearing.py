@@ -8,17 +8,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from acoustics.numbers import rounded
 from rolling.figures.vibration import hertz_radius
-from rolling.report.assumed import surface_words
-from rolling.report.text import asset
+from rolling.report.text import asset, sentence
 from rolling.results.run_result import Run
 from rolling.results.sentences import say
 from rolling.sound.wavelengths import mean_speed, weighted_lines
 
 MOST = 0.8  # share of the A-weighted power that counts as most of it
 ALIKE = 0.05  # relative difference of pitch that is not named
-MOST_KINDS = 3  # of a part of the situation that are all named
 MAINLY = 0.5  # share of the sound that is called most
 DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
 
@@ -37,62 +34,25 @@ def colour(run: Run) -> tuple[float, float, float] | None:
     return math.exp(float(np.average(np.log(frequency), weights=power))), low, high
 
 
-# ---- situation
-
-
-def situation(runs: Sequence[Run]) -> str:
-    """Describe bodies, motion and listener; a part that differs between runs has all its kinds."""
-    parts = [_parts(run) for run in runs]
-    kinds = {name: _kinds([*dict.fromkeys(part[name] for part in parts)]) for name in parts[0]}
-    text = say("situation", **kinds)
-    return text[0].upper() + text[1:]
-
-
-def _parts(run: Run) -> dict[str, str]:
-    """Return bodies, motion, surface and distance of a run in words."""
-    scene, plate = run.scene, run.scene.plate
-    yields = f" that yields at {plate.cap_gpa:g} GPa" if math.isfinite(plate.cap_gpa) else ""
-    speed = "changing speed"
-    if run.sound.constant_speed:
-        speed = f"{rounded(scene.motion.fastest(run.sound.duration), 3)} m/s"
-    thickness = f"a {plate.thickness_mm:g} mm thick plate" if plate.thickness_mm else "a plate"
-    return {
-        "body": "an elastic" if scene.sphere.youngs_modulus_gpa else "a rigid",
-        "diameter": f"{2 * scene.sphere.radius_mm:g} mm",
-        "speed": speed,
-        "load": f"{rounded(scene.load, 6)} N",
-        "thickness": thickness,
-        "plate": f"{plate.youngs_modulus_gpa:g} GPa{yields}",
-        "surface": surface_words(scene),
-        "distance": f"{scene.sound.distance_m:g} m",
-    }
-
-
-def _kinds(words: Sequence[str]) -> str:
-    """Join the kinds of a part; of many kinds the first and the last stand for all."""
-    if len(words) > MOST_KINDS:
-        return f"{words[0]} to {words[-1]} ({len(words)} kinds)"
-    head = ", ".join(words[:-1])
-    return f"{head} or {words[-1]}" if head else words[-1]
-
-
 # ---- comparison and reason
 
 
-def sentences(runs: Sequence[Run]) -> list[str]:
-    """Compare the loudest run with the quietest, and explain the frequencies of its sound."""
-    sounding = [(run, heard) for run in runs if (heard := colour(run))]
+def headline(runs: Sequence[Run]) -> str:
+    """State in one sentence how the loudest run differs from the quietest, or how one sounds.
+
+    Only runs of one source are compared, because a release is an upper bound.
+    """
+    sounding = _by_level(runs)
     if not sounding:
-        return []
-    by_level = sorted(sounding, key=lambda pair: float(pair[0].summary["laeq_db"]))
-    (quiet, (dull_hz, _, _)), (loud, (bright_hz, low_hz, high_hz)) = by_level[0], by_level[-1]
-    numbers = {"percent": 100 * MOST, "low": low_hz / 1e3, "high": high_hz / 1e3}
-    place = say("heard", label=loud.label, reason=_reason(loud), **numbers)
-    return [place] if loud is quiet else [_comparison(loud, bright_hz, quiet, dull_hz), place]
-
-
-def _comparison(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> str:
-    """Compare two runs in level and in the mean of their A-weighted log frequency [Hz]."""
+        return sentence(runs)
+    loud, (bright_hz, low_hz, high_hz) = sounding[-1]
+    source = loud.sound.source
+    quiet, (dull_hz, _, _) = next(pair for pair in sounding if pair[0].sound.source == source)
+    if loud is quiet:
+        label = f"{loud.label}: " if len(runs) > 1 else ""
+        if source == "vibration":
+            return label + _shaken(loud)[:2][-1]  # its fall, or its flights, or its ringing
+        return label + say("headline", percent=100 * MOST, low=low_hz / 1e3, high=high_hz / 1e3)
     by = loud.summary["laeq_db"] - quiet.summary["laeq_db"]
     parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
     level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"
@@ -101,8 +61,26 @@ def _comparison(loud: Run, bright_hz: float, quiet: Run, dull_hz: float) -> str:
     pitch = "of the same colour"
     if abs(bright_hz / dull_hz - 1.0) > ALIKE:
         pitch = "brighter" if bright_hz > dull_hz else "darker"
-    khz = {"bright": bright_hz / 1e3, "dull": dull_hz / 1e3}
-    return say("heard.compared", label=loud.label, level=level, pitch=pitch, **khz)
+    return _capitalized(say("headline.compared", label=loud.label, level=level, pitch=pitch))
+
+
+def reason(runs: Sequence[Run]) -> str:
+    """Explain the frequencies of the loudest run; empty if all are silent."""
+    if not (sounding := _by_level(runs)):
+        return ""
+    run, (_, low_hz, high_hz) = sounding[-1]
+    numbers = {"percent": 100 * MOST, "low": low_hz / 1e3, "high": high_hz / 1e3}
+    return _capitalized(say("heard", label=run.label, reason=_reason(run), **numbers))
+
+
+def _by_level(runs: Sequence[Run]) -> list[tuple[Run, tuple[float, float, float]]]:
+    """Return the runs that sound with their colours, the quietest first."""
+    sounding = [(run, heard) for run in runs if (heard := colour(run))]
+    return sorted(sounding, key=lambda pair: float(pair[0].summary["laeq_db"]))
+
+
+def _capitalized(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 def _reason(run: Run) -> str:
@@ -112,7 +90,7 @@ def _reason(run: Run) -> str:
     width = 2 * hertz_radius(run)
     width_words = say("heard.width", rate=_rate(width, speed))
     if run.sound.source == "vibration":
-        return f"{width_words}. {_shaken(run)}"
+        return " ".join([f"{width_words}.", *_shaken(run)])
     if not scene.laws:
         return f"{width_words}."
     length = 1e-6 * max(scene.laws, key=lambda law: law.rq_m).lengths_um[0]  # of the rougher
@@ -123,19 +101,19 @@ def _reason(run: Run) -> str:
     return width_words + say("heard.length", rate=_rate(length, speed), reason=reason)
 
 
-def _shaken(run: Run) -> str:
+def _shaken(run: Run) -> list[str]:
     """State the frequency at which the ball rings on its contact, its fall, and its flights."""
     summary = run.summary
     khz, wave_um = summary["resonance_hz"] / 1e3, summary["resonance_wavelength_m"] * 1e6
-    text = say("heard.rings", khz=khz, wave_um=wave_um)
+    sentences = [say("heard.rings", khz=khz, wave_um=wave_um)]
     if "drop_mm" in summary:
         left = summary["restitution"]
         rebound = "" if left is None else say("heard.rebound", percent=100 * left)
-        text += say("heard.falls", drop_mm=summary["drop_mm"], rebound=rebound)
+        sentences.append(say("heard.falls", drop_mm=summary["drop_mm"], rebound=rebound))
     if (share := summary["flight_share"]) > 0:
         count, s = summary["impacts"], "" if summary["impacts"] == 1 else "s"
-        text += say("heard.flies", percent=100 * share, count=count, s=s)
-    return text
+        sentences.append(say("heard.flies", percent=100 * share, count=count, s=s))
+    return sentences
 
 
 def _rate(length: float, speed: float) -> str:

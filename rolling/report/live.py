@@ -108,6 +108,7 @@ def _fixed(scene: Scene) -> Data:
         "modulus": scene.contact_modulus,
         "halfSpace": unit,
         "weight": scene.rolling.load_n == WEIGHT,
+        "rollsOut": scene.rolling.resistance is not None,
         "gravity": GRAVITY,
         "path": len(scene.plate.contact_ends_mm) > 1,
     }

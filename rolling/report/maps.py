@@ -132,6 +132,17 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
     }
 
 
+def middle_map(run: Run) -> dict[str, Any] | None:
+    """Draw the map in the middle of the record as `png`, with the contact `at` its middle [%]."""
+    shown = sounding_maps(run)
+    if not shown:
+        return None
+    pressure = shown[len(shown) // 2].pressure
+    margin = round(0.2 * max(pressure.shape))
+    pixels = np.pad(shades(pressure, float(pressure.max()) or 1.0), margin)
+    return {"png": png(pixels.T[::-1], palette()), "at": 50}
+
+
 def sounding_maps(run: Run) -> list[PressureMap]:
     """Return the maps in the part of the track that the record covers."""
     maps: Mapping[int, PressureMap] = run.result.maps

@@ -6,33 +6,27 @@ behaviour are in `assets/`.
 
 from __future__ import annotations
 
-import math
+import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import jinja2
-import numpy as np
 from markupsafe import Markup
 
-from acoustics import wav
 from acoustics.bands import BAND_NAMES, LEAST_BT
-from acoustics.numbers import rounded
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
-from rolling.report import assumed, film, hearing, maps, scripts, text
+from rolling.report import assumed, charts, film, hearing, live, maps, records, scripts, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
-from rolling.results.listening import heard
 from rolling.results.run_result import Run
-from rolling.results.running_in import passes_wav
-from rolling.sound.contact_sound import ContactSound
 from rolling.terminal import defaults
 
-LARGEST_CSV = 200_000  # bytes on the page; `rolling plot` writes longer tables
+LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
@@ -57,13 +51,19 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     scale = maps.map_scale(shown)
     views = _views(shown)
     players = [_player(view, scale) for view in views]
-    template = _environment().get_template("report.html")
+    data: dict[str, Any] = {"runs": players, "view": scale, "bands": BAND_NAMES}
+    data["charts"] = shown_charts = list[dict[str, Any]]()
+    data["long"] = any(player["long"] for player in players)
+    templates = environment()
+    templates.globals["numbered"] = partial(_number, shown_charts)
+    template = templates.get_template("report.html")
     html = template.render(
         version=__version__,
         title=text.titles(runs),
         descriptions=_descriptions(shown),
         text=text,
         origins=origins,
+        film=film,
         hearing=hearing,
         caveats=caveats,
         runs_table=runs_table,
@@ -81,9 +81,10 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
         surfaces=_surfaces(shown),
         vibrations=_vibrations(views),
-        css=Markup(text.asset("report.css")),
-        js=Markup(scripts.joined("page/begin.js")),
-        data={"runs": players, "view": scale, "bands": BAND_NAMES},
+        css=Markup("".join(map(text.asset, ("report.css", "play.css", "chart.css")))),
+        js=Markup(scripts.joined("page/begin.js" if shown else "page/begin_charts.js")),
+        engine=Markup(scripts.joined("engine/worklet.js")),
+        data=data,
     )
     return html.encode()
 
@@ -91,7 +92,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
 # ---- templates
 
 
-def _environment() -> jinja2.Environment:
+def environment() -> jinja2.Environment:
     """Return the environment of the page, which escapes values and raises on missing values."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("rolling.report", "assets"),
@@ -122,52 +123,20 @@ def _descriptions(runs: Sequence[Run]) -> list[str]:
 
 
 def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    """Return label, gains, record, caveats and pictures of each run."""
-    peaks = [float(np.abs(run.sound.channels).max()) for run in runs]
-    levels = [run.sound.levels.laeq_db for run in runs]
+    """Return label, sound, notes on repetition and pictures of each run."""
     views = []
-    for run, gain in zip(runs, gains(peaks, levels), strict=True):
-        full_scale = gain["full_scale_pa"] or 1.0
-        comment = f"full scale = {rounded(full_scale, 6)} Pa"
-        loops = run.sound.loops
-        record = wav.listening(run.sound.channels, 1 / full_scale, comment, run.label, 16, loops)
+    for number, (run, sound) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
         # The page has maps that move, and each surface once.
         left_out = {"surface", "contact_pressure" if run.result.maps else ""}
         pictures = {
-            name: _exhibit(picture)
+            name: _exhibit(picture, number)
             for name in SINGLE
             if name not in left_out and (picture := single_picture(name, run, runs))
         }
-        views.append(
-            {
-                "label": run.label,
-                "run": run,
-                "playback": gain,
-                "wav": maps.uri("audio/wav", record),
-                "long": long_record(run),
-                "passes": passes_player(run),
-                "repeats": [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS],
-                "pictures": pictures,
-            }
-        )
+        repeats = [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS]
+        views.append({"label": run.label, "run": run, "repeats": repeats, "pictures": pictures})
+        views[-1] |= sound | {"live": live.live_of(run)}
     return views
-
-
-def long_record(run: Run) -> dict[str, str] | None:
-    """Return the long record of a run and its facts; None where there is none."""
-    if run.long is None:
-        return None
-    pressure, content = heard(run)
-    record = wav.listening(pressure, wav.listening_gain(pressure), content, run.label, 16)
-    return {"wav": maps.uri("audio/wav", record), "text": content}
-
-
-def passes_player(run: Run) -> dict[str, str] | None:
-    """Return a record of all passes and their levels; None for a plate without memory."""
-    if run.result.passes is None:
-        return None
-    record, content = passes_wav(run, 16)
-    return {"wav": maps.uri("audio/wav", record), "text": content}
 
 
 def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any]:
@@ -177,9 +146,12 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
         "label": run.label,
         "seconds": len(sound.pressure) / sound.sample_rate,
         "loops": sound.loops,
-        "lap": _lap(sound),
+        "lap": records.lap(sound),
         "buzzes": any(caveat["key"] == "short_loop" for caveat in view["repeats"]),
         "playback": view["playback"],
+        "long": view["long"],
+        "live": view["live"],
+        "swept": run.values,
         "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
         "film": film.film_of(run, scale["max_gpa"]) if scale else None,
         "bands": _rounded(sound.levels.third_octave_db),
@@ -187,90 +159,33 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
     }
 
 
-def _lap(sound: ContactSound) -> dict[str, float]:
-    """Return the lap of a record for the script, with a factor that never exceeds its peak."""
-    lap = sound.lap
-    peak = float(np.abs(lap.samples(sound.channels)).max())
-    limit = float(np.abs(sound.channels).max()) / peak if peak > 0 else 1.0
-    return asdict(lap) | {"factor": lap.factor * min(1.0, limit)}
-
-
 def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
     """Return levels by band [dB], with three decimals."""
     return [None if (level := levels[name]) is None else round(level, 3) for name in BAND_NAMES]
 
 
-# ---- gains
-
-
-def gains(
-    peaks_pa: Sequence[float], laeq_db: Sequence[float | None]
-) -> list[dict[str, float | None]]:
-    """Compute the gains of records that are compared.
-
-    Parameters
-    ----------
-    peaks_pa : sequence of float, Pa. Maximum |p| of each record.
-    laeq_db : sequence of float or None, dB. Level of each record; None if it is silent or has no
-        audible part after A-weighting.
-
-    Returns
-    -------
-    list of dict. `full_scale_pa` [Pa] is the pressure of full scale in the file of a record, whose
-        peak lies at -1 dB. `calibrated` and `equal` are factors on its samples for a common full
-        scale and for a common LAeq, `calibrated_pa` and `equal_pa` [Pa] the full scales that they
-        lead to, and `equal_db` [dB] their ratio. A silent record has factors of 0 and no scales.
-    """
-    scales = [peak / wav.PEAK if peak > 0 else 1.0 for peak in peaks_pa]
-    records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
-    common = max((scale for scale, peak, _ in records if peak > 0), default=1.0)
-    # Each record is loudest with its peak at the limit. All records can reach the minimum of these
-    # levels.
-    loudest = [level - _db(scale) for scale, _, level in records if level is not None]
-    target = min(loudest, default=0.0)
-    computed: list[dict[str, float | None]] = []
-    for scale, peak, level in records:
-        gain: dict[str, float | None] = {"full_scale_pa": scale, "calibrated": 0.0, "equal": 0.0}
-        gain |= dict.fromkeys(("calibrated_pa", "equal_pa", "equal_db"))
-        if peak > 0:
-            equal = common if level is None else 10.0 ** ((level - target) / 20.0)
-            gain |= {"calibrated": scale / common, "equal": scale / equal}
-            gain |= {"calibrated_pa": common, "equal_pa": equal, "equal_db": _db(common / equal)}
-        computed.append(gain)
-    return computed
-
-
-def _db(ratio: float) -> float:
-    return 20.0 * math.log10(ratio)
-
-
 # ---- pictures
 
 
-def _exhibit(picture: Picture) -> dict[str, Any]:
-    """Embed a picture with its table, its size [CSS pixels] and, over time, its time axis."""
-    svg, table = picture.file("svg") or b"", picture.file("csv")
-    short = table is not None and len(table) <= LARGEST_CSV
-    width, height = picture.figure.get_size_inches()
-    return {
-        "name": picture.name,
-        "alt": picture.alt,
-        "src": maps.uri("image/svg+xml", svg),
-        "csv": maps.uri("text/csv", table) if table is not None and short else None,
-        "size": (round(96 * width), round(96 * height)),
-        "time": time_axis(picture) if picture.name in TIMELINES else None,
-    }
+def _exhibit(picture: Picture, run: int | None = None) -> dict[str, Any]:
+    """Read a picture, of one run by its number or of several, as a chart with its table."""
+    chart, table = charts.chart_of(picture), picture.file("csv")
+    if table is not None and len(table) <= LARGEST_CSV:
+        chart["csv"] = table.decode()
+    if picture.name in TIMELINES:
+        chart["second"] = seconds(chart["x"]["unit"])
+    return chart if run is None else chart | {"run": run}
 
 
-def time_axis(picture: Picture) -> dict[str, float]:
-    """Return the plot area of a drawn picture [percent of the picture] and its time limits [s]."""
-    ax = picture.figure.axes[0]
-    left, bottom, right, top = (100 * share for share in ax.get_position().extents)
-    unit = ax.get_xlabel().partition("[")[2].partition("]")[0]
-    second = next(1000.0**power for power, sign in PREFIXES.items() if f"{sign}s" == unit)
-    begin, end = (second * limit for limit in ax.get_xlim())
-    area = {"left": left, "right": right, "top": 100 - top, "bottom": 100 - bottom}
-    return area | {"begin": begin, "end": end}
+def _number(charts: list[dict[str, Any]], chart: dict[str, Any]) -> int:
+    """Append a chart to those of the page and return its number."""
+    charts.append(chart)
+    return len(charts) - 1
+
+
+def seconds(unit: str) -> float:
+    """Return the seconds of a unit of time with its prefix."""
+    return next(1000.0**power for power, sign in PREFIXES.items() if f"{sign}s" == unit)
 
 
 def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
@@ -299,7 +214,8 @@ def _vibrations(views: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[st
     seen: dict[str, tuple[str, dict[str, Any]]] = {}
     for view in views:
         for picture in (view["pictures"][x] for x in VIBRATION if x in view["pictures"]):
-            seen.setdefault(picture["csv"] or picture["src"], (view["label"], picture))
+            numbers = json.dumps([picture["xs"], picture["parts"]])
+            seen.setdefault(numbers, (view["label"], picture))
     shown: dict[str, list[dict[str, Any]]] = {}
     for label, picture in seen.values():
         shown.setdefault(label, []).append(picture)

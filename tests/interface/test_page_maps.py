@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from report_browser import PIXELS, data_of, hear, map_of, play, seek, time_of, until
 from report_runs import runs_of
 
-from rolling.figures.catalogue import single_picture
 from rolling.figures.vibration import hertz_radius
 from rolling.report.maps import palette
 from rolling.results.run_result import Run
@@ -34,6 +31,18 @@ LUMINANCE = """() => {
   }
   const shown = canvas.getBoundingClientRect();
   return { frames, pixels: shown.width * shown.height };
+}"""
+# Keeps the map that is shown after each step of the film, with the time that is heard.
+FRAMES = """() => {
+  const next = window.requestAnimationFrame.bind(window);
+  const slider = document.querySelector('#film-seek');
+  tap.frames = [];
+  window.requestAnimationFrame = (act) => next((now) => {
+    act(now);
+    if (!String(act).includes('tickFilm')) return;
+    const { currentTime, outputLatency } = tap.context;
+    tap.frames.push([Number(slider.value), currentTime - (outputLatency || 0)]);
+  });
 }"""
 SEEK_FILM = """(n) => {
   const slider = document.querySelector('#film-seek');
@@ -105,34 +114,6 @@ def test_maps_move_while_it_plays_unless_motion_is_unwanted(wish: str, pages, op
         assert map_of(page) == nearest_map(runs_of("three")[0], float(page.input_value("#seek")))
 
 
-@pytest.mark.parametrize("name", ["release_power", "spectrogram"])
-def test_playheads_stand_at_the_place_of_their_time(name: str, pages, opened) -> None:
-    """The line stands within 1.5 pixels of its place by matplotlib's transform of the axes."""
-    runs = runs_of("three")
-    picture = single_picture(name, runs[0], runs)
-    assert picture is not None and picture.file("svg")
-    ax, figure = picture.figure.axes[0], picture.figure
-    width = figure.get_size_inches()[0] * figure.dpi
-    unit = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}[re.search(r"\[(.*?)\]", ax.get_xlabel())[1]]
-    low, high = ax.get_position().y0, ax.get_position().y1
-    with opened(pages("three")) as page:
-        line = f".timeline[data-name={name}][data-run='0']"
-        for seconds in (0.05, 0.85):
-            seek(page, seconds)
-            box = page.locator(f"{line} img").bounding_box()
-            head = page.locator(f"{line} .playhead").bounding_box()
-            share = ax.transData.transform((seconds / unit, 0))[0] / width
-            assert head["x"] == pytest.approx(box["x"] + box["width"] * share, abs=1.5)
-            assert head["y"] == pytest.approx(box["y"] + (1 - high) * box["height"], abs=1.5)
-            assert head["height"] == pytest.approx((high - low) * box["height"], abs=1.5)
-        share = ax.transData.transform((0.6 / unit, 0))[0] / width
-        box = page.locator(f"{line} img").bounding_box()
-        place = {"x": box["width"] * share, "y": box["height"] / 2}
-        page.locator(f"{line} img").click(position=place)
-        pixel = 0.9 / (ax.get_position().width * box["width"])  # in seconds
-        assert time_of(page) == pytest.approx(0.6, abs=1.5 * pixel)
-
-
 def test_keys_act_as_the_page_states(pages, opened) -> None:
     with opened(pages("three")) as page:
         press = page.keyboard.press
@@ -150,11 +131,11 @@ def test_keys_act_as_the_page_states(pages, opened) -> None:
         press("9")  # there is none
         assert page.input_value("#choose") == "2"
         press("g")
-        assert page.is_checked("input[name=mode][value=equal]")
+        assert page.is_checked("#equal")
         press("l")
         assert not page.is_checked("#loop")
         press("?")
-        assert page.locator(".keys").evaluate("d => d.open")
+        assert page.locator("#keys").is_visible()
         page.locator("#map").focus()
         before = map_of(page)
         press("ArrowRight")
@@ -205,9 +186,10 @@ def test_the_film_plays_once_and_follows_its_slider(pages, opened) -> None:
         # The film may pass within a second: at most three flashes on more than 21,824 px.
         assert (flashes(frames) > 3).mean() * pixels < FLASHING_PX
         page.evaluate(SEEK_FILM, 0)
+        page.select_option("#film-rate", "1000")
         page.click("#film-play")
         ended = f"document.querySelector('#film-seek').value === '{last}'"
-        button = "document.querySelector('#film-play').textContent === 'Play slowly'"
+        button = "document.querySelector('#film-play').textContent === 'Play 1000 times slower'"
         until(page, f"{button} && {ended}")
         hear(page)
         assert page.input_value("#film-seek") == str(last)  # it does not begin again
@@ -216,6 +198,53 @@ def test_the_film_plays_once_and_follows_its_slider(pages, opened) -> None:
         page.click("#film-real")
         until(page, "tap.starts === 2")  # the whole record of 6 ms
         assert page.evaluate("tap.sources.at(-1).buffer.length") == 288
+
+
+def test_the_film_shows_the_map_that_is_heard_and_pauses_with_it(pages, opened) -> None:
+    """Picture and sound differ by less than 25 ms, two steps of the browser's audio clock."""
+    path, rate = pages("filmed"), 1000
+    times = np.array(data_of(path)["runs"][0]["film"]["times"])
+    with opened(path) as page:
+        page.select_option("#film-rate", str(rate))
+        page.evaluate(FRAMES)
+        page.click("#film-play")
+        until(page, "Number(document.querySelector('#film-seek').value) > 20")
+        page.click("#film-play")  # pause
+        heard_before = page.evaluate("tap.frames.length")
+        page.click("#film-play")
+        until(page, f"document.querySelector('#film-seek').value === '{len(times) - 1}'")
+        starts = page.evaluate("tap.whens.map((when, k) => [when, tap.offsets[k]])")
+        frames = np.array(page.evaluate("tap.frames"))
+    # It goes on where it was paused, within a frame of a busy machine.
+    paused = starts[0][1] + (frames[heard_before - 1, 1] - starts[0][0]) / rate
+    assert starts[1][1] == pytest.approx(paused, abs=0.1 / rate)
+    for begin, end, (when, offset) in (
+        (0, heard_before, starts[0]),
+        (heard_before, len(frames), starts[1]),
+    ):
+        shown, clock = frames[begin:end].T
+        time = offset + (clock - when) / rate
+        moving = (time > times[0]) & (time < times[-1])
+        assert moving.sum() > 5
+        late = times[shown[moving].astype(int)] - time[moving]  # negative: until the next map
+        early = time[moving] - times[np.minimum(shown[moving].astype(int) + 1, len(times) - 1)]
+        assert rate * max(late.max(), early.max()) < 25e-3
+
+
+def test_the_film_starts_at_the_slowest_rate_that_is_heard(pages, opened) -> None:
+    """The first choice is the slowest of 20, 50 and 100 that leaves half above 100 Hz."""
+    path = pages("flying", "filmed", "seeds")
+    with opened(path) as page:
+        for number, run in enumerate(data_of(path)["runs"]):
+            if not run["film"]:
+                continue
+            page.check(f"input[name=run][value='{number}']")
+            heard, rate = run["film"]["heard"], run["film"]["rate"]
+            slower = [x for x in (50, 100) if x > rate]
+            assert all(heard[str(x)] < 0.5 for x in slower)
+            assert rate == 20 or heard[str(rate)] >= 0.5
+            assert page.text_content("#film-play") == f"Play {rate} times slower"
+            assert f"{rate} times slower" in page.get_attribute("#film", "aria-label")
 
 
 def test_reduced_motion_leaves_the_slider_alone(pages, opened) -> None:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import io
+import re
+
 import numpy as np
 import pytest
+import soundfile
 from report_browser import (
     MINUS,
     RATE,
@@ -18,6 +22,8 @@ from report_browser import (
 from report_runs import runs_of
 
 from acoustics import level
+
+STOPPED = "document.querySelector('#play').textContent.trim() === 'Play'"
 
 
 def test_the_records_of_the_page_times_their_scale_are_the_records_of_the_runs(pages) -> None:
@@ -43,9 +49,9 @@ def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
     with opened(path) as page:
         play(page)
         for mode, levels in got.items():
-            page.check(f"input[name=mode][value={mode}]")
+            page.set_checked("#equal", mode == "equal")
             for k in range(3):
-                page.check(f"input[name=run][value='{k}']")
+                page.keyboard.press(str(k + 1))
                 hear(page)
                 gains = page.evaluate("tap.gains.map((node) => node.gain.value)")
                 assert [gain for j, gain in enumerate(gains) if j != k] == [0, 0]
@@ -119,18 +125,21 @@ def test_without_loop_it_stops_at_the_end_and_starts_again(pages, opened) -> Non
         page.uncheck("#loop")
         seek(page, 0.8)
         page.click("#play")
-        until(page, "document.querySelector('#play').textContent === 'Play'")
+        until(page, "tap.starts === 3")
+        until(page, STOPPED)
         assert time_of(page) == pytest.approx(0.9)
-        assert page.evaluate("tap.starts") == 3
         page.click("#play")
         until(page, "tap.starts === 6")
-        assert page.evaluate("tap.offsets") == pytest.approx([0.8] * 3 + [0.0] * 3)
+        # A record that is decoded late joins in step with the others.
+        assert page.evaluate("tap.offsets")[:1] == pytest.approx([0.8])
+        assert page.evaluate("tap.offsets")[3:] == pytest.approx([0.0] * 3)
 
 
 def test_a_silent_run_alone_plays_and_has_nothing_to_compare(pages, opened) -> None:
     with opened(pages("smooth")) as page:
-        for selector in ("#choose", "input[name=run]", "input[name=mode]", "[data-gain]"):
+        for selector in ("#choose", "input[name=run]", "#equal", "[data-gain]", "#heard"):
             assert page.locator(selector).count() == 0
+        assert page.inner_text(".level").strip().endswith("silent")
         page.click("#play")
         until(page, "tap.gains.length === 1")
         hear(page)
@@ -141,18 +150,18 @@ def test_a_short_record_does_not_loop_unasked_and_says_why(pages, opened) -> Non
     """A record of 6 ms repeats 167 times a second: it ends, and goes on only with Loop on."""
     with opened(pages("lap")) as page:
         assert not page.is_checked("#loop")
-        notes = page.locator("[data-repeats]")
+        notes = page.locator("aside [data-only]")
         assert notes.count() == 1 and notes.is_visible()
         assert "repeats 167 times a second" in notes.text_content()
         assert "the repetition, not the contact" in notes.text_content()
         page.click("#play")
-        until(page, "document.querySelector('#play').textContent === 'Play'")
+        until(page, f"tap.starts === 1 && {STOPPED}")
         assert time_of(page) == pytest.approx(0.006)
         page.check("#loop")
         page.click("#play")
         until(page, "tap.starts === 2")
         hear(page)
-        assert page.text_content("#play") == "Pause"
+        assert page.text_content("#play").strip() == "Pause"
 
 
 @pytest.mark.parametrize("name", ["lap", "one"])
@@ -169,6 +178,43 @@ def test_play_plays_the_computed_record(name, pages, opened) -> None:
         assert page.evaluate("tap.gains[0].gain.value") == pytest.approx(gain, rel=1e-6)
     assert len(played) == len(record)
     assert np.abs(np.array(played) - record).max() < 2**-15  # the rounding of 16 bits
+
+
+def test_play_begins_with_the_long_record_at_its_own_level(pages, opened) -> None:
+    """A run without one goes round; the bands of the MP3 keep their levels within 0.1 dB."""
+    path, (long, short) = pages("long", "fast"), runs_of("long", "fast")
+    facts = data_of(path)["runs"]
+    assert facts[0]["long"]["own"] and not facts[1]["long"]["own"]
+    with opened(path) as page:
+        assert page.input_value("#heard") == "long" and not page.is_checked("#loop")
+        page.click("#play")
+        until(page, "tap.starts === 2")
+        played = page.evaluate("tap.sources.map((s) => [...s.buffer.getChannelData(0)])")
+        gain = page.evaluate("tap.gains[0].gain.value")
+        assert page.evaluate("tap.sources.map((s) => s.loop)") == [False, True]
+        pascal = np.array(played[0]) * facts[0]["long"]["playback"]["full_scale_pa"]
+        laeq = long.long.numbers["laeq_db"]
+        assert len(pascal) == len(long.long.pressure)
+        assert level.laeq_db(pascal, RATE) == pytest.approx(laeq, abs=0.1)
+        assert gain == pytest.approx(facts[0]["long"]["playback"]["calibrated"], rel=1e-6)
+        assert len(played[1]) == len(short.sound.pressure)
+        page.select_option("#heard", "record")
+        until(page, "document.querySelector('#time').textContent.endsWith('/ 0.450 s')")
+
+
+def test_a_record_is_downloaded_as_a_wav_with_its_scale(pages, opened) -> None:
+    path = pages("three")
+    with opened(path, accept_downloads=True) as page:
+        page.evaluate("document.querySelector('.singles').open = true")
+        with page.expect_download() as download:
+            page.locator("[data-wav]").nth(1).click()
+        content = download.value.path().read_bytes()
+        scale = data_of(path)["runs"][1]["playback"]["full_scale_pa"]
+    samples, rate = soundfile.read(io.BytesIO(content))
+    # Chromium divides positive samples by 32767 and negative ones by 32768.
+    assert rate == RATE and np.abs(samples - embedded_record(path, 1)).max() <= 2**-15
+    comment = soundfile.SoundFile(io.BytesIO(content)).comment
+    assert float(re.search(r"full scale is (\S+) Pa", comment)[1]) == pytest.approx(scale, rel=1e-3)
 
 
 def test_a_record_that_does_not_close_goes_round_as_listen_wav_does(pages, opened) -> None:
@@ -194,9 +240,9 @@ def test_records_of_other_lengths_go_round_or_fall_silent(pages, opened) -> None
     runs = data_of(path)["runs"]
     assert [run["buzzes"] for run in runs] == [False, False, False, True]
     with opened(path) as page:
-        assert "differ in length" in page.inner_text("main") and not page.is_checked("#loop")
+        assert "differ in length" in page.text_content("main") and not page.is_checked("#loop")
         for k, expected in enumerate((0.7, 0.25, min(0.7, runs[2]["seconds"]), 0.006)):
-            page.check(f"input[name=run][value='{k}']")
+            page.keyboard.press(str(k + 1))
             seek(page, 0.7)
             shown = float(page.text_content("#map-time").split()[0])
             assert shown == pytest.approx(expected, abs=1e-3)

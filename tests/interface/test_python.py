@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import doctest
 import inspect
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -223,6 +225,34 @@ def test_a_notebook_has_a_player_and_a_stored_run_its_file(
     monkeypatch.setitem(sys.modules, "IPython.display", Display)
     samples, rate, normalize = run.play()
     assert 5 * rate <= samples < 5 * rate + len(run.sound.pressure) and not normalize
+
+
+def test_live_opens_a_page_and_a_notebook_frames_it(
+    run: Run, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
+) -> None:
+    """A stored run has its own page, a run in memory a temporary one; a frame holds it whole."""
+    opened: list[str] = []
+    monkeypatch.setattr(interface.webbrowser, "open", opened.append)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True, raising=False)
+    stored = rc.open_run(shutil.copytree(folder / "out", tmp_path / "out"))
+    (stored.folder / "report.html").write_text("the page")
+    pages = []
+    for shown in (stored, [run, stored]):
+        assert rc.live(shown) is None
+        pages.append(Path(capsys.readouterr().out.removeprefix("live: ").strip()))
+    assert opened == [f"{path.resolve().as_uri()}#play-it" for path in pages]
+    assert pages[0] == stored.folder / "report.html"
+    assert pages[1].read_text().count("audio controls") == 2
+    pages[1].unlink()
+    with pytest.raises(ValueError, match="got 0"):
+        rc.live([])
+    shell = type("ZMQInteractiveShell", (), {})()
+    frames = SimpleNamespace(IFrame=lambda src, width, height: src)
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setitem(sys.modules, "IPython.display", frames)
+    kind, _, content = rc.live(stored).partition(",")
+    assert kind == "data:text/html;base64"
+    assert base64.b64decode(content.removesuffix("#play-it")) == b"the page"
 
 
 def test_plots_take_and_return_axes(run: Run) -> None:

@@ -48,6 +48,12 @@ numerics: {tolerance: 1.0e-3}
 dynamics: {}
 sound: {source: vibration}
 """
+EDGED = {
+    "rolling.speed_m_s": 0.1,
+    "plate.length_mm": 120,
+    "plate.width_mm": 100,
+    "plate.loss_factor": 0.1,
+}
 SEEDS = """\
 name: seeds
 sphere: {radius_mm: 5}
@@ -108,9 +114,11 @@ RUNS: dict[str, Callable[[], list[Run]]] = {
     "smooth": lambda: [solved(scene_of(SMOOTH))],
     "lap": lambda: [solved(scene_of(SCENE).with_(duration_s=0.006))],
     "fast": lambda: [solved(scene_of(SCENE).with_(speed_m_s=0.2, duration_s=0.45))],
+    "long": lambda: [solved(scene_of(SCENE).with_(duration_s=0.3, listen_s=2))],
     "braking": lambda: [solved(scene_of(SCENE).with_(speed_m_s=[[0, 0.4], [0.1, 0.2]]))],
     "filmed": lambda: [solved(scene_of(SCENE).with_(duration_s=0.006), film=True)],
     "flying": lambda: swept(FLYING, "rolling.speed_m_s", 0.1, 1, film=True),
+    "edged": lambda: [solved(scene_of(FLYING).with_(EDGED))],
     "seeds": _seeds,
     "memory": lambda: [solved(scene_of(MEMORY))],
 }

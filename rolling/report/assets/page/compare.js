@@ -1,7 +1,7 @@
 // ---- two runs compared: the difference of their spectra ----
 
 import { $, data, runs } from "./core.js";
-import { signed } from "./choices.js";
+import { openChart } from "./chart.js";
 
 export const pair = () => ["#compare-a", "#compare-b"].map((selector) => Number($(selector).value));
 
@@ -14,56 +14,25 @@ export function differences(a, b) {
   });
 }
 
+/** Draw the difference of the chosen runs, B less A, in the colours of their levels. */
 export function showDifference() {
-  if (!$("#difference")) return;
-  const [a, b] = pair();
-  const found = differences(a, b);
-  $("#difference").setAttribute("aria-label", `Third octaves of ${runs[b].label} minus third octaves of ${runs[a].label}; numbers below`);
-  drawDifference(found);
-  const rows = found.map((each, band) => {
-    const row = document.createElement("tr");
-    const head = Object.assign(document.createElement("th"), { scope: "row", textContent: data.bands[band] });
-    const text = each ? `${signed(each[0])} ± ${each[1].toFixed(1)}` : "-";
-    row.append(head, Object.assign(document.createElement("td"), { textContent: text }));
-    return row;
+  const figure = $("#difference");
+  if (!figure) return;
+  const [a, b] = pair(), levels = differences(a, b), middle = data.bands.map(Number), half = 10 ** 0.05;
+  const known = levels.flatMap((level, k) => (level ? [{ x: middle[k], value: level[0], spread: level[1] }] : []));
+  const ends = known.flatMap(({ value, spread }) => [value - Math.min(spread, 6), value + Math.min(spread, 6)]), room = [Math.min(-1, ...ends), Math.max(1, ...ends)];
+  const round = (value) => Number(value.toFixed(3));
+  openChart(figure, {
+    name: "difference", number: "difference", title: `${runs[b].label} minus ${runs[a].label}`, note: "third octaves, Z-weighted",
+    x: { label: "third octave, nominal mid frequency", unit: "Hz", log: true, limits: [middle[0] / half, middle.at(-1) * half], names: data.bands.map((name, k) => [middle[k], shortName(name)]) },
+    y: [{ label: "B − A", unit: "dB", log: false, limits: room.map((limit) => 1.05 * limit), names: [] }],
+    xs: [known.map(({ x }) => x)], curves: [{ name: "", colour: "#0072b2", dash: "-", marker: "o" }], paints: [`var(--run-${b})`], texts: [], aspect: null, ground: null,
+    parts: [
+      ...known.map(({ x, value }) => ({ kind: "bar", of: 0, alpha: 0.6, ends: [x / half ** 0.8, x * half ** 0.8, 0, round(value)] })),
+      { kind: "errors", of: 0, x: 0, low: known.map(({ value, spread }) => round(value - spread)), high: known.map(({ value, spread }) => round(value + spread)) },
+      { kind: "rule", along: false, at: 0 },
+    ],
   });
-  $("#difference-numbers tbody").replaceChildren(...rows);
 }
 
-export function drawDifference(found) {
-  const canvas = $("#difference");
-  canvas.width = Math.min(1200, 2 * canvas.clientWidth || 1200);
-  const pen = canvas.getContext("2d"), { width, height } = canvas;
-  const style = getComputedStyle(canvas);
-  const known = found.filter(Boolean);
-  const most = Math.max(1, ...known.map(([value, spread]) => Math.abs(value) + Math.min(spread, 6)));
-  const left = 64, right = 16, top = 34, bottom = 44, step = (width - left - right) / found.length;
-  const middle = top + (height - top - bottom) / 2;
-  const y = (decibel) => middle - (Math.max(-1, Math.min(1, decibel / (1.05 * most))) * (height - top - bottom)) / 2;
-  pen.clearRect(0, 0, width, height);
-  pen.font = "20px system-ui, sans-serif";
-  pen.strokeStyle = pen.fillStyle = style.borderTopColor;
-  const tick = [1, 2, 5, 10, 20, 50].find((size) => most / size <= 3) ?? 100;
-  for (let at = -tick * Math.floor(most / tick); at <= most; at += tick) {
-    pen.fillStyle = style.borderTopColor;
-    pen.fillRect(left, y(at), width - left - right, at ? 1 : 2);
-    pen.fillStyle = style.color;
-    pen.textAlign = "right";
-    pen.fillText(at > 0 ? `+${at}` : `${at}`.replace("-", "−"), left - 8, y(at) + 7);
-  }
-  pen.textAlign = "center";
-  found.forEach((each, band) => {
-    const x = left + (band + 0.5) * step;
-    pen.fillStyle = style.color;
-    if (band % (width > 800 ? 3 : 6) === 0) pen.fillText(data.bands[band].replace(/000$/, "k"), x, height - 12);
-    if (!each) return;
-    const [value, spread] = each;
-    pen.fillStyle = style.accentColor;
-    pen.fillRect(x - 0.36 * step, Math.min(y(0), y(value)), 0.72 * step, Math.abs(y(value) - y(0)));
-    pen.fillStyle = style.color;
-    pen.fillRect(x - 1.5, y(value + spread), 3, y(value - spread) - y(value + spread));
-  });
-  pen.textAlign = "left";
-  pen.fillStyle = style.color;
-  pen.fillText("dB, by third octave [Hz]", 8, 22);
-}
+const shortName = (name) => (Number(name) >= 1000 ? `${Number(name) / 1000}k` : name);

@@ -1,8 +1,9 @@
 // ---- the contact ----
 
-import { $, HOLD_MS, data, longest, modulo, ownTime, runs, state } from "./core.js";
+import { $, HOLD_MS, data, modulo, ownTime, runs, state } from "./core.js";
 import { pause, seek } from "./player.js";
 import { render, seconds } from "./motion.js";
+import { drawArrow, drawCircle, drawScale } from "./marks.js";
 
 /** Which of the stretches of time with one map each the chosen run is in. */
 export function stretch() {
@@ -74,47 +75,6 @@ export function drawMap({ maps }, map) {
   if (maps) drawCircle(pen, middle, middle, maps.hertz_um * perUm);
   drawScale(pen, perUm, data.view.half_um / 1.5);
   drawArrow(pen);
-}
-
-export function drawCircle(pen, x, y, radius) {
-  pen.setLineDash([9, 7]);
-  for (const [colour, width] of [["#000", 5], ["#7fd4ff", 2]]) { // seen on the darkest pressure and on the lightest
-    pen.strokeStyle = colour;
-    pen.lineWidth = width;
-    pen.beginPath();
-    pen.arc(x, y, radius, 0, 2 * Math.PI);
-    pen.stroke();
-  }
-  pen.setLineDash([]);
-}
-
-/** A scale of length, at most so many um long. */
-export function drawScale(pen, perUm, longest) {
-  const decade = 10 ** Math.floor(Math.log10(longest));
-  const length = [5, 2, 1].find((digit) => digit * decade <= longest) * decade;
-  const { height } = pen.canvas;
-  pen.fillStyle = "#fff";
-  pen.fillRect(16, height - 20, length * perUm, 4);
-  pen.font = "22px system-ui, sans-serif";
-  pen.textAlign = "left";
-  pen.fillText(`${Number(length.toPrecision(1))} µm`, 16, height - 28);
-}
-
-export function drawArrow(pen) {
-  const { width, height } = pen.canvas;
-  pen.fillStyle = pen.strokeStyle = "#fff";
-  pen.lineWidth = 3;
-  pen.beginPath();
-  pen.moveTo(width - 90, height - 18);
-  pen.lineTo(width - 28, height - 18);
-  pen.stroke();
-  pen.beginPath();
-  pen.moveTo(width - 14, height - 18);
-  pen.lineTo(width - 32, height - 26);
-  pen.lineTo(width - 32, height - 10);
-  pen.fill();
-  pen.textAlign = "right";
-  pen.fillText("rolls", width - 14, height - 36);
 }
 
 export function stepMap(by) {

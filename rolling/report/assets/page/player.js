@@ -1,51 +1,13 @@
 // ---- sound ----
 
-import { $, $$, FADE_S, RATE, STILL_MS, goesRound, longest, modulo, position, runs, state } from "./core.js";
+import { $, $$, FADE_S, NEVER, RATE, STILL_MS, goesRound, longest, modulo, playbackOf, position, runs, state } from "./core.js";
+import { bufferOf, recordOf } from "./records.js";
 import { render, showButton, tick } from "./motion.js";
-import { stopFilm } from "./film.js";
+import { stopFilm } from "./film_sound.js";
+import { restBall } from "./play_sound.js";
 
-export function bytesOf(uri) {
-  const text = atob(uri.slice(uri.indexOf(",") + 1));
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
-  return bytes;
-}
-
-/** The part of a record that goes round: all of one that closes, otherwise cross-faded as in listen.wav. */
-export function lapOf(record, { begin, end, overlap, correlation, factor }) {
-  const { numberOfChannels } = record;
-  const round = new AudioBuffer({ length: end - overlap - begin, sampleRate: RATE, numberOfChannels });
-  for (let channel = 0; channel < numberOfChannels; channel++) {
-    const samples = record.getChannelData(channel);
-    const lap = samples.slice(begin, end - overlap);
-    for (let i = 0; i < overlap; i++) {
-      const rise = Math.sin((0.5 * Math.PI * (i + 0.5)) / overlap) ** 2;
-      const fall = 1 - rise;
-      lap[i] = (rise * lap[i] + fall * samples[end - overlap + i]) / Math.sqrt(rise ** 2 + fall ** 2 + 2 * correlation * rise * fall);
-    }
-    round.copyToChannel(lap.map((sample) => factor * sample), channel);
-  }
-  return round;
-}
-
-/** The samples of a player, its lap, and the record filled up with silence, so that all go round together. */
-export async function decodeOne(player) {
-  const offline = new OfflineAudioContext(1, 1, RATE); // may be had before the user has clicked anything
-  const record = await offline.decodeAudioData(bytesOf(player.src).buffer);
-  const { numberOfChannels } = record;
-  const once = new AudioBuffer({ length: Math.round(longest * RATE), sampleRate: RATE, numberOfChannels });
-  for (let channel = 0; channel < numberOfChannels; channel++) once.copyToChannel(record.getChannelData(channel), channel);
-  return { record, round: lapOf(record, runs[Number(player.dataset.run)].lap), once };
-}
-
-export const decode = () => (state.decoding ??= Promise.all($$("audio[data-run]").map(decodeOne)));
-export const gainOf = (number) => (number === (state.blind ?? state.run) ? runs[number].playback[state.mode] : 0);
-
-/** The record of a run, round again or not. */
-export function bufferOf(number) {
-  const { round, once } = state.buffers[number];
-  return goesRound(runs[number]) ? round : once;
-}
+export const heardRun = () => state.blind ?? state.run;
+export const gainOf = (number) => (number === heardRun() ? playbackOf(number)[state.mode] : 0);
 
 export function glide(gain, target) {
   const now = state.context.currentTime;
@@ -56,40 +18,60 @@ export function glide(gain, target) {
 
 /** All runs sound together, but only one is let through: switching moves gains and nothing else. */
 export function mix() {
-  state.voices.forEach(({ gain }, number) => glide(gain.gain, gainOf(number)));
+  state.voices.forEach((voice, number) => voice && glide(voice.gain.gain, gainOf(number)));
 }
 
+/** Starts all records that are decoded at a time, and the others in step with them as soon as they are. */
 export function startVoices(at) {
-  const { context } = state;
-  const when = context.currentTime;
-  Object.assign(state, { playing: true, from: at, origin: when - at });
-  state.voices = runs.map((_, number) => {
-    const buffer = bufferOf(number);
-    const source = new AudioBufferSourceNode(context, { buffer, loop: true });
-    const gain = new GainNode(context, { gain: at === 0 ? gainOf(number) : 0 }); // a fade would change the beginning of the record
-    source.connect(gain).connect(state.master);
-    source.start(when, modulo(at, buffer.duration));
-    return { source, gain };
-  });
-  const voices = state.voices;
-  voices[0].source.onended = () => voices === state.voices && finish();
+  const { context } = state, when = context.currentTime;
+  const voices = runs.map(() => null);
+  Object.assign(state, { playing: true, from: at, origin: when - at, voices, clock: new ConstantSourceNode(context, { offset: 0 }) });
+  state.clock.connect(state.master);
+  state.clock.onended = () => voices === state.voices && finish();
+  state.clock.start();
+  runs.forEach((_, number) => bufferOf(number) && startVoice(number, when, at === 0));
   setEnd();
   mix();
+  decodeOthers(voices);
 }
 
-/** Where it stops: at the end of this round, or never. */
+/** Starts the record of a run in step with the clock; the first of all begins without a fade. */
+export function startVoice(number, when, atOnce) {
+  const { context } = state, buffer = bufferOf(number), loop = goesRound(number), at = when - state.origin;
+  const source = new AudioBufferSourceNode(context, { buffer, loop });
+  const gain = new GainNode(context, { gain: atOnce ? gainOf(number) : 0 });
+  source.connect(gain).connect(state.master);
+  source.start(when, loop ? modulo(at, buffer.duration) : Math.min(modulo(at, longest()), buffer.duration));
+  state.voices[number] = { source, gain };
+}
+
+/** Decodes the records that are missing, one after another, and lets them join the voices. */
+export async function decodeOthers(voices) {
+  for (const number of runs.keys()) {
+    await recordOf(number);
+    if (voices !== state.voices) return;
+    if (voices[number]) continue;
+    startVoice(number, state.context.currentTime + FADE_S, false);
+    glide(voices[number].gain.gain, gainOf(number));
+  }
+  setEnd();
+}
+
+/** Sets where it stops: at the end of this round, or never. */
 export function setEnd() {
-  state.end = state.loop ? Infinity : longest * (Math.floor(position() / longest + 1e-9) + 1);
+  state.end = state.loop ? Infinity : longest() * (Math.floor(position() / longest() + 1e-9) + 1);
   const when = state.loop ? NEVER : state.origin + state.end;
-  for (const { source } of state.voices) source.stop(when);
+  for (const source of [state.clock, ...state.voices.map((voice) => voice?.source)]) source?.stop(when);
 }
 
 export function stopVoices() {
   const old = state.voices;
+  state.clock.onended = null;
+  state.clock.stop();
   state.voices = [];
-  for (const { source, gain } of old) {
-    glide(gain.gain, 0);
-    source.stop(state.context.currentTime + FADE_S);
+  for (const voice of old.filter(Boolean)) {
+    glide(voice.gain.gain, 0);
+    voice.source.stop(state.context.currentTime + FADE_S);
   }
 }
 
@@ -112,10 +94,11 @@ export async function play() {
   state.wanted = true;
   for (const player of $$("audio")) player.pause();
   stopFilm();
+  restBall();
   showButton();
   const started = audioContext().resume();
   setTimeout(sayIfStill, STILL_MS);
-  [state.buffers] = await Promise.all([decode(), started]);
+  await Promise.all([recordOf(heardRun()), started]);
   if (!state.wanted || state.playing) return;
   $("#no-sound").hidden = true;
   startVoices(state.at >= state.end ? 0 : state.at);
@@ -133,18 +116,18 @@ export function pause() {
 }
 
 export function finish() {
-  Object.assign(state, { wanted: false, playing: false, voices: [], at: longest, end: longest });
+  Object.assign(state, { wanted: false, playing: false, voices: [], at: longest(), end: longest() });
   showButton();
   render();
 }
 
 export function seek(time) {
-  const at = Math.min(Math.max(time, 0), longest);
+  const at = Math.min(Math.max(time, 0), longest());
   if (state.playing) {
     stopVoices();
-    startVoices(at < longest ? at : 0);
+    startVoices(at < longest() ? at : 0);
   } else {
-    Object.assign(state, { at, end: longest });
+    Object.assign(state, { at, end: longest() });
   }
   render();
 }

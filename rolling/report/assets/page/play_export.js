@@ -1,0 +1,79 @@
+// ---- taking settings and sound away ----
+
+import { $, runs } from "./core.js";
+import { copy, download } from "./downloads.js";
+import { SETTINGS, isLive, sayPlayed } from "./play_panel.js";
+import { live, liveOf, openWorker } from "./play_sound.js";
+
+export const RECORD_S = 60;
+
+/** Returns the keys of a scene that differ from the run, with their values. */
+export function changedKeys(run, settings, dropped = false) {
+  const differs = (name) => settings[name] !== run.settings[name];
+  const changed = SETTINGS.filter(({ name }) => isLive(name, run) && differs(name) && (name !== "dropHeight" || dropped))
+    .map(({ name, si, key }) => [key, Number((settings[name] / si).toPrecision(6))]);
+  if (!run.listeners) return changed;
+  const placed = changed.filter(([key]) => key !== "sound.distance_m");
+  if (differs("length") || differs("width")) placed.push(["plate.contact_mm", run.contact.map(inMm)]); // it does not move with the edges
+  if (differs("distance")) placed.push(["sound.listener_mm", movedListeners(run, settings)]);
+  return placed;
+}
+
+const inMm = (length) => Number((1e3 * length).toPrecision(6));
+
+/** Returns the listeners [mm] as the engine moves them, away from the middle of the path. */
+function movedListeners({ contact, contactEnd, listeners, settings: own }, { distance }) {
+  const origin = [...contact.map((value, i) => (value + (contactEnd ?? contact)[i]) / 2), 0];
+  return listeners.map((place) => place.map((value, i) => inMm(origin[i] + (distance / own.distance) * (value - origin[i]))));
+}
+
+/** Returns the settings as keys of a scene file, with the commands that reproduce them. */
+export function yamlOf(run, swept, settings, dropped = false) {
+  const changed = changedKeys(run, settings, dropped);
+  if (changed.length === 0 && Object.keys(swept).length === 0) return "# as the scene has it\n";
+  const sections = {};
+  for (const [key, value] of [...Object.entries(swept), ...changed]) {
+    const [section, name] = key.split(".");
+    (sections[section] ??= {})[name] = value;
+  }
+  if (Object.keys(swept).length > 0) sections.sweep = {};
+  const words = changed.map(([key, value]) => (Array.isArray(value) ? ` --set '${key}=${JSON.stringify(value)}'` : ` --set ${key}=${value}`)).join("");
+  const lines = Object.entries(sections).map(([section, values]) => `${section}: {${Object.entries(values).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join(", ")}}`);
+  const command = changed.some(([key]) => isSolvedAgain(key, run)) ? "rolling run SCENE" : "rolling resound RUN";
+  return [`# ${run.label}${words ? `, changed: ${command}${words}` : ""}`, ...lines, ""].join("\n");
+}
+
+/** Tells whether a key changes the contact or the track, so that stored marches do not serve. */
+function isSolvedAgain(key, { fixed: { weight, rollsOut } }) {
+  if (key === "sphere.density_kg_m3") return weight || rollsOut;
+  return key === "rolling.load_n" || (key === "rolling.speed_m_s" && rollsOut);
+}
+
+export function showExport() {
+  $("#play-yaml").textContent = yamlOf(liveOf(), runs[live.number].swept ?? {}, live.settings, live.dropped);
+}
+
+export const copyYaml = (button) => copy($("#play-yaml").textContent, button);
+
+/** Lets the worker render a record of the present settings. */
+export function saveWav() {
+  openWorker();
+  $("#play-wav").disabled = true;
+  showProgress({ task: "progress", share: 0 });
+  const own = liveOf().settings.dropHeight !== null;
+  const settings = { ...live.settings, dropHeight: own || live.dropped ? live.settings.dropHeight : null };
+  live.worker.postMessage({ task: "record", number: live.number, settings, seconds: RECORD_S });
+}
+
+/** Shows how far a record is, and hands it over when it is done. */
+export function showProgress({ task, share, wav, fullScale, message }) {
+  const bar = $("#play-progress");
+  bar.hidden = task !== "progress";
+  if (task === "progress") bar.value = share;
+  else $("#play-wav").disabled = false;
+  if (task === "failed") sayPlayed(`No record: ${message}.`);
+  if (task !== "record") return;
+  const name = `${runs[live.number].label.replace(/[^\w.=-]+/g, "_")}_played_full_scale_${fullScale}_Pa.wav`;
+  download(wav, "audio/wav", name);
+  $("#play-saved").textContent = `${RECORD_S} s at 48 kHz, 16 bit; full scale is ${fullScale} Pa.`;
+}

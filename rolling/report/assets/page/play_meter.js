@@ -1,0 +1,186 @@
+// ---- what the ear hears, in numbers and curves ----
+
+import { $, RATE, data, motionUnwanted, runs } from "./core.js";
+import { signed } from "./choices.js";
+import { aWeight } from "../engine/bands.js";
+import { RealTransform } from "../engine/fft.js";
+import { newtons } from "./film_motion.js";
+import { live, liveOf } from "./play_sound.js";
+
+const STRIP_S = 4;
+const COLUMNS = Math.round((STRIP_S * RATE) / 128); // one per block
+const SPECTRUM = 16384; // samples, whose lines resolve the third octave at 20 Hz
+const TEXT_MS = 250; // between changes of the numbers
+const SLOW_MS = 1000; // between changes of the curves where motion is unwanted
+const CURVES_MS = 60; // between changes of the curves
+const SMOOTHED = 0.3; // share of the latest spectrum in the one that is shown
+const LEVELS_DB = 70; // that the spectrum shows
+const QUIETEST_DB = -20; // level that is shown
+const REMARK_MS = 3000; // that a remark stays
+const TIGHT = 0.94; // gain of the limiter from which it is named
+
+const strip = { low: new Float32Array(COLUMNS), high: new Float32Array(COLUMNS), flies: new Float32Array(COLUMNS), at: 0, reach: 0 };
+const heard = { samples: new Float32Array(SPECTRUM), powers: null, top: null, texts: 0, curves: 0, gain: 1, flown: 0, lost: 0, remarked: 0 };
+const spectrum = { transform: new RealTransform(SPECTRUM), re: new Float64Array(SPECTRUM / 2 + 1), im: new Float64Array(SPECTRUM / 2 + 1) };
+const WINDOW = Float64Array.from({ length: SPECTRUM }, (_, i) => Math.sqrt(8 / 3) * Math.sin((Math.PI * i) / SPECTRUM) ** 2);
+
+/** Takes a report of the processor into the meters. */
+export function showReport(report) {
+  const { forces, flights, pressure } = report, release = liveOf().kind === "release";
+  for (let i = 0; i < flights.length; i++, strip.at = (strip.at + 1) % COLUMNS) {
+    const block = release && pressure.subarray(128 * i, 128 * (i + 1));
+    strip.low[strip.at] = release ? Math.min(...block) : forces[2 * i];
+    strip.high[strip.at] = release ? Math.max(...block) : forces[2 * i + 1];
+    strip.flies[strip.at] = flights[i];
+  }
+  heard.samples.copyWithin(0, pressure.length);
+  heard.samples.set(pressure, SPECTRUM - pressure.length);
+  heard.gain = Math.min(heard.gain, report.gain);
+  heard.flown += (flights.reduce((sum, share) => sum + share, 0) / flights.length - heard.flown) * 0.1;
+  const now = performance.now();
+  if (now - heard.texts > TEXT_MS) showNumbers(report, now);
+  if (now - heard.curves > (motionUnwanted.matches ? SLOW_MS : CURVES_MS)) {
+    heard.curves = now;
+    showSpectrum();
+    drawStrip();
+  }
+}
+
+const digits = (value, count) => Number(value.toPrecision(count));
+
+function showNumbers({ state, asleep, load, lost }, now) {
+  heard.texts = now;
+  const level = asleep || state.level === null || state.level < QUIETEST_DB ? null : state.level;
+  $("#play-level").textContent = level === null ? "–" : level.toFixed(1);
+  $("#play-speed-now").textContent = `${digits(Math.abs(state.speed) < 1e-5 ? 0 : state.speed, 2)} m/s`.replace("-", "−");
+  $("#play-force-now").textContent = state.force === null ? "" : newtons(state.force);
+  const share = Math.round(100 * heard.flown);
+  $("#play-flight").textContent = state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : share ? `flies ${share} % of the time` : "in contact";
+  showRemark(load, lost, now);
+  $("#play-core").textContent = `${Math.round(100 * load)} % of a core`;
+}
+
+/** Says for a while that the limiter has lowered the sound, or that it has dropped out. */
+function showRemark(load, lost, now) {
+  let remark = "";
+  if (lost > heard.lost) remark = `The sound has dropped out for ${(lost - heard.lost).toFixed(1)} s: ${load > 0.6 ? "the machine is too slow for these settings" : "the machine was busy"}.`;
+  else if (heard.gain < TIGHT) remark = `The limiter lowers the loudest sound by ${Math.ceil(-20 * Math.log10(heard.gain))} dB; the level is that without it.`;
+  Object.assign(heard, { lost, gain: 1 });
+  if (!remark && now - heard.remarked < REMARK_MS) return;
+  if (remark) heard.remarked = now;
+  $("#play-limit").textContent = remark;
+}
+
+/** Sizes a canvas to its box in device pixels and returns its pen, with width and height in CSS pixels. */
+export function penOf(canvas) {
+  const { clientWidth: width, clientHeight: height } = canvas, scale = Math.min(window.devicePixelRatio || 1, 2);
+  if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round(height * scale)) {
+    canvas.width = Math.round(width * scale);
+    canvas.height = Math.round(height * scale);
+  }
+  const pen = canvas.getContext("2d");
+  pen.setTransform(scale, 0, 0, scale, 0, 0);
+  pen.clearRect(0, 0, width, height);
+  const style = getComputedStyle(canvas);
+  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+  return { pen, width, height, colour };
+}
+
+/** Draws force, or pressure of the release, over the last seconds: its range in each block, and flights as shades. */
+export function drawStrip() {
+  const { pen, width, height, colour } = penOf($("#play-strip"));
+  const release = liveOf().kind === "release", load = live.settings.load;
+  const middle = release ? 0 : load;
+  let reach = release ? 0 : 1e-3 * load;
+  for (let i = 0; i < COLUMNS; i++) if (strip.high[i]) reach = Math.max(reach, strip.high[i] - middle, middle - strip.low[i]);
+  strip.reach = reach > strip.reach ? reach : strip.reach + 0.05 * (reach - strip.reach);
+  const bottom = release ? -strip.reach : Math.max(middle - strip.reach, 0), range = middle + strip.reach - bottom || 1;
+  const y = (value) => height - 6 - ((value - bottom) / range) * (height - 32);
+  const step = width / COLUMNS;
+  pen.fillStyle = colour("pale");
+  for (let i = 0; i < COLUMNS; i++) {
+    const k = (strip.at + i) % COLUMNS;
+    if (!strip.flies[k]) continue;
+    pen.globalAlpha = 0.3 * strip.flies[k];
+    pen.fillRect(i * step, 24, step + 0.5, height - 24);
+  }
+  pen.globalAlpha = 1;
+  pen.fillStyle = colour("accent");
+  for (let i = 0; i < COLUMNS; i++) {
+    const k = (strip.at + i) % COLUMNS, top = y(strip.high[k]);
+    if (strip.high[k] || strip.low[k]) pen.fillRect(i * step, top, step + 0.3, Math.max(1.5, y(strip.low[k]) - top));
+  }
+  pen.strokeStyle = pen.fillStyle = colour("ink");
+  pen.setLineDash([5, 5]);
+  pen.beginPath();
+  pen.moveTo(0, y(middle));
+  pen.lineTo(width, y(middle));
+  pen.stroke();
+  pen.setLineDash([]);
+  pen.font = "13px system-ui, sans-serif";
+  pen.textAlign = "left";
+  const words = bottom > 0 ? `force, load ± ${newtons(digits(strip.reach, 2))}` : `force, 0 to ${newtons(digits(middle + strip.reach, 2))}; dashed: load`;
+  pen.fillText(release ? `pressure, ± ${digits(strip.reach, 2)} Pa` : words, 0, 14);
+  pen.textAlign = "right";
+  pen.fillText(`${STRIP_S} s`, width, 14);
+}
+
+const bandOf = (frequency) => Math.floor(10 * Math.log10(frequency) - 12.5); // 0 for the third octave at 20 Hz
+
+/** Sums the spectrum of the latest samples in third octaves, in parts of (20 µPa)². */
+function showSpectrum() {
+  const { transform, re, im } = spectrum, powers = new Array(CENTRES.length).fill(0);
+  transform.forward(heard.samples.map((value, i) => value * WINDOW[i]), re, im);
+  for (let line = 1; line < re.length; line++) {
+    const band = bandOf((line * RATE) / SPECTRUM);
+    if (band in powers) powers[band] += (2 * (re[line] ** 2 + im[line] ** 2)) / (SPECTRUM * 20e-6) ** 2;
+  }
+  heard.powers = heard.powers ? heard.powers.map((before, i) => before + SMOOTHED * (powers[i] - before)) : powers;
+  drawSpectrum();
+}
+
+const CENTRES = data.bands.map(Number);
+const levels = (powers) => powers.map((power) => (power > 0 ? 10 * Math.log10(power) : null));
+const highest = (values) => Math.max(...values.map((value) => value ?? -Infinity));
+
+/** Draws third octaves of what sounds as bars, and those of the run's record as a line of steps. */
+export function drawSpectrum() {
+  const { pen, width, height, colour } = penOf($("#play-spectrum"));
+  const own = runs[live.number].bands, now = heard.powers ? levels(heard.powers) : own.map(() => null);
+  const wanted = 10 * Math.ceil((Math.max(highest(now), highest(own)) + 3) / 10);
+  if (!Number.isFinite(wanted)) return;
+  heard.top = heard.top === null || wanted > heard.top || wanted < heard.top - 15 ? wanted : heard.top;
+  const base = height - 22, step = (width - 34) / own.length;
+  const y = (level) => base - (Math.max(level - heard.top + LEVELS_DB, 0) / LEVELS_DB) * (base - 22);
+  pen.font = "13px system-ui, sans-serif";
+  pen.strokeStyle = colour("line");
+  pen.fillStyle = colour("pale");
+  pen.textAlign = "right";
+  for (let level = heard.top; level > heard.top - LEVELS_DB; level -= 20) {
+    pen.fillRect(34, Math.round(y(level)), width - 34, 0.5);
+    pen.fillText(`${level}`.replace("-", "−"), 28, y(level) + 4);
+  }
+  pen.textAlign = "center";
+  for (const [i, text] of [[2, "31"], [7, "100"], [12, "315"], [17, "1k"], [22, "3.15k"], [27, "10k"]]) pen.fillText(text, 34 + (i + 0.5) * step, height - 4);
+  pen.fillStyle = colour("accent");
+  now.forEach((level, i) => level > heard.top - LEVELS_DB && pen.fillRect(34 + i * step + 1, y(level), step - 2, base - y(level)));
+  pen.strokeStyle = pen.fillStyle = colour("ink");
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  own.forEach((level, i) => {
+    if (level === null || level < heard.top - LEVELS_DB) return;
+    pen.moveTo(34 + i * step, y(level));
+    pen.lineTo(34 + (i + 1) * step, y(level));
+  });
+  pen.stroke();
+  pen.textAlign = "left";
+  pen.fillText("third octaves, dB; lines: the run", 34, 14);
+  $("#play-against").textContent = live.report?.asleep ? "" : against(now, own);
+}
+
+/** Returns the difference of the A-weighted sum of bands to that of the run, in words. */
+function against(now, own) {
+  const total = (values) => values.reduce((sum, level, i) => sum + (level === null ? 0 : 10 ** (level / 10) * aWeight(CENTRES[i]) ** 2), 0);
+  const [sounds, run] = [total(now), total(own)];
+  return sounds > 10 ** (QUIETEST_DB / 10) && run > 0 ? `${signed(10 * Math.log10(sounds / run))} dB against the run` : "";
+}

@@ -1,0 +1,44 @@
+"""The scripts of the page are small ES modules that join into one text without a clash of names."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from report_browser import without_browser
+
+from rolling.report import scripts
+
+ASSETS = Path(scripts.__file__).parent / "assets"
+MODULES = sorted([*ASSETS.glob("page/*.js"), *ASSETS.glob("engine/*.js")])
+DECLARED = re.compile(
+    r"^(?:async )?(?:const|let|var|function\*?|class) (\w+|[{\[][^=]*[}\]])", re.M
+)
+MOST_LINES = 2500
+LENGTHS = range(25, 251)
+
+
+def names_of(script: str) -> list[str]:
+    """Return the names that a script declares at its top level."""
+    return [name for part in DECLARED.findall(script) for name in re.findall(r"\w+", part)]
+
+
+@pytest.mark.parametrize("entry", ["page/begin.js"])
+def test_joined_scripts_are_javascript_without_doubled_names(entry: str) -> None:
+    script = scripts.joined(entry)
+    doubled = {name for name, count in Counter(names_of(script)).items() if count > 1}
+    assert not doubled and not re.search(r"^(import|export)\b", script, re.M)
+    if (node := shutil.which("node")) is None:
+        without_browser("no Node")
+    checked = subprocess.run([node, "--check", "-"], input=script, text=True, capture_output=True)
+    assert checked.returncode == 0, checked.stderr
+
+
+def test_scripts_are_small() -> None:
+    lines = {m.name: sum(map(bool, map(str.strip, m.read_text().splitlines()))) for m in MODULES}
+    assert sum(lines.values()) <= MOST_LINES
+    assert {name: count for name, count in lines.items() if count not in LENGTHS} == {}
