@@ -150,11 +150,11 @@ def test_keys_act_as_the_page_states(pages, opened) -> None:
         press("9")  # there is none
         assert page.input_value("#choose") == "2"
         press("g")
-        assert page.is_checked("input[name=mode][value=equal]")
+        assert page.is_checked("#equal")
         press("l")
         assert not page.is_checked("#loop")
         press("?")
-        assert page.locator(".keys").evaluate("d => d.open")
+        assert page.locator("#keys").is_visible()
         page.locator("#map").focus()
         before = map_of(page)
         press("ArrowRight")
