@@ -81,7 +81,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         surfaces=_surfaces(shown),
         vibrations=_vibrations(views),
         css=Markup(text.asset("report.css") + text.asset("chart.css")),
-        js=Markup(scripts.joined("page/begin.js" if shown else "page/begin_charts.js")),
+        js=Markup(scripts.joined("page/begin.js" if shown else "page/chart.js")),
         data=data,
     )
     return html.encode()
