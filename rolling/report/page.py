@@ -82,7 +82,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         surfaces=_surfaces(shown),
         vibrations=_vibrations(views),
         css=Markup("".join(map(text.asset, ("report.css", "play.css", "chart.css")))),
-        js=Markup(scripts.joined("page/begin.js" if shown else "page/begin_charts.js")),
+        js=Markup(scripts.joined("page/begin.js" if shown else "page/chart.js")),
         engine=Markup(scripts.joined("engine/worklet.js")),
         data=data,
     )

@@ -243,10 +243,12 @@ def opened_charts(tmp_path: Path, opened):
             '{% from "macros.html" import exhibit %}'
             "{% for chart in data.charts %}{{ exhibit(chart) }}{% endfor %}</main>"
             '<script type="application/json" id="data">{{ data | tojson }}</script>'
-            "<script>(() => { {{ js | safe }} })();</script>"
+            "<script>(() => { {{ js | safe }} document.documentElement.classList.add('scripted');"
+            "openCharts(JSON.parse(document.querySelector('#data').textContent).charts, [])})();"
+            "</script>"
         )
         css = text.asset("report.css") + text.asset("chart.css")
-        js = scripts.joined("page/begin_charts.js")
+        js = scripts.joined("page/chart.js")
         path = tmp_path / "charts.html"
         path.write_text(body.render(data={"charts": shown}, css=css, js=js))
         return opened(path, **settings)

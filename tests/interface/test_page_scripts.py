@@ -27,7 +27,7 @@ def names_of(script: str) -> list[str]:
     return [name for part in DECLARED.findall(script) for name in re.findall(r"\w+", part)]
 
 
-@pytest.mark.parametrize("entry", ["page/begin.js"])
+@pytest.mark.parametrize("entry", ["page/begin.js", "page/chart.js"])
 def test_joined_scripts_are_javascript_without_doubled_names(entry: str) -> None:
     script = scripts.joined(entry)
     doubled = {name for name, count in Counter(names_of(script)).items() if count > 1}
