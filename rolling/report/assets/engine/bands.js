@@ -46,22 +46,22 @@ export function soundLevels(record, rate) {
   const n = record.length;
   const { re, im } = realLines(record);
   const [bands, weighted] = [new Float64Array(31), new Float64Array(31)];
-  let [whole, whole_a] = [0, 0];
+  let [whole, wholeA] = [0, 0];
   for (let line = 0; line < re.length; line++) {
     const frequency = (line * rate) / n;
     const square = ((line === 0 || 2 * line === n ? 1 : 2) * (re[line] ** 2 + im[line] ** 2)) / n ** 2;
-    const square_a = square * aWeight(frequency) ** 2;
+    const squareA = square * aWeight(frequency) ** 2;
     whole += square;
-    whole_a += square_a;
+    wholeA += squareA;
     if (!(frequency >= THIRD_EDGES[0] && frequency < THIRD_EDGES[31])) continue;
     let band = Math.floor(10 * Math.log10(frequency) - 12.5);
     if (frequency < THIRD_EDGES[band]) band--;
     else if (frequency >= THIRD_EDGES[band + 1]) band++;
     bands[band] += square;
-    weighted[band] += square_a;
+    weighted[band] += squareA;
   }
   const heard = (value) => (value > SILENT * whole ? levelOf(value) : null);
-  return { level: heard(whole), laeq: heard(whole_a), bands: Array.from(bands, heard), weighted: Array.from(weighted, heard) };
+  return { level: heard(whole), laeq: heard(wholeA), bands: Array.from(bands, heard), weighted: Array.from(weighted, heard) };
 }
 
 /** Filter of the A-weighting: poles below 1 kHz by recursion, the rest by a symmetric filter. */
@@ -70,9 +70,10 @@ export class AWeighting {
     this.poles = [POLES[0], POLES[0], POLES[1], POLES[2]].map((pole) => Math.exp((-2 * Math.PI * pole) / rate));
     this.before = new Float64Array(8); // last input and output of each section
     const wanted = (frequency) => {
-      const w = (2 * Math.PI * Math.max(frequency, 1)) / rate;
-      const recursion = this.poles.reduce((gain, pole) => (gain * 2 * Math.sin(w / 2)) / Math.hypot(1 - pole * Math.cos(w), pole * Math.sin(w)), 1);
-      return aWeight(Math.max(frequency, 1)) / recursion;
+      const f = Math.max(frequency, 1);
+      const w = (2 * Math.PI * f) / rate;
+      const gain = (pole) => (2 * Math.sin(w / 2)) / Math.hypot(1 - pole * Math.cos(w), pole * Math.sin(w));
+      return this.poles.reduce((weight, pole) => weight / gain(pole), aWeight(f));
     };
     const grid = 1024;
     this.taps = new Float64Array(2 * FILTER + 1);

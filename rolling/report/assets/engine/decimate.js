@@ -16,6 +16,11 @@ function besselZero(x) {
   return sum;
 }
 
+/** Return the cubic through equally spaced values at a share t of the way from b to c. */
+export function cubic(a, b, c, d, t) {
+  return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
+}
+
 /** Low-pass from a number of steps per sample to samples, later by DECIMATION_DELAY. */
 export class Decimator {
   constructor(steps) {
@@ -39,8 +44,7 @@ export class Decimator {
       const place = past.length - 1 - ((this.past.length - 1 - i) * before.steps) / this.steps;
       const first = Math.min(Math.max(Math.floor(place), 1), past.length - 3);
       const t = place - first;
-      const [a, b, c, d] = past.subarray(first - 1, first + 3);
-      this.past[i] = b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
+      this.past[i] = cubic(past[first - 1], past[first], past[first + 1], past[first + 2], t);
     }
   }
 

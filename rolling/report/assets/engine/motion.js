@@ -6,14 +6,13 @@
 // impacts. The source at the end solves a scalar equation, in which the force is the law's.
 
 import { ballMass, loadOf } from "./chain.js";
+import { heldPole, times } from "./hold.js";
 
 const LEAST_RISE = 1e-6; // of the residual over the approach; a ball too light for the steps has none
 const MOST = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
 const PER_PERIOD = 18; // steps in a period of the resonance at least, which leave -50 dB of the force
 const PER_IMPACT = 12; // steps in the time of an impact at least, which leave 0.1 % of its impulse
 const CALM = 400; // steps without a flight after which the source is a parabola
-const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
-const SHARP = 0.1; // if its damping over its frequency is less
 const [FALL, ROUGH] = [1, 1e-4]; // speed [m/s] and height [m] that a ball on a track does not exceed
 const HIGHER = 1.1; // height that a ball does not reach over the height of its fall
 const STRONGEST = 1e9; // force over the load that a ball on a track does not reach
@@ -39,33 +38,6 @@ export function stepsPerSample(run, settings, chain, height = settings.dropHeigh
   return Math.min(Math.max(Math.ceil(1 / (RATE * longest)), 3), MOST_STEPS);
 }
 
-/** Return phi_1, phi_2, phi_3 at z = x + iy, the moments of exp(z t) over a step, as pairs. */
-function moments(x, y) {
-  const phi = [];
-  if (Math.hypot(x, y) < 1) {
-    for (let order = 1; order <= 3; order++) {
-      let [sr, si, tr, ti] = [0, 0, 1 / (order > 2 ? 6 : order), 0];
-      for (let n = 1; n < 20; n++) {
-        sr += tr;
-        si += ti;
-        [tr, ti] = [(tr * x - ti * y) / (n + order), (tr * y + ti * x) / (n + order)];
-      }
-      phi.push([sr, si]);
-    }
-    return phi;
-  }
-  const square = x * x + y * y;
-  let [ar, ai] = [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
-  for (const constant of [1, 1, 0.5]) {
-    ar -= constant;
-    [ar, ai] = [(ar * x + ai * y) / square, (ai * x - ar * y) / square];
-    phi.push([ar, ai]);
-  }
-  return phi;
-}
-
-const times = (ar, ai, br, bi) => [ar * br - ai * bi, ar * bi + ai * br];
-
 /** Motion of a ball over a force law; its numbers belong to the end of the last step. */
 export class Motion {
   constructor(law, chain, load, step) {
@@ -83,7 +55,7 @@ export class Motion {
     this.forceBefore = Math.max(this.force + stretch * (this.forceBefore - this.force), 0);
     Object.assign(this, { chain, load, step });
     this.ceiling = Math.max(ROUGH + (chain.mass * FALL ** 2) / (2 * load), this.ceiling ?? 0);
-    const { stiffness, contactTime, mobility, mass, re, im, residueRe, residueIm } = chain;
+    const { stiffness, contactTime, mobility, re, im } = chain;
     const n = (this.count = re.length);
     // A state y = residue * x: the approach is the sum of the real parts.
     for (const name of ["e0", "e1", "b0", "b1", "y0", "y1"]) this[name] = new Float64Array(n);
@@ -93,13 +65,7 @@ export class Motion {
     this.holds = [0, 1].map(() => ({ give: 0, turn: jump })); // d and d' per source at the end
     const ends = [];
     for (let j = 0; j < n; j++) {
-      const [x, y] = [re[j] * step, im[j] * step];
-      const fast = y > FASTEST && -x < SHARP * y; // then the pole follows the source at once
-      const still = times(-x, y, 1 / (x * x + y * y), 0);
-      const moved = fast ? [still, still, [still[0] / 2, still[1] / 2]] : moments(x, y);
-      const [first, second, third] = moved.map((pair) => times(...pair, step * residueRe[j], step * residueIm[j]));
-      const bend = [third[0] - second[0] / 2, third[1] - second[1] / 2]; // per second difference
-      const turn = fast ? [0, 0] : [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
+      const { first, second, bend, turn } = heldPole(chain, j, step);
       // The state is kept without the source at the end, which is added at the next step.
       const late = [times(...second, ...turn), times(second[0] + bend[0], second[1] + bend[1], ...turn)];
       [this.e0[j], this.e1[j]] = turn;
@@ -121,6 +87,13 @@ export class Motion {
       hold.ease = hold.turn / hold.give;
       hold.rise = Math.max(1 - hold.give * stiffness * (1 + contactTime * hold.ease), LEAST_RISE);
     }
+    this.setState(velocity, ends);
+  }
+
+  /** Set the states of the poles to the present approach, its velocity [m/s] and the force. */
+  setState(velocity, ends) {
+    const { load } = this;
+    const { stiffness, contactTime, mobility, mass, re, im, residueRe, residueIm } = this.chain;
     [this.hold, this.bent] = [this.holds[0], 0];
     this.source = this.sourceOf(this.approach, velocity, this.force);
     this.before = this.sourceOf(this.approachBefore, velocity, this.forceBefore);
@@ -128,7 +101,7 @@ export class Motion {
     const excess = this.force - load;
     const speed = velocity + mobility * excess;
     const plate = mobility > 0 ? 0 : excess;
-    for (let j = 0; j < n; j++) {
+    for (let j = 0; j < this.count; j++) {
       const inverse = times(re[j], -im[j], 1 / (re[j] ** 2 + im[j] ** 2), 0);
       const loop = times(stiffness * (1 + contactTime * re[j]), stiffness * contactTime * im[j], ...times(...inverse, ...inverse));
       const x0 = (plate - stiffness * this.approach) * inverse[0];

@@ -54,7 +54,8 @@ function edgedPlate(run, settings) {
   const numbers = { massPerArea, bendingStiffness, lossFactor, length, width };
   const count = (length * width * MODES_HZ) / (2 * Math.sqrt(bendingStiffness / massPerArea));
   if ((length * width) ** 1.5 * Math.sqrt(count) > MOST_WORK) {
-    throw new Error(`This plate has about ${Math.round(count)} modes, too many to prepare: a thicker or smaller one has fewer.`);
+    const size = `${(length * width).toPrecision(2)} m2 with about ${Math.round(count)} modes`;
+    throw new Error(`This plate (${size}) takes too long to prepare: choose a smaller or a thicker one.`);
   }
   const key = JSON.stringify(numbers);
   if (latestPlate.key !== key) latestPlate = { key, plate: new EdgedPlate(numbers) };

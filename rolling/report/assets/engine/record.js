@@ -67,7 +67,7 @@ function radiatedSamples(prepared, next, runIn, samples, tell) {
  * from its beginning. Samples have the time of the sound from the contact, without its delay;
  * `tell` hears the share that is done.
  */
-export function record(run, settings, seconds, prepared = prepare(run, settings), tell = () => {}) {
+export function record(run, settings, seconds, prepared = prepare(run, settings, Infinity), tell = () => {}) {
   const samples = Math.round(seconds * RATE);
   const vibrates = prepared.kind === "vibration";
   const source = new (vibrates ? ForceSource : ReleaseSource)(run, settings, prepared);
@@ -80,7 +80,7 @@ export function record(run, settings, seconds, prepared = prepare(run, settings)
   const next = reader(source, travel);
   if (settings.dropHeight) {
     source.lift(settings.dropHeight);
-    source.held.share = 0;
+    source.held.share = source.rest = 0;
     source.drop();
     next(DECIMATION_DELAY);
     return radiatedSamples(prepared, next, prepared.lead, samples, tell);

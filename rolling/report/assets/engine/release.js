@@ -2,7 +2,7 @@
 // releases becomes power by the speed, and its fluctuation within hearing becomes sound pressure.
 
 import { BLOCK } from "./convolver.js";
-import { Decimator, HighPass } from "./decimate.js";
+import { cubic, Decimator, HighPass } from "./decimate.js";
 import { realLines, realRecord } from "./fft.js";
 import { numbersOf } from "./law.js";
 import { RATE } from "./motion.js";
@@ -40,7 +40,6 @@ function stepsOf(run, step) {
 export class ReleaseSource {
   constructor(run, settings, prepared) {
     Object.assign(this, { run, prepared, factor: null });
-    this.position = prepared.start;
     this.decimator = new Decimator(prepared.steps);
     this.highPass = new HighPass();
     this.powers = new Float64Array(BLOCK * prepared.steps);
@@ -57,11 +56,9 @@ export class ReleaseSource {
     const { fine, start, spacing } = this.prepared;
     const place = (position - start) / spacing;
     const first = Math.floor(place);
-    const t = place - first;
     const n = fine.length;
     const i = (((first - 1) % n) + n) % n;
-    const [a, b, c, d] = [fine[i], fine[(i + 1) % n], fine[(i + 2) % n], fine[(i + 3) % n]];
-    return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
+    return cubic(fine[i], fine[(i + 1) % n], fine[(i + 2) % n], fine[(i + 3) % n], place - first);
   }
 
   /** Return the factor [Pa m2/W] from the fluctuation of the power at a speed [m/s] to the pressure. */
@@ -91,7 +88,6 @@ export class ReleaseSource {
       this.factor += share * (wanted - this.factor);
       samples[i] *= this.factor;
     }
-    this.position = travel.position;
   }
 
   get extremes() {
