@@ -38,15 +38,21 @@ def colour(run: Run) -> tuple[float, float, float] | None:
 
 
 def headline(runs: Sequence[Run]) -> str:
-    """State in one sentence how the loudest run differs from the quietest, or how one sounds."""
+    """State in one sentence how the loudest run differs from the quietest, or how one sounds.
+
+    Only runs of one source are compared, because a release is an upper bound.
+    """
     sounding = _by_level(runs)
     if not sounding:
         return sentence(runs)
-    (quiet, (dull_hz, _, _)), (loud, (bright_hz, low_hz, high_hz)) = sounding[0], sounding[-1]
-    if loud is quiet and loud.sound.source == "vibration":
-        return _shaken(loud)[:2][-1]  # its fall, or its flights, or its ringing
+    loud, (bright_hz, low_hz, high_hz) = sounding[-1]
+    source = loud.sound.source
+    quiet, (dull_hz, _, _) = next(pair for pair in sounding if pair[0].sound.source == source)
     if loud is quiet:
-        return say("headline", percent=100 * MOST, low=low_hz / 1e3, high=high_hz / 1e3)
+        label = f"{loud.label}: " if len(runs) > 1 else ""
+        if source == "vibration":
+            return label + _shaken(loud)[:2][-1]  # its fall, or its flights, or its ringing
+        return label + say("headline", percent=100 * MOST, low=low_hz / 1e3, high=high_hz / 1e3)
     by = loud.summary["laeq_db"] - quiet.summary["laeq_db"]
     parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
     level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"

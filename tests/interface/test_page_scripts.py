@@ -41,4 +41,5 @@ def test_joined_scripts_are_javascript_without_doubled_names(entry: str) -> None
 def test_scripts_are_small() -> None:
     lines = {m.name: sum(map(bool, map(str.strip, m.read_text().splitlines()))) for m in MODULES}
     assert sum(lines.values()) <= MOST_LINES
-    assert {name: count for name, count in lines.items() if count not in LENGTHS} == {}
+    modules = {name: count for name, count in lines.items() if not name.startswith("begin")}
+    assert {name: count for name, count in modules.items() if count not in LENGTHS} == {}
