@@ -84,7 +84,7 @@ def test_the_ball_sounds_as_its_run_and_a_slider_changes_it(playing) -> None:
 
 
 def test_runs_without_dynamics_take_turns(playing) -> None:
-    """Each release has the level of its run within 0.5 dB, and another sound of the page ends it."""
+    """Each release has the level of its run within 0.5 dB; another sound of the page ends it."""
     runs = runs_of("three")
     with playing("three") as page:
         roll(page)
@@ -97,7 +97,9 @@ def test_runs_without_dynamics_take_turns(playing) -> None:
 
 def test_a_page_without_worklets_says_so(opened, pages) -> None:
     with opened(pages("three")) as page:
-        page.evaluate("Object.defineProperty(BaseAudioContext.prototype, 'audioWorklet', {})")
+        page.evaluate(
+            "Object.defineProperty(BaseAudioContext.prototype, 'audioWorklet', { value: null })"
+        )
         page.click("#play-roll")
         until(page, "!document.querySelector('#play-note').hidden")
         assert "AudioWorklet" in page.text_content("#play-note")

@@ -17,10 +17,9 @@ const SMOOTHING = 0.02; // of the load, per report
 /** Instruments of one page, rendered block by block with their gain, their limiter and their reports. */
 export class Stage {
   constructor(channels, rate, clock = Date.now) {
-    Object.assign(this, { rate, clock, channels, runs: [], sounding: null, next: null, faded: 0, gain: 0, target: 0, held: false });
+    Object.assign(this, { rate, clock, runs: [], sounding: null, next: null, faded: 0, gain: 0, target: 0, held: false });
     this.limiter = new Limiter(channels, FRAMES, rate);
-    const blocks = () => Array.from({ length: channels }, () => new Float32Array(FRAMES));
-    [this.one, this.other] = [blocks(), blocks()];
+    this.other = Array.from({ length: channels }, () => new Float32Array(FRAMES)); // sound of the next instrument
     Object.assign(this, { number: -1, shift: 0, wanted: 0, idle: 0, frames: 0, busy: 0, load: 0, measured: 0, lost: 0, lag: null });
     this.clear();
   }

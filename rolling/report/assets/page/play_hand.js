@@ -1,6 +1,6 @@
 // ---- the hand: pointer, finger and keys on the ball, and the buttons below it ----
 
-import { $, $$, runs } from "./core.js";
+import { $, $$ } from "./core.js";
 import { choose, say } from "./choices.js";
 import { SETTINGS, backToScene, changeSetting, giveSpeed, playedRuns, roundedIn, shareAt, showRolling, showVolume, valueAt } from "./play_panel.js";
 import { followHand, live, liveOf, openWorker, rollBall, rollOn, startInstrument, takeRun, tellInstrument, askSettings } from "./play_sound.js";

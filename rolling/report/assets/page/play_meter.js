@@ -53,9 +53,11 @@ function showNumbers({ state, asleep, load, lost }, now) {
   const level = asleep || state.level === null || state.level < QUIETEST_DB ? null : state.level;
   $("#play-level").textContent = level === null ? "–" : level.toFixed(1);
   $("#play-speed-now").textContent = `${digits(Math.abs(state.speed) < 1e-5 ? 0 : state.speed, 2)} m/s`.replace("-", "−");
-  $("#play-force-now").textContent = state.force === null ? "" : newtons(state.force);
+  const presses = state.force !== null; // a release has no force
+  $("#play-force-now").parentElement.hidden = !presses;
+  if (presses) $("#play-force-now").textContent = newtons(state.force);
   const share = Math.round(100 * heard.flown);
-  $("#play-flight").textContent = state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : share ? `flies ${share} % of the time` : "in contact";
+  $("#play-flight").textContent = !presses ? "" : state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : share ? `flies ${share} % of the time` : "in contact";
   showRemark(load, lost, now);
   $("#play-core").textContent = `${Math.round(100 * load)} % of a core`;
 }
