@@ -7,7 +7,9 @@ from rolling.surface import heights as surface
 
 RADIUS, LOAD, MODULUS, HARDNESS, SPACING = 5e-3, 20.0, 231e9, 2.1e9, 2e-6  # SI
 
-heights = surface.gaussian((128, 128), SPACING, 0.1e-6, (10e-6, 10e-6), "gaussian", seed=1)
+noise = surface.white_noise((128, 128), seed=1)
+heights = surface.filtered(noise, SPACING, (10e-6, 10e-6), "gaussian")
+heights *= 0.1e-6 / np.abs(heights).mean()  # Ra
 x = (np.arange(128) - 63.5) * SPACING
 gap = (x[:, None] ** 2 + x[None, :] ** 2) / (2 * RADIUS) - heights
 half_space = rc.HalfSpace(SPACING, MODULUS)

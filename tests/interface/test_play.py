@@ -84,7 +84,7 @@ def test_the_ball_sounds_as_its_run_and_a_slider_changes_it(playing) -> None:
 
 
 def test_runs_without_dynamics_take_turns(playing) -> None:
-    """Each release has the level of its run within 0.5 dB; another sound of the page ends it."""
+    """Each release has the level of its run within 0.5 dB; another player ends it."""
     runs = runs_of("three")
     with playing("three") as page:
         roll(page)
