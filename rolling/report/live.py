@@ -245,7 +245,18 @@ def _add_release(run: Run, data: Data, _: Vibration | None) -> Data:
     start = result.start + (min(length, most) - len(rows) + 0.5) * result.step
     data["limits"]["speed"] = [0.0, max(10.0, data["settings"]["speed"])]
     data["fixed"]["silent"] = not run.sound.pressure.any()
-    part = {"start": start, "step": result.step, "closed": closes, "part": min(most / length, 1.0)}
-    stored = {"values": packed(rows[:, 0], "float32")[0], "q": scene.sound.q}
+    part = {"start": start, "closed": closes, "part": min(most / length, 1.0)}
+    stored = release_lines(rows[:, 0], result.step) | {"q": scene.sound.q}
     heard = {"distance": scene.sound.distance_m, "gain": scene.sound.gain_pa_per_w_m2}
     return data | {"kind": "release", "energy": part | stored | heard}
+
+
+def release_lines(energy: Array, step: float) -> Data:
+    """Return the Fourier lines of the release [J/m], with the mean over a step [m] undone."""
+    count = len(energy)
+    lines = np.fft.rfft(energy) / (count * step * np.sinc(np.fft.rfftfreq(count)))
+    lines[0] = 0.0  # only the fluctuation sounds
+    if count % 2 == 0:
+        lines[-1] = 0.0
+    re, im = (packed(part, "float32")[0] for part in (lines.real, lines.imag))
+    return {"re": re, "im": im, "length": count * step}

@@ -14,7 +14,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import live_engine
-from live_engine import EDGES, node, vibration, vibration_data
+from live_engine import EDGES, node, record, vibration, vibration_data
 
 import rolling as rc
 from acoustics import level, wav
@@ -52,23 +52,15 @@ SETTINGS = {
     ),
     "distance 0.3 m": ({"sound.distance_m": 0.3}, {"distance": 0.3}),
 }
-RECORD = """
-  const begun = performance.now();
-  const prepared = prepare.prepare(data.run, data.settings, data.most ?? Infinity);
-  const ready = performance.now();
-  const channels = record.record(data.run, data.settings, data.seconds, prepared);
-  const { kept } = prepared, prepared_s = (ready - begun) / 1000;
-  done({ channels, kept, prepared_s, record_s: (performance.now() - ready) / 1000 });
-"""
 RENDER = """
   const prepared = prepare.prepare(data.run, data.run.settings, data.most);
-  const own = new instrument.Instrument(data.run, data.run.settings, prepared);
-  const block = [new Float32Array(128), new Float32Array(128)];
+  const own = new worklet.Instrument({ run: data.run, settings: data.run.settings, prepared });
+  const block = new Float32Array(128);
   const seconds = () => process.cpuUsage().user / 1e6;
   let begun = 0;
   for (let i = 0; i < 1875; i++) {
     if (i === 375) begun = seconds(); // compiled by then
-    own.render(block);
+    own.fill(block);
   }
   done({ share: (seconds() - begun) / 4, steps: prepared.steps, modes: prepared.kept.modes });
 """
@@ -91,13 +83,10 @@ def row(
 ) -> None:
     """Print the differences between engine and program at settings."""
     wanted = vibration(scene, law)
-    seconds = wanted.pressures.shape[1] / wav.SAMPLE_RATE_HZ
-    data = {"run": run, "settings": run["settings"] | settings, "seconds": seconds}
-    got = node(RECORD, data)
-    channels = zip(got["channels"], wanted.listener_levels(), strict=True)
-    for channel, levels in channels:
-        bands, laeq = differences(np.array(channel), levels, wanted.highest)
-        print(f"| {name} | {got['kept']['modes']} | {bands} | {laeq:+.3f} dB |", flush=True)
+    got, prepared = record(run, run["settings"] | settings, wanted.pressures.shape[1])
+    for channel, levels in zip(got, wanted.listener_levels(), strict=True):
+        bands, laeq = differences(channel, levels, wanted.highest)
+        print(f"| {name} | {prepared['kept']['modes']} | {bands} | {laeq:+.3f} dB |", flush=True)
 
 
 def main() -> None:
@@ -126,9 +115,8 @@ def main() -> None:
         begun = base.with_({"sound.source": "release"})
         _, run = live_engine.release(begun)
         sound, _ = live_engine.release(begun.with_(changes))
-        data = {"run": run, "settings": run["settings"] | settings}
-        got = node(RECORD, data | {"seconds": len(sound.pressure) / wav.SAMPLE_RATE_HZ})
-        bands, laeq = differences(np.array(got["channels"][0]), sound.levels, sound.highest)
+        (got,), _ = record(run, run["settings"] | settings, len(sound.pressure))
+        bands, laeq = differences(got, sound.levels, sound.highest)
         print(f"| release {settings or ''} | | {bands} | {laeq:+.3f} dB |")
     kept_modes(base, law)
     speed(base, law)
@@ -136,18 +124,18 @@ def main() -> None:
 
 def kept_modes(base: Scene, law: ForceLaw) -> None:
     """Print what it costs to move fewer modes than a plate has: estimated, and heard."""
-    print("\n| plate | kept modes | estimated cost | cost | prepared in |\n|---|---|---|---|---|")
+    print("\n| plate | kept modes | estimated cost | cost |\n|---|---|---|---|")
     for thickness in (1, 3):
         scene = base.with_(THIN | {"plate.thickness_mm": thickness, "rolling.speed_m_s": 0.3})
         run = vibration_data(scene, law, vibration(scene, law))
-        data = {"run": run, "settings": run["settings"], "seconds": 0.5}
-        every = level.laeq_db(np.array(node(RECORD, data)["channels"][0]), 48000)
+        settings = run["settings"]
+        every = level.laeq_db(record(run, settings, 24_000)[0][0], 48000)
         for most in (30, 100, 300):
-            got = node(RECORD, data | {"most": most})
-            heard, kept = level.laeq_db(np.array(got["channels"][0]), 48000), got["kept"]
+            (got,), prepared = record(run, settings, 24_000, most)
+            heard, kept = level.laeq_db(got, 48000), prepared["kept"]
             print(
                 f"| {thickness} mm | {kept['modes']} of {kept['of']} | {kept['costDb']:.2f} dB |"
-                f" {abs(heard - every):.2f} dB | {got['prepared_s']:.1f} s |",
+                f" {abs(heard - every):.2f} dB |",
                 flush=True,
             )
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import soundfile
 from firefox import Firefox, firefox_path
-from live_engine import ENGINE, node
+from live_engine import node
 from report_browser import MINUS, until, without_browser
 from report_runs import runs_of
 from ruamel.yaml import YAML
@@ -190,44 +190,26 @@ def test_a_record_is_saved_with_its_full_scale(playing) -> None:
     assert 20 * np.log10(np.abs(samples).max()) == pytest.approx(-1, abs=0.01)
     rms = 20 * np.log10(full_scale * np.sqrt(np.mean(np.square(samples))) / 20e-6)
     assert rms == pytest.approx(run.sound.levels.level_db, abs=0.5)
-    assert f"full scale = {full_scale:g} Pa" in content[:200].decode("latin-1")
+    assert f"full scale = {full_scale:g} Pa" in content[-200:].decode("latin-1")
 
 
-def test_the_limiter_holds_peaks_and_leaves_the_rest() -> None:
-    """No sample exceeds 0.98 of full scale; sound below it passes as it is, one block later."""
-    script = f"""
-      const {{ Limiter }} = await import("{ENGINE}/limiter.js");
-      const limiter = new Limiter(1, 128, 48000), out = [];
-      for (let i = 0; i < data.length; i += 128) {{
-        const block = [Float32Array.from(data.slice(i, i + 128))];
-        limiter.process(block);
-        out.push(...block[0]);
-      }}
-      done(out);
+def test_the_instrument_knows_its_load_and_what_it_has_lost() -> None:
+    """A clock in whole milliseconds gives the load of 0.6 ms per block within 4 standard errors.
+
+    The clock of the test wanders by some milliseconds.
     """
-    rng = np.random.default_rng(3)
-    quiet = 0.5 * np.sin(np.arange(12800) / 9)
-    loud = rng.standard_normal(12800) * np.repeat(10 ** rng.uniform(-1, 1.5, 100), 128)
-    heard = np.array(node(script, [*quiet, *loud]))
-    assert np.abs(heard).max() <= 0.98 + 1e-6
-    np.testing.assert_allclose(heard[128:12800], quiet[:-128], atol=1e-7)
-
-
-def test_the_stage_knows_its_load_and_what_it_has_lost() -> None:
-    """A clock in whole milliseconds gives the load of 0.6 ms per block within 4 standard errors."""
-    script = f"""
-      const {{ Stage }} = await import("{ENGINE}/stage.js");
+    script = """
       let seconds = 1e9;
-      const stage = new Stage(1, 48000, () => Math.floor(1000 * seconds));
-      stage.render = () => {{ seconds += 0.6e-3; }};
-      let report = null;
-      for (let i = 0; i < 4800; i++) {{
+      const pace = new worklet.Pace(48000, () => Math.floor(1000 * seconds));
+      for (let i = 0; i < 4800; i++) {
         if (i === 2400) seconds += 0.3;
-        report = stage.fill([new Float32Array(128)]) ?? report;
+        pace.begin();
+        seconds += 0.6e-3;
+        pace.end();
         seconds += 128 / 48000 - 0.6e-3 + 4e-4 * Math.sin(i * i);
-      }}
-      done([report.load, report.lost]);
+      }
+      done([pace.load, pace.lost]);
     """
     load, lost = node(script)
     assert load == pytest.approx(0.6e-3 * 375, rel=0.1)
-    assert lost == pytest.approx(0.3, abs=0.005)
+    assert lost == pytest.approx(0.3, abs=0.01)

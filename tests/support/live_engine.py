@@ -49,13 +49,11 @@ def node(script: str, data: Any = None) -> Any:
         "chain",
         "motion",
         "fft",
-        "bands",
         "plate",
+        "radiation",
         "response",
-        "convolver",
         "prepare",
-        "instrument",
-        "record",
+        "worklet",
     )
     head = "".join(f'import * as {name} from "{ENGINE / f"{name}.js"}";\n' for name in names)
     head += 'import { readFileSync, writeFileSync } from "node:fs";\n'
@@ -117,19 +115,39 @@ def release(scene: Scene) -> tuple[ContactSound, dict[str, Any]]:
     step, rng = scene.track.step, np.random.default_rng(2)
     energy = 1e-9 * (1 + 0.1 * roughness(scene.track.steps, 1.0, rng))
     sound = contact_sound(scene, energy, step, True)
-    values = live.packed(energy, "float32")[0]
     heard = {"q": scene.sound.q, "distance": scene.sound.distance_m, "gain": None}
     data = {"kind": "release", "fixed": {"silent": False}, "limits": {"speed": [0, 1]}}
     settings = {"speed": scene.motion.fastest(scene.duration), "load": scene.load} | heard
-    energies = {"start": step / 2, "step": step, "values": values} | heard
+    energies = {"start": step / 2, **live.release_lines(energy, step)} | heard
     return sound, data | {"settings": settings, "energy": energies}
 
 
-def record(run: dict[str, Any], settings: dict[str, Any], samples: int) -> Array:
-    """Return the channels [Pa] that the engine records of a run at settings, all modes moving."""
-    script = """
-      const { run, settings, seconds } = data;
-      done(record.record(run, settings, seconds, prepare.prepare(run, settings, Infinity)));
+def convolved(force: Array, responses: list[list[float]]) -> Array:
+    """Return the channels of a force that repeats, through the responses of listeners."""
+    count = len(force)
+    laps = [np.pad(h, (0, -len(h) % count)).reshape(-1, count).sum(axis=0) for h in responses]
+    return np.fft.irfft(np.fft.rfft(laps) * np.fft.rfft(force), count)
+
+
+def record(
+    run: dict[str, Any], settings: dict[str, Any], samples: int, most: int | None = None
+) -> tuple[Array, dict[str, Any]]:
+    """Return the channels [Pa] of whole laps of a run at settings, and what was prepared for them.
+
+    All modes move, or `most` of them; the ball has rolled for two seconds before.
     """
-    seconds = samples / wav.SAMPLE_RATE_HZ
-    return np.array(node(script, {"run": run, "settings": settings, "seconds": seconds}))
+    script = """
+      const { run, settings, samples, most } = data;
+      const prepared = prepare.prepare(run, settings, most ?? Infinity);
+      const own = new worklet.Instrument({ run, settings, prepared });
+      const force = [], block = new Float64Array(128);
+      for (let done = 0; done < 96000 + samples; done += 128) {
+        own.fill(block);
+        force.push(...block);
+      }
+      const { responses, kept } = prepared;
+      done({ force: force.slice(-samples), responses, kept });
+    """
+    data = {"run": run, "settings": settings, "samples": samples, "most": most}
+    got = node(script, data)
+    return convolved(np.array(got["force"]), got["responses"]), got

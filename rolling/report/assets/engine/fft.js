@@ -1,4 +1,4 @@
-// Discrete Fourier transforms: powers of two in place, and records of any length by Bluestein's chirp.
+// Discrete Fourier transforms of lengths that are powers of two, in place.
 
 /** Complex transform of a length that is a power of two. */
 export class Transform {
@@ -72,53 +72,4 @@ export class RealTransform {
     whole.inverse(re, im);
     record.set(re);
   }
-}
-
-/** Return the transform (n each) of complex values of any length. */
-export function transformed(re, im) {
-  const n = re.length;
-  const size = 2 ** Math.ceil(Math.log2(2 * n));
-  const transform = new Transform(size);
-  const [cos, sin] = [new Float64Array(n), new Float64Array(n)];
-  for (let i = 0; i < n; i++) {
-    const turn = (Math.PI * ((i * i) % (2 * n))) / n;
-    cos[i] = Math.cos(turn);
-    sin[i] = Math.sin(turn);
-  }
-  const [ar, ai, br, bi] = [0, 1, 2, 3].map(() => new Float64Array(size));
-  for (let i = 0; i < n; i++) {
-    ar[i] = re[i] * cos[i] + im[i] * sin[i];
-    ai[i] = im[i] * cos[i] - re[i] * sin[i];
-    br[i] = br[(size - i) % size] = cos[i];
-    bi[i] = bi[(size - i) % size] = sin[i];
-  }
-  transform.forward(ar, ai);
-  transform.forward(br, bi);
-  for (let i = 0; i < size; i++) [ar[i], ai[i]] = [ar[i] * br[i] - ai[i] * bi[i], ar[i] * bi[i] + ai[i] * br[i]];
-  transform.inverse(ar, ai);
-  const lines = { re: new Float64Array(n), im: new Float64Array(n) };
-  for (let k = 0; k < n; k++) {
-    lines.re[k] = ar[k] * cos[k] + ai[k] * sin[k];
-    lines.im[k] = ai[k] * cos[k] - ar[k] * sin[k];
-  }
-  return lines;
-}
-
-/** Return lines 0 to n/2 of a real record of any length n. */
-export function realLines(record) {
-  const { re, im } = transformed(Float64Array.from(record), new Float64Array(record.length));
-  const count = (record.length >> 1) + 1;
-  return { re: re.slice(0, count), im: im.slice(0, count) };
-}
-
-/** Return a real record of n samples from its lines; lines that are not given are zero. */
-export function realRecord({ re, im }, n) {
-  const [a, b] = [new Float64Array(n), new Float64Array(n)];
-  for (let k = 0; k < Math.min(re.length, (n >> 1) + 1); k++) {
-    const share = k === 0 || 2 * k === n ? 1 : 2; // the real part of a line stands for its mirror image
-    a[k] = share * re[k];
-    b[k] = -share * im[k];
-  }
-  const values = transformed(a, b); // the real part of sum conj(x) exp(-i) is that of sum x exp(i)
-  return values.re.map((value) => value / n);
 }

@@ -1,11 +1,10 @@
 // Choice of the modes that move in real time: the lowest, as many as time allows. Above them modes
 // stand together in bands, which costs a part of the level.
 
-import { aWeight } from "./bands.js";
-import { RealTransform, realLines } from "./fft.js";
+import { RealTransform } from "./fft.js";
 import { RATE } from "./motion.js";
 import { TAIL_DAMPING, TAIL_RATIO } from "./plate.js";
-import { AUDIBLE } from "./radiation.js";
+import { AUDIBLE, aWeight } from "./radiation.js";
 
 const MOST_LINES = 1200; // of the force
 const HEARD_LINES = 8192; // samples of the response
@@ -29,11 +28,13 @@ function keptModes({ frequency, damping, reach, own }, highest) {
 
 /** Return the roughness of a track under a load as waves: frequencies [Hz] at a speed and squares [m2]. */
 function roughnessLines(law, load, speed) {
-  const approach = Float64Array.from({ length: law.rows }, (_, i) => {
-    law.moveTo(law.start + i * law.spacing);
+  const rows = 2 ** Math.ceil(Math.log2(law.rows));
+  const approach = Float64Array.from({ length: rows }, (_, i) => {
+    law.moveTo(law.start + (i * law.length) / rows);
     return law.approach(load);
   });
-  const { re, im } = realLines(approach);
+  const [re, im] = [new Float64Array(rows / 2 + 1), new Float64Array(rows / 2 + 1)];
+  new RealTransform(rows).forward(approach, re, im);
   const lowest = speed / law.length;
   const last = Math.min(re.length - 1, Math.floor(AUDIBLE[1] / lowest));
   const stride = Math.max(1, Math.ceil(last / MOST_LINES));

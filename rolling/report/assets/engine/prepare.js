@@ -2,10 +2,10 @@
 // at settings, all as plain numbers and arrays.
 
 import { chainAt, loadOf } from "./chain.js";
-import { parted } from "./convolver.js";
+import { DECIMATION_DELAY } from "./decimate.js";
 import { chosenModes } from "./kept.js";
 import { ForceLaw, lawTable } from "./law.js";
-import { stepsPerSample } from "./motion.js";
+import { RATE, stepsPerSample } from "./motion.js";
 import { EdgedPlate, MODES_HZ } from "./plate.js";
 import { ballPressure, compressionSpeed, halfSpacePressure, platePressure } from "./radiation.js";
 import { prepareRelease } from "./release.js";
@@ -32,8 +32,11 @@ export function prepare(run, settings, most = LIVE_MODES) {
     load,
     chain,
     steps: stepsPerSample(run, settings, chain),
-    lead,
-    responses: responses.map(parted),
+    start: law.start,
+    length: law.length,
+    rate: RATE,
+    delay: lead + DECIMATION_DELAY,
+    responses,
     kept: kept ? { modes: kept.modes, of: kept.of, costDb: kept.costDb } : { modes: 0, of: 0, costDb: 0 },
   };
 }

@@ -5,6 +5,14 @@ export const AIR = 1.204; // [kg/m3]
 export const SOUND = 343.2; // [m/s]
 export const IMPEDANCE = 413.3; // [Pa s/m] of air
 export const AUDIBLE = [10 ** 1.25, 10 ** 4.35]; // [Hz] edges of the third octaves at 20 Hz and 20 kHz
+const WEIGHTING_HZ = [20.598997, 107.65265, 737.86223, 12194.217]; // poles of the A-weighting
+
+/** Return the factor of the A-weighting on a pressure at a frequency [Hz], after IEC 61672-1. */
+export function aWeight(frequency) {
+  const [f1, f2, f3, f4] = WEIGHTING_HZ.map((pole) => pole ** 2);
+  const weight = (f) => (f * f * f4) / ((f + f1) * Math.sqrt((f + f2) * (f + f3)) * (f + f4));
+  return weight(frequency ** 2) / weight(1e6);
+}
 
 /** Return a function that adds the pressure of an infinite plate per force [Pa/N] to a line. */
 export function platePressure(massPerArea, distance) {

@@ -1,45 +1,37 @@
 // Sound of a run without dynamics, after rolling/sound/contact_sound.py: the energy that each step
 // releases becomes power by the speed, and its fluctuation within hearing becomes sound pressure.
 
-import { BLOCK } from "./convolver.js";
 import { cubic, Decimator, HighPass } from "./decimate.js";
-import { realLines, realRecord } from "./fft.js";
+import { RealTransform } from "./fft.js";
 import { numbersOf } from "./law.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, IMPEDANCE } from "./radiation.js";
+import { BLOCK } from "./travel.js";
 
-const FINER = 8; // values per step of the track, between which cubics interpolate
+const FINER = 8; // values per step of the track at least, between which cubics interpolate
 const SMOOTH_S = 0.02; // time constant of the factor from intensity to pressure
 const MOST_RELEASE_STEPS = 16; // readings per sample
 
 /** Return the release per metre [J/m] on a fine grid, and the mean squares of its waves summed up. */
 export function prepareRelease(run) {
-  const { start, step, values } = run.energy;
-  const energy = numbersOf(values);
-  const n = energy.length;
-  const { re, im } = realLines(energy);
+  const { start, length } = run.energy;
+  const [re, im] = [numbersOf(run.energy.re), numbersOf(run.energy.im)];
   const waves = new Float64Array(re.length + 1); // waves[k]: of all waves below k in the track
-  re[0] = im[0] = 0;
-  for (let k = 0; k < re.length; k++) {
-    const mean = (Math.PI * k) / n;
-    const share = 2 * k === n ? 0 : k ? mean / Math.sin(mean) / step : 0; // undoes the mean over a step
-    re[k] *= share;
-    im[k] *= share;
-    waves[k + 1] = waves[k] + (2 * (re[k] ** 2 + im[k] ** 2)) / n ** 2;
-  }
-  const fine = realRecord({ re, im }, FINER * n).map((value) => FINER * value);
-  return { kind: "release", fine, waves, start, length: n * step, spacing: step / FINER, steps: stepsOf(run, step) };
-}
-
-/** Return the readings per sample that resolve the steps of a track at the highest speed. */
-function stepsOf(run, step) {
-  return Math.min(Math.max(Math.ceil(run.limits.speed[1] / step / RATE), 1), MOST_RELEASE_STEPS);
+  for (let k = 0; k < re.length; k++) waves[k + 1] = waves[k] + 2 * (re[k] ** 2 + im[k] ** 2);
+  const count = 2 ** Math.ceil(Math.log2(2 * FINER * re.length));
+  const [fineRe, fineIm, fine] = [count / 2 + 1, count / 2 + 1, count].map((size) => new Float64Array(size));
+  fineRe.set(re);
+  fineIm.set(im);
+  new RealTransform(count).inverse(fineRe, fineIm, fine);
+  const steps = Math.min(Math.max(Math.ceil((run.limits.speed[1] * 2 * re.length) / length / RATE), 1), MOST_RELEASE_STEPS);
+  const numbers = { start, length, spacing: length / count, steps, waves, fine: fine.map((value) => count * value) };
+  return { kind: "release", rate: RATE, delay: 0, responses: [Float32Array.of(1)], ...numbers };
 }
 
 /** Pressure of the release at 48 kHz while the ball travels. */
 export class ReleaseSource {
   constructor(run, settings, prepared) {
-    Object.assign(this, { run, prepared, factor: null });
+    Object.assign(this, { run, prepared, factor: null, extremes: {} });
     this.decimator = new Decimator(prepared.steps);
     this.highPass = new HighPass();
     this.powers = new Float64Array(BLOCK * prepared.steps);
@@ -88,10 +80,7 @@ export class ReleaseSource {
       this.factor += share * (wanted - this.factor);
       samples[i] *= this.factor;
     }
-  }
-
-  get extremes() {
-    return { lowest: 0, highest: 0, flies: 0 };
+    this.extremes = { lowest: Math.min(...samples), highest: Math.max(...samples), flies: 0 };
   }
 
   get state() {

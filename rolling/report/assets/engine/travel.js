@@ -1,5 +1,6 @@
 // Way of the ball along the track: a speed that glides to its target, or a place that a hand drags.
 
+export const BLOCK = 128; // samples
 const GLIDE_S = 0.06; // time constant of a change of speed, twice in a row
 const FOLLOW_S = 0.05; // time constant of the ball that follows a hand
 
@@ -19,6 +20,11 @@ export class Travel {
   /** Follow a hand at a position [m]. */
   dragTo(position) {
     this.hand = position;
+  }
+
+  /** Tell whether the ball is at rest and not to move, by a speed [m/s]. */
+  rests(still) {
+    return this.hand === null && this.target === 0 && Math.abs(this.speed) < still;
   }
 
   /** Go on by a time [s] and return the position [m]. */

@@ -1,9 +1,9 @@
 // Contact force of a rolling ball at 48 kHz: its motion in time steps, brought down to samples.
 
-import { BLOCK } from "./convolver.js";
 import { Decimator, HighPass } from "./decimate.js";
 import { ForceLaw } from "./law.js";
 import { Motion, RATE } from "./motion.js";
+import { BLOCK } from "./travel.js";
 
 const LIFT_S = 0.1; // in which a ball that is lifted leaves the contact
 const CHANGE_S = 0.03; // in which a motion fades into one with another chain
@@ -18,6 +18,9 @@ export class ForceSource {
     this.highPass = new HighPass();
     this.held = null; // height [m] of a ball in a hand
     this.setSteps(prepared.steps);
+    if (!settings.dropHeight) return;
+    this.motion.release(settings.dropHeight);
+    this.rest = 0;
   }
 
   /** Take the number of time steps per sample. */

@@ -2,10 +2,14 @@
 
 import { $, runs } from "./core.js";
 import { copy, download } from "./downloads.js";
+import { POLL_MS, later } from "./play_hand.js";
 import { SETTINGS, isLive, sayPlayed } from "./play_panel.js";
-import { live, liveOf, openWorker } from "./play_sound.js";
+import { engineUrl, live, liveOf, openWorker } from "./play_sound.js";
+import { wavOf } from "./records.js";
+import { renderedRecord } from "../engine/graph.js";
 
-export const RECORD_S = 60;
+const RECORD_S = 60;
+const PEAK = 10 ** (-1 / 20); // of full scale
 
 /** Returns the keys of a scene that differ from the run, with their values. */
 export function changedKeys(run, settings, dropped = false) {
@@ -55,25 +59,27 @@ export function showExport() {
 
 export const copyYaml = (button) => copy($("#play-yaml").textContent, button);
 
-/** Lets the worker render a record of the present settings. */
-export function saveWav() {
+/** Renders a record of the present settings once they are prepared, with its peak at -1 dB. */
+export async function saveWav() {
+  const [button, bar] = [$("#play-wav"), $("#play-progress")];
+  button.disabled = true;
+  bar.hidden = false;
   openWorker();
-  $("#play-wav").disabled = true;
-  showProgress({ task: "progress", share: 0 });
-  const own = liveOf().settings.dropHeight !== null;
-  const settings = { ...live.settings, dropHeight: own || live.dropped ? live.settings.dropHeight : null };
-  live.worker.postMessage({ task: "record", number: live.number, settings, seconds: RECORD_S });
-}
-
-/** Shows how far a record is, and hands it over when it is done. */
-export function showProgress({ task, share, wav, fullScale, message }) {
-  const bar = $("#play-progress");
-  bar.hidden = task !== "progress";
-  if (task === "progress") bar.value = share;
-  else $("#play-wav").disabled = false;
-  if (task === "failed") sayPlayed(`No record: ${message}.`);
-  if (task !== "record") return;
-  const name = `${runs[live.number].label.replace(/[^\w.=-]+/g, "_")}_played_full_scale_${fullScale}_Pa.wav`;
-  download(wav, "audio/wav", name);
-  $("#play-saved").textContent = `${RECORD_S} s at 48 kHz, 16 bit; full scale is ${fullScale} Pa.`;
+  while (live.asked) await later(POLL_MS);
+  try {
+    if (live.refused) return;
+    const { number, settings, prepared } = live.latest, speed = live.settings.speed;
+    const channels = await renderedRecord(engineUrl(), runs[number].live, { ...settings, speed }, prepared, RECORD_S);
+    const peak = channels.reduce((most, channel) => channel.reduce((top, sample) => Math.max(top, Math.abs(sample)), most), 0);
+    const fullScale = Number((peak / PEAK || 1).toPrecision(4));
+    const file = wavOf(channels.map((channel) => channel.map((sample) => sample / fullScale)), `full scale = ${fullScale} Pa`);
+    const name = runs[number].label.replace(/[^\w.=-]+/g, "_");
+    download(file, "audio/wav", `${name}_played_full_scale_${fullScale}_Pa.wav`);
+    $("#play-saved").textContent = `${RECORD_S} s at 48 kHz, 16 bit; full scale is ${fullScale} Pa.`;
+  } catch (error) {
+    sayPlayed(`No record: ${error.message}.`);
+  } finally {
+    button.disabled = false;
+    bar.hidden = true;
+  }
 }

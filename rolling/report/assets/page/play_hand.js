@@ -9,7 +9,7 @@ import { drawSpectrum, drawStrip } from "./play_meter.js";
 import { copyYaml, saveWav, showExport } from "./play_export.js";
 
 const FALL_MS = 500; // that a lifted ball is held
-const POLL_MS = 30;
+export const POLL_MS = 30;
 const REST_M_S = 0.01; // below which a ball that is let go stays where it is
 
 const hand = { grip: 0, sent: false };
@@ -138,7 +138,7 @@ async function dropBall() {
   tellInstrument({ task: "drop" });
 }
 
-const later = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+export const later = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
 /** Waits until the instrument sounds and has taken the present settings. */
 async function isReady() {

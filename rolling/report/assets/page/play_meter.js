@@ -2,14 +2,12 @@
 
 import { $, RATE, data, motionUnwanted, runs } from "./core.js";
 import { signed } from "./choices.js";
-import { aWeight } from "../engine/bands.js";
-import { RealTransform } from "../engine/fft.js";
+import { aWeight } from "../engine/radiation.js";
 import { newtons } from "./film_motion.js";
-import { live, liveOf } from "./play_sound.js";
+import { SPECTRUM, live, liveOf } from "./play_sound.js";
 
 const STRIP_S = 4;
 const COLUMNS = Math.round((STRIP_S * RATE) / 128); // one per block
-const SPECTRUM = 16384; // samples, whose lines resolve the third octave at 20 Hz
 const TEXT_MS = 250; // between changes of the numbers
 const SLOW_MS = 1000; // between changes of the curves where motion is unwanted
 const CURVES_MS = 60; // between changes of the curves
@@ -17,27 +15,23 @@ const SMOOTHED = 0.3; // share of the latest spectrum in the one that is shown
 const LEVELS_DB = 70; // that the spectrum shows
 const QUIETEST_DB = -20; // level that is shown
 const REMARK_MS = 3000; // that a remark stays
-const TIGHT = 0.94; // gain of the limiter from which it is named
+const TIGHT_DB = -0.5; // gain of the limiter from which it is named
+const FAST_S = 0.125; // time constant of the level
+const WINDOW = 0.3046; // mean square of the window of an AnalyserNode, after Blackman
 
 const strip = { low: new Float32Array(COLUMNS), high: new Float32Array(COLUMNS), flies: new Float32Array(COLUMNS), at: 0, reach: 0 };
-const heard = { samples: new Float32Array(SPECTRUM), powers: null, top: null, texts: 0, curves: 0, gain: 1, flown: 0, lost: 0, remarked: 0 };
-const spectrum = { transform: new RealTransform(SPECTRUM), re: new Float64Array(SPECTRUM / 2 + 1), im: new Float64Array(SPECTRUM / 2 + 1) };
-const WINDOW = Float64Array.from({ length: SPECTRUM }, (_, i) => Math.sqrt(8 / 3) * Math.sin((Math.PI * i) / SPECTRUM) ** 2);
+const heard = { powers: null, fast: 0, fastAt: 0, top: null, texts: 0, curves: 0, gain: 0, flown: 0, lost: 0, remarked: 0 };
 
 /** Takes a report of the processor into the meters. */
 export function showReport(report) {
-  const { forces, flights, pressure } = report, release = liveOf().kind === "release";
-  for (let i = 0; i < flights.length; i++, strip.at = (strip.at + 1) % COLUMNS) {
-    const block = release && pressure.subarray(128 * i, 128 * (i + 1));
-    strip.low[strip.at] = release ? Math.min(...block) : forces[2 * i];
-    strip.high[strip.at] = release ? Math.max(...block) : forces[2 * i + 1];
-    strip.flies[strip.at] = flights[i];
+  const { low, high, flies } = report;
+  for (let i = 0; i < flies.length; i++, strip.at = (strip.at + 1) % COLUMNS) {
+    [strip.low[strip.at], strip.high[strip.at], strip.flies[strip.at]] = [low[i], high[i], flies[i]];
   }
-  heard.samples.copyWithin(0, pressure.length);
-  heard.samples.set(pressure, SPECTRUM - pressure.length);
-  heard.gain = Math.min(heard.gain, report.gain);
-  heard.flown += (flights.reduce((sum, share) => sum + share, 0) / flights.length - heard.flown) * 0.1;
+  heard.gain = Math.min(heard.gain, live.limiter.reduction);
+  heard.flown += (flies.reduce((sum, share) => sum + share, 0) / flies.length - heard.flown) * 0.1;
   const now = performance.now();
+  takeLevel(now);
   if (now - heard.texts > TEXT_MS) showNumbers(report, now);
   if (now - heard.curves > (motionUnwanted.matches ? SLOW_MS : CURVES_MS)) {
     heard.curves = now;
@@ -46,11 +40,25 @@ export function showReport(report) {
   }
 }
 
+/** Returns the mean squares of lines that an analyser hears now, in parts of (20 µPa)². */
+function linesOf(analyser) {
+  const levels = new Float32Array(analyser.frequencyBinCount);
+  analyser.getFloatFrequencyData(levels);
+  return levels.map((level) => (2 * 10 ** (level / 10)) / WINDOW / 20e-6 ** 2);
+}
+
+/** Follows the A-weighted mean square by the time constant of the Fast level. */
+function takeLevel(now) {
+  const [meter] = live.meters, square = linesOf(meter).reduce((sum, power, line) => sum + power * aWeight((line * RATE) / meter.fftSize) ** 2, 0);
+  heard.fast += (square - heard.fast) * (1 - Math.exp((heard.fastAt - now) / 1000 / FAST_S));
+  heard.fastAt = now;
+}
+
 const digits = (value, count) => Number(value.toPrecision(count));
 
 function showNumbers({ state, asleep, load, lost }, now) {
   heard.texts = now;
-  const level = asleep || state.level === null || state.level < QUIETEST_DB ? null : state.level;
+  const fast = 10 * Math.log10(heard.fast), level = asleep || !(fast >= QUIETEST_DB) ? null : fast;
   $("#play-level").textContent = level === null ? "–" : level.toFixed(1);
   $("#play-speed-now").textContent = `${digits(Math.abs(state.speed) < 1e-5 ? 0 : state.speed, 2)} m/s`.replace("-", "−");
   const presses = state.force !== null; // a release has no force
@@ -66,8 +74,8 @@ function showNumbers({ state, asleep, load, lost }, now) {
 function showRemark(load, lost, now) {
   let remark = "";
   if (lost > heard.lost) remark = `The sound has dropped out for ${(lost - heard.lost).toFixed(1)} s: ${load > 0.6 ? "the machine is too slow for these settings" : "the machine was busy"}.`;
-  else if (heard.gain < TIGHT) remark = `The limiter lowers the loudest sound by ${Math.ceil(-20 * Math.log10(heard.gain))} dB; the level is that without it.`;
-  Object.assign(heard, { lost, gain: 1 });
+  else if (heard.gain < TIGHT_DB) remark = `The limiter lowers the loudest sound by ${Math.ceil(-heard.gain)} dB; the level is that without it.`;
+  Object.assign(heard, { lost, gain: 0 });
   if (!remark && now - heard.remarked < REMARK_MS) return;
   if (remark) heard.remarked = now;
   $("#play-limit").textContent = remark;
@@ -131,12 +139,11 @@ const bandOf = (frequency) => Math.floor(10 * Math.log10(frequency) - 12.5); // 
 
 /** Sums the spectrum of the latest samples in third octaves, in parts of (20 µPa)². */
 function showSpectrum() {
-  const { transform, re, im } = spectrum, powers = new Array(CENTRES.length).fill(0);
-  transform.forward(heard.samples.map((value, i) => value * WINDOW[i]), re, im);
-  for (let line = 1; line < re.length; line++) {
+  const powers = new Array(CENTRES.length).fill(0);
+  linesOf(live.meters[1]).forEach((power, line) => {
     const band = bandOf((line * RATE) / SPECTRUM);
-    if (band in powers) powers[band] += (2 * (re[line] ** 2 + im[line] ** 2)) / (SPECTRUM * 20e-6) ** 2;
-  }
+    if (band in powers) powers[band] += power;
+  });
   heard.powers = heard.powers ? heard.powers.map((before, i) => before + SMOOTHED * (powers[i] - before)) : powers;
   drawSpectrum();
 }

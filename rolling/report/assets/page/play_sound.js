@@ -1,23 +1,30 @@
 // ---- the instrument: its processor, its worker, and their messages ----
 
-import { $, playbackOf, runs, state } from "./core.js";
+import { $, FADE_S, playbackOf, runs, state } from "./core.js";
 import { audioContext, pause } from "./player.js";
 import { stopFilm } from "./film_sound.js";
 import { showReport } from "./play_meter.js";
 import { wakeStage } from "./play_view.js";
 import { sayPlayed, showModes, showRolling, showSettings } from "./play_panel.js";
-import { showExport, showProgress } from "./play_export.js";
+import { showExport } from "./play_export.js";
+import { instrumentNode, leaveBody, throughBody } from "../engine/graph.js";
+
+const LIMIT_DB = -1; // of full scale, above which the limiter compresses by 20
+const UNDO_MAKEUP = 10 ** ((0.6 * LIMIT_DB * (1 - 1 / 20)) / 20); // of the gain that the limiter of the browser adds
+const METER = 2048; // samples of the Fast level
+export const SPECTRUM = 16384; // samples, whose lines resolve the third octave at 20 Hz
 
 // `asked`: the worker prepares settings; `behind`: they have changed since. `push`: direction of a held arrow key. `fastest`: speed of the hand [m/s], which the time steps have to resolve. `dropped`: drops are wanted.
 export const live = {
-  number: -1, settings: {}, worker: null, node: null, opening: null, waiting: null, asked: false, behind: false, refused: false,
+  number: -1, settings: {}, worker: null, opening: null, latest: null, asked: false, behind: false, refused: false,
   rolling: false, held: false, push: 0, direction: 1, fastest: 0, dropped: false, volume: 0, report: null, heardAt: 0,
+  bus: null, meters: [], volumeNode: null, limiter: null, node: null, sounding: -1, body: null,
 };
 
 export const liveOf = () => runs[live.number].live;
 export const isPlayed = () => live.rolling || live.held || live.push !== 0;
 
-const engineUrl = () => `data:text/javascript;charset=utf-8,${encodeURIComponent($("#engine").textContent)}`;
+export const engineUrl = () => `data:text/javascript;charset=utf-8,${encodeURIComponent($("#engine").textContent)}`;
 
 /** Chooses the run that is played, with its own settings. */
 export function takeRun(number) {
@@ -26,7 +33,7 @@ export function takeRun(number) {
   Object.assign(live, { number, settings: { ...settings }, dropped: settings.dropHeight !== null, direction: 1, fastest: 0 });
   showSettings();
   showExport();
-  if (live.worker) sendRun();
+  askSettings();
 }
 
 /** Starts the worker, which prepares the settings before anything is to be heard. */
@@ -34,22 +41,14 @@ export function openWorker() {
   if (live.worker) return;
   live.worker = new Worker(engineUrl());
   live.worker.onmessage = ({ data: message }) => {
-    if (message.task !== "prepare" && message.failed !== "prepare") return showProgress(message);
     setAsked(false);
-    if (message.failed) sayPlayed(`The engine cannot play these settings: ${message.message}.`);
+    if (message.failed) sayPlayed(`The engine cannot play these settings: ${message.failed}.`);
     else if (message.number === live.number) deliver(message);
     if (live.refused && !message.failed) sayPlayed("");
     live.refused = Boolean(message.failed);
     if (live.behind) askSettings();
   };
   live.worker.onerror = () => sayPlayed("The engine of the page does not start in this browser.");
-  sendRun();
-}
-
-function sendRun() {
-  const message = { task: "run", number: live.number, run: liveOf() };
-  live.worker.postMessage(message);
-  live.node?.port.postMessage(message);
   askSettings();
 }
 
@@ -59,7 +58,7 @@ export function askSettings() {
   live.behind = live.asked;
   if (live.asked) return;
   setAsked(true);
-  live.worker.postMessage({ task: "prepare", number: live.number, settings: preparedSettings() });
+  live.worker.postMessage({ number: live.number, run: liveOf(), settings: preparedSettings() });
 }
 
 function setAsked(asked) {
@@ -82,13 +81,36 @@ export function followHand(speed) {
   askSettings();
 }
 
+/** Lets prepared settings sound: those of another run by a new instrument where the ball is. */
 function deliver({ number, settings, prepared }) {
   showModes(prepared.kept);
-  live.waiting = { task: "play", number, settings, prepared };
-  if (!live.node) return;
-  live.node.port.postMessage(live.waiting);
-  live.waiting = null;
+  live.latest = { number, settings, prepared };
+  if (!live.bus) return;
+  const { body, node, report } = live;
+  if (number !== live.sounding) openNode(report && { position: report.state.position, speed: report.state.speed });
+  else tellInstrument({ task: "take", settings, prepared });
+  live.body = throughBody(live.node, prepared.responses, live.bus);
+  if (body) leaveBody(body);
+  if (node !== live.node) setTimeout(() => node?.port.postMessage({ task: "end" }), 100); // it has faded by then
   sendVolume();
+}
+
+/** Makes the instrument of the latest settings, which rolls on from a place and a speed. */
+function openNode(from) {
+  const { number, settings, prepared } = live.latest;
+  const begun = { ...settings, dropHeight: null }; // it is not lifted
+  const begin = from ?? { position: prepared.start, speed: 0 };
+  const node = instrumentNode(state.context, { run: runs[number].live, settings: begun, prepared, from: begin });
+  node.port.onmessage = ({ data: report }) => {
+    if (node !== live.node) return;
+    Object.assign(live, { report, heardAt: performance.now() });
+    if (live.held) followHand(Math.abs(report.state.speed));
+    showReport(report);
+    wakeStage();
+  };
+  node.onprocessorerror = () => sayPlayed("The engine stopped because of an error.");
+  Object.assign(live, { node, sounding: number });
+  rollOn();
 }
 
 /** Starts the sound by a gesture of the user, and silences all other sound of the page. */
@@ -98,30 +120,24 @@ export async function startInstrument() {
   const context = audioContext();
   const started = context.resume();
   openWorker();
-  await (live.opening ??= openNode(context));
+  await (live.opening ??= openGraph(context));
   await started;
 }
 
-async function openNode(context) {
+/** Connects the pressure [Pa] with meters, and by its volume and a limiter with the output. */
+async function openGraph(context) {
   if (!context.audioWorklet) {
     return sayPlayed("This browser has no AudioWorklet here (it takes a file, https or localhost), so the ball cannot be played; the rest of the page works.");
   }
   await context.audioWorklet.addModule(engineUrl());
-  const count = Math.max(...runs.map((run) => Math.min(run.live?.listeners?.length ?? 1, 2)));
-  const node = new AudioWorkletNode(context, "instrument", { numberOfInputs: 0, outputChannelCount: [count] });
-  node.connect(state.master);
-  node.port.onmessage = ({ data: report }) => {
-    if (!report.state) return;
-    Object.assign(live, { report, heardAt: performance.now() });
-    if (live.held) followHand(Math.abs(report.state.speed));
-    showReport(report);
-    wakeStage();
-  };
-  node.onprocessorerror = () => sayPlayed("The engine stopped because of an error.");
-  live.node = node;
-  node.port.postMessage({ task: "run", number: live.number, run: liveOf() });
-  if (live.waiting) deliver(live.waiting);
-  sendVolume();
+  const bus = new GainNode(context);
+  live.volumeNode = new GainNode(context, { gain: 0 });
+  live.limiter = new DynamicsCompressorNode(context, { threshold: LIMIT_DB, knee: 0, ratio: 20, attack: 0, release: 0.25 });
+  bus.connect(live.volumeNode).connect(live.limiter).connect(new GainNode(context, { gain: UNDO_MAKEUP })).connect(state.master);
+  live.meters = [METER, SPECTRUM].map((fftSize) => new AnalyserNode(context, { fftSize, smoothingTimeConstant: 0, channelCount: 1, channelCountMode: "explicit", channelInterpretation: "discrete" }));
+  for (const meter of live.meters) bus.connect(meter);
+  live.bus = bus;
+  if (live.latest) deliver(live.latest);
 }
 
 /** Sends a message to the processor; it is lost before the sound has started. */
@@ -129,7 +145,7 @@ export const tellInstrument = (message) => live.node?.port.postMessage(message);
 
 export function sendVolume() {
   const scale = playbackOf(live.number).calibrated_pa ?? liveOf().fullScale;
-  tellInstrument({ task: "gain", gain: 10 ** (live.volume / 20) / scale });
+  live.volumeNode?.gain.setTargetAtTime(10 ** (live.volume / 20) / scale, state.context.currentTime, FADE_S);
 }
 
 /** Lets the ball roll at the speed of the settings, in the direction of a held key, or rest. */

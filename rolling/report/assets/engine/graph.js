@@ -1,0 +1,50 @@
+// Nodes of the browser between the instrument and the ear: a convolver makes sound of the contact force.
+
+const FEED_S = 0.04; // in which the force goes over from one body to the next
+const RUN_IN_S = 1; // before a record of rolling, for the high-pass and the modes of the plate
+
+/** Make the node of the instrument in a context that has its module. */
+export function instrumentNode(context, processorOptions) {
+  return new AudioWorkletNode(context, "instrument", { numberOfInputs: 0, outputChannelCount: [1], processorOptions });
+}
+
+/** Let a source sound through responses [Pa/N] of up to two listeners, at once or faded in. */
+export function throughBody(source, responses, output, atOnce = false) {
+  const { context } = source, heard = responses.slice(0, 2);
+  const length = Math.max(...heard.map((response) => response.length));
+  const buffer = new AudioBuffer({ length, numberOfChannels: heard.length, sampleRate: context.sampleRate });
+  heard.forEach((response, i) => buffer.copyToChannel(Float32Array.from(response), i));
+  const convolver = new ConvolverNode(context, { buffer, disableNormalization: true });
+  const feed = new GainNode(context, { gain: atOnce ? 1 : 0 });
+  source.connect(feed).connect(convolver).connect(output);
+  const body = { source, feed, convolver };
+  if (!atOnce) fadeFeed(body, 1);
+  return body;
+}
+
+function fadeFeed({ feed: { gain, context } }, target) {
+  gain.setValueAtTime(1 - target, context.currentTime);
+  gain.linearRampToValueAtTime(target, context.currentTime + FEED_S);
+}
+
+/** Take the force from a body, which rings out. */
+export function leaveBody(body) {
+  const { source, feed, convolver } = body;
+  fadeFeed(body, 0);
+  setTimeout(() => {
+    source.disconnect(feed);
+    convolver.disconnect();
+  }, 1e3 * (2 * FEED_S + convolver.buffer.duration));
+}
+
+/** Render channels of pressure [Pa] of the steady state, or of a fall from its beginning, as a promise. */
+export async function renderedRecord(url, run, settings, prepared, seconds) {
+  const { responses, rate, delay } = prepared, heard = responses.slice(0, 2);
+  const settled = Math.ceil(RUN_IN_S * rate) + Math.max(...heard.map((response) => response.length));
+  const skipped = settings.dropHeight ? delay : settled;
+  const context = new OfflineAudioContext(heard.length, skipped + Math.round(seconds * rate), rate);
+  await context.audioWorklet.addModule(url);
+  throughBody(instrumentNode(context, { run, settings, prepared }), heard, context.destination, true);
+  const record = await context.startRendering();
+  return heard.map((_, i) => record.getChannelData(i).subarray(skipped));
+}
