@@ -1,11 +1,7 @@
-// From engine steps to samples: a symmetric low-pass to 48 kHz, and a high-pass below hearing.
-
-import { RATE } from "./motion.js";
+// From engine steps to samples: a symmetric low-pass to 48 kHz.
 
 const SPAN = 38; // samples on either side of the low-pass
 const BETA = 7.9; // of Kaiser's window: -80 dB from 48 kHz less the upper edge of hearing
-const ORDER = 8; // of the high-pass
-const CORNER_HZ = 15.5; // of the high-pass: -0.5 dB at 17.8 Hz, -0.07 dB at 20 Hz
 
 export const DECIMATION_DELAY = SPAN; // samples
 
@@ -37,17 +33,6 @@ export class Decimator {
     this.past = new Float64Array(this.taps.length);
   }
 
-  /** Continue another low-pass: read its last values at the steps of this one, by cubics. */
-  follow(before) {
-    const { past } = before;
-    for (let i = 0; i < this.past.length; i++) {
-      const place = past.length - 1 - ((this.past.length - 1 - i) * before.steps) / this.steps;
-      const first = Math.min(Math.max(Math.floor(place), 1), past.length - 3);
-      const t = place - first;
-      this.past[i] = cubic(past[first - 1], past[first], past[first + 1], past[first + 2], t);
-    }
-  }
-
   /** Set samples to the low-passed values of as many times `steps` steps. */
   process(values, samples) {
     const { steps, taps } = this;
@@ -61,32 +46,5 @@ export class Decimator {
       samples[i] = sum;
     }
     this.past = whole.slice(whole.length - taps.length);
-  }
-}
-
-/** Butterworth high-pass of samples at 48 kHz, below the lowest third octave. */
-export class HighPass {
-  constructor() {
-    const g = Math.tan((Math.PI * CORNER_HZ) / RATE);
-    this.sections = Array.from({ length: ORDER / 2 }, (_, k) => {
-      const damping = Math.sin((Math.PI * (2 * k + 1)) / (2 * ORDER));
-      const norm = 1 / (1 + 2 * damping * g + g * g);
-      return { norm, a1: 2 * (g * g - 1) * norm, a2: (1 - 2 * damping * g + g * g) * norm, s1: 0, s2: 0 };
-    });
-  }
-
-  /** Replace samples by the high-passed ones. */
-  process(samples) {
-    for (const section of this.sections) {
-      const { norm, a1, a2 } = section;
-      let { s1, s2 } = section;
-      for (let i = 0; i < samples.length; i++) {
-        const output = norm * samples[i] + s1;
-        s1 = -2 * norm * samples[i] - a1 * output + s2;
-        s2 = norm * samples[i] - a2 * output;
-        samples[i] = output;
-      }
-      Object.assign(section, { s1, s2 });
-    }
   }
 }

@@ -1,11 +1,19 @@
 // Nodes of the browser between the instrument and the ear: a convolver makes sound of the contact force.
 
 const FEED_S = 0.04; // in which the force goes over from one body to the next
+const HIGH_PASS = { order: 8, frequency: 15.5 }; // Butterworth: -0.5 dB at 17.8 Hz, -0.07 dB at 20 Hz
 const RUN_IN_S = 1; // before a record of rolling, for the high-pass and the modes of the plate
 
-/** Make the node of the instrument in a context that has its module. */
+/** Make the node of the instrument in a context that has its module, and its output without the parts below hearing. */
 export function instrumentNode(context, processorOptions) {
-  return new AudioWorkletNode(context, "instrument", { numberOfInputs: 0, outputChannelCount: [1], processorOptions });
+  const node = new AudioWorkletNode(context, "instrument", { numberOfInputs: 0, outputChannelCount: [1], processorOptions });
+  const { order, frequency } = HIGH_PASS;
+  let output = node;
+  for (let k = 1; k < order; k += 2) {
+    const Q = -20 * Math.log10(2 * Math.sin((Math.PI * k) / (2 * order)));
+    output = output.connect(new BiquadFilterNode(context, { type: "highpass", frequency, Q }));
+  }
+  return { node, output };
 }
 
 /** Let a source sound through responses [Pa/N] of up to two listeners, at once or faded in. */
@@ -44,7 +52,7 @@ export async function renderedRecord(url, run, settings, prepared, seconds) {
   const skipped = settings.dropHeight ? delay : settled;
   const context = new OfflineAudioContext(heard.length, skipped + Math.round(seconds * rate), rate);
   await context.audioWorklet.addModule(url);
-  throughBody(instrumentNode(context, { run, settings, prepared }), heard, context.destination, true);
+  throughBody(instrumentNode(context, { run, settings, prepared }).output, heard, context.destination, true);
   const record = await context.startRendering();
   return heard.map((_, i) => record.getChannelData(i).subarray(skipped));
 }

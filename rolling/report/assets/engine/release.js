@@ -1,7 +1,7 @@
 // Sound of a run without dynamics, after rolling/sound/contact_sound.py: the energy that each step
 // releases becomes power by the speed, and its fluctuation within hearing becomes sound pressure.
 
-import { cubic, Decimator, HighPass } from "./decimate.js";
+import { cubic, Decimator } from "./decimate.js";
 import { RealTransform } from "./fft.js";
 import { numbersOf } from "./law.js";
 import { RATE } from "./motion.js";
@@ -33,7 +33,6 @@ export class ReleaseSource {
   constructor(run, settings, prepared) {
     Object.assign(this, { run, prepared, factor: null, extremes: {} });
     this.decimator = new Decimator(prepared.steps);
-    this.highPass = new HighPass();
     this.powers = new Float64Array(BLOCK * prepared.steps);
     this.take(settings);
   }
@@ -72,7 +71,6 @@ export class ReleaseSource {
       this.powers[i] = Math.abs(travel.speed) * this.releaseAt(position);
     }
     this.decimator.process(this.powers, samples);
-    this.highPass.process(samples);
     const wanted = this.factorAt(Math.abs(travel.speed));
     this.factor ??= wanted;
     const share = 1 / (SMOOTH_S * RATE);

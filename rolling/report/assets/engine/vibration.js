@@ -1,6 +1,6 @@
 // Contact force of a rolling ball at 48 kHz: its motion in time steps, brought down to samples.
 
-import { Decimator, HighPass } from "./decimate.js";
+import { Decimator } from "./decimate.js";
 import { ForceLaw } from "./law.js";
 import { Motion, RATE } from "./motion.js";
 import { BLOCK } from "./travel.js";
@@ -14,32 +14,23 @@ export class ForceSource {
   constructor(run, settings, prepared) {
     this.law = new ForceLaw(prepared.table);
     this.motion = new Motion(this.law, prepared.chain, prepared.load, 1 / (RATE * prepared.steps));
-    this.rest = this.load = this.nearLoad = prepared.load; // the high-pass takes off the rest
-    this.highPass = new HighPass();
+    this.rest = this.load = this.nearLoad = prepared.load; // the graph takes off the rest
     this.held = null; // height [m] of a ball in a hand
-    this.setSteps(prepared.steps);
+    this.steps = prepared.steps;
+    this.decimator = new Decimator(this.steps);
+    this.forces = new Float64Array(BLOCK * this.steps);
     if (!settings.dropHeight) return;
     this.motion.release(settings.dropHeight);
     this.rest = 0;
   }
 
-  /** Take the number of time steps per sample. */
-  setSteps(steps) {
-    const before = this.decimator;
-    this.steps = steps;
-    this.decimator = new Decimator(steps);
-    if (before) this.decimator.follow(before);
-    this.forces = new Float64Array(BLOCK * steps);
-  }
-
-  /** Take the chain and the load of other settings. */
+  /** Take the chain and the load of other settings with as many time steps. */
   take(settings, prepared) {
-    this.before = prepared.steps === this.steps ? this.motion : null;
+    this.before = this.motion;
     this.faded = 0;
     this.motion = Object.assign(Object.create(Motion.prototype), this.motion);
-    this.motion.setChain(prepared.chain, this.motion.load, 1 / (RATE * prepared.steps));
+    this.motion.setChain(prepared.chain);
     this.load = prepared.load;
-    if (!this.before) this.setSteps(prepared.steps);
   }
 
   /** Hold the ball at a height [m]. */
@@ -73,7 +64,6 @@ export class ForceSource {
       }
     }
     this.decimator.process(forces, samples);
-    this.highPass.process(samples);
   }
 
   /** Lowest and highest force [N] of the latest block, and the share of it that the ball flew. */

@@ -9,7 +9,7 @@ import { ForceSource } from "./vibration.js";
 const BLOCKS = 12; // of a report: 31 a second
 const ASLEEP = 375; // blocks without motion, a second, after which nothing is computed
 const STILL = 1e-7; // speed [m/s] below which a ball is at rest
-const UNHEARD = 1e-6; // force [N] or pressure [Pa] below which a block is silent
+const UNHEARD = 1e-6; // change of the force [N] or pressure [Pa] below which a block is silent
 const LATE_S = 0.05; // by which the clock has to fall behind at once to be a drop-out
 const WARM = 375; // blocks in which the code becomes fast
 const SMOOTHING = 0.002; // of the load, per block
@@ -43,7 +43,7 @@ export class Instrument {
     this.source = new (kind === "vibration" ? ForceSource : ReleaseSource)(run, settings, prepared);
     this.travel = new Travel(start, (from ?? settings).speed, run.limits.speed[1]);
     this.shift = from ? from.position - start : 0; // of a position that is counted on through all runs
-    Object.assign(this, { length, idle: 0, plays: true });
+    Object.assign(this, { length, idle: 0, still: 0, plays: true });
     this.clear();
   }
 
@@ -65,14 +65,15 @@ export class Instrument {
   /** Set a block of samples; return a report when it is due. */
   fill(samples) {
     if (this.idle < ASLEEP) this.source.block(this.travel, samples);
-    else samples.fill(0);
+    else samples.fill(this.still);
     const { report, source } = this;
     const { lowest, highest, flies } = source.extremes;
     report.low[report.blocks] = lowest;
     report.high[report.blocks] = highest;
     report.flies[report.blocks++] = flies;
     const rests = this.travel.rests(STILL) && !(source.state.height > 0);
-    this.idle = rests && samples.every((value) => Math.abs(value) < UNHEARD) ? this.idle + 1 : 0;
+    this.still = samples[BLOCK - 1];
+    this.idle = rests && samples.every((value) => Math.abs(value - this.still) < UNHEARD) ? this.idle + 1 : 0;
     if (report.blocks < BLOCKS) return null;
     this.clear();
     const { position, speed } = this.travel, { shift, length } = this;

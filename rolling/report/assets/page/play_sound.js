@@ -4,7 +4,7 @@ import { $, FADE_S, playbackOf, runs, state } from "./core.js";
 import { audioContext, pause } from "./player.js";
 import { stopFilm } from "./film_sound.js";
 import { showReport } from "./play_meter.js";
-import { wakeStage } from "./play_view.js";
+import { view, wakeStage } from "./play_view.js";
 import { sayPlayed, showModes, showRolling, showSettings } from "./play_panel.js";
 import { showExport } from "./play_export.js";
 import { instrumentNode, leaveBody, throughBody } from "../engine/graph.js";
@@ -18,7 +18,7 @@ export const SPECTRUM = 16384; // samples, whose lines resolve the third octave 
 export const live = {
   number: -1, settings: {}, worker: null, opening: null, latest: null, asked: false, behind: false, refused: false,
   rolling: false, held: false, push: 0, direction: 1, fastest: 0, dropped: false, volume: 0, report: null, heardAt: 0,
-  bus: null, meters: [], volumeNode: null, limiter: null, node: null, sounding: -1, body: null,
+  bus: null, meters: [], volumeNode: null, limiter: null, node: null, output: null, sounding: null, body: null,
 };
 
 export const liveOf = () => runs[live.number].live;
@@ -81,26 +81,27 @@ export function followHand(speed) {
   askSettings();
 }
 
-/** Lets prepared settings sound: those of another run by a new instrument where the ball is. */
+/** Lets prepared settings sound: those of another run, or with other time steps, by a new instrument where the ball is. */
 function deliver({ number, settings, prepared }) {
   showModes(prepared.kept);
   live.latest = { number, settings, prepared };
   if (!live.bus) return;
-  const { body, node, report } = live;
-  if (number !== live.sounding) openNode(report && { position: report.state.position, speed: report.state.speed });
-  else tellInstrument({ task: "take", settings, prepared });
-  live.body = throughBody(live.node, prepared.responses, live.bus);
+  const { body, node, report } = live, { steps } = prepared;
+  if (number === live.sounding?.number && steps === live.sounding.steps) tellInstrument({ task: "take", settings, prepared });
+  else openNode();
+  live.body = throughBody(live.output, prepared.responses, live.bus);
   if (body) leaveBody(body);
   if (node !== live.node) setTimeout(() => node?.port.postMessage({ task: "end" }), 100); // it has faded by then
   sendVolume();
 }
 
-/** Makes the instrument of the latest settings, which rolls on from a place and a speed. */
-function openNode(from) {
-  const { number, settings, prepared } = live.latest;
+/** Makes the instrument of the latest settings, which rolls on from where the ball is. */
+function openNode() {
+  const { latest: { number, settings, prepared }, report, heardAt } = live;
+  const { position, speed } = report?.state ?? { position: prepared.start, speed: 0 };
+  const from = { position: position + (speed * (performance.now() - heardAt)) / 1000, speed };
   const begun = { ...settings, dropHeight: null }; // it is not lifted
-  const begin = from ?? { position: prepared.start, speed: 0 };
-  const node = instrumentNode(state.context, { run: runs[number].live, settings: begun, prepared, from: begin });
+  const { node, output } = instrumentNode(state.context, { run: runs[number].live, settings: begun, prepared, from });
   node.port.onmessage = ({ data: report }) => {
     if (node !== live.node) return;
     Object.assign(live, { report, heardAt: performance.now() });
@@ -109,8 +110,9 @@ function openNode(from) {
     wakeStage();
   };
   node.onprocessorerror = () => sayPlayed("The engine stopped because of an error.");
-  Object.assign(live, { node, sounding: number });
-  rollOn();
+  Object.assign(live, { node, output, sounding: { number, steps: prepared.steps } });
+  if (live.held) tellInstrument({ task: "drag", position: view.goal });
+  else rollOn();
 }
 
 /** Starts the sound by a gesture of the user, and silences all other sound of the page. */
