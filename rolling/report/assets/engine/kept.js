@@ -1,7 +1,7 @@
 // Choice of the modes that move in real time: the lowest, as many as time allows. Above them modes
 // stand together in bands, which costs a part of the level.
 
-import { RealTransform } from "./fft.js";
+import { linesOfRecord } from "./fft.js";
 import { RATE } from "./motion.js";
 import { TAIL_DAMPING, TAIL_RATIO } from "./plate.js";
 import { AUDIBLE, aWeight } from "./radiation.js";
@@ -33,8 +33,7 @@ function roughnessLines(law, load, speed) {
     law.moveTo(law.start + (i * law.length) / rows);
     return law.approach(load);
   });
-  const [re, im] = [new Float64Array(rows / 2 + 1), new Float64Array(rows / 2 + 1)];
-  new RealTransform(rows).forward(approach, re, im);
+  const { re, im } = linesOfRecord(approach, rows);
   const lowest = speed / law.length;
   const last = Math.min(re.length - 1, Math.floor(AUDIBLE[1] / lowest));
   const stride = Math.max(1, Math.ceil(last / MOST_LINES));
@@ -70,9 +69,7 @@ export function chosenModes(law, chain, modes, response, load, speed, most) {
   const whole = { motion: modes, modes: own.length, of: own.length, costDb: 0 };
   const lines = roughnessLines(law, load, speed);
   if (own.length <= most || !lines.length) return whole;
-  const heard = new RealTransform(HEARD_LINES);
-  const [re, im] = [new Float64Array(HEARD_LINES / 2 + 1), new Float64Array(HEARD_LINES / 2 + 1)];
-  heard.forward(Float64Array.from({ length: HEARD_LINES }, (_, i) => response[i] ?? 0), re, im);
+  const { re, im } = linesOfRecord(response, HEARD_LINES);
   const power = ({ frequency, square }, set) => {
     const line = Math.round((frequency * HEARD_LINES) / RATE);
     const transfer = (re[line] ** 2 + im[line] ** 2) * aWeight(frequency) ** 2;

@@ -24,7 +24,7 @@ export function prepare(run, settings, most = LIVE_MODES) {
   const plate = edgedPlate(run, settings);
   const { lead, responses } = impulseResponses(...listenersOf(run, settings, plate));
   const own = plate && plate.moving(run.contact);
-  const kept = own && chosenModes(law, plainPart(run, settings, law), own, responses[0], load, settings.speed, most);
+  const kept = own && chosenModes(law, chainAt(run, settings, law), own, responses[0], load, settings.speed, most);
   const chain = chainAt(run, settings, law, kept && kept.motion);
   return {
     kind: "vibration",
@@ -39,12 +39,6 @@ export function prepare(run, settings, most = LIVE_MODES) {
     responses,
     kept: kept ? { modes: kept.modes, of: kept.of, costDb: kept.costDb } : { modes: 0, of: 0, costDb: 0 },
   };
-}
-
-/** Return mass, stiffness and viscosity of ball and contact. */
-function plainPart(run, settings, law) {
-  const { mass, stiffness, contactTime } = chainAt(run, settings, law);
-  return { mass, stiffness, contactTime };
 }
 
 /** Return the plate with edges at settings, the latest again if it is the same; null without edges. */

@@ -2,7 +2,7 @@
 // releases becomes power by the speed, and its fluctuation within hearing becomes sound pressure.
 
 import { cubic, Decimator } from "./decimate.js";
-import { RealTransform } from "./fft.js";
+import { recordOfLines } from "./fft.js";
 import { numbersOf } from "./law.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, IMPEDANCE } from "./radiation.js";
@@ -19,12 +19,9 @@ export function prepareRelease(run) {
   const waves = new Float64Array(re.length + 1); // waves[k]: of all waves below k in the track
   for (let k = 0; k < re.length; k++) waves[k + 1] = waves[k] + 2 * (re[k] ** 2 + im[k] ** 2);
   const count = 2 ** Math.ceil(Math.log2(2 * FINER * re.length));
-  const [fineRe, fineIm, fine] = [count / 2 + 1, count / 2 + 1, count].map((size) => new Float64Array(size));
-  fineRe.set(re);
-  fineIm.set(im);
-  new RealTransform(count).inverse(fineRe, fineIm, fine);
+  const fine = recordOfLines({ re, im }, count).map((value) => count * value);
   const steps = Math.min(Math.max(Math.ceil((run.limits.speed[1] * 2 * re.length) / length / RATE), 1), MOST_RELEASE_STEPS);
-  const numbers = { start, length, spacing: length / count, steps, waves, fine: fine.map((value) => count * value) };
+  const numbers = { start, length, spacing: length / count, steps, waves, fine };
   return { kind: "release", rate: RATE, delay: 0, responses: [Float32Array.of(1)], ...numbers };
 }
 

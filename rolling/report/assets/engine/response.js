@@ -1,7 +1,7 @@
 // Impulse responses at 48 kHz from the contact force to the pressure at a listener. Time counts from
 // the arrival of the sound from the contact; the responses begin a lead earlier.
 
-import { RealTransform } from "./fft.js";
+import { recordOfLines } from "./fft.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, SOUND } from "./radiation.js";
 
@@ -22,7 +22,6 @@ function passed(frequency) {
 
 /** Return the response (SHORT samples, middle at half) of bodies by functions that add to a line. */
 function shortResponse(bodies) {
-  const transform = new RealTransform(SHORT);
   const [re, im] = [new Float64Array(SHORT / 2 + 1), new Float64Array(SHORT / 2 + 1)];
   for (let line = 0; line < re.length; line++) {
     const frequency = (line * RATE) / SHORT;
@@ -31,25 +30,20 @@ function shortResponse(bodies) {
     const share = passed(frequency) * (line % 2 ? -1 : 1); // the sign moves the origin to the middle
     [re[line], im[line]] = [sum[0] * share, sum[1] * share];
   }
-  const record = new Float64Array(SHORT);
-  transform.inverse(re, im, record);
-  return record;
+  return recordOfLines({ re, im }, SHORT);
 }
 
 /** Return the first samples of the sound of modes, FIRST from `lead` samples before the arrival. */
 function firstSamples(radiation, rings, path, lead) {
-  const transform = new RealTransform(FIRST);
   const growth = (-Math.log(WRAPPED) * RATE) / FIRST;
   const step = RATE / FIRST;
-  const [re, im] = [new Float64Array(FIRST / 2 + 1), new Float64Array(FIRST / 2 + 1)];
   const lines = radiation.lines(step, AUDIBLE[1] + TAPER, growth, path);
   for (let i = 0; i < lines.re.length; i++) {
     const share = passed(i * step);
-    re[i] = share * lines.re[i];
-    im[i] = share * lines.im[i];
+    lines.re[i] *= share;
+    lines.im[i] *= share;
   }
-  const record = new Float64Array(FIRST);
-  transform.inverse(re, im, record);
+  const record = recordOfLines(lines, FIRST);
   const samples = new Float64Array(FIRST);
   for (let i = 0; i < FIRST; i++) samples[i] = record[(i - lead + FIRST) % FIRST] * Math.exp((growth * (i - lead)) / RATE);
   for (const ring of rings) {
@@ -83,17 +77,12 @@ function addRing(samples, { w, decay, re, im }, lead, begin, [shareRe, shareIm])
   }
 }
 
-/** Return the number of samples after which a share LEFT of the energy of ringing modes is left. */
+/** Return the number of samples after which a share LEFT of the energy of ringing modes is left at most. */
 function ringingLength(rings) {
-  const energy = (time) => rings.reduce((sum, { re, im, decay }) => sum + ((re * re + im * im) / decay) * Math.exp(-2 * decay * time), 0);
-  const allowed = LEFT * energy(0);
-  let [low, high] = [0, LONGEST];
-  for (let i = 0; i < 20; i++) {
-    const middle = (low + high) / 2;
-    if (energy(middle) > allowed) low = middle;
-    else high = middle;
-  }
-  return Math.ceil(high * RATE);
+  const energies = rings.map(({ re, im, decay }) => (re * re + im * im) / decay);
+  const least = (LEFT * energies.reduce((sum, energy) => sum + energy, 0)) / rings.length;
+  const times = energies.map((energy, i) => Math.log(energy / least) / (2 * rings[i].decay));
+  return Math.ceil(RATE * Math.min(Math.max(...times), LONGEST)) || 0; // silent at a node of all modes
 }
 
 /** Return the whole response of modes, from `lead` samples before the arrival. */
