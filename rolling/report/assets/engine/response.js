@@ -2,6 +2,7 @@
 // the arrival of the sound from the contact; the responses begin a lead earlier.
 
 import { recordOfLines } from "./fft.js";
+import { times } from "./hold.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, SOUND } from "./radiation.js";
 
@@ -12,6 +13,7 @@ const FIRST = 8192; // samples that come from lines; later ones are modes that r
 const WRAPPED = 0.1; // part of the ringing beyond that is left in the lines, and taken off again
 const LEFT = 1e-6; // energy of the ringing that is cut at the end
 const FADED = 0.25; // part of a response that fades at its end, so that the cut makes no noise
+const INAUDIBLE = 1e-7; // part of a mode at which its ringing ends
 const LONGEST = 20; // [s]
 
 /** Return the share of a frequency [Hz] that passes the upper end of the band. */
@@ -47,33 +49,27 @@ function firstSamples(radiation, rings, path, lead) {
   const samples = new Float64Array(FIRST);
   for (let i = 0; i < FIRST; i++) samples[i] = record[(i - lead + FIRST) % FIRST] * Math.exp((growth * (i - lead)) / RATE);
   for (const ring of rings) {
-    // The ringing beyond FIRST wraps round, once and again: a geometric series.
+    // The ringing beyond FIRST wraps round, once and again: a geometric series, here without its first term.
     const size = WRAPPED * Math.exp((-ring.decay * FIRST) / RATE);
     const phase = (ring.w * FIRST) / RATE;
     const [qr, qi] = [size * Math.cos(phase), size * Math.sin(phase)];
     const norm = (1 - qr) ** 2 + qi * qi;
-    addRing(samples, ring, lead, 0, [-(qr * (1 - qr) - qi * qi) / norm, -qi / norm]);
+    const [re, im] = times(ring.re, ring.im, (qi * qi - qr * (1 - qr)) / norm, -qi / norm);
+    addRing(samples, { ...ring, re, im }, lead, 0);
   }
   return samples;
 }
 
-/** Add a ringing mode, times a complex share, to a response from a sample on. */
-function addRing(samples, { w, decay, re, im }, lead, begin, [shareRe, shareIm]) {
-  const start = (begin - lead) / RATE;
-  const size = (passed(w / (2 * Math.PI)) / RATE) * Math.exp(-decay * start);
-  if (!(size * RATE * Math.hypot(shareRe, shareIm) > 1e-9)) return;
-  const [c, s] = [size * Math.cos(w * start), size * Math.sin(w * start)];
-  let [a, b] = [re * c - im * s, re * s + im * c];
-  [a, b] = [a * shareRe - b * shareIm, a * shareIm + b * shareRe];
-  const fall = Math.exp(-decay / RATE);
-  const [turnRe, turnIm] = [fall * Math.cos(w / RATE), fall * Math.sin(w / RATE)];
-  const least = 1e-7 * Math.hypot(a, b);
-  for (let i = begin; i < samples.length; i++) {
-    samples[i] += a;
-    const next = a * turnRe - b * turnIm;
-    b = a * turnIm + b * turnRe;
-    a = next;
-    if (i % 1024 === 0 && Math.hypot(a, b) < least) return;
+/** Add a ringing mode to a response from a sample on. */
+function addRing(samples, { w, decay, re, im }, lead, begin) {
+  const [size, angle] = [(passed(w / (2 * Math.PI)) / RATE) * Math.hypot(re, im), Math.atan2(im, re)];
+  const valueAt = (time) => size * Math.exp(-decay * time) * Math.cos(w * time + angle);
+  let [before, value] = [valueAt((begin - 1 - lead) / RATE), valueAt((begin - lead) / RATE)];
+  const [turn, fall] = [2 * Math.exp(-decay / RATE) * Math.cos(w / RATE), Math.exp((-2 * decay) / RATE)];
+  const end = Math.min(samples.length, begin + (Math.log(INAUDIBLE) / -decay) * RATE);
+  for (let i = begin; i < end; i++) {
+    samples[i] += value;
+    [before, value] = [value, turn * value - fall * before];
   }
 }
 
@@ -90,7 +86,7 @@ function modalResponse(radiation, path, lead) {
   const rings = radiation.rings(path);
   const samples = new Float64Array(Math.max(FIRST, lead + ringingLength(rings)));
   samples.set(firstSamples(radiation, rings, path, lead));
-  for (const ring of rings) addRing(samples, ring, lead, FIRST, [1, 0]);
+  for (const ring of rings) addRing(samples, ring, lead, FIRST);
   const begin = Math.floor((1 - FADED) * samples.length);
   for (let i = begin; i < samples.length; i++) samples[i] *= Math.cos((Math.PI / 2) * ((i - begin) / (samples.length - begin))) ** 2;
   return samples;
