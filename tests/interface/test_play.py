@@ -20,6 +20,13 @@ from rolling.scene import file
 LEVEL = "document.querySelector('#play-level').textContent"
 SPEED = f"parseFloat(document.querySelector('#play-speed-now').textContent.replace('{MINUS}', '-'))"
 
+OUTPUT = """() => {
+  const heard = new Float32Array(tap.analyser.fftSize);
+  tap.analyser.getFloatTimeDomainData(heard);
+  const square = heard.reduce((sum, value) => sum + value ** 2, 0) / heard.length;
+  return [Math.sqrt(square), heard.reduce((top, value) => Math.max(top, Math.abs(value)), 0)];
+}"""
+
 
 @pytest.fixture
 def playing(opened, pages):
@@ -191,6 +198,26 @@ def test_a_record_is_saved_with_its_full_scale(playing) -> None:
     rms = 20 * np.log10(full_scale * np.sqrt(np.mean(np.square(samples))) / 20e-6)
     assert rms == pytest.approx(run.sound.levels.level_db, abs=0.5)
     assert f"full scale = {full_scale:g} Pa" in content[-200:].decode("latin-1")
+
+
+def test_the_limiter_leaves_quiet_sound_and_holds_the_loudest(playing) -> None:
+    """The output has the level of the run within 0.5 dB; 30 dB louder it stays in full scale."""
+    run = runs_of("three")[0]
+    with playing("three") as page:
+        scale, volume = page.evaluate(
+            "[JSON.parse(document.querySelector('#data').textContent).runs[0].playback"
+            ".calibrated_pa, Number(document.querySelector('#volume').value)]"
+        )
+        roll(page)
+        level(page)
+        rms, _ = page.evaluate(OUTPUT)
+        quiet = 20 * np.log10(rms / volume * scale / 20e-6)
+        assert quiet == pytest.approx(run.sound.levels.level_db, abs=0.5)
+        set_slider(page, "volume", 30)
+        level(page)
+        _, peak = page.evaluate(OUTPUT)
+        assert 0.5 < peak / volume < 1 + 1e-6
+        assert "limiter lowers" in page.text_content("#play-limit")
 
 
 def test_the_instrument_knows_its_load_and_what_it_has_lost() -> None:

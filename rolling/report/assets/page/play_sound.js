@@ -135,7 +135,8 @@ async function openGraph(context) {
   const bus = new GainNode(context);
   live.volumeNode = new GainNode(context, { gain: 0 });
   live.limiter = new DynamicsCompressorNode(context, { threshold: LIMIT_DB, knee: 0, ratio: 20, attack: 0, release: 0.25 });
-  bus.connect(live.volumeNode).connect(live.limiter).connect(new GainNode(context, { gain: UNDO_MAKEUP })).connect(state.master);
+  const clip = new WaveShaperNode(context, { curve: [-1, 0, 1] }); // of short peaks, which the limiter lets pass
+  bus.connect(live.volumeNode).connect(live.limiter).connect(new GainNode(context, { gain: UNDO_MAKEUP })).connect(clip).connect(state.master);
   live.meters = [METER, SPECTRUM].map((fftSize) => new AnalyserNode(context, { fftSize, smoothingTimeConstant: 0, channelCount: 1, channelCountMode: "explicit", channelInterpretation: "discrete" }));
   for (const meter of live.meters) bus.connect(meter);
   live.bus = bus;
