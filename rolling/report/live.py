@@ -73,7 +73,8 @@ def live_of(run: Run) -> Data | None:
         "fullScale": peak / PEAK or 1.0,
     }
     add = _add_release if vibration is None else _add_vibration
-    return add(run, data, vibration)
+    data = add(run, data, vibration)
+    return data | {"remarks": _remarks(run, data.get("law") or data["energy"])}
 
 
 def _settings(run: Run) -> Data:
@@ -97,7 +98,7 @@ def _settings(run: Run) -> Data:
 
 
 def _fixed(scene: Scene) -> Data:
-    """Return the numbers of a scene that only another march changes, and the kind of its path."""
+    """Return the numbers of a scene that only another march changes."""
     poisson = scene.plate.poissons_ratio
     # The mobility C w^2 / (rho c_T^3) is C where all other factors are one.
     unit = half_space_mobility(0.5 / np.pi, 2 * (1 + poisson), poisson, 1.0)
@@ -110,8 +111,21 @@ def _fixed(scene: Scene) -> Data:
         "weight": scene.rolling.load_n == WEIGHT,
         "rollsOut": scene.rolling.resistance is not None,
         "gravity": GRAVITY,
-        "path": len(scene.plate.contact_ends_mm) > 1,
     }
+
+
+def _remarks(run: Run, rows: Data) -> list[str]:
+    """Return sentences on the differences between the run and its play at a constant speed."""
+    scene, remarks = run.scene, []
+    if not scene.motion.is_constant(run.sound.duration):
+        remarks.append("The speed of the run changes; the ball begins here at the highest one.")
+    if len(scene.plate.contact_ends_mm) > 1:
+        remarks.append("The contact stays at the beginning of its path.")
+    if rows["part"] < 1:
+        remarks.append(f"The page holds {100 * rows['part']:.0f} % of the track.")
+    if not rows["closed"]:
+        remarks.append("The end of the track is cross-faded with its beginning.")
+    return remarks
 
 
 # ---- vibration

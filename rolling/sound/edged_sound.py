@@ -23,7 +23,7 @@ from acoustics.radiation import SOUND_M_S, axis_transfer
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
-from rolling.sound.contact_sound import fade_length
+from rolling.sound.contact_sound import faded_out
 
 WRAPPED = 1e-4  # part of the ringing of an open record that is left of it at its beginning
 _LEAST_S = 0.25  # [s] of an open record with silence, at least twice
@@ -39,7 +39,7 @@ def pressures(
 ) -> Array:
     """Return the sound pressure [Pa] of a force [N] at first listeners, (listeners, samples).
 
-    An open record begins in silence and ends with its duration: the ringing beyond is cut.
+    An open record begins in silence and ends with its duration: the ringing beyond fades out.
     """
     n, rate, growth = len(force), wav.SAMPLE_RATE_HZ, 0.0
     if not closed:
@@ -63,9 +63,8 @@ def pressures(
         return np.asarray(heard)
     if points is not None:
         heard += _fading(scene, plate, force, places, points)
-    ends = fade_length(len(force), len(force) / rate)
-    faded = [resampling.fade(record, ends) for record in heard]
-    return np.array([resampling.band_limit(record, rate) for record in faded])
+    ending = [faded_out(record, len(force) / rate) for record in heard]
+    return np.array([resampling.band_limit(record, rate) for record in ending])
 
 
 def _spectra(

@@ -169,7 +169,9 @@ def radiated(
     samples = max(2, round(len(fluctuation) / rate * wav.SAMPLE_RATE_HZ))
     force = _heard(fluctuation, samples)
     if (plate := of_scene.rectangular_plate(scene)) is not None:
-        return force, edged_sound.pressures(scene, plate, force, closed, listeners)
+        # Without its mean, a fall would begin with a step of the force.
+        whole = resampling.resample_closed(fluctuation, samples)
+        return force, edged_sound.pressures(scene, plate, whole, closed, listeners)
     pressure = pressure_on_axis(fluctuation, rate, sources(scene), scene.sound.distance_m)
     return force, _heard(pressure, samples)[None]
 

@@ -269,6 +269,8 @@ def test_runs_are_data() -> None:
         assert data is not None
         json.dumps(data, allow_nan=False)
         kinds.add(data["kind"])
+        changing = not run.scene.motion.is_constant(run.sound.duration)
+        assert changing == any("speed of the run changes" in text for text in data["remarks"])
         for name, (least, most) in data["limits"].items():
             assert least <= (data["settings"][name] or 0.0) <= most, name
     assert kinds == {"vibration", "release"}

@@ -147,6 +147,11 @@ def test_keys_play_the_ball(playing) -> None:
         page.keyboard.press("Home")
         assert keys(page) == {"rolling": {"speed_m_s": 0.1}, "sweep": {}}
         assert "rolls at 0.1 m/s" in page.get_attribute("#play-stage", "aria-valuetext")
+        page.keyboard.press("d")
+        set_slider(page, "dropHeight", 0)
+        assert keys(page)["rolling"] == {"speed_m_s": 0.1, "drop_mm": None}
+        set_slider(page, "speed", 0)  # which a scene refuses
+        assert keys(page) is None
 
 
 @pytest.mark.parametrize("name", ["flying", "edged"])

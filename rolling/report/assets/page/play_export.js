@@ -15,7 +15,7 @@ const PEAK = 10 ** (-1 / 20); // of full scale
 export function changedKeys(run, settings, dropped = false) {
   const differs = (name) => settings[name] !== run.settings[name];
   const changed = SETTINGS.filter(({ name }) => isLive(name, run) && differs(name) && (name !== "dropHeight" || dropped))
-    .map(({ name, si, key }) => [key, Number((settings[name] / si).toPrecision(6))]);
+    .map(({ name, si, key }) => [key, name === "dropHeight" && settings[name] === 0 ? null : Number((settings[name] / si).toPrecision(6))]);
   if (!run.listeners) return changed;
   const placed = changed.filter(([key]) => key !== "sound.distance_m");
   if (differs("length") || differs("width")) placed.push(["plate.contact_mm", run.contact.map(inMm)]); // it does not move with the edges
@@ -33,6 +33,7 @@ function movedListeners({ contact, contactEnd, listeners, settings: own }, { dis
 
 /** Returns the settings as keys of a scene file, with the commands that reproduce them. */
 export function yamlOf(run, swept, settings, dropped = false) {
+  if (settings.speed === 0) return "# no scene has a ball at rest\n";
   const changed = changedKeys(run, settings, dropped);
   if (changed.length === 0 && Object.keys(swept).length === 0) return "# as the scene has it\n";
   const sections = {};

@@ -65,7 +65,7 @@ export function showSettings() {
   $("#play-drop").hidden = !isLive("dropHeight", run);
   live.settings.dropHeight ??= run.limits.dropHeight ? roundedIn(run.limits.dropHeight[1] / 2, 1e-3) : null;
   const { radius } = run.fixed;
-  $("#play-fixed").textContent = `The radius of ${Number((1e3 * radius).toPrecision(4))} mm, the modulus, the hardness and the roughness belong to the solved contact${run.kind === "release" ? ", and so does the load" : ""}: another one takes another run.`;
+  $("#play-fixed").textContent = `The radius of ${Number((1e3 * radius).toPrecision(4))} mm, the modulus, the hardness and the roughness belong to the solved contact${run.kind === "release" ? ", and so does the load" : ""}: another one takes another run. ${run.remarks.join(" ")}`;
   for (const setting of SETTINGS) showSetting(setting);
   for (const radio of $$("input[name=play-run]")) radio.checked = Number(radio.value) === live.number;
 }
