@@ -131,8 +131,8 @@ def gains(
     -------
     list of dict. `full_scale_pa` [Pa] is the pressure of full scale in the file of a record, whose
         peak lies at -1 dB. `calibrated` and `equal` are factors on its samples for a common full
-        scale and for a common LAeq, `calibrated_pa` and `equal_pa` [Pa] the full scales that they
-        lead to, and `equal_db` [dB] their ratio. A silent record has factors of 0 and no scales.
+        scale, `calibrated_pa` [Pa], and for a common LAeq; `equal_db` [dB] is the gain of the
+        second over the first. A silent record has factors of 0 and nothing else.
     """
     scales = [peak / wav.PEAK if peak > 0 else 1.0 for peak in peaks_pa]
     records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
@@ -141,14 +141,14 @@ def gains(
     # levels.
     loudest = [level - _db(scale) for scale, _, level in records if level is not None]
     target = min(loudest, default=0.0)
-    computed: list[dict[str, float | None]] = []
+    computed = []
     for scale, peak, level in records:
         gain: dict[str, float | None] = {"full_scale_pa": scale, "calibrated": 0.0, "equal": 0.0}
-        gain |= dict.fromkeys(("calibrated_pa", "equal_pa", "equal_db"))
+        gain |= {"calibrated_pa": None, "equal_db": None}
         if peak > 0:
             equal = common if level is None else 10.0 ** ((level - target) / 20.0)
             gain |= {"calibrated": scale / common, "equal": scale / equal}
-            gain |= {"calibrated_pa": common, "equal_pa": equal, "equal_db": _db(common / equal)}
+            gain |= {"calibrated_pa": common, "equal_db": _db(common / equal)}
         computed.append(gain)
     return computed
 

@@ -9,10 +9,8 @@ from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
-from acoustics.bands import BAND_NAMES, reliable
 from acoustics.numbers import rounded
 from rolling.results.labels import printable
-from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
 from rolling.results.runs_table import LEVELS, level_name, level_text, uncertain
 from rolling.scene import file
@@ -102,22 +100,6 @@ def _cell(run: Run, key: str, column: Column) -> str:
         return NOTHING
     number = value * column.factor
     return f"{number:{column.form}}" if column.form else rounded(number, 4)
-
-
-def bands(runs: Sequence[Run]) -> list[tuple[str, bool, list[str]]]:
-    """Return nominal mid frequency, certainty and Z levels of all runs for each third octave."""
-    certain = reliable(min(run.sound.duration for run in runs))
-    shown = zip(BAND_NAMES, certain.tolist(), strict=True)
-
-    def cell(run: Run, band: str) -> str:
-        level = run.sound.levels.third_octave_db[band]
-        if level is None:
-            return NOTHING
-        text = uncertain(level, run.summary["third_octave_uncertainty_db"][band])
-        error = total_errors_db(run.summary).get(band)
-        return text if error is None else f"{text} (error {error:+.1f})"
-
-    return [(band, sure, [cell(run, band) for run in runs]) for band, sure in shown]
 
 
 # ---- facts
