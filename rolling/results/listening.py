@@ -81,12 +81,14 @@ def heard(run: Run) -> tuple[Array, str]:
 
 def recorded(run: Run) -> Listening | None:
     """Return the long record of a run, from listen.wav where that holds it; None without one."""
-    numbers, path = run.summary.get("listening") or {}, run.folder / "listen.wav"
-    if "listen" in run.summary and "seconds" in numbers:  # only a stored run has `listen`
+    numbers, path = run.summary.get("listening", {}), run.folder / "listen.wav"
+    scale = run.summary.get("listen", {}).get("pascal_per_full_scale")  # of stored runs only
+    if scale and numbers.get("seconds"):
         with suppress(OSError, soundfile.LibsndfileError):
             samples, rate, _ = wav.read(path)
-            channels = np.atleast_2d(samples.T) * run.summary["listen"]["pascal_per_full_scale"]
-            if channels.shape[1] == round(numbers["seconds"] * rate):
+            channels = np.atleast_2d(samples.T) * scale
+            whole = channels.shape[1] == round(numbers["seconds"] * rate)
+            if whole and np.isfinite(channels).all():
                 return Listening(channels[0], rate, numbers, *channels[1:2])
     return run.long
 
