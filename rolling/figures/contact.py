@@ -186,6 +186,7 @@ def recovery_events(run: Run, ax: Axes | None = None) -> Axes:
     facts = [
         f"{statistics.count:,} events, {number(statistics.per_metre * 1e-3)} per mm",
         f"median {joule(statistics.energy_median)}, 90 % below {joule(statistics.energy_p90)}",
+        f"top tenth: {rounded(100 * statistics.top_tenth_share, 3)} % of the release",
         f"mean duration {rounded(statistics.duration_mean, 3)} steps of"
         f" {rounded(run.result.step * 1e6, 3)} µm",
     ]

@@ -123,10 +123,9 @@ def distance_and_duration(runs: Sequence[Run]) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure on one pair of axes with its name, its description and its curves as a table."""
+    """A figure on one pair of axes with its name and its curves as a table."""
 
     name: str
-    alt: str
     figure: Figure
     table: DataFrame | None
 
@@ -164,7 +163,7 @@ def picture(name: str, draw: Callable[..., Axes], table: DataFrame | None = None
         _plain(below.get_texts())
         _fit(below, below.get_texts())
     figure.set_size_inches(WIDTH_IN, HEIGHT_IN + _ROW_IN * rows)
-    return Picture(name, f"{title}: {note}", figure, table)
+    return Picture(name, figure, table)
 
 
 def _fit(drawn: Artist, texts: Sequence[Text]) -> None:

@@ -67,7 +67,7 @@ def topography(
     figure.suptitle(drawable(title), x=0.012, ha="left", fontsize=11, parse_math=False)
     rows = [(short, values[short], unit, text) for short, (unit, text) in iso.NAMES.items()]
     table = pd.DataFrame(rows, columns=["parameter", "value", "unit", "meaning"])
-    return Picture("surface", title, figure, table)
+    return Picture("surface", figure, table)
 
 
 def written(short: str, values: dict[str, float]) -> str:

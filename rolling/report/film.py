@@ -17,7 +17,7 @@ from rolling.results.run_result import Run
 from rolling.sound.wavelengths import weighted_lines
 from rolling.surface.scene_surface import scene_surface
 
-GLOW = (0, 225, 255)  # colour of cells that release energy
+LIT = np.tile(np.array((0, 225, 255), np.uint8), (256, 1))  # colour of releases, by their opacity
 BRIGHTEST = 0.999  # share of the releases that are less than fully lit
 DIMMED, VEIL = 0.7, 225  # brightness of pressures, and their opacity above the surface, of 255
 SPREAD = 4.0  # standard deviations of the heights from grey to black and to white
@@ -51,14 +51,12 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     energy = np.concatenate([[0.0], np.cumsum(run.result.series["release_energy"])])
     power = np.concatenate([[0.0], np.diff(energy[slow.positions]) / np.diff(times)])
     pressed = maps.shades(slow.pressure * slow.pressure_unit, max_gpa * 1e9)
-    dimmed = np.rint(DIMMED * maps.palette()).astype(np.uint8)
     veil = bytes([0]) + bytes([VEIL]) * maps.SHADES
-    lit = np.tile(np.array(GLOW, np.uint8), (256, 1))
     heard = heard_shares(run)
     return {
         "ground": maps.png(_ground(run, slow)),
-        "pressure": _sheet(pressed, dimmed, veil),
-        "release": _sheet(glow(slow.release), lit, bytes(range(256))),
+        "pressure": _sheet(pressed, _dimmed(), veil),
+        "release": _sheet(glow(slow.release), LIT, bytes(range(256))),
         "size": slow.pressure.shape[1:],
         "most_cells": int(np.count_nonzero(slow.pressure, axis=(1, 2)).max()),
         "cell_um": slow.cell * 1e6,
@@ -81,6 +79,11 @@ def heard_shares(run: Run) -> dict[int, float]:
     return {rate: float(power[frequency > AUDIBLE_HZ * rate].sum()) / total for rate in RATES}
 
 
+def _dimmed() -> Pixels:
+    """Return the colours of pressures above a surface."""
+    return np.asarray(np.rint(DIMMED * maps.palette()), dtype=np.uint8)
+
+
 def glow(release: NDArray[np.uint16]) -> Pixels:
     """Return the opacity of cells that release energy, linear up to nearly the maximum."""
     lit = release[release > 0]
@@ -98,17 +101,14 @@ def _centres(run: Run, slow: SlowMotion) -> list[tuple[float, float]]:
 
 def _ground(run: Run, slow: SlowMotion) -> Pixels:
     """Draw the heights of the part of the plate that the slow motion shows, white is high."""
-    heights, spacing = scene_surface(run.scene).heights, run.scene.spacing
+    spacing, part = run.scene.spacing, scene_surface(run.scene).heights
     nodes = round(slow.cell / spacing)  # along the side of a cell
-    corner, cells = (slow.along, slow.across), slow.pressure.shape[1:]
-    places = [
-        (round(begin / spacing + 0.5) + np.arange(count * nodes)) % period
-        for begin, count, period in zip(corner, cells, heights.shape, strict=True)
-    ]
-    part = np.asarray(heights[np.ix_(*places)])
+    for axis, corner in enumerate((slow.along, slow.across)):
+        shown = np.arange(slow.pressure.shape[1 + axis] * nodes)
+        part = part.take(round(corner / spacing + 0.5) + shown, axis, mode="wrap")
     spread = SPREAD * float(part.std()) or 1.0
     share = np.clip(0.5 + 0.5 * (part - part.mean()) / spread, 0.0, 1.0)
-    return np.asarray(np.rint(255 * share).astype(np.uint8).T[::-1])
+    return maps.upright(np.rint(255 * share).astype(np.uint8))
 
 
 def still(run: Run) -> dict[str, Any] | None:
@@ -124,35 +124,31 @@ def still(run: Run) -> dict[str, Any] | None:
     else:
         motion, times = run.vibration.motion, run.position_time[slow.positions]
         loudest = int(np.argmax(np.interp(times, motion.time_s, motion.force_n)))
-    ground = np.repeat(_ground(run, slow)[:, :, None].astype(float), 3, axis=2)
-    nodes = ground.shape[0] // slow.pressure.shape[2]
+    picture = Image.fromarray(_ground(run, slow)).convert("RGB")
     shade = maps.shades(slow.pressure[loudest], float(slow.pressure.max()) or 1.0)
     lit = glow(slow.release)[loudest]
-    layers = (
-        (DIMMED * maps.palette()[shade], np.where(shade > 0, VEIL, 0)),
-        (np.broadcast_to(GLOW, (*lit.shape, 3)), lit),
-    )
-    for colour, opacity in layers:
-        share = opacity[:, :, None] / 255
-        above, share = (
-            np.repeat(np.repeat(x.swapaxes(0, 1)[::-1], nodes, 0), nodes, 1)
-            for x in (colour, share)
+    layers = (_dimmed()[shade], VEIL * (shade > 0)), (LIT[lit], lit)
+    for colours, opacity in layers:
+        layer, mask = (
+            Image.fromarray(maps.upright(x.astype(np.uint8))).resize(
+                picture.size, Image.Resampling.NEAREST
+            )
+            for x in (colours, opacity)
         )
-        ground += share * (above - ground)
+        picture.paste(layer, mask=mask)
     at = 100 * _centres(run, slow)[loudest][0] / slow.pressure.shape[1]
-    return {"png": maps.png(np.rint(ground).astype(np.uint8)), "at": round(at)}
+    return {"png": maps.png(np.asarray(picture)), "at": round(at)}
 
 
 def _sheet(shown: Pixels, colours: Pixels, opacity: bytes) -> dict[str, Any]:
     """Cut each map to its part that is not empty, and arrange the parts in a picture."""
     parts, places = [], []
     for layer in shown:
-        turned = layer.T[::-1]  # rows of a picture go down, the plate's second axis goes up
-        box = Image.fromarray(turned).getbbox() or (0, 0, 1, 1)  # left, top, right, bottom
-        parts.append(turned[box[1] : box[3], box[0] : box[2]])
+        picture = maps.upright(layer)
+        box = Image.fromarray(picture).getbbox() or (0, 0, 1, 1)  # left, top, right, bottom
+        parts.append(picture[box[1] : box[3], box[0] : box[2]])
         places.append(box[:2])
-    pixels, tiles = maps.packed(parts)
-    return {"png": maps.png(pixels, colours, opacity), "tiles": tiles, "places": places}
+    return {**maps.packed(parts, colours, opacity), "places": places}
 
 
 def motion_between(run: Run, begin: float, end: float) -> dict[str, Any] | None:
@@ -164,25 +160,22 @@ def motion_between(run: Run, begin: float, end: float) -> dict[str, Any] | None:
         return None
     motion = run.vibration.motion
     first, last = np.searchsorted(motion.time_s, (begin, end))
-    first, last = max(0, int(first) - 1), min(len(motion.time_s), int(last) + 1)
-    if last - first < 2:
+    within = slice(max(0, first - 1), last + 1)
+    times, step, force = motion.time_s[within], motion.time_step_s, motion.force_n[within]
+    if len(times) < 2:
         return None
-    stride = -(-(last - first) // MOST_VALUES)
-    height = (motion.displacement_m.mean() - motion.displacement_m[first:last:stride]) * 1e9
-    force = motion.force_n[first:last]
-    edges = motion.time_s[first] + (np.arange(last - first + 1) - 0.5) * motion.time_step_s
-    turns = np.flatnonzero(np.diff(np.concatenate([[0], (force == 0).astype(int), [0]])))
+    stride = -(-len(times) // MOST_VALUES)
+    height = (motion.displacement_m.mean() - motion.displacement_m[within]) * 1e9
+    edges = np.clip(np.append(times, times[-1] + step) - step / 2, begin, end)
+    turns = np.flatnonzero(np.diff(np.concatenate([[0], force == 0, [0]])))
+    flights = edges[turns].round(9).reshape(-1, 2).tolist()
     return {
-        "begin": round(float(motion.time_s[first]), 9),
-        "step": stride * motion.time_step_s,
-        "height_nm": _short(height),
+        "begin": round(float(times[0]), 9),
+        "step": stride * step,
+        "height_nm": _short(height[::stride]),
         "force_n": _short(force[::stride]),
         "load_n": run.vibration.load,
-        "flights": [
-            (round(max(begin, float(edges[a])), 9), round(min(end, float(edges[b])), 9))
-            for a, b in zip(turns[::2], turns[1::2], strict=True)
-            if edges[b] > begin and edges[a] < end
-        ],
+        "flights": [(start, landing) for start, landing in flights if start < landing],
     }
 
 

@@ -9,7 +9,6 @@ from typing import Any
 from urllib.parse import quote
 
 import numpy as np
-import soundfile
 from markupsafe import Markup
 
 from acoustics import wav
@@ -90,13 +89,9 @@ def _link(page: Path, folder: Path) -> str | None:
 
 
 def _excerpt(run: Run, seconds: float) -> Array:
-    """Return the beginning of listen.wav [Pa], stored or made, with a fade at its end."""
-    rate, path = run.sound.sample_rate, run.folder / "listen.wav"
-    count = round(seconds * rate)
-    if "listen" in run.summary and path.is_file():
-        part = soundfile.read(path, count)[0] * run.summary["listen"]["pascal_per_full_scale"]
-    else:
-        part = np.array(heard(run)[0][:count], dtype=float)
+    """Return the beginning of the record for the ear [Pa], with a fade at its end."""
+    rate = run.sound.sample_rate
+    part = np.array(heard(run)[0][: round(seconds * rate)], dtype=float)
     fade = min(len(part), round(FADE_S * rate))
     part[len(part) - fade :] *= np.linspace(1, 0, fade).reshape(-1, *[1] * (part.ndim - 1))
     return np.asarray(part)

@@ -145,7 +145,7 @@ def _add_vibration(run: Run, data: Data, vibration: Vibration | None) -> Data:
         "load": [float(law.load_n[0]), float(law.load_n[-1])],
         "dropHeight": [0.0, max(falling, drop.height_m(scene))],
     }
-    data["fixed"] |= {"shortestWave": wave, "loads": law.load_n.tolist()}
+    data["fixed"]["shortestWave"] = wave
     closes = law.period_m is not None and not run.sound.has_seam
     return data | {"kind": "vibration", "law": stored_law(law, scene.load, closes)}
 

@@ -40,17 +40,22 @@ def shades(pressure: NDArray[Any], maximum: float) -> Pixels:
     return np.where(share > 0, 1 + np.round((SHADES - 1) * share), 0).astype(np.uint8)
 
 
-def packed(parts: Sequence[Pixels]) -> tuple[Pixels, list[Tile]]:
-    """Arrange pictures (rows, columns) in one picture that is about square."""
-    height, width = (max(part.shape[axis] for part in parts) for axis in (0, 1))
+def upright(pixels: Pixels) -> Pixels:
+    """Return a map (along, across) as a picture, in which the track's width goes upwards."""
+    return pixels.swapaxes(0, 1)[::-1]
+
+
+def packed(parts: Sequence[Pixels], colours: Pixels, opacity: bytes | int) -> dict[str, Any]:
+    """Arrange pictures (rows, columns) in one PNG that is about square, with their `tiles`."""
+    height, width = np.max([part.shape for part in parts], axis=0).tolist()
     abreast = max(1, round(math.sqrt(len(parts) * height / width)))
     pixels = np.zeros((-(-len(parts) // abreast) * height, abreast * width), np.uint8)
-    tiles = []
+    tiles = list[Tile]()
     for index, part in enumerate(parts):
         top, left = (index // abreast) * height, (index % abreast) * width
         pixels[top : top + part.shape[0], left : left + part.shape[1]] = part
         tiles.append((left, top, part.shape[1], part.shape[0]))
-    return pixels, tiles
+    return {"png": png(pixels, colours, opacity), "tiles": tiles}
 
 
 def png(pixels: Pixels, colours: Pixels | None = None, opacity: bytes | int | None = None) -> str:
@@ -106,8 +111,8 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
     if not run.result.maps:
         return None
     result, maps = run.result, sounding_maps(run)
-    # Rows of a picture go down, the plate's second axis goes up.
-    pixels, tiles = packed([shades(shown.pressure, max_gpa * 1e9).T[::-1] for shown in maps])
+    pictures = [upright(shades(shown.pressure, max_gpa * 1e9)) for shown in maps]
+    sheet = packed(pictures, palette(), 0)
     positions = np.array([shown.position for shown in maps])
     lap, rolled = result.solved_steps * result.step, result.steps * result.step
     closes, motion = run.scene.track.closed, run.scene.motion
@@ -118,8 +123,8 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
         return [float(f"{value:.4g}") if np.isfinite(value) else None for value in values]
 
     return {
-        "sheet": png(pixels, palette(), 0),
-        "tiles": tiles,
+        "sheet": sheet["png"],
+        "tiles": sheet["tiles"],
         "boxes": [[round(value, 4) for value in _box(shown, run)] for shown in maps],
         "begins": np.round(begins, 7).tolist(),
         "order": order.tolist(),
@@ -140,7 +145,7 @@ def middle_map(run: Run) -> dict[str, Any] | None:
     pressure = shown[len(shown) // 2].pressure
     margin = round(0.2 * max(pressure.shape))
     pixels = np.pad(shades(pressure, float(pressure.max()) or 1.0), margin)
-    return {"png": png(pixels.T[::-1], palette()), "at": 50}
+    return {"png": png(upright(pixels), palette()), "at": 50}
 
 
 def sounding_maps(run: Run) -> list[PressureMap]:

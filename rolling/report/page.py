@@ -6,7 +6,6 @@ behaviour are in `assets/`.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from acoustics.bands import BAND_NAMES, LEAST_BT
+from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures import origins
@@ -56,6 +55,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     data["long"] = any(player["long"] for player in players)
     templates = environment()
     templates.globals["numbered"] = partial(_number, shown_charts)
+    templates.globals["is_known"] = partial(_is_known, shown_charts)
     template = templates.get_template("report.html")
     html = template.render(
         version=__version__,
@@ -68,7 +68,6 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         caveats=caveats,
         runs_table=runs_table,
         summaries=[(run.label, run.summary) for run in runs],
-        LEAST_BT=LEAST_BT,
         assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
         runs=runs,
         views=views,
@@ -80,7 +79,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         moved=any(player["film"] and player["film"]["motion"] for player in players),
         curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
         surfaces=_surfaces(shown),
-        vibrations=_vibrations(views),
+        vibration=[name for name in VIBRATION if any(name in x["pictures"] for x in views)],
         css=Markup("".join(map(text.asset, ("report.css", "play.css", "chart.css")))),
         js=Markup(scripts.joined("page/begin.js" if shown else "page/chart.js")),
         engine=Markup(scripts.joined("engine/worklet.js")),
@@ -183,6 +182,11 @@ def _number(charts: list[dict[str, Any]], chart: dict[str, Any]) -> int:
     return len(charts) - 1
 
 
+def _is_known(charts: list[dict[str, Any]], chart: dict[str, Any]) -> bool:
+    """Tell whether the page shows the curves of a chart already, as for runs of equal bodies."""
+    return any(chart["xs"] == x["xs"] and chart["parts"] == x["parts"] for x in charts)
+
+
 def seconds(unit: str) -> float:
     """Return the seconds of a unit of time with its prefix."""
     return next(1000.0**power for power, sign in PREFIXES.items() if f"{sign}s" == unit)
@@ -193,8 +197,8 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
     sharing: dict[str, list[Run]] = {}
     for run in runs:
         scene, track = run.scene, run.scene.track
-        places = (scene.height_path, track.n_along, track.n_across)
         ball = scene.sphere.surface and (scene.sphere.surface, track.turn_nodes)
+        places = scene.height_path, track.n_along, track.n_across
         sharing.setdefault(f"{scene.surface.model_dump_json()} {ball} {places}", []).append(run)
     return [
         {
@@ -207,16 +211,3 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
         for members in sharing.values()
         if (picture := single_picture("surface", members[0]))
     ]
-
-
-def _vibrations(views: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:
-    """Return label and pictures of the runs that vibrate; equal pictures are shown once."""
-    seen: dict[str, tuple[str, dict[str, Any]]] = {}
-    for view in views:
-        for picture in (view["pictures"][x] for x in VIBRATION if x in view["pictures"]):
-            numbers = json.dumps([picture["xs"], picture["parts"]])
-            seen.setdefault(numbers, (view["label"], picture))
-    shown: dict[str, list[dict[str, Any]]] = {}
-    for label, picture in seen.values():
-        shown.setdefault(label, []).append(picture)
-    return [*shown.items()]

@@ -22,6 +22,7 @@ from rolling.results import listening
 from rolling.results.run_result import Run
 from rolling.results.running_in import passes_wav
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.long_listening import Listening
 
 _FULL = 2**15  # steps of full scale
 
@@ -32,21 +33,23 @@ def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
     `playback` holds the gains of the computed records. `long` holds the gains of the long ones,
     beside the computed ones of runs without; it is None if no run has a long record.
     """
-    playbacks = _gains([(run.sound.channels, run.sound.levels.laeq_db) for run in runs])
+    longs = [listening.recorded(run) for run in runs]
+    own = [(run.sound.channels, run.sound.levels.laeq_db) for run in runs]
     heard = [
-        (run.long.channels, run.long.numbers["laeq_db"])
-        if run.long
-        else (run.sound.channels, run.sound.levels.laeq_db)
-        for run in runs
+        (long.channels, long.numbers["laeq_db"]) if long else record
+        for long, record in zip(longs, own, strict=True)
     ]
-    has_long = any(run.long for run in runs)
-    sounds = []
-    for number, (run, playback, gain) in enumerate(
-        zip(runs, playbacks, _gains(heard), strict=True)
-    ):
-        sound = {"number": number, "playback": playback, "records": _records(run, playback, gain)}
-        sounds.append(sound | {"long": _long(run, gain) if has_long else None})
-    return sounds
+    return [
+        {
+            "number": number,
+            "playback": playback,
+            "records": _records(run, long, playback, gain),
+            "long": _long(long, gain) if any(longs) else None,
+        }
+        for number, (run, long, playback, gain) in enumerate(
+            zip(runs, longs, _gains(own), _gains(heard), strict=True)
+        )
+    ]
 
 
 def _gains(records: Sequence[tuple[Array, float | None]]) -> list[dict[str, Any]]:
@@ -55,24 +58,26 @@ def _gains(records: Sequence[tuple[Array, float | None]]) -> list[dict[str, Any]
     return [*gains(peaks, [level for _, level in records])]
 
 
-def _long(run: Run, playback: dict[str, Any]) -> dict[str, Any]:
+def _long(long: Listening | None, playback: dict[str, Any]) -> dict[str, Any]:
     """Return gains and lengths [s] of the record that is heard among long ones."""
-    if run.long is None:
+    if long is None:
         return {"own": False, "playback": playback}
-    seconds = len(run.long.pressure) / run.long.sample_rate
-    solved = seconds * run.long.numbers["solved_share"]
+    seconds = len(long.pressure) / long.sample_rate
+    solved = seconds * long.numbers["solved_share"]
     return {"own": True, "playback": playback, "seconds": seconds, "solved": solved}
 
 
-def _records(run: Run, playback: dict[str, Any], gain: dict[str, Any]) -> list[dict[str, str]]:
+def _records(
+    run: Run, long: Listening | None, playback: dict[str, Any], gain: dict[str, Any]
+) -> list[dict[str, str]]:
     """Return name, sound and description of the records of a run."""
     full, scale = playback["full_scale_pa"], "full scale is {:.4g} Pa"
     text = f"computed record of {run.sound.duration:.4g} s; {scale.format(full)}"
     made = [{"name": "run", "text": text, "src": lossless(run.sound.channels / full)}]
-    if run.long is not None:
+    if long is not None:
         full = gain["full_scale_pa"]
-        text = f"long record: {listening.sentence(run, run.long)}; {scale.format(full)}"
-        made.append({"name": "long", "text": text, "src": compressed(run.long.channels / full)})
+        text = f"long record: {listening.sentence(run, long)}; {scale.format(full)}"
+        made.append({"name": "long", "text": text, "src": compressed(long.channels / full)})
     if run.result.passes is not None:
         content, text = passes_wav(run, 16)
         samples = soundfile.read(io.BytesIO(content))[0]
@@ -126,8 +131,8 @@ def gains(
     -------
     list of dict. `full_scale_pa` [Pa] is the pressure of full scale in the file of a record, whose
         peak lies at -1 dB. `calibrated` and `equal` are factors on its samples for a common full
-        scale and for a common LAeq, `calibrated_pa` and `equal_pa` [Pa] the full scales that they
-        lead to, and `equal_db` [dB] their ratio. A silent record has factors of 0 and no scales.
+        scale, `calibrated_pa` [Pa], and for a common LAeq; `equal_db` [dB] is the gain of the
+        second over the first. A silent record has factors of 0 and nothing else.
     """
     scales = [peak / wav.PEAK if peak > 0 else 1.0 for peak in peaks_pa]
     records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
@@ -136,14 +141,14 @@ def gains(
     # levels.
     loudest = [level - _db(scale) for scale, _, level in records if level is not None]
     target = min(loudest, default=0.0)
-    computed: list[dict[str, float | None]] = []
+    computed = []
     for scale, peak, level in records:
         gain: dict[str, float | None] = {"full_scale_pa": scale, "calibrated": 0.0, "equal": 0.0}
-        gain |= dict.fromkeys(("calibrated_pa", "equal_pa", "equal_db"))
+        gain |= {"calibrated_pa": None, "equal_db": None}
         if peak > 0:
             equal = common if level is None else 10.0 ** ((level - target) / 20.0)
             gain |= {"calibrated": scale / common, "equal": scale / equal}
-            gain |= {"calibrated_pa": common, "equal_pa": equal, "equal_db": _db(common / equal)}
+            gain |= {"calibrated_pa": common, "equal_db": _db(common / equal)}
         computed.append(gain)
     return computed
 

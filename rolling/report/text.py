@@ -5,17 +5,14 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
+from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
-from matplotlib.ticker import EngFormatter
-
-from acoustics.bands import BAND_NAMES, reliable
-from acoustics.numbers import bracketed, rounded
+from acoustics.numbers import rounded
 from rolling.results.labels import printable
-from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
-from rolling.results.runs_table import level_name, uncertain
+from rolling.results.runs_table import LEVELS, level_name, level_text, uncertain
 from rolling.scene import file
 
 NOTHING = "-"  # for a number that does not exist
@@ -32,7 +29,6 @@ class Column(NamedTuple):
 
     head: str
     unit: str = ""
-    uncertainty: str = ""
     factor: float = 1.0
     form: str = ".1f"
     always: bool = False
@@ -51,16 +47,16 @@ def titles(runs: Sequence[Run]) -> str:
 
 def sentence(runs: Sequence[Run]) -> str:
     """State the result in one sentence."""
-    sounding = [(level, run) for run in runs if (level := run.sound.levels.laeq_db) is not None]
+    levels = ((run.sound.levels.laeq_db, run) for run in runs)
+    sounding = sorted(((db, run) for db, run in levels if db is not None), key=itemgetter(0))
     if not sounding:
         sources = " or ".join(dict.fromkeys(run.sound.source for run in runs))
         return f"No sound: the {sources} does not fluctuate within hearing."
+    (low_db, quietest), (high_db, loudest) = sounding[0], sounding[-1]
     distances = {run.scene.listener_place for run in runs}
     at = f" at {distances.pop()}" if len(distances) == 1 else ""
     silent = len(runs) - len(sounding)
     also = f" {silent} of {len(runs)} runs are silent." if silent else ""
-    low_db, quietest = min(sounding, key=lambda pair: pair[0])
-    high_db, loudest = max(sounding, key=lambda pair: pair[0])
     name = level_head(runs)
     if len(sounding) == 1:
         laeq = uncertain(low_db, quietest.summary["uncertainty_db"]["laeq"])
@@ -96,47 +92,14 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
     return heads, [(run.label, [_cell(run, *item) for item in columns.items()]) for run in runs]
 
 
-def listeners(runs: Sequence[Run]) -> list[tuple[str, str, str, str]]:
-    """Return run, place, LAeq and LZeq of each listener of the runs with more than one."""
-
-    def decibels(level: float | None) -> str:
-        return "silent" if level is None else f"{level:.1f}"
-
-    return [
-        (run.label, f"{bracketed(x['at_mm'])} mm", decibels(x["laeq_db"]), decibels(x["level_db"]))
-        for run in runs
-        if len(listeners := run.summary.get("listeners") or []) > 1
-        for x in listeners
-    ]
-
-
 def _cell(run: Run, key: str, column: Column) -> str:
     """Write a number of a run for a table."""
-    value = run.summary.get(key)
-    if value is None:
-        level = column.uncertainty and key in run.summary
-        steady = key == "steady_level_db" and run.vibration is not None
-        return "silent" if level and not steady else NOTHING
-    if column.uncertainty:
-        return uncertain(value, run.summary["uncertainty_db"].get(column.uncertainty))
+    if key in LEVELS and key in run.summary:
+        return level_text(run.summary, key)
+    if (value := run.summary.get(key)) is None:
+        return NOTHING
     number = value * column.factor
     return f"{number:{column.form}}" if column.form else rounded(number, 4)
-
-
-def bands(runs: Sequence[Run]) -> list[tuple[str, bool, list[str]]]:
-    """Return nominal mid frequency, certainty and Z levels of all runs for each third octave."""
-    certain = reliable(min(run.sound.duration for run in runs))
-    shown = zip(BAND_NAMES, certain.tolist(), strict=True)
-
-    def cell(run: Run, band: str) -> str:
-        level = run.sound.levels.third_octave_db[band]
-        if level is None:
-            return NOTHING
-        text = uncertain(level, run.summary["third_octave_uncertainty_db"][band])
-        error = total_errors_db(run.summary).get(band)
-        return text if error is None else f"{text} (error {error:+.1f})"
-
-    return [(band, sure, [cell(run, band) for run in runs]) for band, sure in shown]
 
 
 # ---- facts
@@ -153,26 +116,6 @@ def facts(runs: Sequence[Run], records: Sequence[Mapping[str, str]]) -> list[Fac
         values = [("; ".join(names * several), x) for x, names in labels_by_value.items()]
         merged.append((name, values))
     return merged
-
-
-def events(run: Run) -> list[Fact]:
-    """List the numbers of the recovery events of a run; empty without events."""
-    statistics = run.event_statistics
-    if statistics is None:
-        return []
-    joule = EngFormatter("J", places=1)
-    values = {
-        "events": f"{statistics.count:,}, {statistics.per_metre * 1e-3:,.0f} per mm",
-        "energy of an event": f"mean {joule(statistics.energy_mean)},"
-        f" median {joule(statistics.energy_median)},"
-        f" nine in ten below {joule(statistics.energy_p90)}",
-        "mean duration": f"{rounded(statistics.duration_mean, 3)} steps"
-        f" of {run.result.step * 1e6:g} µm",
-        "maximum of a node in a step": joule(statistics.peak),
-        "top tenth of the events": f"{rounded(100 * statistics.top_tenth_share, 3)} %"
-        " of the release",
-    }
-    return [(name, [("", value)]) for name, value in values.items()]
 
 
 def recipes(runs: Sequence[Run]) -> list[dict[str, str]]:
@@ -196,13 +139,9 @@ def provenance(runs: Sequence[Run]) -> list[Fact]:
     """List program, packages and machine that made the numbers; empty for runs in memory."""
     records = []
     for run in runs:
-        stored = run.summary.get("provenance", {})
-        record = {
-            name: NOTHING if value is None else str(value)
-            for name, value in stored.items()
-            if name not in ("packages", "label")
-        }
-        if packages := stored.get("packages"):
-            record["packages"] = ", ".join(f"{name} {v}" for name, v in packages.items())
-        records.append(record)
+        stored = dict(run.summary.get("provenance", {}))
+        stored.pop("label", None)
+        if packages := stored.pop("packages", None):
+            stored["packages"] = ", ".join(f"{name} {v}" for name, v in packages.items())
+        records.append({name: NOTHING if x is None else str(x) for name, x in stored.items()})
     return facts(runs, records)

@@ -9,10 +9,12 @@ import math
 import os
 import sys
 import webbrowser
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import soundfile
 
 from acoustics import wav
 from acoustics.arrays import Array
@@ -69,19 +71,34 @@ def laps_in_words(sound: ContactSound) -> str:
 
 def heard(run: Run) -> tuple[Array, str]:
     """Return the record [Pa] for the ear, the long one if the scene asks for it, and say it."""
-    if run.long is not None:
-        return run.long.channels, sentence(run, run.long)
+    if long := recorded(run):
+        return long.channels, sentence(run, long)
     content = laps_in_words(run.sound)
     if run.scene.sound.listen_s is not None:
         content += f"; no long record: {run.no_long}"
     return laps(run.sound), content
 
 
+def recorded(run: Run) -> Listening | None:
+    """Return the long record of a run, from listen.wav where that holds it; None without one."""
+    numbers, path = run.summary.get("listening", {}), run.folder / "listen.wav"
+    scale = run.summary.get("listen", {}).get("pascal_per_full_scale")  # of stored runs only
+    if scale and numbers.get("seconds"):
+        with suppress(OSError, soundfile.LibsndfileError):
+            samples, rate, _ = wav.read(path)
+            channels = np.atleast_2d(samples.T) * scale
+            whole = channels.shape[1] == round(numbers["seconds"] * rate)
+            if whole and np.isfinite(channels).all():
+                return Listening(channels[0], rate, numbers, *channels[1:2])
+    return run.long
+
+
 def listen_wav(run: Run) -> tuple[bytes, dict[str, Any]]:
     """Write listen.wav of a run; return its bytes, and the content and meaning of its samples."""
     record, content = heard(run)
+    is_long = run.scene.sound.listen_s is not None and not run.no_long
     repeats = run.sound.loops or len(record) > len(run.sound.pressure)
-    written, gain, rule = _written(run, record, content, repeats and run.long is None)
+    written, gain, rule = _written(run, record, content, repeats and not is_long)
     return written, {
         "content": content,
         "duration_s": len(record) / run.sound.sample_rate,

@@ -17,11 +17,11 @@ _NEEDED = (
 )
 _MAPPINGS = (
     *("surface", "uncertainty_db", "third_octave_db", "third_octave_a_db"),
-    *("provenance", "packages", "listen", "error_estimate", "levelling"),
+    *("provenance", "packages", "listen", "listening", "error_estimate", "levelling"),
 )
 _TEXTS = ("name", "label", "source", "text")
 _UNITS = "db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|um|restitution"
-_NUMBER = re.compile(rf"surface|steps|impacts|.*_({_UNITS})")
+_NUMBER = re.compile(rf"surface|steps|impacts|seconds|pascal_.*|.*_({_UNITS})")
 
 
 def read_summary(path: Path) -> dict[str, Any]:

@@ -50,7 +50,7 @@ def drawing(plot, name: str = "any") -> dict[str, Any]:
     ax = Figure().subplots()
     ax.set_label("a title\na note")
     plot(ax)
-    return json.loads(json.dumps(chart_of(Picture(name, "", ax.figure, None)), allow_nan=False))
+    return json.loads(json.dumps(chart_of(Picture(name, ax.figure, None)), allow_nan=False))
 
 
 def points(chart: dict[str, Any], part: dict[str, Any], key: str = "y") -> np.ndarray:
@@ -119,7 +119,7 @@ def test_every_figure_keeps_its_axes_and_the_names_of_its_curves(name: str) -> N
         named = [curve["name"] for curve in read["curves"] if curve["name"]]
         legend = ax.get_legend_handles_labels()[1]
         assert list(dict.fromkeys(named)) == list(dict.fromkeys(legend))
-        assert f"{read['title']}: {read['note']}" == picture.alt
+        assert f"{read['title']}\n{read['note']}" == picture.figure.axes[0].get_label()
         kinds = {part["kind"] for part in read["parts"]}
         assert kinds and (kinds == {"image"}) == bool(ax.images)
         assert read["texts"] == [text.get_text() for text in ax.texts]

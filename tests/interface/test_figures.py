@@ -72,6 +72,11 @@ def sounding(run: Run, energy: np.ndarray) -> Run:
 # ---- the public plots
 
 
+def words(picture: Picture) -> str:
+    """Return title and note of a picture."""
+    return picture.figure.axes[0].get_label()
+
+
 @pytest.mark.parametrize("name", plot.__all__)
 def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
     sweep = name in ("levels", "contact_areas")
@@ -244,7 +249,7 @@ def test_compared_runs_have_the_same_axes(three) -> None:
     ],
 )
 def test_notes_state_the_assumptions(name: str, facts: tuple[str, ...], three) -> None:
-    alt = single(name, three[0], three).alt
+    alt = words(single(name, three[0], three))
     assert "small, load 0.5 N" in alt
     for fact in facts:
         assert fact in alt
@@ -255,10 +260,10 @@ def test_other_distances_are_named_as_a_range_and_other_scenes_by_name(three) ->
         three[1].scene.to_dict() | {"sound": {"distance_m": 4}}, three[1].scene.folder
     )
     runs = [three[0], replace(renamed(three[1], "other"), values={})]
-    both = {p.name: p.alt for p in comparing_pictures([runs[0], replace(runs[1], scene=far)])}
+    both = {p.name: words(p) for p in comparing_pictures([runs[0], replace(runs[1], scene=far)])}
     assert "at 1 to 4 m" in both["spectrum"] and "levels" not in both  # no swept key in common
     (drawn,) = comparing_pictures(runs, ["spectrum"])
-    assert "small, other" in drawn.alt
+    assert "small, other" in words(drawn)
 
 
 # ---- files

@@ -97,7 +97,8 @@ def test_gains_keep_levels_or_make_them_equal_and_never_clip() -> None:
         assert gain["calibrated_pa"] == pytest.approx(2 / PEAK)
         assert gain["calibrated"] == pytest.approx(gain["full_scale_pa"] / gain["calibrated_pa"])
         assert max(gain["calibrated"], gain["equal"]) <= 1 + 1e-12
-        assert level - 20 * np.log10(gain["equal_pa"]) == pytest.approx(heard)
+        equal_pa = gain["full_scale_pa"] / gain["equal"]
+        assert level - 20 * np.log10(equal_pa) == pytest.approx(heard)
         assert gain["equal_db"] == pytest.approx(heard - (level - 20 * np.log10(2 / PEAK)))
 
 

@@ -18,7 +18,7 @@ from acoustics import wav
 from rolling import cli, open_run, read_scene
 from rolling.contact import closed_forms
 from rolling.marches.piece import contact_identity
-from rolling.report import page
+from rolling.results.listening import recorded, sentence
 from rolling.run import folder as folders
 from rolling.terminal import defaults
 
@@ -401,7 +401,13 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
     samples, rate, comment = wav.read(out / "listen.wav")
     assert len(samples) == 1.5 * rate and "of which the first 0.2 mm" in comment
     assert "0.2 mm (0.044 % of the time) are solved" in summary(out)["listen"]["content"]
-    assert "1.5 s over 450 mm" in (page.long_record(open_run(out)) or {})["text"]
+    opened = open_run(out)
+    heard, made = recorded(opened), opened.long  # from the file of 24 bits, and made anew
+    assert (
+        heard is not None and heard is not made and "1.5 s over 450 mm" in sentence(opened, heard)
+    )
+    full_scale = summary(out)["listen"]["pascal_per_full_scale"]
+    assert np.abs(heard.pressure - made.pressure).max() <= full_scale * 2**-23
     for words, reason in (
         (("--seconds", "1e9"), "allowed is 0.1 to 120"),
         (("--speed", "nan"), "speed: got nan"),
