@@ -60,7 +60,7 @@ def live_of(run: Run) -> Data | None:
             least = EDGES[0] * max(end[axis] for end in ends)
             limits[name] = [min(least, settings[name]), max(EDGES[1], settings[name])]
     peak = float(np.abs(run.sound.channels).max())
-    data = {
+    data: Data = {
         "label": run.label,
         "rate": SAMPLE_RATE_HZ,
         "settings": settings,
@@ -116,7 +116,7 @@ def _fixed(scene: Scene) -> Data:
 
 def _remarks(run: Run, rows: Data) -> list[str]:
     """Return sentences on the differences between the run and its play at a constant speed."""
-    scene, remarks = run.scene, []
+    scene, remarks = run.scene, list[str]()
     if not scene.motion.is_constant(run.sound.duration):
         remarks.append("The speed of the run changes; the ball begins here at the highest one.")
     if len(scene.plate.contact_ends_mm) > 1:

@@ -15,13 +15,16 @@ const PEAK = 10 ** (-1 / 20); // of full scale
 export function changedKeys(run, settings, dropped = false) {
   const differs = (name) => settings[name] !== run.settings[name];
   const changed = SETTINGS.filter(({ name }) => isLive(name, run) && differs(name) && (name !== "dropHeight" || dropped))
-    .map(({ name, si, key }) => [key, name === "dropHeight" && settings[name] === 0 ? null : Number((settings[name] / si).toPrecision(6))]);
+    .map(({ name, si, key }) => [key, keyValue(name, settings[name] / si)]);
   if (!run.listeners) return changed;
   const placed = changed.filter(([key]) => key !== "sound.distance_m");
   if (differs("length") || differs("width")) placed.push(["plate.contact_mm", run.contact.map(inMm)]); // it does not move with the edges
   if (differs("distance")) placed.push(["sound.listener_mm", movedListeners(run, settings)]);
   return placed;
 }
+
+/** Returns a setting as the value of its key: a scene without a fall has null. */
+const keyValue = (name, value) => (name === "dropHeight" && value === 0 ? null : Number(value.toPrecision(6)));
 
 const inMm = (length) => Number((1e3 * length).toPrecision(6));
 
