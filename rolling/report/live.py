@@ -50,12 +50,12 @@ def live_of(run: Run) -> Data | None:
     if run.result.solved_steps < LEAST_ROWS:
         return None
     settings, limits = _settings(run), {}
-    for name, (least, most) in RANGES.items():
-        if (value := settings[name]) is not None:
-            limits[name] = [min(least, value), max(most, value)]
+    for name in _sliders(settings, vibration is not None):
+        least, most = RANGES[name]
+        limits[name] = [min(least, settings[name]), max(most, settings[name])]
     limits["distance"][0] = min(settings["distance"], max(0.1, 2 * scene.radius))
     ends = [[1e-3 * x for x in end] for end in scene.plate.contact_ends_mm.values()]
-    if scene.plate.edges_mm is not None:
+    if vibration is not None and settings["length"] is not None:
         for axis, name in enumerate(("length", "width")):
             least = EDGES[0] * max(end[axis] for end in ends)
             limits[name] = [min(least, settings[name]), max(EDGES[1], settings[name])]
@@ -75,6 +75,14 @@ def live_of(run: Run) -> Data | None:
     add = _add_release if vibration is None else _add_vibration
     data = add(run, data, vibration)
     return data | {"remarks": _remarks(run, data.get("law") or data["energy"])}
+
+
+def _sliders(settings: Data, vibrates: bool) -> list[str]:
+    """Return the settings that a run answers, of those with a fixed range."""
+    if not vibrates:
+        return ["distance", "q"]
+    deaf = {"q"} if settings["length"] else {"q", "lossFactor"}
+    return [name for name in RANGES if name not in deaf and settings[name] is not None]
 
 
 def _settings(run: Run) -> Data:
@@ -142,9 +150,10 @@ def _add_vibration(run: Run, data: Data, vibration: Vibration | None) -> Data:
     falling = scene.mass * FALL_M_S**2 / (2 * scene.load)
     data["limits"] |= {
         "speed": [0.0, max(fastest, data["settings"]["speed"])],
-        "load": [float(law.load_n[0]), float(law.load_n[-1])],
         "dropHeight": [0.0, max(falling, drop.height_m(scene))],
     }
+    if scene.rolling.load_n != WEIGHT:
+        data["limits"]["load"] = [float(law.load_n[0]), float(law.load_n[-1])]
     data["fixed"]["shortestWave"] = wave
     closes = law.period_m is not None and not run.sound.has_seam
     return data | {"kind": "vibration", "law": stored_law(law, scene.load, closes)}

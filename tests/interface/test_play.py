@@ -159,8 +159,10 @@ def test_settings_are_keys_of_the_scene(playing, name: str) -> None:
     """The scene with the keys, and the stored run with the assignments, have the settings."""
     scene = runs_of(name)[0].scene
     with playing(name) as page:
-        until(page, "document.querySelectorAll('#play-settings input').length > 3")
-        names = page.locator("#play-settings input").evaluate_all("(s) => s.map((x) => x.id)")
+        until(page, "document.querySelectorAll('#play-settings :not([hidden]) > input').length > 3")
+        names = page.locator("#play-settings :not([hidden]) > input").evaluate_all(
+            "(s) => s.map((x) => x.id)"
+        )
         for number, slider in enumerate(names):
             if slider != "play-load":
                 set_slider(page, slider.removeprefix("play-"), 0.55 + 0.03 * number)

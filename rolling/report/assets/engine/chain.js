@@ -1,13 +1,11 @@
 // Ball, contact and plate as a linear chain: mobilities, resonance, and the poles of the approach.
 //
 // Counted from rest under the load W, a force f = F - W moves the approach by -G(p) f with
-// G(p) = 1 / (M p^2) + Y / p, or with a sum of modes in place of Y / p. The contact is a spring k and
-// a damper k tau beside a source s, F - W = k (1 + tau p) d - s, so the approach answers the source
-// as H = G / D, D = 1 + k (1 + tau p) G. Its poles p_j and residues G / D' make the motion of d exact.
+// G(p) = 1 / (M p^2) + Y / p, or with a sum of modes in place of Y / p. The contact is a spring k
+// beside a source s, F - W = k d - s, so the approach answers the source as H = G / D, D = 1 + k G.
+// Its poles p_j and residues G / D' make the motion of d exact.
 
-import { elementsOf, modalPoles } from "./poles.js";
-
-const ATTEMPTS = 5; // of the search with other springs
+import { modalPoles } from "./poles.js";
 
 /** Return the mobility [s/kg] of an infinite plate in bending. */
 export function plateMobility(young, poisson, density, thickness) {
@@ -16,56 +14,35 @@ export function plateMobility(young, poisson, density, thickness) {
 }
 
 /** Return the mobility [s/kg] of a half-space at a frequency [rad/s]; C belongs to its Poisson's ratio. */
-export function halfSpaceMobility(coefficient, young, poisson, density, frequency) {
+function halfSpaceMobility(coefficient, young, poisson, density, frequency) {
   const shear = Math.sqrt(young / (2 * (1 + poisson)) / density);
   return (coefficient * frequency ** 2) / (density * shear ** 3);
 }
 
 /** Return the chain of a ball [kg] on modes, with spring [N/m] and viscosity over stiffness [s]. */
 export function modalChain(mass, modes, stiffness, contactTime = 0) {
-  const elements = elementsOf(mass, modes);
-  const numbers = { mass, contactTime, mobility: 0, modes: elements.w.length - 1 };
-  // The motion may split off any spring; another one parts poles that coincide.
-  for (let attempt = 0, spring = stiffness; ; attempt++, spring *= 1.01) {
-    const poles = modalPoles(elements, spring, contactTime);
-    let compliance = 0;
-    for (const [x, y, r, i] of poles) compliance -= (r * x + i * y) / (x * x + y * y);
-    const exact = Math.abs(compliance * spring - 1) < 1e-7;
-    if (exact || attempt === ATTEMPTS) return chainOf(poles, { ...numbers, stiffness: spring });
-  }
+  return { mass, stiffness, contactTime, mobility: 0, poles: modalPoles(mass, modes, stiffness) };
 }
 
 /** Return the chain of a ball [kg] on a plate of a mobility [s/kg]: one pair of poles in closed form. */
 export function plainChain(mass, mobility, stiffness, contactTime = 0) {
-  const lead = mass * (1 + stiffness * contactTime * mobility);
-  const half = (stiffness * (contactTime + mass * mobility)) / (2 * lead);
-  const square = stiffness / lead;
+  const half = (stiffness * mobility) / 2;
+  const square = stiffness / mass;
   const turn = half * half - square;
   const root = Math.sqrt(Math.max(Math.abs(turn), 1e-8 * square)); // two poles, never a double one
-  // H = (1 + M Y p) / (lead (p - p1) (p - p2))
-  const poles = [];
-  if (turn > 0) {
-    const slow = -square / (half + root);
-    for (const [p, other] of [[slow, -half - root], [-half - root, slow]]) {
-      poles.push([p, 0, (1 + mass * mobility * p) / (lead * (p - other)), 0]);
-    }
-  } else {
-    poles.push([-half, root, (mass * mobility) / lead, -(1 - mass * mobility * half) / (lead * root)]);
-  }
-  return chainOf(poles, { mass, stiffness, contactTime, mobility, modes: 0 });
+  // H = (1 / M + Y p) / ((p - p1) (p - p2))
+  const slow = -square / (half + root);
+  const real = ([p, other]) => [[p, 0], [(1 / mass + mobility * p) / (p - other), 0]];
+  const poles =
+    turn > 0
+      ? [[slow, -half - root], [-half - root, slow]].map(real)
+      : [[[-half, root], [mobility, -(1 / mass - mobility * half) / root]]];
+  return { mass, stiffness, contactTime, mobility, poles };
 }
 
-/** Return a chain as arrays that a worker can transfer. */
-function chainOf(poles, numbers) {
-  const [re, im, residueRe, residueIm] = [0, 1, 2, 3].map((i) => Float64Array.from(poles, (pole) => pole[i]));
-  return { ...numbers, re, im, residueRe, residueIm };
-}
-
-/**
- * Return the chain of a run at settings over a law. `modes` belong to a plate with edges.
- */
+/** Return the chain of a run at settings over a law. `modes` belong to a plate with edges. */
 export function chainAt(run, settings, law, modes = null) {
-  const { radius, young, poisson, halfSpace } = run.fixed;
+  const { young, poisson, halfSpace } = run.fixed;
   const mass = ballMass(run, settings);
   const stiffness = law.meanStiffness(loadOf(run, settings));
   const resonance = Math.sqrt(stiffness / mass);

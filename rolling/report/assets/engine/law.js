@@ -3,49 +3,26 @@
 // At a place the slope g = da/ds of the approach a over s = F^(2/3) is a broken line over `breaks`,
 // constant beyond the last. Along the track, lift-off and slopes are periodic cubic splines.
 
-const DIGITS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-/** Return the bytes of a text in base64; a worklet has no `atob`. */
-function bytesOf(text) {
-  const values = new Uint8Array(128);
-  for (let i = 0; i < 64; i++) values[DIGITS.charCodeAt(i)] = i;
-  const bytes = new Uint8Array(Math.floor((text.replace(/=+$/, "").length * 3) / 4));
-  for (let i = 0, j = 0; j < bytes.length; i += 4) {
-    const [a, b, c, d] = [0, 1, 2, 3].map((k) => values[text.charCodeAt(i + k)] || 0);
-    const word = (a << 18) | (b << 12) | (c << 6) | d;
-    for (let shift = 16; shift >= 0 && j < bytes.length; shift -= 8) bytes[j++] = word >> shift;
-  }
-  return bytes;
-}
-
 /** Return the numbers of a stored array {type, base64, scale, offset}, of type int16 or float32. */
 export function numbersOf({ type, base64, scale, offset }) {
-  const bytes = bytesOf(base64);
-  const view = new DataView(bytes.buffer);
-  const wide = type === "float32" ? 4 : 2;
-  const numbers = new Float64Array(bytes.length / wide);
-  for (let i = 0; i < numbers.length; i++) {
-    const stored = wide === 4 ? view.getFloat32(4 * i, true) : view.getInt16(2 * i, true);
-    numbers[i] = offset + scale * stored;
-  }
-  return numbers;
+  const { buffer } = Uint8Array.from(atob(base64), (byte) => byte.charCodeAt(0));
+  const stored = type === "float32" ? new Float32Array(buffer) : new Int16Array(buffer);
+  return Float64Array.from(stored, (value) => offset + scale * value);
 }
 
-const BACK = 2 - Math.sqrt(3); // root of the recursion of a cubic spline
-const MEMORY = 32; // rows after which it has forgotten its start: BACK^32 = 5e-19
+const BACK = 2 - Math.sqrt(3); // ratio by which rows count less and less in the slope of a cubic spline
+const REACH = 28; // rows after which they count nothing: BACK^28 = 1e-16
 
-/** Set the derivatives per row of a periodic cubic spline through one column of a table. */
-function splineSlopes(values, slopes, rows, columns, column) {
-  const at = (i) => ((((i % rows) + rows) % rows) * columns) + column;
-  const half = new Float64Array(rows + 2 * MEMORY);
-  for (let i = 0, carried = 0; i < half.length; i++) {
-    carried = 3 * (values[at(i - MEMORY + 1)] - values[at(i - MEMORY - 1)]) - BACK * carried;
-    half[i] = carried;
-  }
-  for (let i = half.length - 1, carried = 0; i >= MEMORY; i--) {
-    carried = BACK * (half[i] - carried);
-    if (i < rows + MEMORY) slopes[at(i - MEMORY)] = carried;
-  }
+/** Return the derivatives per row of the periodic cubic spline through a column. */
+function splineSlopes(column) {
+  const n = column.length;
+  return column.map((_, i) => {
+    let slope = 0;
+    for (let m = 1, weight = 3 * BACK; m <= REACH; m++, weight *= -BACK) {
+      slope += weight * (column[(i + m) % n] - column[(i + n * REACH - m) % n]);
+    }
+    return slope;
+  });
 }
 
 /** Return the table of a stored law: arrays that a worker can transfer, row by row. */
@@ -55,15 +32,15 @@ export function lawTable({ start, spacing, breaks, columns }) {
   const rows = Math.max(...stored.map((column) => column.length)); // a constant column has one row
   const values = new Float64Array(rows * count);
   const slopes = new Float64Array(rows * count);
-  for (let j = 0; j < count; j++) {
-    for (let i = 0; i < rows; i++) values[i * count + j] = stored[j][stored[j].length > 1 ? i : 0];
-    splineSlopes(values, slopes, rows, count, j);
-    if (j === 0) continue;
-    for (let p = j; p < slopes.length; p += count) {
-      const steepest = 3 * values[p]; // up to which a cubic between rows stays positive
-      slopes[p] = Math.max(-steepest, Math.min(steepest, slopes[p]));
+  stored.forEach((column, j) => {
+    const own = splineSlopes(column);
+    for (let i = 0; i < rows; i++) {
+      const k = column.length > 1 ? i : 0;
+      const steepest = j > 0 ? 3 * column[k] : Infinity; // up to which a cubic between rows stays positive
+      values[i * count + j] = column[k];
+      slopes[i * count + j] = Math.max(-steepest, Math.min(steepest, own[k]));
     }
-  }
+  });
   return { start, spacing, breaks: Float64Array.from(breaks), values, slopes };
 }
 

@@ -2,15 +2,16 @@
 
 import { $, $$ } from "./core.js";
 import { choose, say } from "./choices.js";
-import { SETTINGS, backToScene, changeSetting, giveSpeed, playedRuns, roundedIn, shareAt, showRolling, showVolume, valueAt } from "./play_panel.js";
+import { SETTINGS, backToScene, giveSpeed, listenToSlider, playedRuns, setVolume, shareAt, showRolling, valueAt } from "./play_panel.js";
 import { followHand, live, liveOf, openWorker, rollBall, rollOn, startInstrument, takeRun, tellInstrument, askSettings } from "./play_sound.js";
 import { ballAt, drawStage, view, wakeStage } from "./play_view.js";
 import { drawSpectrum, drawStrip } from "./play_meter.js";
 import { copyYaml, saveWav, showExport } from "./play_export.js";
 
 const FALL_MS = 500; // that a lifted ball is held
-export const POLL_MS = 30;
+export const POLL_MS = 30; // between questions whether the instrument is ready
 const REST_M_S = 0.01; // below which a ball that is let go stays where it is
+const KEY_STEP = 0.03; // of the slider of the speed
 
 const hand = { grip: 0, sent: false };
 
@@ -19,18 +20,13 @@ export function beginPlaying() {
   const [first] = playedRuns();
   if (first === undefined) return;
   const stage = $("#play-stage");
-  const on = (element, type, act) => element.addEventListener(type, act);
-  for (const [type, act] of [["pointerdown", grab], ["pointermove", pull], ["pointerup", letGo], ["pointercancel", letGo]]) on(stage, type, act);
-  on(stage, "keydown", pressKey);
-  on(stage, "keyup", ({ key }) => key.startsWith("Arrow") && push(0));
-  on(stage, "blur", () => push(0));
-  on($("#play-roll"), "click", () => rollBall(!live.rolling));
-  on($("#play-drop"), "click", dropBall);
-  on($("#play-back"), "click", backToScene);
-  on($("#play-copy"), "click", () => copyYaml($("#play-copy")));
-  on($("#play-wav"), "click", saveWav);
-  on($("#play-volume"), "input", ({ target }) => { live.volume = Number(target.value); showVolume(); });
-  for (const radio of $$("input[name=play-run]")) on(radio, "change", () => choose(Number(radio.value)));
+  const acts = { pointerdown: grab, pointermove: pull, pointerup: letGo, pointercancel: letGo, keydown: pressKey, keyup: releaseKey, blur: () => push(0) };
+  for (const [type, act] of Object.entries(acts)) stage.addEventListener(type, act);
+  const clicks = { roll: turnRolling, drop: dropBall, back: backToScene, copy: () => copyYaml($("#play-copy")), wav: saveWav };
+  for (const [name, act] of Object.entries(clicks)) $(`#play-${name}`).addEventListener("click", act);
+  $("#play-volume").addEventListener("input", ({ target }) => setVolume(Number(target.value)));
+  for (const radio of $$("input[name=play-run]")) radio.addEventListener("change", () => choose(Number(radio.value)));
+  SETTINGS.forEach(listenToSlider);
   new ResizeObserver(redrawPlayed).observe(stage);
   new IntersectionObserver(([{ isIntersecting }]) => {
     view.seen = isIntersecting;
@@ -38,7 +34,7 @@ export function beginPlaying() {
     wakeStage();
   }, { rootMargin: "200px" }).observe(stage);
   if (live.number < 0) takeRun(first);
-  showVolume();
+  setVolume(0);
 }
 
 /** Draws the canvases again, in another size or other colours. */
@@ -49,17 +45,17 @@ export function redrawPlayed() {
   drawSpectrum();
 }
 
-const placeOf = (event) => {
-  const box = $("#play-stage").getBoundingClientRect();
-  return view.camera + (event.clientX - box.left - box.width / 2) / view.scale;
+const placeOf = ({ clientX }) => {
+  const { left, width } = $("#play-stage").getBoundingClientRect();
+  return view.camera + (clientX - left - width / 2) / view.scale;
 };
 
 function grab(event) {
   if (event.button > 0) return;
   event.currentTarget.setPointerCapture(event.pointerId);
   event.currentTarget.focus({ preventScroll: true });
-  const reach = Math.abs(placeOf(event) - view.ball) * view.scale;
-  hand.grip = reach < 1.3 * view.radius ? placeOf(event) - view.ball : 0; // a hand beside the ball calls it
+  const away = placeOf(event) - view.ball;
+  hand.grip = Math.abs(away) * view.scale < 1.3 * view.radius ? away : 0; // a hand beside the ball calls it
   Object.assign(live, { held: true, rolling: false });
   Object.assign(view, { touched: true, goal: view.ball });
   startInstrument();
@@ -91,37 +87,40 @@ function letGo() {
   rollBall(rolls);
 }
 
-const KEYS_HELD = { ArrowLeft: -1, ArrowRight: 1 };
+const turnRolling = () => rollBall(!live.rolling);
+
+const STAGE_KEYS = {
+  " ": turnRolling,
+  ArrowLeft: () => push(-1),
+  ArrowRight: () => push(1),
+  ArrowUp: () => stepSpeed(KEY_STEP),
+  ArrowDown: () => stepSpeed(-KEY_STEP),
+  Home: backToScene,
+  d: dropBall,
+};
 
 function pressKey(event) {
-  if (event.ctrlKey || event.altKey || event.metaKey) return;
-  const act = {
-    " ": () => rollBall(!live.rolling),
-    Enter: () => rollBall(!live.rolling),
-    ArrowUp: () => stepSpeed(0.03),
-    ArrowDown: () => stepSpeed(-0.03),
-    Home: backToScene,
-    d: dropBall,
-  }[event.key];
-  if (event.key in KEYS_HELD) push(KEYS_HELD[event.key]);
-  else if (act) act();
-  else return;
+  if (event.ctrlKey || event.altKey || event.metaKey || !STAGE_KEYS[event.key]) return;
+  STAGE_KEYS[event.key]();
   event.preventDefault();
 }
 
+function releaseKey({ key }) {
+  if (key === "ArrowLeft" || key === "ArrowRight") push(0);
+}
+
 /** Rolls to one side as long as a key is held. */
-function push(direction) {
+async function push(direction) {
   if (live.push === direction) return;
   live.push = direction;
   view.touched = true;
-  if (direction) startInstrument().then(rollOn);
-  else rollOn();
+  if (direction) await startInstrument();
+  rollOn();
 }
 
 function stepSpeed(by) {
-  const [setting] = SETTINGS, range = liveOf().limits.speed;
-  const share = Math.min(Math.max(shareAt(live.settings.speed, range) + by, 0), 1);
-  changeSetting(setting, roundedIn(valueAt(share, range), 1));
+  const range = liveOf().limits.speed;
+  giveSpeed(valueAt(shareAt(live.settings.speed, range) + by, range));
 }
 
 /** Lifts the ball and lets it fall. */
@@ -131,7 +130,7 @@ async function dropBall() {
   showExport();
   askSettings();
   await startInstrument();
-  await isReady();
+  while (!live.report || live.asked) await later(POLL_MS); // until it sounds with the present settings
   tellInstrument({ task: "lift", height: live.settings.dropHeight });
   say("lifted");
   await later(FALL_MS);
@@ -139,8 +138,3 @@ async function dropBall() {
 }
 
 export const later = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
-
-/** Waits until the instrument sounds and has taken the present settings. */
-async function isReady() {
-  while (!live.report || live.asked) await later(POLL_MS);
-}

@@ -84,55 +84,46 @@ function showRemark(load, lost, now) {
 /** Sizes a canvas to its box in device pixels and returns its pen, with width and height in CSS pixels. */
 export function penOf(canvas) {
   const { clientWidth: width, clientHeight: height } = canvas, scale = Math.min(window.devicePixelRatio || 1, 2);
-  if (canvas.width !== Math.round(width * scale) || canvas.height !== Math.round(height * scale)) {
-    canvas.width = Math.round(width * scale);
-    canvas.height = Math.round(height * scale);
-  }
-  const pen = canvas.getContext("2d");
+  const [wide, high] = [Math.round(width * scale), Math.round(height * scale)];
+  if (canvas.width !== wide || canvas.height !== high) Object.assign(canvas, { width: wide, height: high });
+  const pen = canvas.getContext("2d"), style = getComputedStyle(canvas);
   pen.setTransform(scale, 0, 0, scale, 0, 0);
   pen.clearRect(0, 0, width, height);
-  const style = getComputedStyle(canvas);
-  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
-  return { pen, width, height, colour };
+  pen.font = "13px system-ui, sans-serif";
+  return { pen, width, height, colour: (name) => style.getPropertyValue(`--${name}`).trim() };
+}
+
+export function write(pen, text, x, y, align = "left") {
+  pen.textAlign = align;
+  pen.fillText(text, x, y);
 }
 
 /** Draws force, or pressure of the release, over the last seconds: its range in each block, and flights as shades. */
 export function drawStrip() {
   const { pen, width, height, colour } = penOf($("#play-strip"));
-  const release = liveOf().kind === "release", load = live.settings.load;
-  const middle = release ? 0 : load;
-  let reach = release ? 0 : 1e-3 * load;
-  for (let i = 0; i < COLUMNS; i++) if (strip.high[i]) reach = Math.max(reach, strip.high[i] - middle, middle - strip.low[i]);
+  const release = liveOf().kind === "release", middle = release ? 0 : live.settings.load;
+  const reach = Math.max(1e-3 * middle, ...strip.high.map((high, i) => (high ? Math.max(high - middle, middle - strip.low[i]) : 0)));
   strip.reach = reach > strip.reach ? reach : strip.reach + 0.05 * (reach - strip.reach);
   const bottom = release ? -strip.reach : Math.max(middle - strip.reach, 0), range = middle + strip.reach - bottom || 1;
   const y = (value) => height - 6 - ((value - bottom) / range) * (height - 32);
-  const step = width / COLUMNS;
+  const step = width / COLUMNS, columns = Array.from(strip.high, (_, i) => [i * step, (strip.at + i) % COLUMNS]);
   pen.fillStyle = colour("pale");
-  for (let i = 0; i < COLUMNS; i++) {
-    const k = (strip.at + i) % COLUMNS;
-    if (!strip.flies[k]) continue;
+  for (const [x, k] of columns) {
     pen.globalAlpha = 0.3 * strip.flies[k];
-    pen.fillRect(i * step, 24, step + 0.5, height - 24);
+    if (strip.flies[k]) pen.fillRect(x, 24, step + 0.5, height - 24);
   }
   pen.globalAlpha = 1;
   pen.fillStyle = colour("accent");
-  for (let i = 0; i < COLUMNS; i++) {
-    const k = (strip.at + i) % COLUMNS, top = y(strip.high[k]);
-    if (strip.high[k] || strip.low[k]) pen.fillRect(i * step, top, step + 0.3, Math.max(1.5, y(strip.low[k]) - top));
+  for (const [x, k] of columns) {
+    if (strip.high[k] || strip.low[k]) pen.fillRect(x, y(strip.high[k]), step + 0.3, Math.max(1.5, y(strip.low[k]) - y(strip.high[k])));
   }
   pen.strokeStyle = pen.fillStyle = colour("ink");
   pen.setLineDash([5, 5]);
-  pen.beginPath();
-  pen.moveTo(0, y(middle));
-  pen.lineTo(width, y(middle));
-  pen.stroke();
+  pen.stroke(new Path2D(`M 0 ${y(middle)} H ${width}`));
   pen.setLineDash([]);
-  pen.font = "13px system-ui, sans-serif";
-  pen.textAlign = "left";
-  const words = bottom > 0 ? `force, load ± ${newtons(digits(strip.reach, 2))}` : `force, 0 to ${newtons(digits(middle + strip.reach, 2))}; dashed: load`;
-  pen.fillText(release ? `pressure, ± ${digits(strip.reach, 2)} Pa` : words, 0, 14);
-  pen.textAlign = "right";
-  pen.fillText(`${STRIP_S} s`, width, 14);
+  const force = bottom > 0 ? `force, load ± ${newtons(digits(strip.reach, 2))}` : `force, 0 to ${newtons(digits(middle + strip.reach, 2))}; dashed: load`;
+  write(pen, release ? `pressure, ± ${digits(strip.reach, 2)} Pa` : force, 0, 14);
+  write(pen, `${STRIP_S} s`, width, 14, "right");
 }
 
 const bandOf = (frequency) => Math.floor(10 * Math.log10(frequency) - 12.5); // 0 for the third octave at 20 Hz
@@ -148,6 +139,7 @@ function showSpectrum() {
   drawSpectrum();
 }
 
+const BAND_MARKS = [[2, "31"], [7, "100"], [12, "315"], [17, "1k"], [22, "3.15k"], [27, "10k"]];
 const CENTRES = data.bands.map(Number);
 const levels = (powers) => powers.map((power) => (power > 0 ? 10 * Math.log10(power) : null));
 const highest = (values) => Math.max(...values.map((value) => value ?? -Infinity));
@@ -161,29 +153,18 @@ export function drawSpectrum() {
   heard.top = heard.top === null || wanted > heard.top || wanted < heard.top - 15 ? wanted : heard.top;
   const base = height - 22, step = (width - 34) / own.length;
   const y = (level) => base - (Math.max(level - heard.top + LEVELS_DB, 0) / LEVELS_DB) * (base - 22);
-  pen.font = "13px system-ui, sans-serif";
-  pen.strokeStyle = colour("line");
   pen.fillStyle = colour("pale");
-  pen.textAlign = "right";
   for (let level = heard.top; level > heard.top - LEVELS_DB; level -= 20) {
     pen.fillRect(34, Math.round(y(level)), width - 34, 0.5);
-    pen.fillText(`${level}`.replace("-", "−"), 28, y(level) + 4);
+    write(pen, `${level}`.replace("-", "−"), 28, y(level) + 4, "right");
   }
-  pen.textAlign = "center";
-  for (const [i, text] of [[2, "31"], [7, "100"], [12, "315"], [17, "1k"], [22, "3.15k"], [27, "10k"]]) pen.fillText(text, 34 + (i + 0.5) * step, height - 4);
+  for (const [i, text] of BAND_MARKS) write(pen, text, 34 + (i + 0.5) * step, height - 4, "center");
   pen.fillStyle = colour("accent");
-  now.forEach((level, i) => level > heard.top - LEVELS_DB && pen.fillRect(34 + i * step + 1, y(level), step - 2, base - y(level)));
-  pen.strokeStyle = pen.fillStyle = colour("ink");
-  pen.lineWidth = 1.5;
-  pen.beginPath();
-  own.forEach((level, i) => {
-    if (level === null || level < heard.top - LEVELS_DB) return;
-    pen.moveTo(34 + i * step, y(level));
-    pen.lineTo(34 + (i + 1) * step, y(level));
-  });
-  pen.stroke();
-  pen.textAlign = "left";
-  pen.fillText("third octaves, dB; lines: the run", 34, 14);
+  const isShown = (level) => level !== null && level > heard.top - LEVELS_DB;
+  now.forEach((level, i) => isShown(level) && pen.fillRect(34 + i * step + 1, y(level), step - 2, base - y(level)));
+  pen.fillStyle = colour("ink");
+  own.forEach((level, i) => isShown(level) && pen.fillRect(34 + i * step, y(level) - 0.75, step, 1.5));
+  write(pen, "third octaves, dB; lines: the run", 34, 14);
   $("#play-against").textContent = live.report?.asleep ? "" : against(now, own);
 }
 
