@@ -3,7 +3,7 @@
     python docs/_hooks/gallery.py [--out outputs/gallery] [--workers N] [SCENE...]
 
 Without scenes it runs those of `rolling scenes` whose estimated cost is moderate. A scene that is
-done is not run again. The gallery is OUT/gallery.html. Chromium and the extra `dev` draw its picture
+done is not run again. The gallery is OUT/gallery.html. Chromium (extra `dev`) draws its picture
 into scenarios/pictures, and with the quickstart also the pictures of its page and spectrum.
 """
 

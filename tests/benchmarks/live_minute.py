@@ -1,7 +1,6 @@
 """A minute of the instrument in Chromium: its clock, its drop-outs and its load.
 
-`python tests/benchmarks/live_minute.py [PAGE]` plays the first run of a report.html, or a short
-march over a plate of 300 x 400 x 3 mm, with `--seconds N` for another length.
+`python tests/benchmarks/live_minute.py [PAGE] [--seconds N]` plays a report.html, or a short march.
 """
 
 from __future__ import annotations
@@ -21,8 +20,7 @@ import rolling as rc
 
 # Keeps the last report of the instrument, and the audio context that plays it.
 LISTEN = """
-  const Plain = AudioWorkletNode;
-  window.AudioWorkletNode = class extends Plain {
+  window.AudioWorkletNode = class extends AudioWorkletNode {
     constructor(context, ...rest) {
       super(context, ...rest);
       this.port.addEventListener("message", ({ data }) => {
@@ -37,7 +35,7 @@ CLOCK = "[performance.now() / 1000, heard.context.currentTime, heard.lost, heard
 def main() -> None:
     """Play a page and print lag and drop-outs [s] and the load of the processor."""
     parser = argparse.ArgumentParser()
-    parser.add_argument("page", nargs="?", type=Path, help="a report.html")
+    parser.add_argument("page", nargs="?", type=Path)
     parser.add_argument("--seconds", type=float, default=60.0)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
@@ -55,9 +53,8 @@ def main() -> None:
         page.wait_for_timeout(1000 * given.seconds)
         wall, sounded, lost, load = page.evaluate(CLOCK)
         browser.close()
-    lag = (wall - begun[0]) - (sounded - begun[1])
-    print(f"{wall - begun[0]:.1f} s: lag {lag:+.3f} s, drop-outs {lost:.3f} s, load {load:.2f}")
+    seconds, lag = wall - begun[0], (wall - begun[0]) - (sounded - begun[1])
+    print(f"{seconds:.1f} s: lag {lag:+.3f} s, drop-outs {lost:.3f} s, load {load:.2f}")
 
 
-if __name__ == "__main__":
-    main()
+main()
