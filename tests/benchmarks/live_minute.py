@@ -1,0 +1,60 @@
+"""A minute of the instrument in Chromium: its clock, its drop-outs and its load.
+
+`python tests/benchmarks/live_minute.py [PAGE] [--seconds N]` plays a report.html, or a short march.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
+import live_engine
+from playwright.sync_api import sync_playwright
+from report_browser import FLAGS, browser_path
+
+import rolling as rc
+
+# Keeps the last report of the instrument, and the audio context that plays it.
+LISTEN = """
+  window.AudioWorkletNode = class extends AudioWorkletNode {
+    constructor(context, ...rest) {
+      super(context, ...rest);
+      this.port.addEventListener("message", ({ data }) => {
+        if (data.state) window.heard = { context, load: data.load, lost: data.lost };
+      });
+    }
+  };
+"""
+CLOCK = "[performance.now() / 1000, heard.context.currentTime, heard.lost, heard.load]"
+
+
+def main() -> None:
+    """Play a page and print lag and drop-outs [s] and the load of the processor."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("page", nargs="?", type=Path)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        if (path := given.page) is None:
+            scene = live_engine.scene({"surface.width_um": 256, **live_engine.EDGES})
+            run = rc.simulate(scene.with_({"plate.thickness_mm": 3}), workers=1, progress=False)
+            path = run.save(Path(folder) / "run") / "report.html"
+        browser = playwright.chromium.launch(executable_path=browser_path(), args=FLAGS)
+        page = browser.new_page()
+        page.add_init_script(LISTEN)
+        page.goto(path.resolve().as_uri())
+        page.click("#play-roll")
+        page.wait_for_timeout(3000)  # preparation and compilation
+        begun = page.evaluate(CLOCK)
+        page.wait_for_timeout(1000 * given.seconds)
+        wall, sounded, lost, load = page.evaluate(CLOCK)
+        browser.close()
+    seconds, lag = wall - begun[0], (wall - begun[0]) - (sounded - begun[1])
+    print(f"{seconds:.1f} s: lag {lag:+.3f} s, drop-outs {lost:.3f} s, load {load:.2f}")
+
+
+main()
