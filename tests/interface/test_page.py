@@ -60,7 +60,7 @@ def test_the_first_view_holds_picture_play_level_and_runs(viewport, pages, opene
     """One Play is in sight, at any place of the page; its bar comes when the large one has gone."""
     with opened(pages("three"), viewport=viewport) as page:
         for selector in FIRST:
-            for box in page.locator(f"{selector} >> visible=true").all():
+            for box in page.locator(f"header {selector} >> visible=true").all():
                 place = box.bounding_box()
                 assert place["y"] >= 0 and place["y"] + place["height"] <= viewport["height"]
         drawn = page.locator("#still").evaluate(

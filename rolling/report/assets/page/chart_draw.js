@@ -53,7 +53,7 @@ export function layoutOf(chart, view, width) {
   const heads = [labelOf(view.y[0]), bar ? labelOf(bar) : view.y[1] ? labelOf(view.y[1]) : ""];
   const crowded = heads[1] && (heads[0].length + heads[1].length + 3) * LETTER > width;
   const top = (crowded ? 2 : 1) * ROW + 10, below = 24 + ROW * bottom.length;
-  let across = width - left - right, high = Math.min(400, Math.max(210, 0.46 * width));
+  let across = width - left - right, high = chart.high ?? Math.min(400, Math.max(210, 0.46 * width));
   if (chart.aspect) {
     const share = (chart.aspect * Math.abs(view.y[0].limits[1] - view.y[0].limits[0])) / Math.abs(view.x.limits[1] - view.x.limits[0]);
     [across, high] = across * share > 420 ? [420 / share, 420] : [across, across * share];

@@ -2,7 +2,7 @@
 
 import { $, runs, state } from "./core.js";
 import { drawMoment, fitCanvas, loudestMap, readFilm } from "./film_still.js";
-import { drawFlight, drawMotion, isEmptied, prepareMotion, saidMotion } from "./film_motion.js";
+import { drawFlight, isEmptied, openCurves, saidMotion, showInCurves } from "./film_motion.js";
 import { drawArrow, drawScale } from "./marks.js";
 import { stopFilm } from "./film_sound.js";
 
@@ -30,8 +30,7 @@ export function showFilm() {
   $("#no-film").hidden = Boolean(shown);
   if (!shown) return;
   fitCanvas($("#film"), shown);
-  $("#film-power").width = $("#film").width;
-  prepareMotion(shown, $("#film").width);
+  openCurves(shown);
   $("#film-seek").max = shown.times.length - 1;
   $("#film-rate").value = shown.rate;
   showRate();
@@ -49,14 +48,21 @@ export function showRate() {
   film.time = null;
 }
 
+/** Shows the map of a time that is clicked in the curves. */
+export function seekFilmTo(event) {
+  event.stopPropagation(); // the record of the player stays where it is
+  stopFilm();
+  seekFilm(Math.max(0, filmOf().times.findLastIndex((start) => start <= event.detail.time)));
+}
+
 /** Shows a map of the film, from which the film goes on. */
 export function seekFilm(number) {
   const { times, power_uw: power } = filmOf();
   Object.assign(film, { at: number, time: times[number] });
   $("#film-seek").value = number;
-  const text = `${(1e3 * times[number]).toFixed(3)} ms, ${watts(power[number])}`;
+  const text = `${(1e3 * times[number]).toFixed(3)} ms, ${watts(power[number])}${saidMotion(filmOf(), times[number])}`;
   $("#film-time").textContent = text;
-  $("#film-seek").setAttribute("aria-valuetext", text + saidMotion(filmOf(), times[number]));
+  $("#film-seek").setAttribute("aria-valuetext", text);
   $("#film").setAttribute("aria-label", `Slow motion, ${filmRate()} times slower, ${runs[state.run].label}, map ${number + 1} of ${times.length}`);
   drawFilm();
 }
@@ -70,28 +76,5 @@ export function drawFilm() {
   drawScale(pen, scale / shown.cell_um, (shown.size[0] * shown.cell_um) / 5);
   drawArrow(pen);
   if (isEmpty) drawFlight(pen);
-  drawPower(shown);
-  drawMotion(shown);
-}
-
-/** Draws the release power as far as the film has come. */
-function drawPower({ times, power_uw: power }) {
-  const canvas = $("#film-power"), pen = canvas.getContext("2d");
-  const { width, height } = canvas;
-  const [first, last] = [times[0], times[times.length - 1]];
-  const [least, most] = [Math.min(...power.slice(1)), Math.max(...power)];
-  const x = (k) => ((times[k] - first) / (last - first)) * width;
-  const y = (k) => height - 10 - ((power[k] - least) / (most - least || 1)) * (height - 50);
-  pen.clearRect(0, 0, width, height);
-  pen.fillStyle = pen.strokeStyle = getComputedStyle(canvas).color;
-  pen.font = "22px system-ui, sans-serif";
-  pen.textAlign = "left";
-  pen.fillText(`release power, ${watts(least)} to ${watts(most)}`, 8, 24);
-  pen.lineWidth = 3;
-  pen.beginPath();
-  for (let k = 1; k <= film.at; k++) pen.lineTo(x(k), y(k));
-  pen.stroke();
-  pen.beginPath();
-  pen.arc(x(film.at), y(film.at), 7, 0, 2 * Math.PI);
-  pen.fill();
+  showInCurves(shown.times[film.at]);
 }

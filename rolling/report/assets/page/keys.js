@@ -5,7 +5,7 @@ import { glide, pause, play, seek } from "./player.js";
 import { choose, setLong, setLoop, setMode } from "./choices.js";
 import { seekByClick } from "./motion.js";
 import { stepMap } from "./contact.js";
-import { seekFilm, showRate } from "./film.js";
+import { seekFilm, seekFilmTo, showRate } from "./film.js";
 import { playFilm, realTime, stopFilm } from "./film_sound.js";
 import { copy, saveRecord } from "./downloads.js";
 import { showDifference } from "./compare.js";
@@ -57,6 +57,7 @@ export function listen() {
   on("#film-real", "click", realTime);
   on("#film-rate", "change", showRate);
   on("#film-seek", "input", (slider) => { stopFilm(); seekFilm(Number(slider.value)); });
+  on(".film", "chart-seek", (_, event) => seekFilmTo(event));
   on("#before", "click", () => stepMap(-1));
   on("#after", "click", () => stepMap(1));
   on("[data-wav]", "click", saveRecord);
