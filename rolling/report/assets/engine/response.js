@@ -2,7 +2,7 @@
 // the arrival of the sound from the contact; the responses begin a lead earlier.
 
 import { recordOfLines } from "./fft.js";
-import { times } from "./hold.js";
+import { times } from "./poles.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, SOUND } from "./radiation.js";
 
@@ -54,7 +54,7 @@ function firstSamples(radiation, rings, path, lead) {
     const phase = (ring.w * FIRST) / RATE;
     const [qr, qi] = [size * Math.cos(phase), size * Math.sin(phase)];
     const norm = (1 - qr) ** 2 + qi * qi;
-    const [re, im] = times(ring.re, ring.im, (qi * qi - qr * (1 - qr)) / norm, -qi / norm);
+    const [re, im] = times([ring.re, ring.im], [(qi * qi - qr * (1 - qr)) / norm, -qi / norm]);
     addRing(samples, { ...ring, re, im }, lead, 0);
   }
   return samples;
