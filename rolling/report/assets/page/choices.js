@@ -48,7 +48,7 @@ export function showMode() {
     if (playback.calibrated_pa === null) continue;
     const gain = $(`[data-gain="${number}"]`); // a single run has none
     if (gain) gain.textContent = signed(equal ? playback.equal_db : 0);
-    $(`[data-scale="${number}"]`).textContent = `${Number(playback[`${state.mode}_pa`].toPrecision(4))} Pa`;
+    $(`[data-scale="${number}"]`).textContent = `${Number((playback.full_scale_pa / playback[state.mode]).toPrecision(4))} Pa`;
   }
 }
 
