@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 import webbrowser
 from pathlib import Path
@@ -426,3 +427,6 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
     said = capsys.readouterr()
     assert said.out == f"{out / 'long.wav'}\n" * 3 and "0.5 s over 250 mm" in said.err
     assert {path.name for path in out.iterdir()} - before == {"long.wav"}
+    (out / "listen.wav").unlink()
+    os.mkfifo(out / "listen.wav")  # a pipe in its place is not waited for: the record is made anew
+    assert recorded(opened) is made
