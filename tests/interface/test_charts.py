@@ -395,3 +395,15 @@ def test_runs_have_one_colour_and_charts_over_time_seek(pages, opened) -> None:
         assert seconds == pytest.approx(0.6 * 0.9, abs=1.5 * 0.9 / (places[1] - places[0]))
         line = drawn.locator(".playhead").get_attribute("d")
         assert float(line[1:].split(" ")[0]) == pytest.approx(x, abs=1.5)
+
+
+def test_nothing_moves_when_a_chart_is_drawn(pages, opened) -> None:
+    """A chart has its height before it is drawn: the page is as high at its end as at its head."""
+    with opened(pages("three")) as page:
+        heights = []
+        for share in (0.0, 0.3, 0.6, 1.0):
+            page.evaluate("(share) => scrollTo(0, share * document.body.scrollHeight)", share)
+            page.wait_for_timeout(150)
+            heights.append(page.evaluate("document.body.scrollHeight"))
+        assert page.locator("figure.chart svg .parts").count() > 5
+    assert np.ptp(heights) <= 1

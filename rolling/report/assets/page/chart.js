@@ -1,7 +1,7 @@
 // ---- charts: opening, reading by pointer and keyboard, zoom, curves on and off ----
 
 import { pointsOf, positive, quantity } from "./chart_scale.js";
-import { dashesOf, drawChart, drawn, isGrey, make, markOf } from "./chart_draw.js";
+import { dashesOf, drawChart, drawn, isGrey, layoutOf, make, markOf, sizeChart } from "./chart_draw.js";
 import { saveChart } from "./chart_save.js";
 import { listenTo, resetZoom, showReading } from "./chart_touch.js";
 
@@ -54,6 +54,7 @@ export function openChart(figure, chart) {
   plot.legend = makeLegend(plot);
   makeTools(plot);
   listenTo(plot);
+  sizeChart(plot.svg, layoutOf(chart, plot.view, widthOf(plot))); // so that nothing moves when it is drawn
   comingNear.observe(figure);
   return plot;
 }
@@ -76,10 +77,11 @@ const comingNear = new IntersectionObserver((entries) => {
 }, { rootMargin: "600px" });
 addEventListener("beforeprint", () => document.querySelectorAll("figure.chart").forEach((figure) => figure.plot?.places ?? (figure.plot && redraw(figure.plot))));
 
+const widthOf = ({ figure }) => Math.round(figure.querySelector(".plot").clientWidth) || 640;
+
 /** Draw a chart at the present width. */
 export function redraw(plot) {
-  const width = Math.round(plot.figure.querySelector(".plot").clientWidth) || 640;
-  plot.places = drawChart(plot.svg, plot.chart, plot.view, width);
+  plot.places = drawChart(plot.svg, plot.chart, plot.view, widthOf(plot));
   plot.reset.hidden = !isZoomed(plot);
   showReading(plot);
   plot.moveTo?.();

@@ -68,10 +68,13 @@ export function layoutOf(chart, view, width) {
   };
 }
 
+/** Give an element the shape of a chart. */
+export const sizeChart = (svg, { width, height }) => svg.setAttribute("viewBox", `0 0 ${width} ${Math.ceil(height)}`);
+
 /** Draw a chart into an element and return its places. */
 export function drawChart(svg, chart, view, width) {
-  const places = layoutOf(chart, view, width), { box, height } = places, name = `clip-${chart.number ?? "x"}`;
-  svg.setAttribute("viewBox", `0 0 ${width} ${Math.ceil(height)}`);
+  const places = layoutOf(chart, view, width), { box } = places, name = `clip-${chart.number ?? "x"}`;
+  sizeChart(svg, places);
   const clip = drawn("clipPath", { id: name }, drawn("rect", rectOf(box.left, box.top - 1, box.right, box.bottom + 1)));
   const plot = drawn("g", { class: "parts", "clip-path": `url(#${name})` });
   if (chart.ground) plot.append(drawn("rect", { ...rectOf(box.left, box.top, box.right, box.bottom), fill: chart.ground }));
