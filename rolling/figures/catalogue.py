@@ -25,7 +25,7 @@ FORMATS = ("png", "svg", "csv")
 
 
 @dataclass(frozen=True)
-class Kind:
+class FigureKind:
     """A kind of figure: its function on axes, its table, and the runs that it holds for.
 
     Parameters
@@ -53,33 +53,39 @@ def _filters(run: Run) -> bool:
 _LEVELS, _AREAS = (partial(sweep.swept_table, names=names) for names in (sweep.LEVELS, sweep.AREAS))
 _VIBRATES = has("vibration")
 COMPARING = {
-    "third_octaves": Kind(sound.third_octaves, sound.third_octave_table),
-    "third_octaves_a": Kind(
+    "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
+    "third_octaves_a": FigureKind(
         partial(sound.third_octaves, a_weighted=True),
         partial(sound.third_octave_table, a_weighted=True),
     ),
-    "spectrum": Kind(sound.spectrum, sound.spectrum_table),
-    "levels": Kind(sweep.levels, _LEVELS, sweep.swept_key),
-    "contact_areas": Kind(sweep.contact_areas, _AREAS, sweep.swept_key),
-    "mean_third_octaves": Kind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
+    "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
+    "levels": FigureKind(sweep.levels, _LEVELS, sweep.swept_key),
+    "contact_areas": FigureKind(sweep.contact_areas, _AREAS, sweep.swept_key),
+    "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
 }
 SINGLE = {
-    "release_power": Kind(sound.release_power, sound.release_power_table, among=True),
-    "spectrogram": Kind(sound.spectrogram, among=True),
-    "modulation": Kind(origins.modulation, origins.modulation_table, _turns),
-    "wavelengths": Kind(origins.wavelengths, origins.wavelength_table, has("wavelength_octaves")),
-    "running_in": Kind(origins.running_in, origins.running_in_table, has("result.passes")),
-    "surface": Kind(contact.surface),
-    "contact_pressure": Kind(contact.contact_pressure, holds=has("result.snapshot"), among=True),
-    "recovery_events": Kind(
+    "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
+    "spectrogram": FigureKind(sound.spectrogram, among=True),
+    "modulation": FigureKind(origins.modulation, origins.modulation_table, _turns),
+    "wavelengths": FigureKind(
+        origins.wavelengths, origins.wavelength_table, has("wavelength_octaves")
+    ),
+    "running_in": FigureKind(origins.running_in, origins.running_in_table, has("result.passes")),
+    "surface": FigureKind(contact.surface),
+    "contact_pressure": FigureKind(
+        contact.contact_pressure, holds=has("result.snapshot"), among=True
+    ),
+    "recovery_events": FigureKind(
         contact.recovery_events, contact.recovery_event_table, has("event_statistics")
     ),
-    "sources": Kind(vibration.sources, vibration.source_table, _VIBRATES),
-    "contact_force": Kind(vibration.contact_force, vibration.contact_force_table, _VIBRATES),
-    "contact_filter": Kind(vibration.contact_filter, vibration.contact_filter_table, _filters),
-    "mobilities": Kind(vibration.mobilities, vibration.mobility_table, _VIBRATES),
+    "sources": FigureKind(vibration.sources, vibration.source_table, _VIBRATES),
+    "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _VIBRATES),
+    "contact_filter": FigureKind(
+        vibration.contact_filter, vibration.contact_filter_table, _filters
+    ),
+    "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _VIBRATES),
 }
-ON_REQUEST = {"power_density": Kind(sound.power_density)}
+ON_REQUEST = {"power_density": FigureKind(sound.power_density)}
 FIGURES = COMPARING | SINGLE | ON_REQUEST
 
 

@@ -248,5 +248,5 @@ def limits(numbers: dict[str, Any]) -> list[str]:
         "force": outside > OFTEN,
         "waves": numbers["lowest_frequency_hz"] > LONG_WAVES_HZ,
     }
-    true = [name for name, doubt in doubts.items() if doubt]
-    return [say(f"long.limit.{name}", percent=100 * outside, **numbers) for name in true]
+    doubtful = [name for name, doubt in doubts.items() if doubt]
+    return [say(f"long.limit.{name}", percent=100 * outside, **numbers) for name in doubtful]
