@@ -35,15 +35,18 @@ CHANGES = """async ([url, run]) => {
     { load: 24 }, { lossFactor: 0.1 }, { contactLossFactor: 0.05 }, { length: 0.5 }];
   const context = new OfflineAudioContext(1, 19200 * changes.length, 48000);
   await context.audioWorklet.addModule(url);
-  let { settings } = run, prepared = prepare(run, settings);
-  const { node, output: source } = instrumentNode(context, { run, settings, prepared });
-  let body = throughBody(source, prepared.responses, context.destination, true);
-  changes.forEach((change, i) => i && context.suspend(0.4 * i).then(() => {
-    settings = { ...settings, ...change };
-    prepared = prepare(run, settings);
-    node.port.postMessage({ task: "take", settings, prepared });
-    leaveBody(body);
-    body = throughBody(source, prepared.responses, context.destination);
+  let { settings } = run, body = null;
+  const change = (setting, position) => {
+    settings = { ...settings, ...setting };
+    const prepared = prepare(run, settings), from = { position, speed: settings.speed };
+    const { output } = instrumentNode(context, { run, settings, prepared, from });
+    const next = throughBody(output, prepared.responses, context.destination, !body);
+    if (body) leaveBody(body);
+    body = next;
+  };
+  change({}, 0);
+  changes.forEach((setting, i) => i && context.suspend(0.4 * i).then(() => {
+    change(setting, 0.4 * i * settings.speed);
     context.resume();
   }));
   return Array.from((await context.startRendering()).getChannelData(0));

@@ -5,7 +5,7 @@
 // beside a source s, F - W = k d - s, so the approach answers the source as H = G / D, D = 1 + k G.
 // Its poles p_j and residues G / D' make the motion of d exact.
 
-import { modalPoles } from "./poles.js";
+import { modalPoles, plainPoles } from "./poles.js";
 
 /** Return the mobility [s/kg] of an infinite plate in bending. */
 export function plateMobility(young, poisson, density, thickness) {
@@ -19,25 +19,10 @@ function halfSpaceMobility(coefficient, young, poisson, density, frequency) {
   return (coefficient * frequency ** 2) / (density * shear ** 3);
 }
 
-/** Return the chain of a ball [kg] on modes, with spring [N/m] and viscosity over stiffness [s]. */
-export function modalChain(mass, modes, stiffness, contactTime = 0) {
-  return { mass, stiffness, contactTime, mobility: 0, poles: modalPoles(mass, modes, stiffness) };
-}
-
-/** Return the chain of a ball [kg] on a plate of a mobility [s/kg]: one pair of poles in closed form. */
-export function plainChain(mass, mobility, stiffness, contactTime = 0) {
-  const half = (stiffness * mobility) / 2;
-  const square = stiffness / mass;
-  const turn = half * half - square;
-  const root = Math.sqrt(Math.max(Math.abs(turn), 1e-8 * square)); // two poles, never a double one
-  // H = (1 / M + Y p) / ((p - p1) (p - p2))
-  const slow = -square / (half + root);
-  const real = ([p, other]) => [[p, 0], [(1 / mass + mobility * p) / (p - other), 0]];
-  const poles =
-    turn > 0
-      ? [[slow, -half - root], [-half - root, slow]].map(real)
-      : [[[-half, root], [mobility, -(1 / mass - mobility * half) / root]]];
-  return { mass, stiffness, contactTime, mobility, poles };
+/** Return the chain of a ball [kg], a plate of modes or of a mobility [s/kg], a spring [N/m], and its viscosity over it [s]. */
+export function chainOf(mass, plate, stiffness, contactTime = 0) {
+  const poles = plate.mobility ? plainPoles(mass, plate.mobility, stiffness) : modalPoles(mass, plate, stiffness);
+  return { mass, stiffness, contactTime, poles };
 }
 
 /** Return the chain of a run at settings over a law. `modes` belong to a plate with edges. */
@@ -46,13 +31,11 @@ export function chainAt(run, settings, law, modes = null) {
   const mass = ballMass(run, settings);
   const stiffness = law.meanStiffness(loadOf(run, settings));
   const resonance = Math.sqrt(stiffness / mass);
-  const contactTime = (settings.contactLossFactor ?? 0) / resonance;
-  if (modes) return modalChain(mass, modes, stiffness, contactTime);
   const plate = [young, poisson, settings.plateDensity];
   const mobility = settings.thickness
     ? plateMobility(...plate, settings.thickness)
     : halfSpaceMobility(halfSpace, ...plate, resonance);
-  return plainChain(mass, mobility, stiffness, contactTime);
+  return chainOf(mass, modes ?? { mobility }, stiffness, (settings.contactLossFactor ?? 0) / resonance);
 }
 
 /** Return the mass [kg] of the ball. */

@@ -1,7 +1,7 @@
 // From engine steps to samples: a symmetric low-pass to 48 kHz.
 
+export const BLOCK = 128; // samples that are computed at once
 const SPAN = 42; // samples on either side of the low-pass
-const BLACKMAN = [0.42, 0.5, 0.08]; // window: -74 dB from 48 kHz less the upper edge of hearing
 
 export const DECIMATION_DELAY = SPAN; // samples
 
@@ -15,29 +15,24 @@ export class Decimator {
   constructor(steps) {
     this.steps = steps;
     const half = SPAN * steps;
-    const cut = 0.5 / steps; // cycles per step: halfway between the edges of pass and stop band
-    this.taps = new Float64Array(2 * half + 1);
-    for (let i = -half; i <= half; i++) {
-      const window = BLACKMAN.reduce((sum, share, k) => sum + share * Math.cos((Math.PI * k * i) / half), 0);
-      this.taps[half + i] = window * (i === 0 ? 2 * cut : Math.sin(2 * Math.PI * cut * i) / (Math.PI * i));
-    }
-    const total = this.taps.reduce((sum, tap) => sum + tap, 0);
-    this.taps = this.taps.map((tap) => tap / total);
-    this.past = new Float64Array(this.taps.length);
+    this.taps = Float64Array.from({ length: 2 * half + 1 }, (_, k) => {
+      const phase = (Math.PI * (k - half)) / steps; // the band ends halfway between the edges of pass and stop band
+      const angle = (Math.PI * (k - half)) / half;
+      const window = 0.42 + 0.5 * Math.cos(angle) + 0.08 * Math.cos(2 * angle); // Blackman: -74 dB from 28 kHz on
+      return (window * (phase === 0 ? 1 : Math.sin(phase) / phase)) / steps;
+    });
+    this.whole = new Float64Array(2 * half + 1 + (BLOCK - 1) * steps); // a block behind those which its first samples need
   }
 
-  /** Set samples to the low-passed values of as many times `steps` steps. */
+  /** Set a block of samples to the low-passed values of as many times `steps` steps. */
   process(values, samples) {
-    const { steps, taps } = this;
-    const kept = taps.length - steps;
-    const whole = new Float64Array(kept + values.length);
-    whole.set(this.past.subarray(steps));
-    whole.set(values, kept);
+    const { steps, taps, whole } = this;
+    whole.set(values, whole.length - values.length);
     for (let i = 0; i < samples.length; i++) {
       let sum = 0;
       for (let j = 0, k = i * steps; j < taps.length; j++, k++) sum += taps[j] * whole[k];
       samples[i] = sum;
     }
-    this.past = whole.slice(whole.length - taps.length);
+    whole.copyWithin(0, values.length);
   }
 }

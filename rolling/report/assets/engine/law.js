@@ -52,18 +52,10 @@ export class ForceLaw {
     this.rows = values.length / this.columns; // the first row follows the last
     this.law = new Float64Array(this.columns); // at the present place
     this.at = new Float64Array(breaks.length); // approach at each break at the present place
+    this.length = this.rows * spacing; // [m] of the closed track
+    this.liftOff = 0; // [m] approach at the present place
     this.stiffness = 0; // [N/m] at the last force
     this.moveTo(start);
-  }
-
-  /** Length of the closed track [m]. */
-  get length() {
-    return this.rows * this.spacing;
-  }
-
-  /** Approach at lift-off [m] at the present place. */
-  get liftOff() {
-    return this.at[0];
   }
 
   /** Go to a position [m] by cubics of Hermite between the rows. */
@@ -83,12 +75,8 @@ export class ForceLaw {
       const q = next + j;
       law[j] = values[p] + h01 * (values[q] - values[p]) + h10 * slopes[p] + h11 * slopes[q];
     }
-    let approach = law[0];
-    at[0] = approach;
-    for (let p = 1; p < breaks.length; p++) {
-      approach += 0.5 * (law[p] + law[p + 1]) * (breaks[p] - breaks[p - 1]);
-      at[p] = approach;
-    }
+    this.liftOff = at[0] = law[0];
+    for (let p = 1; p < breaks.length; p++) at[p] = at[p - 1] + 0.5 * (law[p] + law[p + 1]) * (breaks[p] - breaks[p - 1]);
   }
 
   /** Return the change of the slope over s beyond a break, zero beyond the last. */

@@ -1,9 +1,9 @@
 // Motion of a ball over a force law, in equal time steps.
 //
 // Ball, mean stiffness and plate are the poles of a linear chain. Each is moved exactly under the
-// source s = k d - (F - W), which is a parabola through the ends of the step and the start
-// of the step before, or linear within the step after a flight: then the line keeps the energy of
-// impacts. The source at the end solves a scalar equation, in which the force is the law's.
+// source s = k d - (F - W), which is linear within the step. The source at the end solves a scalar
+// equation, in which the force is the law's; the next step adds the part by which the parabola through
+// three sources departs from the line. A line alone keeps the energy of impacts, for some steps after a flight.
 
 import { ballMass, loadOf } from "./chain.js";
 import { over, plus, times } from "./poles.js";
@@ -14,7 +14,7 @@ const LEAST_RISE = 1e-6; // of the residual over the approach; a ball too light 
 const MOST = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
 const PER_PERIOD = 18; // steps in a period of the resonance at least, which leave -50 dB of the force
 const PER_IMPACT = 12; // steps in the time of an impact at least, which leave 0.1 % of its impulse
-const CALM = 400; // steps without a flight after which the source is a parabola
+const CALM = 400; // steps without a flight after which the source becomes a parabola
 const [FALL, ROUGH] = [1, 1e-4]; // speed [m/s] and height [m] that a ball on a track does not exceed
 const HIGHER = 1.1; // height that a ball does not reach over the height of its fall
 const STRONGEST = 1e9; // force over the load that a ball on a track does not reach
@@ -40,121 +40,62 @@ const exponential = ([x, y]) => [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.s
 
 /** Return phi_1, phi_2, phi_3 at z, the moments of exp(z t) over a step. */
 function moments(z) {
-  if (Math.hypot(...z) > 1) {
-    let value = exponential(z);
-    return [1, 1, 0.5].map((constant) => (value = over([value[0] - constant, value[1]], z)));
-  }
-  return [1, 2, 6].map((factorial, i) => {
-    let [sum, term] = [[0, 0], [1 / factorial, 0]];
-    for (let n = i + 2; n < 22; n++) [sum, term] = [plus(sum, term), times(term, [z[0] / n, z[1] / n])];
-    return sum;
-  });
+  let third = [0, 0];
+  if (Math.hypot(...z) > 1) third = [1, 1, 0.5].reduce((value, constant) => over(plus(value, [-constant, 0]), z), exponential(z));
+  else for (let n = 22; n >= 3; n--) third = over(plus([1, 0], times(third, z)), [n === 3 ? 6 : n, 0]);
+  const second = plus([0.5, 0], times(third, z));
+  return [plus([1, 0], times(second, z)), second, third];
 }
 
 /**
- * Return the weights of the source on a pole in a step [s], times its residue: `first` of a constant,
- * `second` of a rise within the step, `bend` of a second difference; `turn` is exp(p t).
+ * Return the weights on a pole: `turn` of its state, and times its residue `start` and `end` of a source
+ * that is linear within the step [s], `bend` of the second difference of a parabola, `late` a step later.
  */
 function heldPole(pole, residue, step) {
   const z = [pole[0] * step, pole[1] * step];
   const fast = z[1] > FASTEST && -z[0] < SHARP * z[1]; // then the pole follows the source at once
   const still = over([-1, 0], z);
   const phi = fast ? [still, still, [still[0] / 2, still[1] / 2]] : moments(z);
-  const [first, second, third] = phi.map((moment) => times(moment, [step * residue[0], step * residue[1]]));
-  return { first, second, bend: plus(third, second, -0.5), turn: fast ? [0, 0] : exponential(z) };
+  const [first, end, third] = phi.map((moment) => times(moment, [step * residue[0], step * residue[1]]));
+  const turn = fast ? [0, 0] : exponential(z);
+  const start = plus(plus(first, end, -1), times(turn, end));
+  const bend = plus(third, end, -0.5);
+  return { turn, start, end, bend, late: times(turn, bend) };
 }
 
-/** Return arrays for the real and the imaginary parts of complex numbers. */
-const pairOfArrays = (count) => [new Float64Array(count), new Float64Array(count)];
-
-/** Put a complex number into a pair of arrays. */
-function put([re, im], j, [x, y]) {
-  re[j] = x;
-  im[j] = y;
-}
+/** Return arrays of the real and of the imaginary parts of complex numbers. */
+const partsOf = (numbers) => [0, 1].map((part) => Float64Array.from(numbers, (number) => number[part]));
 
 /** Motion of a ball over a force law; its numbers belong to the end of the last step. */
 export class Motion {
-  constructor(law, chain, load, step) {
-    Object.assign(this, { law, step, position: law.start, force: load, impacts: 0, calm: CALM });
-    law.moveTo(law.start);
-    this.approach = this.approachBefore = law.approach(load);
-    this.forceBefore = load;
-    this.setChain(chain, load, step);
+  constructor(law, chain, load, step, position = law.start) {
+    Object.assign(this, { law, chain, load, step, impacts: 0 });
+    this.ceiling = ROUGH + (chain.mass * FALL ** 2) / (2 * load);
+    const held = chain.poles.map(([pole, residue]) => heldPole(pole, residue, step));
+    for (const name of ["turn", "start", "end", "bend", "late"]) this[name] = partsOf(held.map((weights) => weights[name]));
+    [this.give, this.lead] = [this.end, this.bend].map(([re]) => re.reduce((sum, value) => sum + value, 0));
+    this.rise = Math.max(1 - this.give * chain.stiffness, LEAST_RISE);
+    law.moveTo(position);
+    this.settle(law.approach(load), load);
   }
 
-  /** Take a chain, a load [N] and a step [s]; approach, its velocity and the force go on. */
-  setChain(chain, load = this.load, step = this.step, velocity = this.chain ? this.velocity : 0) {
-    const stretch = step / this.step;
-    this.approachBefore = this.approach + stretch * (this.approachBefore - this.approach);
-    this.forceBefore = Math.max(this.force + stretch * (this.forceBefore - this.force), 0);
-    Object.assign(this, { chain, load, step });
-    this.ceiling = Math.max(ROUGH + (chain.mass * FALL ** 2) / (2 * load), this.ceiling ?? 0);
-    const { stiffness, mobility, poles } = chain;
-    // A state y = residue * x: the approach is the sum of the real parts.
-    for (const name of ["pole", "turn", "bend", "state"]) this[name] = pairOfArrays(poles.length);
-    // Weights of the source at the start, after a line or a parabola and before a line or a parabola.
-    this.starts = [0, 1].map(() => [0, 1].map(() => pairOfArrays(poles.length)));
-    this.holds = [0, 1].map(() => ({ give: 0, turn: mobility })); // d and d' per source at the end
-    const held = poles.map(([pole, residue]) => heldPole(pole, residue, step));
-    held.forEach(({ first, second, bend, turn }, j) => {
-      const pole = poles[j][0];
-      put(this.pole, j, pole);
-      put(this.turn, j, turn);
-      put(this.bend, j, bend);
-      for (const bent of [0, 1]) {
-        const end = plus(second, bend, bent);
-        this.holds[bent].give += end[0];
-        this.holds[bent].turn += times(end, pole)[0];
-        // The state is kept without the source at the end, which is added at the next step.
-        const start = plus(plus(first, second, -1), times(end, turn));
-        for (const next of [0, 1]) put(this.starts[bent][next], j, plus(start, bend, -2 * next));
-      }
-    });
-    for (const hold of this.holds) {
-      hold.ease = hold.turn / hold.give;
-      hold.rise = Math.max(1 - hold.give * stiffness, LEAST_RISE);
-    }
-    this.setState(velocity, held);
-  }
-
-  /** Set the states of the poles to the present approach, its velocity [m/s] and the force. */
-  setState(velocity, held) {
-    const { stiffness, mobility, mass, poles } = this.chain;
-    [this.hold, this.bent] = [this.holds[0], 0];
-    this.source = this.sourceOf(this.approach, this.force);
-    this.before = this.sourceOf(this.approachBefore, this.forceBefore);
-    // Under a force f beyond the load a plate with modes is at rest and displaced, and one without sinks.
-    const excess = this.force - this.load;
-    const speed = velocity + mobility * excess;
-    const plate = mobility > 0 ? 0 : excess;
-    poles.forEach(([pole, residue], j) => {
-      const moved = plus(over([plate / mass, 0], pole), [-speed, 0]);
-      const x = over(plus([plate - stiffness * this.approach, 0], over(moved, pole), stiffness), pole);
-      put(this.state, j, plus(times(x, residue), held[j].second, -this.source));
-    });
-  }
-
-  /** Return the source [N] at an approach [m] and a force [N]. */
-  sourceOf(approach, force) {
-    return this.chain.stiffness * approach - (force - this.load);
-  }
-
-  /** Hold the ball at a height [m] above its place and let it go at a velocity [m/s] to the plate. */
-  release(height, velocity = 0) {
-    this.law.moveTo(this.position);
-    this.approach = this.law.liftOff - height;
-    this.approachBefore = this.approach - velocity * this.step;
-    this.calm = 0;
+  /** Hold the ball at a height [m] above its place and let it go. */
+  release(height) {
     this.ceiling = Math.max(this.ceiling, HIGHER * height);
-    [this.force, this.forceBefore] = [this.law.force(this.approach), this.law.force(this.approachBefore)];
-    this.setChain(this.chain, this.load, this.step, velocity);
+    this.settle(this.law.liftOff - height, 0);
   }
 
-  /** Velocity [m/s] of the approach. */
-  get velocity() {
-    const known = this.state[0].reduce((sum, value) => sum + value, 0);
-    return this.drift(known) + this.hold.ease * this.approach;
+  /** Begin at rest at an approach [m], where the plate had carried a force [N] and the ball was held. */
+  settle(approach, force) {
+    const { load } = this, { stiffness, mass, poles } = this.chain;
+    const excess = force - load, source = stiffness * approach - excess;
+    const [calm, curve] = [excess ? 0 : CALM, 0];
+    Object.assign(this, { approach, before: approach, force, source, sourceBefore: source, calm, curve });
+    // A state y = residue * x, whose real parts add up to the approach, lacks the source at the end of the step.
+    this.state = partsOf(poles.map(([pole, residue], j) => {
+      const x = over(plus(over([(stiffness * excess) / mass, 0], times(pole, pole)), [-source, 0]), pole);
+      return plus(times(x, residue), [this.end[0][j], this.end[1][j]], -source);
+    }));
   }
 
   /** Height [m] of the ball above the place where it would touch. */
@@ -164,18 +105,15 @@ export class Motion {
 
   /** Take one step to a position [m] and return the contact force [N] at its end. */
   advance(position) {
-    const { law, load, source } = this;
-    const smooth = this.calm >= CALM ? 1 : 0;
-    const { give, rise } = (this.hold = this.holds[smooth]);
+    const { law, load, give, rise, source, curve } = this;
     const [y0, y1] = this.state;
     const [e0, e1] = this.turn;
-    const [b0, b1] = this.bend;
-    const [p0, p1] = this.starts[this.bent][smooth];
-    const before = smooth * this.before;
-    let known = 0;
+    const [b0, b1] = this.late;
+    const [p0, p1] = this.start;
+    let known = this.lead * curve;
     for (let j = 0; j < y0.length; j++) {
-      const a = e0[j] * y0[j] - e1[j] * y1[j] + p0[j] * source + b0[j] * before;
-      y1[j] = e1[j] * y0[j] + e0[j] * y1[j] + p1[j] * source + b1[j] * before;
+      const a = e0[j] * y0[j] - e1[j] * y1[j] + p0[j] * source + b0[j] * curve;
+      y1[j] = e1[j] * y0[j] + e0[j] * y1[j] + p1[j] * source + b1[j] * curve;
       y0[j] = a;
       known += a;
     }
@@ -183,56 +121,44 @@ export class Motion {
     // rise d + give F = whole: without a force d is the largest.
     const whole = known + give * load;
     const free = whole / rise;
-    const d = free > law.liftOff ? this.pressed(whole, free, known) : free;
+    const d = free > law.liftOff ? this.pressed(whole, free) : free;
     // The force of the equation, not of the law: the state then keeps it exactly.
     const force = d < free ? Math.max((whole - rise * d) / give, 0) : 0;
     const possible = d > law.liftOff - this.ceiling && force < STRONGEST * load;
-    if (!possible) this.release(this.ceiling / HIGHER); // the steps are too long for the ball
-    else this.end(d, force, (d - known) / give, smooth);
-    this.position = position;
+    if (possible) this.keep(d, force, (d - known) / give);
+    else this.release(this.ceiling / HIGHER); // the steps are too long for the ball
     return this.force;
   }
 
   /** Go on from approach [m], force [N] and source [N] at the end of a step. */
-  end(d, force, source, smooth) {
+  keep(d, force, source) {
     if (force > 0 && !(this.force > 0)) this.impacts++;
-    this.before = this.source;
-    this.source = source;
     this.calm = force > 0 ? this.calm + 1 : 0;
-    this.bent = smooth; // the state lacks the source at the end, and its part of the bend
-    this.approachBefore = this.approach;
-    this.forceBefore = this.force;
+    this.curve = this.calm > CALM ? source - 2 * this.source + this.sourceBefore : 0;
+    this.sourceBefore = this.source;
+    this.source = source;
+    this.before = this.approach;
     this.approach = d;
     this.force = force;
   }
 
-  /** Return the velocity [m/s] of the approach less the part that rises with it. */
-  drift(known) {
-    const [y0, y1] = this.state;
-    const [re, im] = this.pole;
-    let velocity = 0;
-    for (let j = 0; j < y0.length; j++) velocity += re[j] * y0[j] - im[j] * y1[j];
-    return velocity - this.hold.ease * known;
-  }
-
   /** Return the approach [m] of a step that ends in contact, by Newton's method in a bracket. */
-  pressed(whole, free, known) {
-    const { law } = this;
-    const { contactTime } = this.chain;
-    const drift = contactTime > 0 ? this.drift(known) : 0; // d' = drift + ease d
-    const { give, rise, ease } = this.hold;
+  pressed(whole, free) {
+    const { law, give, rise, approach, before, step } = this;
+    const viscosity = this.chain.contactTime / step;
     let low = law.liftOff;
     let high = free;
-    let d = 2 * this.approach - this.approachBefore;
+    let d = 2 * approach - before;
     if (!(d > low && d < high)) d = high;
     for (let i = 0; i < MOST; i++) {
       const elastic = law.force(d);
-      const drag = contactTime * law.stiffness;
-      const force = Math.max(elastic + drag * (drift + ease * d), 0); // surfaces do not pull
+      const drag = viscosity * law.stiffness;
+      // The velocity is that of the parabola through the latest three; surfaces do not pull.
+      const force = Math.max(elastic + drag * (1.5 * d - 2 * approach + 0.5 * before), 0);
       const residual = rise * d + give * force - whole;
       if (residual > 0) high = d;
       else low = d;
-      let next = d - residual / (rise + give * (law.stiffness + drag * ease));
+      let next = d - residual / (rise + give * (law.stiffness + 1.5 * drag));
       if (!(next > low && next < high)) next = 0.5 * (low + high);
       const change = Math.abs(next - d);
       d = next;

@@ -3,7 +3,7 @@
 // With G(p) = 1 / (M p^2) + sum gain / (p^2 + 2 zeta w p + w^2) they are the roots of D = 1 + k G. Below
 // critical damping of the modes no root is real; without damping each lies between two neighbouring modes.
 
-const ROUNDS = 200; // of the search for poles, which takes about ten
+const ROUNDS = 200; // of the search for poles, which takes about twenty
 
 // Complex numbers are pairs [re, im].
 export const plus = ([a, b], [c, d], share = 1) => [a + share * c, b + share * d];
@@ -41,25 +41,13 @@ function receptance(elements, p) {
   return [value, slope, logarithmic];
 }
 
-/** Return the first guess of a pole: without damping, from the secular equation, then damped by its shares. */
-function firstPole(elements, j, k) {
+/** Return first guesses of the poles: between each element and the next, the last one beyond all. */
+function firstPoles(elements, k) {
   const total = elements.reduce((sum, { gain }) => sum + gain, 0);
-  let low = elements[j].w ** 2;
-  let high = j + 1 < elements.length ? elements[j + 1].w ** 2 : low + k * total;
-  for (let halving = 0; halving < 50; halving++) {
-    const middle = (low + high) / 2;
-    let sum = 1;
-    for (const { w, gain } of elements) sum += (k * gain) / (w * w - middle);
-    if (sum < 0) low = middle;
-    else high = middle;
-  }
-  let [norm, damping] = [0, 0];
-  for (const { w, loss, gain } of elements) {
-    const share = gain / ((w * w - high) ** 2 || 1e-30 * (1 + w ** 4));
-    norm += share;
-    damping += share * loss;
-  }
-  return [-damping / norm, Math.sqrt(high)];
+  return elements.map(({ w, loss }, j) => {
+    const next = elements[j + 1] ?? { w: Math.sqrt(w * w + k * total), loss };
+    return [-(loss + next.loss) / 2, Math.sqrt((w * w + next.w ** 2) / 2)];
+  });
 }
 
 /** Return the step of Aberth's method from one of all poles towards a root. */
@@ -78,7 +66,7 @@ function stepOf(elements, k, poles, j) {
 /** Return [pole, residue] of the approach of a ball [kg] on a spring [N/m] and modes, for each pair of poles. */
 export function modalPoles(mass, modes, k) {
   const elements = elementsOf(mass, modes);
-  const poles = elements.map((_, j) => firstPole(elements, j, k));
+  const poles = firstPoles(elements, k);
   for (let round = 0, largest = 1; round < ROUNDS && largest > 1e-13; round++) {
     largest = 0;
     for (let j = 0; j < poles.length; j++) {
@@ -91,5 +79,17 @@ export function modalPoles(mass, modes, k) {
   return poles.map((p) => {
     const [value, slope] = receptance(elements, p);
     return [p, over([2 * value[0], 2 * value[1]], [k * slope[0], k * slope[1]])];
+  });
+}
+
+/** Return [pole, residue] of a ball [kg] on a spring [N/m] and a plate of a mobility [s/kg]. */
+export function plainPoles(mass, mobility, k) {
+  const half = (k * mobility) / 2;
+  const square = half * half - k / mass;
+  const size = Math.sqrt(Math.max(Math.abs(square), (1e-8 * k) / mass)); // two poles, never a double one
+  const [root, signs] = square > 0 ? [[size, 0], [1, -1]] : [[0, size], [1]]; // two real ones, or a pair
+  return signs.map((sign) => {
+    const pole = plus([-half, 0], root, sign);
+    return [pole, over(plus([1 / mass, 0], pole, mobility), times(root, [sign * signs.length, 0]))];
   });
 }

@@ -1,12 +1,11 @@
 // Sound of a run without dynamics, after rolling/sound/contact_sound.py: the energy that each step
 // releases becomes power by the speed, and its fluctuation within hearing becomes sound pressure.
 
-import { cubic, Decimator } from "./decimate.js";
+import { BLOCK, cubic, Decimator } from "./decimate.js";
 import { recordOfLines } from "./fft.js";
 import { numbersOf } from "./law.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, IMPEDANCE } from "./radiation.js";
-import { BLOCK } from "./travel.js";
 
 const FINER = 8; // values per step of the track at least, between which cubics interpolate
 const SMOOTH_S = 0.02; // time constant of the factor from intensity to pressure
@@ -31,11 +30,6 @@ export class ReleaseSource {
     Object.assign(this, { run, prepared, factor: null, extremes: {} });
     this.decimator = new Decimator(prepared.steps);
     this.powers = new Float64Array(BLOCK * prepared.steps);
-    this.take(settings);
-  }
-
-  /** Take new settings: distance and q. */
-  take(settings) {
     this.spread = settings.q / (4 * Math.PI * settings.distance ** 2);
   }
 
@@ -79,6 +73,6 @@ export class ReleaseSource {
   }
 
   get state() {
-    return { force: null, approach: null, height: 0, flies: false, impacts: 0 };
+    return { force: null, height: 0 };
   }
 }

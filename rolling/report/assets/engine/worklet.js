@@ -1,83 +1,71 @@
 // Entry of the engine: the instrument as an audio processor, whose output goes through the convolvers
 // of the page, and the preparation of its slow parts in a Worker.
 
+import { BLOCK } from "./decimate.js";
 import { prepare } from "./prepare.js";
 import { ReleaseSource } from "./release.js";
-import { BLOCK, Travel } from "./travel.js";
 import { ForceSource } from "./vibration.js";
 
+const FOLLOW_S = 0.06; // time constant of the ball that follows a hand; it takes another speed in half of it
 const BLOCKS = 12; // of a report: 31 a second
 const ASLEEP = 375; // blocks without motion, a second, after which nothing is computed
 const STILL = 1e-7; // speed [m/s] below which a ball is at rest
-const UNHEARD = 1e-6; // change of the force [N] or pressure [Pa] below which a block is silent
-const LATE_S = 0.05; // by which the clock has to fall behind at once to be a drop-out
-const WARM = 375; // blocks in which the code becomes fast
-const SMOOTHING = 0.002; // of the load, per block
+const UNHEARD = 1e-6; // range of the force [N] or pressure [Pa] below which a block is silent
 
-/** Load of the processor, and the time [s] that its clock has lost. */
-export class Pace {
-  constructor(rate, clock = Date.now) {
-    Object.assign(this, { rate, clock, load: 0, lost: 0, lag: Infinity, blocks: 0 });
+/** Way of the ball along the track: its speed [m/s] glides to a target, or its position [m] follows a hand. */
+class Travel {
+  constructor(position, speed, fastest) {
+    Object.assign(this, { position, speed, fastest: Math.max(speed, fastest), target: speed, hand: null });
   }
 
-  begin() {
-    this.begun = this.clock();
-  }
-
-  /** End a block; times in whole milliseconds are right in the mean over many blocks. */
-  end() {
-    const now = this.clock(), length = BLOCK / this.rate;
-    this.blocks++;
-    this.load += ((now - this.begun) / 1000 / length - this.load) * Math.max(SMOOTHING, 1 / this.blocks);
-    const lag = now / 1000 - this.blocks * length;
-    const late = lag - this.lag;
-    if (late < 0 || this.blocks < WARM) this.lag = lag; // blocks are computed ahead of time
-    else if (late > LATE_S) Object.assign(this, { lost: this.lost + late, lag });
+  /** Go on by a time [s] and return the position [m]. */
+  advance(step) {
+    const { position, fastest, hand } = this;
+    // Critically damped, and never faster than the time steps resolve.
+    const pull = hand === null ? 0 : (hand - position) / FOLLOW_S;
+    const speed = this.speed + (step / FOLLOW_S) * (pull + 2 * (this.target - this.speed));
+    this.speed = Math.min(Math.max(speed, -fastest), fastest);
+    this.position = position + step * this.speed;
+    return this.position;
   }
 }
 
 /** Ball and track of a run, from a hand's moves to the contact force [N], or to the pressure [Pa] of a release. */
 export class Instrument {
-  constructor({ run, settings, prepared, from = null }) {
+  constructor({ run, settings, prepared, from }) {
     const { kind, start, length } = prepared;
-    this.source = new (kind === "vibration" ? ForceSource : ReleaseSource)(run, settings, prepared);
-    this.travel = new Travel(start, (from ?? settings).speed, run.limits.speed[1]);
-    this.shift = from ? from.position - start : 0; // of a position that is counted on through all runs
-    Object.assign(this, { length, idle: 0, still: 0, plays: true });
-    this.clear();
-  }
-
-  /** Begin a new report: lowest and highest force or pressure of each block, and the share of it that the ball flew. */
-  clear() {
-    this.report = { blocks: 0, low: new Float32Array(BLOCKS), high: new Float32Array(BLOCKS), flies: new Float32Array(BLOCKS) };
+    const begin = { position: start, speed: settings.speed, hold: 0, ...from };
+    this.source = new (kind === "vibration" ? ForceSource : ReleaseSource)(run, settings, prepared, begin);
+    this.travel = new Travel(begin.position, begin.speed, run.limits.speed[1]);
+    // Of each block of a report: lowest and highest force or pressure, and the share of it that the ball flew.
+    this.report = { low: new Float32Array(BLOCKS), high: new Float32Array(BLOCKS), flies: new Float32Array(BLOCKS) };
+    Object.assign(this, { length, blocks: 0, idle: 0, still: 0, plays: true });
   }
 
   /** Obey a message of the page. */
-  obey({ task, speed, position, height, settings, prepared }) {
+  obey({ task, speed, position }) {
     this.idle = 0;
-    if (task === "roll") this.travel.roll(speed);
-    else if (task === "drag") this.travel.dragTo(position - this.shift);
-    else if (task === "take") this.source.take(settings, prepared);
-    else if (task === "end") this.plays = false;
-    else this.source[task]?.(height); // lift and drop
+    if (task === "roll") Object.assign(this.travel, { hand: null, target: speed });
+    else if (task === "drag") Object.assign(this.travel, { hand: position, target: 0 });
+    else this.plays = false;
   }
 
   /** Set a block of samples; return a report when it is due. */
   fill(samples) {
-    if (this.idle < ASLEEP) this.source.block(this.travel, samples);
+    const { source, travel, report, length } = this;
+    if (this.idle < ASLEEP) source.block(travel, samples);
     else samples.fill(this.still);
-    const { report, source } = this;
-    const { lowest, highest, flies } = source.extremes;
-    report.low[report.blocks] = lowest;
-    report.high[report.blocks] = highest;
-    report.flies[report.blocks++] = flies;
-    const rests = this.travel.rests(STILL) && !(source.state.height > 0);
     this.still = samples[BLOCK - 1];
-    this.idle = rests && samples.every((value) => Math.abs(value - this.still) < UNHEARD) ? this.idle + 1 : 0;
-    if (report.blocks < BLOCKS) return null;
-    this.clear();
-    const { position, speed } = this.travel, { shift, length } = this;
-    return { ...report, asleep: this.idle >= ASLEEP, state: { ...source.state, position: position + shift, speed, shift, length } };
+    const { lowest, highest, flies } = source.extremes;
+    const block = this.blocks++ % BLOCKS;
+    report.low[block] = lowest;
+    report.high[block] = highest;
+    report.flies[block] = flies;
+    const moves = flies > 0 || Math.abs(travel.speed) > STILL || highest - lowest > UNHEARD;
+    this.idle = moves ? 0 : this.idle + 1;
+    if (block < BLOCKS - 1) return null;
+    const { position, speed } = travel;
+    return { ...report, asleep: this.idle >= ASLEEP, state: { ...source.state, position, speed, length } };
   }
 }
 
@@ -86,18 +74,14 @@ function registerInstrument() {
   registerProcessor("instrument", class extends AudioWorkletProcessor {
     constructor({ processorOptions }) {
       super();
-      const [instrument, pace] = [new Instrument(processorOptions), new Pace(sampleRate)];
-      Object.assign(this, { instrument, pace });
-      this.port.onmessage = ({ data }) => instrument.obey(data);
+      this.instrument = new Instrument(processorOptions);
+      this.port.onmessage = ({ data }) => this.instrument.obey(data);
     }
 
     process(_, [[samples]]) {
-      const { instrument, pace, port } = this;
-      pace.begin();
-      const report = instrument.fill(samples);
-      pace.end();
-      if (report) port.postMessage({ ...report, load: pace.load, lost: pace.lost });
-      return instrument.plays;
+      const report = this.instrument.fill(samples);
+      if (report) this.port.postMessage(report);
+      return this.instrument.plays;
     }
   });
 }

@@ -3,12 +3,11 @@
 import { $, $$ } from "./core.js";
 import { choose, say } from "./choices.js";
 import { SETTINGS, backToScene, giveSpeed, listenToSlider, playedRuns, setVolume, shareAt, showRolling, valueAt } from "./play_panel.js";
-import { followHand, live, liveOf, openWorker, rollBall, rollOn, startInstrument, takeRun, tellInstrument, askSettings } from "./play_sound.js";
+import { followHand, live, liveOf, openWorker, rollBall, rollOn, soundOn, startInstrument, takeRun, tellInstrument, askSettings } from "./play_sound.js";
 import { ballAt, drawStage, view, wakeStage } from "./play_view.js";
 import { drawSpectrum, drawStrip } from "./play_meter.js";
 import { copyYaml, saveWav, showExport } from "./play_export.js";
 
-const FALL_MS = 500; // that a lifted ball is held
 export const POLL_MS = 30; // between questions whether the instrument is ready
 const REST_M_S = 0.01; // below which a ball that is let go stays where it is
 const KEY_STEP = 0.03; // of the slider of the speed
@@ -131,10 +130,8 @@ async function dropBall() {
   askSettings();
   await startInstrument();
   while (!live.report || live.asked) await later(POLL_MS); // until it sounds with the present settings
-  tellInstrument({ task: "lift", height: live.settings.dropHeight });
+  soundOn(true);
   say("lifted");
-  await later(FALL_MS);
-  tellInstrument({ task: "drop" });
 }
 
 export const later = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));

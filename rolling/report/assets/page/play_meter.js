@@ -20,7 +20,7 @@ const FAST_S = 0.125; // time constant of the level
 const WINDOW = 0.3046; // mean square of the window of an AnalyserNode, after Blackman
 
 const strip = { low: new Float32Array(COLUMNS), high: new Float32Array(COLUMNS), flies: new Float32Array(COLUMNS), at: 0, reach: 0 };
-const heard = { powers: null, fast: 0, fastAt: 0, top: null, texts: 0, curves: 0, gain: 0, flown: 0, lost: 0, remarked: 0 };
+const heard = { powers: null, fast: 0, fastAt: 0, top: null, texts: 0, curves: 0, gain: 0, flown: 0, remarked: 0 };
 
 /** Takes a report of the processor into the meters. */
 export function showReport(report) {
@@ -56,7 +56,7 @@ function takeLevel(now) {
 
 const digits = (value, count) => Number(value.toPrecision(count));
 
-function showNumbers({ state, asleep, load, lost }, now) {
+function showNumbers({ state, asleep }, now) {
   heard.texts = now;
   const fast = 10 * Math.log10(heard.fast), level = asleep || !(fast >= QUIETEST_DB) ? null : fast;
   $("#play-level").textContent = level === null ? "–" : level.toFixed(1);
@@ -66,16 +66,14 @@ function showNumbers({ state, asleep, load, lost }, now) {
   if (presses) $("#play-force-now").textContent = newtons(state.force);
   const share = Math.round(100 * heard.flown);
   $("#play-flight").textContent = !presses ? "" : state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : share ? `flies ${share} % of the time` : "in contact";
-  showRemark(load, lost, now);
-  $("#play-core").textContent = `${Math.round(100 * load)} % of a core`;
+  showRemark(now);
 }
 
-/** Says for a while that the limiter has lowered the sound, or that it has dropped out. */
-function showRemark(load, lost, now) {
+/** Says for a while that the limiter has lowered the sound. */
+function showRemark(now) {
   let remark = "";
-  if (lost > heard.lost) remark = `The sound has dropped out for ${(lost - heard.lost).toFixed(1)} s: ${load > 0.6 ? "the machine is too slow for these settings" : "the machine was busy"}.`;
-  else if (heard.gain < TIGHT_DB) remark = `The limiter lowers the loudest sound by ${Math.ceil(-heard.gain)} dB; the level is that without it.`;
-  Object.assign(heard, { lost, gain: 0 });
+  if (heard.gain < TIGHT_DB) remark = `The limiter lowers the loudest sound by ${Math.ceil(-heard.gain)} dB; the level is that without it.`;
+  heard.gain = 0;
   if (!remark && now - heard.remarked < REMARK_MS) return;
   if (remark) heard.remarked = now;
   $("#play-limit").textContent = remark;

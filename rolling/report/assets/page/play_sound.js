@@ -11,6 +11,7 @@ import { instrumentNode, leaveBody, throughBody } from "../engine/graph.js";
 
 const LIMIT_DB = -1; // of full scale, above which the limiter compresses by 20
 const UNDO_MAKEUP = 10 ** ((0.6 * LIMIT_DB * (1 - 1 / 20)) / 20); // of the gain that the limiter of the browser adds
+const HOLD_S = 0.5; // that a lifted ball is held
 const METER = 2048; // samples of the Fast level
 export const SPECTRUM = 16384; // samples, whose lines resolve the third octave at 20 Hz
 
@@ -18,7 +19,7 @@ export const SPECTRUM = 16384; // samples, whose lines resolve the third octave 
 export const live = {
   number: -1, settings: {}, worker: null, opening: null, latest: null, asked: false, behind: false, refused: false,
   rolling: false, held: false, push: 0, direction: 1, fastest: 0, dropped: false, volume: 0, report: null, heardAt: 0,
-  bus: null, meters: [], volumeNode: null, limiter: null, node: null, output: null, sounding: null, body: null,
+  bus: null, meters: [], volumeNode: null, limiter: null, node: null, output: null, body: null,
 };
 
 export const liveOf = () => runs[live.number].live;
@@ -81,26 +82,29 @@ export function followHand(speed) {
   askSettings();
 }
 
-/** Lets prepared settings sound: those of another run, or with other time steps, by a new instrument where the ball is. */
+/** Lets prepared settings sound. */
 function deliver({ number, settings, prepared }) {
   showModes(prepared.kept);
   live.latest = { number, settings, prepared };
   if (!live.bus) return;
-  const { body, node, report } = live, { steps } = prepared;
-  if (number === live.sounding?.number && steps === live.sounding.steps) tellInstrument({ task: "take", settings, prepared });
-  else openNode();
-  live.body = throughBody(live.output, prepared.responses, live.bus);
-  if (body) leaveBody(body);
-  if (node !== live.node) setTimeout(() => node?.port.postMessage({ task: "end" }), 100); // it has faded by then
+  soundOn();
   sendVolume();
 }
 
-/** Makes the instrument of the latest settings, which rolls on from where the ball is. */
-function openNode() {
+/** Fades into an instrument and a body of the latest settings, where the ball rolls on, or is lifted and falls. */
+export function soundOn(falls = false) {
+  const { body, node } = live;
+  openNode(falls);
+  live.body = throughBody(live.output, live.latest.prepared.responses, live.bus);
+  if (body) leaveBody(body);
+  setTimeout(() => node?.port.postMessage({ task: "end" }), 100); // it has faded by then
+}
+
+function openNode(falls) {
   const { latest: { number, settings, prepared }, report, heardAt } = live;
   const { position, speed } = report?.state ?? { position: prepared.start, speed: 0 };
-  const from = { position: position + (speed * (performance.now() - heardAt)) / 1000, speed };
-  const begun = { ...settings, dropHeight: null }; // it is not lifted
+  const from = { position: position + (speed * (performance.now() - heardAt)) / 1000, speed, hold: HOLD_S };
+  const begun = { ...settings, dropHeight: falls ? settings.dropHeight : null };
   const { node, output } = instrumentNode(state.context, { run: runs[number].live, settings: begun, prepared, from });
   node.port.onmessage = ({ data: report }) => {
     if (node !== live.node) return;
@@ -110,7 +114,7 @@ function openNode() {
     wakeStage();
   };
   node.onprocessorerror = () => sayPlayed("The engine stopped because of an error.");
-  Object.assign(live, { node, output, sounding: { number, steps: prepared.steps } });
+  Object.assign(live, { node, output });
   if (live.held) tellInstrument({ task: "drag", position: view.goal });
   else rollOn();
 }

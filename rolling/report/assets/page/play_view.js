@@ -146,7 +146,7 @@ function drawLens() {
 /** Returns the map nearest to the place of the ball on the track, which closes. */
 function nearestMap({ position_mm: places }) {
   if (!live.report?.state) return 0;
-  const { shift, length } = live.report.state;
-  const away = places.map((place) => Math.abs(modulo(view.ball - shift - 1e-3 * place + length / 2, length) - length / 2));
+  const { length } = live.report.state;
+  const away = places.map((place) => Math.abs(modulo(view.ball - 1e-3 * place + length / 2, length) - length / 2));
   return away.indexOf(Math.min(...away));
 }
