@@ -1,6 +1,7 @@
 // Nodes of the browser between the instrument and the ear: a convolver makes sound of the contact force.
 
-const FEED_S = 0.04; // in which the force goes over from one body to the next
+const SETTLE_S = 0.03; // in which a ball that begins at rest takes the motion of the track
+const FEED_S = 0.04; // in which the force then goes over from one body to the next
 const HIGH_PASS = { order: 8, frequency: 15.5 }; // Butterworth: -0.5 dB at 17.8 Hz, -0.07 dB at 20 Hz
 const RUN_IN_S = 1; // before a record of rolling, for the high-pass and the modes of the plate
 
@@ -31,8 +32,9 @@ export function throughBody(source, responses, output, atOnce = false) {
 }
 
 function fadeFeed({ feed: { gain, context } }, target) {
-  gain.setValueAtTime(1 - target, context.currentTime);
-  gain.linearRampToValueAtTime(target, context.currentTime + FEED_S);
+  const begin = context.currentTime + SETTLE_S;
+  gain.setValueAtTime(1 - target, begin);
+  gain.linearRampToValueAtTime(target, begin + FEED_S);
 }
 
 /** Take the force from a body, which rings out. */
@@ -42,7 +44,7 @@ export function leaveBody(body) {
   setTimeout(() => {
     source.disconnect(feed);
     convolver.disconnect();
-  }, 1e3 * (2 * FEED_S + convolver.buffer.duration));
+  }, 1e3 * (2 * (SETTLE_S + FEED_S) + convolver.buffer.duration));
 }
 
 /** Render channels of pressure [Pa] of the steady state, or of a fall from its beginning, as a promise. */

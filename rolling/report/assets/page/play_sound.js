@@ -97,7 +97,7 @@ export function soundOn(falls = false) {
   openNode(falls);
   live.body = throughBody(live.output, live.latest.prepared.responses, live.bus);
   if (body) leaveBody(body);
-  setTimeout(() => node?.port.postMessage({ task: "end" }), 100); // it has faded by then
+  setTimeout(() => node?.port.postMessage({ task: "end" }), 200); // it has faded by then
 }
 
 function openNode(falls) {
