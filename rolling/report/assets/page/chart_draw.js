@@ -90,8 +90,8 @@ export function drawChart(svg, chart, view, width) {
   }
   plot.append(...groups);
   const middle = { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2, class: "silent" };
-  const texts = chart.texts.map((text) => drawn("text", middle, text));
-  svg.replaceChildren(drawAxes(view, places), plot, ...texts, drawn("path", { class: "playhead" }), drawn("g", { class: "over" }));
+  const texts = chart.texts?.map((text) => drawn("text", middle, text));
+  svg.replaceChildren(drawAxes(view, places), plot, ...(texts ?? []), drawn("path", { class: "playhead" }), drawn("g", { class: "over" }));
   return places;
 }
 
@@ -100,7 +100,7 @@ const rectOf = (x0, y0, x1, y1) => ({ x: Math.min(x0, x1), y: Math.min(y0, y1), 
 /** Draw grid, ticks, labels and colour bar. */
 function drawAxes(view, { box, x, y, sides, bar, image, width, heads, rows, bottom }) {
   const axes = drawn("g", { class: "axes" }), scales = [y[0], bar ? scaleOf(bar.limits, bar.log, box.bottom, box.top) : y[1]];
-  const grid = (d) => axes.append(drawn("path", { d, class: "grid" })), middle = (box.left + box.right) / 2, end = bar ? box.right + 36 : box.right + 6;
+  const grid = (d) => axes.append(drawn("path", { d, class: "grid" })), middle = (box.left + box.right) / 2, end = box.right + (bar ? 30 : 6);
   const write = (left, top, kind, text) => axes.append(drawn("text", { x: left, y: top, class: kind }, text));
   const room = Math.max(2, Math.floor((box.right - box.left) / (view.x.names.some(([, text]) => text.length > 5) ? 80 : 46)));
   for (const [value, text] of ticksOf(view.x, room)) {
@@ -143,7 +143,8 @@ function shapeOf(part, chart, { box, x, y, step }) {
     const strip = box.bottom - 2 - 6 * chart.hatched.indexOf(of); // marks of bands stand one above the other
     const [low, high] = kind !== "span" ? part.ends.slice(2).map(py) : part.hatch ? [strip - 5, strip] : [box.top, box.bottom];
     const rect = rectOf(px(part.ends[0]), low, px(part.ends[1]), high);
-    return kind === "image" ? drawn("image", { ...rect, href: part.png, preserveAspectRatio: "none" }) : drawn("rect", { ...rect, class: "bar", opacity: kind === "bar" ? opacity : null });
+    if (kind === "image") return drawn("image", { ...rect, href: part.png, preserveAspectRatio: "none" });
+    return drawn("rect", { ...rect, class: "bar", opacity: kind === "bar" ? opacity : null });
   }
   if (kind === "rule") {
     const points = part.along ? [[px(part.at), box.top], [px(part.at), box.bottom]] : [[box.left, py(part.at)], [box.right, py(part.at)]];
