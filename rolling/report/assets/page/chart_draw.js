@@ -8,7 +8,8 @@ const MARKS = {
   o: "M-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0z", s: "M-2.8-2.8h5.6v5.6h-5.6z", "^": "M0-3.5l3.4 6h-6.8z", D: "M0-4l4 4l-4 4l-4-4z",
   v: "M0 3.5l3.4-6h-6.8z", P: "M-1.2-3.6h2.4v2.4h2.4v2.4h-2.4v2.4h-2.4v-2.4h-2.4v-2.4h2.4z", X: "M-3-3l6 6M-3 3l6-6",
 };
-const LETTER = 6.4; // width of a letter of a label [pixels]
+export const MOST_NAMES = 24; // of a legend
+export const LETTER = 6.4; // width of a letter of a label [pixels]
 const ROW = 16;
 
 /** Return a function that makes elements of a kind of markup with attributes and children. */
@@ -30,41 +31,44 @@ export function dashesOf(curves, number) {
   return BROKEN[curves.slice(0, number).filter((curve) => curve.dash === "--").length % BROKEN.length];
 }
 
-/** Break a text into rows of at most so many letters. */
-export function rowsOf(text, letters) {
-  const rows = [""];
-  for (const word of text.split(" ")) {
-    const longer = `${rows.at(-1)} ${word}`.trim();
-    if (longer.length > letters && rows.at(-1)) rows.push(word);
-    else rows[rows.length - 1] = longer;
-  }
-  return rows;
+/** Names of the curves of a chart, each once. */
+export const namesOf = ({ curves }) => [...new Set(curves.map((curve) => curve.name))].filter(Boolean);
+
+/** Draw the key of the curves of a name, 30 by 12 pixels, for a legend. */
+export function keyOf(chart, name) {
+  const number = chart.curves.findIndex((curve) => curve.name === name), parts = chart.parts.filter((part) => part.of === number);
+  const marked = parts.find((part) => part.size), lined = parts.some((part) => part.width || ["rule", "steps"].includes(part.kind));
+  const filled = parts.find((part) => ["span", "bar", "band"].includes(part.kind)), key = drawn("g", { style: `--c: ${chart.paints[number]}` });
+  if (filled) key.append(drawn("rect", { x: 3, y: 1, width: 24, height: 10, class: "bar", opacity: filled.alpha }));
+  else if (lined) key.append(drawn("path", { d: "M1 6H29", class: "line", "stroke-dasharray": dashesOf(chart.curves, number) }));
+  if (marked) key.append(drawn("path", { d: markOf(marked, chart), transform: "translate(15 6)", class: lined ? "mark" : "mark open" }));
+  return key;
 }
+
+/** Break a text into rows of at most so many letters, longer words on rows of their own. */
+export const rowsOf = (text, letters) => text.match(new RegExp(`\\S.{0,${letters - 1}}(?=\\s|$)|\\S+`, "g")) ?? [""];
 
 export const labelOf = ({ label, unit }) => (unit ? `${label} [${unit}]` : label);
 
 /** Places of axes, plot and labels for a width in pixels. */
 export function layoutOf(chart, view, width) {
-  const image = chart.parts.find((part) => part.kind === "image"), bar = image?.scale;
-  const sides = view.y.map((axis) => ticksOf(axis, 7)), scaleTicks = bar ? ticksOf(bar, 5) : [];
-  const widest = (ticks) => Math.max(2, ...ticks.map(([, text]) => text.length)) * LETTER + 12;
-  const left = widest(sides[0]), right = bar ? widest(scaleTicks) + 26 : sides[1] ? widest(sides[1]) : 14;
-  const bottom = rowsOf(labelOf(chart.x), Math.floor((width - 16) / LETTER));
-  const heads = [labelOf(view.y[0]), bar ? labelOf(bar) : view.y[1] ? labelOf(view.y[1]) : ""];
-  const crowded = heads[1] && (heads[0].length + heads[1].length + 3) * LETTER > width;
-  const top = (crowded ? 2 : 1) * ROW + 10, below = 24 + ROW * bottom.length;
-  let across = width - left - right, high = chart.high ?? Math.min(400, Math.max(210, 0.46 * width));
+  const image = chart.parts.find((part) => part.kind === "image"), bar = image?.scale, second = bar ?? view.y[1];
+  const sides = [view.y[0], second].map((axis) => (axis ? ticksOf(axis, axis === bar ? 5 : 7) : []));
+  const [left, right] = sides.map((ticks) => Math.max(2, ...ticks.map(([, text]) => text.length)) * LETTER + 12);
+  const bottom = rowsOf(labelOf(chart.x), Math.floor((width - 16) / LETTER)), heads = [view.y[0], second].filter(Boolean).map(labelOf);
+  const rows = heads.length > 1 && (heads.join().length + 2) * LETTER > width ? 2 : 1, top = rows * ROW + 10;
+  let across = width - left - (second ? right + (bar ? 26 : 0) : 14), high = chart.high ?? Math.min(400, Math.max(210, 0.46 * width));
   if (chart.aspect) {
-    const share = (chart.aspect * Math.abs(view.y[0].limits[1] - view.y[0].limits[0])) / Math.abs(view.x.limits[1] - view.x.limits[0]);
-    [across, high] = across * share > 420 ? [420 / share, 420] : [across, across * share];
-    if (high < 60) high = 60;
+    const [wide, tall] = [chart.x, chart.y[0]].map(({ limits }) => Math.abs(limits[1] - limits[0])), share = (chart.aspect * tall) / wide;
+    across = Math.min(across, 420 / share);
+    high = Math.max(60, across * share);
   }
-  const box = { left, top, right: left + across, bottom: top + high };
-  const x = scaleOf(view.x.limits, view.x.log, box.left, box.right), barred = chart.xs[chart.parts.find((part) => part.kind === "errors")?.x] ?? [];
-  const gaps = barred.slice(1).map((place, k) => x.pixel(place) - x.pixel(barred[k])).filter((gap) => gap > 0);
+  const box = { left, top, right: left + across, bottom: top + high }, x = scaleOf(view.x.limits, view.x.log, box.left, box.right);
+  const barred = chart.xs[chart.parts.find((part) => part.kind === "errors")?.x]?.map(x.pixel) ?? [];
+  const gaps = barred.slice(1).map((pixel, k) => pixel - barred[k]).filter((gap) => gap > 0);
   return {
-    x, step: Math.min(4, Math.min(...gaps, 99) / (1 + chart.offsets.filter(Boolean).length)), width, height: box.bottom + below, box, sides, bar, scaleTicks, image, bottom, heads, crowded,
-    y: view.y.map(({ limits, log }) => scaleOf(limits, log, box.bottom, box.top)),
+    box, x, y: view.y.map(({ limits, log }) => scaleOf(limits, log, box.bottom, box.top)), width, height: box.bottom + 24 + ROW * bottom.length,
+    image, bar, sides, bottom, heads, rows, step: Math.min(4, Math.min(...gaps, 99) / (1 + chart.offsets.filter(Boolean).length)),
   };
 }
 
@@ -73,114 +77,98 @@ export const sizeChart = (svg, { width, height }) => svg.setAttribute("viewBox",
 
 /** Draw a chart into an element and return its places. */
 export function drawChart(svg, chart, view, width) {
-  const places = layoutOf(chart, view, width), { box } = places, name = `clip-${chart.number ?? "x"}`;
+  const places = layoutOf(chart, view, width), { box } = places, whole = rectOf(box.left, box.top - 1, box.right, box.bottom + 1);
   sizeChart(svg, places);
-  const clip = drawn("clipPath", { id: name }, drawn("rect", rectOf(box.left, box.top - 1, box.right, box.bottom + 1)));
-  const plot = drawn("g", { class: "parts", "clip-path": `url(#${name})` });
-  if (chart.ground) plot.append(drawn("rect", { ...rectOf(box.left, box.top, box.right, box.bottom), fill: chart.ground }));
+  const plot = drawn("svg", { class: "parts", ...whole, viewBox: Object.values(whole).join(" ") }); // clips what is outside
+  if (chart.ground) plot.append(drawn("rect", { ...whole, fill: chart.ground }));
   const groups = chart.curves.map((_, number) => drawn("g", { "data-curve": number }));
-  const behind = ["span", "image", "band"];
   for (const part of chart.parts) {
     if (view.hidden.has(chart.curves[part.of]?.name)) continue;
-    const shape = shapeOf(part, chart, places), group = behind.includes(part.kind) ? plot : groups[part.of] ?? plot;
+    const shape = shapeOf(part, chart, places), behind = ["span", "image", "band"].includes(part.kind);
     shape.style.setProperty("--c", chart.paints[part.of] ?? "");
-    group.append(shape);
+    ((!behind && groups[part.of]) || plot).append(shape);
   }
   plot.append(...groups);
   const middle = { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2, class: "silent" };
-  const texts = chart.texts.map((text) => drawn("text", middle, text));
-  svg.replaceChildren(drawn("defs", {}, clip), drawAxes(chart, view, places), plot, ...texts, drawn("g", { class: "over" }));
+  const texts = chart.texts?.map((text) => drawn("text", middle, text));
+  svg.replaceChildren(drawAxes(view, places), plot, ...(texts ?? []), drawn("path", { class: "playhead" }), drawn("g", { class: "over" }));
   return places;
 }
 
 const rectOf = (x0, y0, x1, y1) => ({ x: Math.min(x0, x1), y: Math.min(y0, y1), width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) });
 
 /** Draw grid, ticks, labels and colour bar. */
-function drawAxes(chart, view, places) {
-  const { box, x, y, sides, bar, scaleTicks, width } = places, axes = drawn("g", { class: "axes" });
-  const rows = (texts, attributes, step) => texts.map((text, k) => drawn("text", { ...attributes, y: attributes.y + step * k }, text));
+function drawAxes(view, { box, x, y, sides, bar, image, width, heads, rows, bottom }) {
+  const axes = drawn("g", { class: "axes" }), scales = [y[0], bar ? scaleOf(bar.limits, bar.log, box.bottom, box.top) : y[1]];
+  const grid = (d) => axes.append(drawn("path", { d, class: "grid" })), middle = (box.left + box.right) / 2, end = box.right + (bar ? 30 : 6);
+  const write = (left, top, kind, text) => axes.append(drawn("text", { x: left, y: top, class: kind }, text));
   const room = Math.max(2, Math.floor((box.right - box.left) / (view.x.names.some(([, text]) => text.length > 5) ? 80 : 46)));
   for (const [value, text] of ticksOf(view.x, room)) {
     const at = x.pixel(value).toFixed(1);
-    axes.append(drawn("path", { d: `M${at} ${box.top}V${box.bottom}`, class: "grid" }), drawn("text", { x: at, y: box.bottom + ROW, class: "middle" }, text));
+    grid(`M${at} ${box.top}V${box.bottom}`);
+    write(at, box.bottom + ROW, "middle", text);
   }
-  sides.forEach((ticks, side) => {
-    for (const [value, text] of ticks) {
-      const at = y[side].pixel(value);
-      if (!side) axes.append(drawn("path", { d: `M${box.left} ${at.toFixed(1)}H${box.right}`, class: "grid" }));
-      axes.append(drawn("text", { x: side ? box.right + 6 : box.left - 6, y: at + 4, class: side ? null : "end" }, text));
-    }
-  });
+  sides.forEach((ticks, side) => ticks.forEach(([value, text]) => {
+    const at = scales[side].pixel(value);
+    if (!side) grid(`M${box.left} ${at.toFixed(1)}H${box.right}`);
+    write(side ? end : box.left - 6, at + 4, side ? "" : "end", text);
+  }));
   axes.append(drawn("path", { d: `M${box.left} ${box.bottom}H${box.right}`, class: "frame" }));
-  axes.append(drawn("text", { x: 2, y: ROW - 2, class: "label" }, places.heads[0]));
-  const second = { x: bar ? Math.min(width, box.right + 90) - 2 : width - 2, y: (places.crowded ? 2 : 1) * ROW - 2, class: "label end" };
-  if (places.heads[1]) axes.append(drawn("text", second, places.heads[1]));
-  axes.append(...rows(places.bottom, { x: (box.left + box.right) / 2, y: box.bottom + 2 * ROW + 3, class: "label middle" }, ROW));
-  if (bar) axes.append(...drawBar(places, scaleTicks));
+  write(2, ROW - 2, "label", heads[0]);
+  if (heads[1]) write(bar ? Math.min(width, box.right + 90) - 2 : width - 2, rows * ROW - 2, "label end", heads[1]);
+  bottom.forEach((text, k) => write(middle, box.bottom + (k + 2) * ROW + 3, "label middle", text));
+  const step = (box.bottom - box.top) / image?.colours.length;
+  if (bar) axes.append(...image.colours.map((fill, k) => drawn("rect", { x: box.right + 12, y: box.bottom - (k + 1) * step, width: 12, height: step + 0.6, fill })));
   return axes;
-}
-
-function drawBar({ box, image, bar }, ticks) {
-  const { colours } = image, left = box.right + 12, step = (box.bottom - box.top) / colours.length;
-  const shades = colours.map((fill, k) => drawn("rect", { x: left, y: box.bottom - (k + 1) * step, width: 12, height: step + 0.6, fill }));
-  const { pixel } = scaleOf(bar.limits, bar.log, box.bottom, box.top);
-  return [...shades, ...ticks.map(([value, text]) => drawn("text", { x: left + 18, y: pixel(value) + 4 }, text))];
 }
 
 /** Join places to a path that breaks where a number is missing. */
 function pathOf(points) {
   let text = "", pen = "M";
   for (const [x, y] of points) {
-    if (Number.isFinite(x) && Number.isFinite(y)) {
-      text += `${pen}${x.toFixed(1)} ${Math.max(-9999, Math.min(9999, y)).toFixed(1)}`;
-      pen = "L";
-    } else pen = "M";
+    const known = Number.isFinite(x) && Number.isFinite(y);
+    if (known) text += `${pen}${x.toFixed(1)} ${Math.max(-9999, Math.min(9999, y)).toFixed(1)}`;
+    pen = known ? "L" : "M";
   }
   return text;
 }
 
 /** Draw a part of a curve at the places of the axes. */
 function shapeOf(part, chart, { box, x, y, step }) {
-  const { kind, of, ends } = part, at = chart.xs[part.x] ?? [], rise = y[part.right ? 1 : 0];
-  const put = (value, scale) => (value === null ? NaN : scale.pixel(value)), px = (value) => put(value, x), py = (value) => put(value, rise);
+  const { kind, of, alpha: opacity } = part, at = chart.xs[part.x] ?? [], rise = y[part.right ? 1 : 0];
+  const px = (value) => (value === null ? NaN : x.pixel(value)), py = (value) => (value === null ? NaN : rise.pixel(value));
   const dashes = of === undefined ? null : dashesOf(chart.curves, of), shift = step * (chart.offsets[of] ?? 0);
+  const stroke = (points, style = {}) => drawn("path", { d: pathOf(points), class: "line", "stroke-dasharray": dashes, ...style });
+  if (part.ends) {
+    const strip = box.bottom - 2 - 6 * chart.hatched.indexOf(of); // marks of bands stand one above the other
+    const [low, high] = kind !== "span" ? part.ends.slice(2).map(py) : part.hatch ? [strip - 5, strip] : [box.top, box.bottom];
+    const rect = rectOf(px(part.ends[0]), low, px(part.ends[1]), high);
+    if (kind === "image") return drawn("image", { ...rect, href: part.png, preserveAspectRatio: "none" });
+    return drawn("rect", { ...rect, class: "bar", opacity: kind === "bar" ? opacity : null });
+  }
   if (kind === "rule") {
-    const d = part.along ? `M${px(part.at)} ${box.top}V${box.bottom}` : `M${box.left} ${py(part.at)}H${box.right}`;
-    return drawn("path", { d, class: of === undefined ? "rule" : "line", "stroke-dasharray": dashes });
+    const points = part.along ? [[px(part.at), box.top], [px(part.at), box.bottom]] : [[box.left, py(part.at)], [box.right, py(part.at)]];
+    return stroke(points, of === undefined ? { class: "rule" } : {});
   }
-  if (kind === "span") {
-    const low = box.bottom - 2 - 6 * chart.hatched.indexOf(of); // marks of bands stand one above the other
-    return drawn("rect", { ...rectOf(px(ends[0]), part.hatch ? low - 5 : box.top, px(ends[1]), part.hatch ? low : box.bottom), class: "shade" });
-  }
-  if (kind === "bar") return drawn("rect", { ...rectOf(px(ends[0]), py(ends[2]), px(ends[1]), py(ends[3])), class: "bar", opacity: part.alpha });
-  if (kind === "image") return drawn("image", { ...rectOf(px(ends[0]), py(ends[2]), px(ends[1]), py(ends[3])), href: part.png, preserveAspectRatio: "none" });
   if (kind === "band") {
-    const rows = part.step ? (k) => [k, k + 1 < at.length ? k + 1 : k] : (k) => [k];
-    const edge = (values) => at.flatMap((_, k) => rows(k).map((next) => [px(at[next]), py(values[k])]));
-    return drawn("path", { d: `${pathOf([...edge(part.low), ...edge(part.high).reverse()])}Z`, class: part.alpha ? "band" : "band full" });
+    const edge = (values) => at.flatMap((place, k) => [[px(place), py(values[k])], ...(part.step ? [[px(at[k + 1] ?? place), py(values[k])]] : [])]);
+    return drawn("path", { d: `${pathOf([...edge(part.low), ...edge(part.high).reverse()])}Z`, class: opacity ? "band" : "band full" });
   }
   if (kind === "errors") {
-    const d = at.map((place, k) => [px(place) + shift, py(part.low[k]), py(part.high[k])]).filter((bar) => bar.every(Number.isFinite));
-    return drawn("path", { d: d.map(([a, low, high]) => `M${a} ${low}V${high}m-3 0h6M${a - 3} ${low}h6`).join(""), class: "errors" });
+    const bars = at.map((place, k) => [px(place) + shift, py(part.low[k]), py(part.high[k])]).filter((bar) => bar.every(Number.isFinite));
+    return drawn("path", { d: bars.map(([middle, low, high]) => `M${middle} ${low}V${high}m-3 0h6M${middle - 3} ${low}h6`).join(""), class: "errors" });
   }
-  const group = drawn("g", { class: part.pale ? "pale" : null });
   if (kind === "steps") {
-    const floor = part.base === undefined ? [] : [part.base], points = part.y.flatMap((value, k) => [[px(at[k]), py(value)], [px(at[k + 1]), py(value)]]);
-    const down = (k) => floor.map((value) => [px(at[k]), py(value)]);
-    group.append(drawn("path", { d: pathOf([...down(0), ...points, ...down(at.length - 1)]), class: "line", "stroke-dasharray": dashes }));
-    return group;
+    const points = part.y.flatMap((value, k) => [[px(at[k]), py(value)], [px(at[k + 1]), py(value)]]);
+    return stroke(part.base === undefined ? points : [[px(at[0]), py(part.base)], ...points, [px(at.at(-1)), py(part.base)]]);
   }
-  const points = at.map((place, k) => [px(place), py(part.y[k])]);
-  if (part.width !== undefined) {
-    const style = { class: part.width < 0.5 ? "line hair" : part.width < 0.8 ? "line thin" : "line", opacity: part.alpha, "stroke-dasharray": part.width < 0.8 ? null : dashes };
-    group.append(drawn("path", { d: pathOf(points), ...style }));
-  }
-  if (part.size !== undefined || (points.length === 1 && part.width !== undefined)) {
-    const shape = markOf(part, chart), bare = part.width === undefined ? shift : 0;
-    for (const [left, top] of points.filter((point) => point.every(Number.isFinite))) {
-      group.append(drawn("path", { d: shape, transform: `translate(${(left + bare).toFixed(1)} ${top.toFixed(1)})`, class: part.open ? "mark open" : "mark" }));
-    }
+  const group = drawn("g", { class: part.pale ? "pale" : null }), points = at.map((place, k) => [px(place), py(part.y[k])]), { width } = part;
+  const thin = width < 0.5 ? { class: "line hair" } : { class: "line thin" };
+  if (width !== undefined) group.append(stroke(points, { opacity, ...(width < 0.8 ? { ...thin, "stroke-dasharray": null } : {}) }));
+  if (part.size === undefined && (points.length > 1 || width === undefined)) return group;
+  for (const [left, top] of points.filter((point) => point.every(Number.isFinite))) {
+    const place = `translate(${(left + (width === undefined ? shift : 0)).toFixed(1)} ${top.toFixed(1)})`;
+    group.append(drawn("path", { d: markOf(part, chart), transform: place, class: part.open ? "mark open" : "mark" }));
   }
   return group;
 }
-

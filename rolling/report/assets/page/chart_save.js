@@ -1,7 +1,6 @@
 // ---- charts as files: SVG, PNG and CSV ----
 
-import { pointsOf } from "./chart_scale.js";
-import { dashesOf, drawChart, drawn, rowsOf } from "./chart_draw.js";
+import { LETTER, MOST_NAMES, drawChart, drawn, keyOf, namesOf, rowsOf } from "./chart_draw.js";
 
 const WIDTH = 900; // of a saved chart [pixels]
 const STYLES = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "opacity", "font-family", "font-size", "font-weight", "text-anchor"];
@@ -16,37 +15,38 @@ export function download(content, type, name) {
 
 export function saveChart(plot, kind) {
   const name = `${plot.figure.dataset.file}.${kind}`;
-  if (kind === "csv") return download(plot.chart.csv ?? csvOf(plot.chart), "text/csv", name);
+  if (kind === "csv") return download(plot.chart.csv ?? csvOf(plot), "text/csv", name);
   const text = savedChart(plot);
   return kind === "svg" ? download(text, "image/svg+xml", name) : savePixels(text, name);
 }
 
 /** Curves as they are drawn, as CSV; names in quotes. */
-export function csvOf(chart) {
-  const quoted = (text) => `"${text.replaceAll('"', '""')}"`, points = pointsOf(chart);
+function csvOf({ chart, points }) {
+  const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
   const rows = chart.curves.flatMap(({ name }, k) => points[k].map((point) => [quoted(name), point.x, point.low ?? point.y, point.high ?? point.y, point.spread ?? ""].join()));
   return ["curve", quoted(`${chart.x.label} [${chart.x.unit}]`), "minimum", "maximum", "standard uncertainty"].join().concat("\n", rows.join("\n"), "\n");
 }
 
 /** A chart as it is zoomed, with title and legend, as a file in the colours of paper. */
 function savedChart({ figure, chart, view }) {
-  const svg = drawn("svg", { xmlns: "http://www.w3.org/2000/svg", class: "saved" });
+  const svg = drawn("svg", { xmlns: "http://www.w3.org/2000/svg", class: "saved" }), texts = [];
   figure.querySelector(".plot").append(svg);
-  const { height } = drawChart(svg, chart, view, WIDTH), title = rowsOf(chart.title, 110), note = rowsOf(chart.note, 140), top = 20 * title.length + 15 * note.length + 8;
-  const inner = drawn("g", { transform: `translate(0 ${top})` }, ...svg.childNodes), texts = title.map((row, k) => drawn("text", { x: 6, y: 20 * (k + 1), class: "title" }, row));
-  texts.push(...note.map((row, k) => drawn("text", { x: 6, y: 20 * title.length + 15 * (k + 1) }, row)));
-  const names = [...new Set(chart.curves.map(({ name }) => name))].filter((name) => name && !view.hidden.has(name)).slice(0, 24);
-  const across = Math.max(1, Math.floor(WIDTH / (60 + 6.4 * Math.max(1, ...names.map((name) => name.length)))));
+  const { height } = drawChart(svg, chart, view, WIDTH), inner = drawn("g", {}, ...svg.childNodes);
+  let bottom = 0;
+  for (const text of rowsOf(chart.title, 110)) texts.push(drawn("text", { x: 6, y: (bottom += 20), class: "title" }, text));
+  for (const text of rowsOf(chart.note, 140)) texts.push(drawn("text", { x: 6, y: (bottom += 15) }, text));
+  inner.setAttribute("transform", `translate(0 ${(bottom += 8)})`);
+  bottom += height;
+  const names = namesOf(chart).filter((name) => !view.hidden.has(name)).slice(0, MOST_NAMES);
+  const across = Math.max(1, Math.floor(WIDTH / (60 + LETTER * Math.max(1, ...names.map((name) => name.length)))));
   names.forEach((name, k) => {
-    const number = chart.curves.findIndex((curve) => curve.name === name), x = 6 + (k % across) * (WIDTH / across), y = top + height + 16 + 18 * Math.floor(k / across);
-    const key = drawn("path", { d: `M${x} ${y - 4}h30`, class: "line", "stroke-dasharray": dashesOf(chart.curves, number) });
-    key.style.setProperty("--c", chart.paints[number]);
-    texts.push(key, drawn("text", { x: x + 38, y }, name));
+    const place = `translate(${6 + (k % across) * (WIDTH / across)} ${bottom + 18 * Math.floor(k / across)})`;
+    texts.push(drawn("g", { transform: place }, drawn("g", { transform: "translate(0 6)" }, keyOf(chart, name)), drawn("text", { x: 38, y: 16 }, name)));
   });
-  const whole = Math.ceil(top + height + 18 * Math.ceil(names.length / across) + 10);
+  const whole = Math.ceil(bottom + 18 * Math.ceil(names.length / across) + 10);
   svg.replaceChildren(drawn("rect", { width: WIDTH, height: whole, class: "paper" }), inner, ...texts);
   for (const [key, value] of [["viewBox", `0 0 ${WIDTH} ${whole}`], ["width", WIDTH], ["height", whole]]) svg.setAttribute(key, value);
-  const elements = [...svg.querySelectorAll(":not(defs, defs *)")];
+  const elements = [...svg.querySelectorAll("*")];
   const styles = elements.map((element) => STYLES.map((key) => [key, getComputedStyle(element).getPropertyValue(key)]));
   elements.forEach((element, k) => {
     element.removeAttribute("style");

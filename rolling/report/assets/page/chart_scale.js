@@ -1,4 +1,4 @@
-// ---- scales of charts: places, ticks, numbers, reading and zoom ----
+// ---- scales of charts: places, ticks, numbers, points and zoom ----
 
 const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const THIN = "\u202f"; // narrow no-break space before a unit or a prefix
@@ -15,17 +15,14 @@ export function scaleOf(limits, log, from, to) {
 
 /** Write a number with so many digits, tiny and huge ones as a power of ten. */
 export function worded(value, digits = 4) {
-  const size = Math.abs(value);
-  if (!(size > 0)) return "0";
-  let power = Math.floor(Math.log10(size) + 1e-12), text;
-  if (power < -3 || power > 5) {
-    const mantissa = Number((value / 10 ** power).toPrecision(digits));
-    const raised = `${power < 0 ? "⁻" : ""}${[...String(Math.abs(power))].map((x) => SUPERSCRIPTS[x]).join("")}`;
-    text = Math.abs(mantissa) === 1 ? `${mantissa < 0 ? "-" : ""}10${raised}` : `${mantissa}·10${raised}`;
-  } else {
-    text = String(Number(value.toPrecision(Math.max(digits, power + 1)))).replace(/^(-?\d{2,3})(\d{3})$/, `$1${THIN}$2`);
+  if (!value) return "0";
+  const power = Math.floor(Math.log10(Math.abs(value)) + 1e-12);
+  if (power >= -3 && power <= 5) {
+    const text = String(Number(value.toPrecision(Math.max(digits, power + 1))));
+    return text.replace(/^(-?\d{2,3})(\d{3})$/, `$1${THIN}$2`).replace("-", "−");
   }
-  return text.replace("-", "−");
+  const raised = [...String(power)].map((sign) => SUPERSCRIPTS[sign] ?? "⁻").join("");
+  return `${Number((value / 10 ** power).toPrecision(digits))}·10${raised}`.replace("-", "−").replace(/^(−?)1·/, "$1");
 }
 
 /** Write a value with its unit: levels with one decimal, frequencies in kHz from 1 kHz. */
@@ -69,25 +66,17 @@ function logarithmic(low, high, room) {
   return values.filter((value) => value >= low * (1 - 1e-9));
 }
 
-/** The point of a curve that is nearest to a pixel along x, and its distance. */
+/** The point of a curve that is nearest to a pixel along x. */
 export function nearest(points, pixelOf, pixel) {
-  let best = null, least = Infinity;
-  for (const point of points) {
-    const distance = Math.abs(pixelOf(point.x) - pixel);
-    if (distance < least) [best, least] = [point, distance];
-  }
-  return { point: best, distance: least };
+  const away = (point) => Math.abs(pixelOf(point.x) - pixel);
+  return points.reduce((best, point) => (away(point) < away(best) ? point : best), points[0]);
 }
 
-/** Limits that are narrower by a factor about a value and stay within the full ones, falling ones too. */
-export function zoomed(limits, full, log, factor, about) {
-  const onto = log ? Math.log10 : Number, back = log ? (value) => 10 ** value : Number;
-  const [low, high, first, last, middle] = [...limits, ...full, about].map(onto), whole = last - first;
-  const share = Math.min(1, Math.max(1e-5, ((high - low) / whole) * factor)); // of the whole axis
-  if (share > 1 - 1e-9) return [...full];
-  const before = (middle - first) / whole - share * ((middle - low) / (high - low));
-  const start = first + whole * Math.min(Math.max(before, 0), 1 - share);
-  return [back(start), back(start + share * whole)];
+/** Limits between two pixels of an axis, within the whole of it and no narrower than 1e-5 of it. */
+export function zoomed({ limits, whole }, { pixel, value }, from, to) {
+  const [first, last] = whole.map(pixel);
+  if (from <= first && to >= last) return whole;
+  return to - from < 1e-5 * (last - first) ? limits : [from <= first ? whole[0] : value(from), to >= last ? whole[1] : value(to)];
 }
 
 /** Points of each curve with their uncertainty, for reading; steps and bars count in their middle. */
@@ -115,8 +104,8 @@ export function pointsOf({ xs, parts, curves, x: axis }) {
   return points.map((own) => own.filter((point, k) => !k || point.x !== own[k - 1].x || point.y !== own[k - 1].y));
 }
 
-/** Extremes of the positive numbers of an axis, for a logarithmic scale. */
-export function positive(chart, along) {
-  const values = pointsOf(chart).flat().map((point) => (along ? point.x : point.y ?? point.low)).filter((value) => value > 0);
+/** Extremes of the positive numbers along x or y, for a logarithmic scale. */
+export function positive(points, name) {
+  const values = points.flat().map((point) => point[name] ?? point.low).filter((value) => value > 0);
   return values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, 0]);
 }

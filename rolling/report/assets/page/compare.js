@@ -23,10 +23,10 @@ export function showDifference() {
   const ends = known.flatMap(({ value, spread }) => [value - Math.min(spread, 6), value + Math.min(spread, 6)]), room = [Math.min(-1, ...ends), Math.max(1, ...ends)];
   const round = (value) => Number(value.toFixed(3));
   openChart(figure, {
-    name: "difference", number: "difference", title: `${runs[b].label} minus ${runs[a].label}`, note: "third octaves, Z-weighted",
+    title: `${runs[b].label} minus ${runs[a].label}`, note: "third octaves, Z-weighted",
     x: { label: "third octave, nominal mid frequency", unit: "Hz", log: true, limits: [middle[0] / half, middle.at(-1) * half], names: data.bands.map((name, k) => [middle[k], shortName(name)]) },
     y: [{ label: "B − A", unit: "dB", log: false, limits: room.map((limit) => 1.05 * limit), names: [] }],
-    xs: [known.map(({ x }) => x)], curves: [{ name: "", colour: "#0072b2", dash: "-", marker: "o" }], paints: [`var(--run-${b})`], texts: [], aspect: null, ground: null,
+    xs: [known.map(({ x }) => x)], curves: [{ name: "", colour: "#0072b2", dash: "-", marker: "o" }], paints: [`var(--run-${b})`],
     parts: [
       ...known.map(({ x, value }) => ({ kind: "bar", of: 0, alpha: 0.6, ends: [x / half ** 0.8, x * half ** 0.8, 0, round(value)] })),
       { kind: "errors", of: 0, x: 0, low: known.map(({ value, spread }) => round(value - spread)), high: known.map(({ value, spread }) => round(value + spread)) },

@@ -69,12 +69,11 @@ function axisOf(label, unit, values) {
 
 /** Returns a chart over the time of the film in ms. */
 const chartOver = (title, ms, xs, y, curves, parts) => ({
-  name: title, number: title.replaceAll(" ", "-"), title, note: runs[state.run].label, run: state.run, second: 1e-3, high: CURVES_PX,
+  title, note: runs[state.run].label, run: state.run, second: 1e-3, high: CURVES_PX,
   xs, y, parts,
   x: { label: "time", unit: "ms", log: false, limits: [ms[0], ms.at(-1)], names: [] },
   curves: curves.map((curve) => ({ dash: "-", marker: "o", ...curve })),
   paints: curves.map(({ colour, name }) => (name === "flight" ? "var(--chart-shade)" : shadesOf(colour))),
-  texts: [], aspect: null, ground: null,
 });
 
 /** Moves the playheads of the curves to the time of the map. */
