@@ -216,12 +216,12 @@ def curves(run: Run) -> list[dict[str, Any]]:
     if slow is None or not slow.pressure.size:
         return []
     times = run.position_time[slow.positions]
-    ax = _axes("Release power", run, times)
+    figures = {"film_power": Figure(), "film_motion": Figure()}
+    ax = _axes(figures["film_power"], "Release power", run, times)
     ax.plot(1e3 * times[1:], 1e6 * _power(run, slow)[1:], color=COLOURS[0], linewidth=1)
     ax.set_ylabel("release power [µW]")
-    drawn = [("film_power", ax)]
     if motion := motion_between(run, float(times[0]), float(times[-1])):
-        ax = _axes("Motion of the ball", run, times)
+        ax = _axes(figures["film_motion"], "Motion of the ball", run, times)
         right, count = ax.twinx(), len(motion["force_n"])
         ms = 1e3 * (motion["begin"] + motion["step"] * np.arange(count))
         for k, (start, landing) in enumerate(motion["flights"]):
@@ -232,16 +232,16 @@ def curves(run: Run) -> list[dict[str, Any]]:
         ax.plot([], [], color=COLOURS[1], label="contact force; dotted: load")
         ax.set_ylabel("height [nm]")
         right.set_ylabel("contact force [N]")
-        drawn.append(("film_motion", ax))
     return [
-        charts.chart_of(Picture(name, ax.get_figure(), None)) | {"second": 1e-3, "high": CURVES_PX}
-        for name, ax in drawn
+        charts.chart_of(Picture(name, figure, None)) | {"second": 1e-3, "high": CURVES_PX}
+        for name, figure in figures.items()
+        if figure.axes
     ]
 
 
-def _axes(title: str, run: Run, times: Array) -> Axes:
+def _axes(figure: Figure, title: str, run: Run, times: Array) -> Axes:
     """Return axes over the time of a film [ms]."""
-    ax = Figure().add_subplot(xlim=(1e3 * times[0], 1e3 * times[-1]), xlabel="time [ms]")
+    ax = figure.add_subplot(xlim=(1e3 * times[0], 1e3 * times[-1]), xlabel="time [ms]")
     ax.set_label(f"{title}\n{run.label}")
     return ax
 
