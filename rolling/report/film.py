@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
 from acoustics.arrays import Array
+from acoustics.numbers import rounded
+from acoustics.plot_style import COLOURS, unit_prefix
+from rolling.figures.picture import Picture
 from rolling.figures.vibration import hertz_radius
 from rolling.marches.observers import SlowMotion
-from rolling.report import maps
+from rolling.report import charts, maps
 from rolling.report.maps import Pixels
 from rolling.results.run_result import Run
 from rolling.sound.wavelengths import weighted_lines
@@ -22,6 +28,7 @@ BRIGHTEST = 0.999  # share of the releases that are less than fully lit
 DIMMED, VEIL = 0.7, 225  # brightness of pressures, and their opacity above the surface, of 255
 SPREAD = 4.0  # standard deviations of the heights from grey to black and to white
 MOST_VALUES = 1500  # of a curve, more than the page has pixels
+CURVES_PX = 130  # height of the curves, so that the picture stays in sight above them
 RATES = (20, 50, 100, 200, 1000, 2000)  # by which the film is slowed
 AUDIBLE_RATES = RATES[:3]  # of which one is the first choice
 AUDIBLE_HZ = 100.0  # that common loudspeakers play
@@ -38,35 +45,42 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
 
     Returns
     -------
-    film : dict. `ground` is a PNG of the surface; `pressure` and `release` hold a PNG with the
-        tiles of its maps and their places in a map [cells]; `times` [s], `centres` [cells] and
-        `power_uw` belong to the maps, the power is the mean since the map before. `heard` is the
+    film : dict. `sheets` hold the surface, the pressures and the releases of its maps as PNG, with
+        their places in it and from the centre of the sphere [um]; `times` [s], `said` and
+        `flight_s`, the duration of the flight in which it lies, belong to the maps. `heard` is the
         share of the sound that lies above `AUDIBLE_HZ` by the rate at which the record is slowed,
         and `rate` the first choice.
     """
     slow = run.result.slow_motion
     if slow is None or not slow.pressure.size:
         return None
-    times = run.position_time[slow.positions]
-    energy = np.concatenate([[0.0], np.cumsum(run.result.series["release_energy"])])
-    power = np.concatenate([[0.0], np.diff(energy[slow.positions]) / np.diff(times)])
+    times, side = run.position_time[slow.positions], slow.cell * 1e6
+    flights = _flights(run, times)
     pressed = maps.shades(slow.pressure * slow.pressure_unit, max_gpa * 1e9)
+    centres, (along, across) = _centres(run, slow), slow.pressure.shape[1:]
+    pixels = _ground(run, slow)
+    cell = side * along / pixels.shape[1]  # the surface has finer ones
+    ground = {
+        "png": maps.png(pixels),
+        "tiles": [(0, 0, *pixels.shape[::-1])] * len(times),
+        "boxes": [maps.rounded_box(-x * side, y * side, cell) for x, y in centres],
+    }
     veil = bytes([0]) + bytes([VEIL]) * maps.SHADES
     heard = heard_shares(run)
     return {
-        "ground": maps.png(_ground(run, slow)),
-        "pressure": _sheet(pressed, _dimmed(), veil),
-        "release": _sheet(glow(slow.release), LIT, bytes(range(256))),
-        "size": slow.pressure.shape[1:],
-        "most_cells": int(np.count_nonzero(slow.pressure, axis=(1, 2)).max()),
-        "cell_um": slow.cell * 1e6,
+        "sheets": [
+            ground,
+            _sheet(pressed, _dimmed(), veil, centres, side),
+            _sheet(glow(slow.release), LIT, bytes(range(256)), centres, side),
+        ],
+        "size_um": [along * side, across * side],
         "hertz_um": 1e6 * hertz_radius(run),
-        "centres": _centres(run, slow),
         "times": np.round(times, 8).tolist(),
-        "power_uw": _short(power * 1e6),
+        "said": _said(run, slow, flights),
+        "flight_s": _short(flights),
+        "loudest": loudest(run, slow),
         "heard": {rate: round(share, 3) for rate, share in heard.items()},
         "rate": max((x for x in AUDIBLE_RATES if heard[x] >= MOSTLY), default=AUDIBLE_RATES[0]),
-        "motion": motion_between(run, float(times[0]), float(times[-1])),
     }
 
 
@@ -119,14 +133,10 @@ def still(run: Run) -> dict[str, Any] | None:
     slow = run.result.slow_motion
     if slow is None or not slow.pressure.size:
         return maps.middle_map(run)
-    if run.vibration is None:
-        loudest = int(np.argmax(slow.release.sum(axis=(1, 2), dtype=np.int64)))
-    else:
-        motion, times = run.vibration.motion, run.position_time[slow.positions]
-        loudest = int(np.argmax(np.interp(times, motion.time_s, motion.force_n)))
+    at = loudest(run, slow)
     picture = Image.fromarray(_ground(run, slow)).convert("RGB")
-    shade = maps.shades(slow.pressure[loudest], float(slow.pressure.max()) or 1.0)
-    lit = glow(slow.release)[loudest]
+    shade = maps.shades(slow.pressure[at], float(slow.pressure.max()) or 1.0)
+    lit = glow(slow.release)[at]
     layers = (_dimmed()[shade], VEIL * (shade > 0)), (LIT[lit], lit)
     for colours, opacity in layers:
         layer, mask = (
@@ -136,19 +146,111 @@ def still(run: Run) -> dict[str, Any] | None:
             for x in (colours, opacity)
         )
         picture.paste(layer, mask=mask)
-    at = 100 * _centres(run, slow)[loudest][0] / slow.pressure.shape[1]
-    return {"png": maps.png(np.asarray(picture)), "at": round(at)}
+    place = 100 * _centres(run, slow)[at][0] / slow.pressure.shape[1]
+    return {"png": maps.png(np.asarray(picture)), "at": round(place)}
 
 
-def _sheet(shown: Pixels, colours: Pixels, opacity: bytes) -> dict[str, Any]:
-    """Cut each map to its part that is not empty, and arrange the parts in a picture."""
-    parts, places = [], []
-    for layer in shown:
+def _sheet(
+    shown: Pixels,
+    colours: Pixels,
+    opacity: bytes,
+    centres: Sequence[tuple[float, float]],
+    side: float,
+) -> dict[str, Any]:
+    """Cut each map to its part that is not empty, and arrange the parts, cells of a side [um]."""
+    parts, boxes = [], []
+    for layer, (x, y) in zip(shown, centres, strict=True):
         picture = maps.upright(layer)
-        box = Image.fromarray(picture).getbbox() or (0, 0, 1, 1)  # left, top, right, bottom
-        parts.append(picture[box[1] : box[3], box[0] : box[2]])
-        places.append(box[:2])
-    return {**maps.packed(parts, colours, opacity), "places": places}
+        left, top, right, bottom = Image.fromarray(picture).getbbox() or (0, 0, 1, 1)
+        parts.append(picture[top:bottom, left:right])
+        boxes.append(maps.rounded_box((left - x) * side, (y - top) * side, side))
+    return maps.packed(parts, colours, opacity) | {"boxes": boxes}
+
+
+# ---- power, and motion of the ball
+
+
+def loudest(run: Run, slow: SlowMotion) -> int:
+    """Return the map at which the ball presses hardest, or at which most energy is released."""
+    if run.vibration is None:
+        return int(np.argmax(slow.release.sum(axis=(1, 2), dtype=np.int64)))
+    motion, times = run.vibration.motion, run.position_time[slow.positions]
+    return int(np.argmax(np.interp(times, motion.time_s, motion.force_n)))
+
+
+def _power(run: Run, slow: SlowMotion) -> Array:
+    """Return the mean release power [W] since the map before; 0 at the first map."""
+    energy = np.concatenate([[0.0], np.cumsum(run.result.series["release_energy"])])
+    steps = np.diff(run.position_time[slow.positions])
+    return np.concatenate([[0.0], np.diff(energy[slow.positions]) / steps])
+
+
+def _said(run: Run, slow: SlowMotion, flights: Sequence[float]) -> list[str]:
+    """Describe each map: time, release power and, where it is known, the motion of the ball."""
+    times, power = run.position_time[slow.positions], _power(run, slow)
+    texts = [f"{t * 1e3:.3f} ms, {_quantity(p, 'W')}" for t, p in zip(times, power, strict=True)]
+    if run.vibration is None:
+        return texts
+    motion = run.vibration.motion
+    heights = np.interp(times, motion.time_s, motion.displacement_m.mean() - motion.displacement_m)
+    forces = np.interp(times, motion.time_s, motion.force_n)
+    presses = [
+        "flies" if flight > 0 else f"presses with {_quantity(force, 'N')}"
+        for flight, force in zip(flights, forces, strict=True)
+    ]
+    return [
+        f"{text}; the ball is {_quantity(height, 'm')} high and {does}"
+        for text, height, does in zip(texts, heights, presses, strict=True)
+    ]
+
+
+def _quantity(value: float, unit: str) -> str:
+    """Write a value with three digits and the prefix of its unit."""
+    factor, prefix = unit_prefix(abs(value))
+    return f"{rounded(value / factor, 3)} {prefix}{unit}".replace("-", "\N{MINUS SIGN}")
+
+
+def curves(run: Run) -> list[dict[str, Any]]:
+    """Draw the release power of a film and, with dynamics, the motion of the ball as charts."""
+    slow = run.result.slow_motion
+    if slow is None or not slow.pressure.size:
+        return []
+    times = run.position_time[slow.positions]
+    figures = {"film_power": Figure(), "film_motion": Figure()}
+    ax = _axes(figures["film_power"], "Release power", run, times)
+    ax.plot(1e3 * times[1:], 1e6 * _power(run, slow)[1:], color=COLOURS[0], linewidth=1)
+    ax.set_ylabel("release power [µW]")
+    if motion := motion_between(run, float(times[0]), float(times[-1])):
+        ax = _axes(figures["film_motion"], "Motion of the ball", run, times)
+        right, count = ax.twinx(), len(motion["force_n"])
+        ms = 1e3 * (motion["begin"] + motion["step"] * np.arange(count))
+        for k, (start, landing) in enumerate(motion["flights"]):
+            ax.axvspan(1e3 * start, 1e3 * landing, color="0.93", label=f"{'_' * (k > 0)}flight")
+        ax.plot(ms, motion["height_nm"], color=COLOURS[0], linewidth=1, label="height")
+        right.plot(ms, motion["force_n"], color=COLOURS[1], linewidth=1)
+        right.axhline(motion["load_n"], color=COLOURS[1])
+        ax.plot([], [], color=COLOURS[1], label="contact force; dotted: load")
+        ax.set_ylabel("height [nm]")
+        right.set_ylabel("contact force [N]")
+    return [
+        charts.chart_of(Picture(name, figure, None)) | {"second": 1e-3, "high": CURVES_PX}
+        for name, figure in figures.items()
+        if figure.axes
+    ]
+
+
+def _axes(figure: Figure, title: str, run: Run, times: Array) -> Axes:
+    """Return axes over the time of a film [ms]."""
+    ax = figure.add_subplot(xlim=(1e3 * times[0], 1e3 * times[-1]), xlabel="time [ms]")
+    ax.set_label(f"{title}\n{run.label}")
+    return ax
+
+
+def _flights(run: Run, times: Array) -> list[float]:
+    """Return the durations [s] of the flights in which times lie; 0 in contact."""
+    motion = motion_between(run, float(times[0]), float(times[-1]))
+    flights = motion["flights"] if motion else []
+    return [next((end - start for start, end in flights if start <= t <= end), 0.0) for t in times]
 
 
 def motion_between(run: Run, begin: float, end: float) -> dict[str, Any] | None:
@@ -179,6 +281,6 @@ def motion_between(run: Run, begin: float, end: float) -> dict[str, Any] | None:
     }
 
 
-def _short(values: Array) -> list[float]:
+def _short(values: Sequence[float] | Array) -> list[float]:
     """Return values with four digits."""
     return [float(f"{value:.4g}") for value in values]

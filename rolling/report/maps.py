@@ -106,7 +106,7 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
     """Return the maps of a run with their times [s], places [um] and numbers; None without maps.
 
     A map is shown from `begins` on, in the `order` of its index. A box holds left and top of a map
-    from the sphere's centre, across upwards, and the side of a cell [um].
+    from the sphere's centre, across upwards, and the side of a cell [um]. `readings` are texts.
     """
     if not run.result.maps:
         return None
@@ -118,22 +118,25 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
     closes, motion = run.scene.track.closed, run.scene.motion
     begins, order = showing(positions * result.step, lap, rolled, closes, motion)
 
-    def series(name: str, factor: float) -> list[float | None]:
+    def series(name: str, factor: float, unit: str) -> list[str]:
         values = result.series[name][positions] * factor
-        return [float(f"{value:.4g}") if np.isfinite(value) else None for value in values]
+        return [f"{value:.4g} {unit}" if np.isfinite(value) else "-" for value in values]
 
+    places = [float(f"{shown.distance * 1e3:.6g}") for shown in maps]
     return {
-        "sheet": sheet["png"],
-        "tiles": sheet["tiles"],
-        "boxes": [[round(value, 4) for value in _box(shown, run)] for shown in maps],
+        "sheets": [sheet | {"boxes": [rounded_box(*_box(shown, run)) for shown in maps]}],
         "begins": np.round(begins, 7).tolist(),
         "order": order.tolist(),
         "hertz_um": 1e6 * hertz_radius(run),
-        "load_n": run.scene.load,
-        "position_mm": [float(f"{shown.distance * 1e3:.6g}") for shown in maps],
-        "max_pressure_gpa": series("max_pressure", 1e-9),
-        "contact_um2": series("contact_area", 1e12),
-        "plastic_um2": series("plastic_area", 1e12),
+        "position_mm": places,
+        "readings": {
+            "number": [f"map {k + 1} of {len(maps)}" for k in range(len(maps))],
+            "position": [f"{place:.4g} mm" for place in places],
+            "load": [f"{run.scene.load:g} N"] * len(maps),
+            "pressure": series("max_pressure", 1e-9, "GPa"),
+            "area": series("contact_area", 1e12, "µm²"),
+            "plastic": series("plastic_area", 1e12, "µm²"),
+        },
     }
 
 
@@ -159,6 +162,11 @@ def _box(shown: PressureMap, run: Run) -> tuple[float, float, float]:
     middle = (run.scene.track.n_across - 1) / 2 * run.scene.spacing
     top = shown.across + shown.pressure.shape[1] * shown.cell - middle
     return (shown.along - shown.distance) * 1e6, top * 1e6, shown.cell * 1e6
+
+
+def rounded_box(left: float, top: float, cell: float) -> tuple[float, float, float]:
+    """Round a box [um] to a ten thousandth."""
+    return round(left, 4), round(top, 4), round(cell, 6)
 
 
 def showing(

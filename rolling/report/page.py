@@ -52,7 +52,6 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     players = [_player(view, scale) for view in views]
     data: dict[str, Any] = {"runs": players, "view": scale, "bands": BAND_NAMES}
     data["charts"] = shown_charts = list[dict[str, Any]]()
-    data["long"] = any(player["long"] for player in players)
     templates = environment()
     templates.globals["numbered"] = partial(_number, shown_charts)
     templates.globals["is_known"] = partial(_is_known, shown_charts)
@@ -73,10 +72,10 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         views=views,
         unsolved=list(unsolved),
         lengths={round(run.sound.duration, 4) for run in runs},
-        short=any(player["buzzes"] for player in players),
+        short=any(c["key"] == "short_loop" for view in views for c in view["repeats"]),
         map_scale=scale,
         filmed=any(player["film"] for player in players),
-        moved=any(player["film"] and player["film"]["motion"] for player in players),
+        moved=any(len(view["curves"]) > 1 for view in views),
         curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
         surfaces=_surfaces(shown),
         vibration=[name for name in VIBRATION if any(name in x["pictures"] for x in views)],
@@ -134,26 +133,24 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
         }
         repeats = [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS]
         views.append({"label": run.label, "run": run, "repeats": repeats, "pictures": pictures})
-        views[-1] |= sound | {"live": live.live_of(run)}
+        curves = [curve | {"run": number} for curve in film.curves(run)]
+        views[-1] |= sound | {"live": live.live_of(run), "curves": curves}
     return views
 
 
 def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any]:
     """Return the numbers of a run for the script of the page."""
-    run, sound = view["run"], view["run"].sound
+    run = view["run"]
     return {
         "label": run.label,
-        "seconds": len(sound.pressure) / sound.sample_rate,
-        "loops": sound.loops,
-        "lap": records.lap(sound),
-        "buzzes": any(caveat["key"] == "short_loop" for caveat in view["repeats"]),
+        "lap": view["lap"],
+        "solved": view["solved"],
         "playback": view["playback"],
-        "long": view["long"],
         "live": view["live"],
         "swept": run.values,
         "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
         "film": film.film_of(run, scale["max_gpa"]) if scale else None,
-        "bands": _rounded(sound.levels.third_octave_db),
+        "bands": _rounded(run.sound.levels.third_octave_db),
         "spreads": _rounded(run.summary["third_octave_uncertainty_db"]),
     }
 

@@ -17,67 +17,51 @@ import soundfile
 
 from acoustics import wav
 from acoustics.arrays import Array
+from acoustics.laps import Lap, crossfaded_lap
 from rolling.report import maps
 from rolling.results import listening
 from rolling.results.run_result import Run
 from rolling.results.running_in import passes_wav
-from rolling.sound.contact_sound import ContactSound
+from rolling.sound.contact_sound import ContactSound, fade_length
 from rolling.sound.long_listening import Listening
 
 _FULL = 2**15  # steps of full scale
 
 
 def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    """Return gains and records of runs: computed, long, and pass by pass.
+    """Return gains, laps and records of runs: the long one if there is one, computed, by passes.
 
-    `playback` holds the gains of the computed records. `long` holds the gains of the long ones,
-    beside the computed ones of runs without; it is None if no run has a long record.
+    The first record is heard. `solved` is the time [s] in it at which the solved track ends.
     """
     longs = [listening.recorded(run) for run in runs]
-    own = [(run.sound.channels, run.sound.levels.laeq_db) for run in runs]
-    heard = [
-        (long.channels, long.numbers["laeq_db"]) if long else record
-        for long, record in zip(longs, own, strict=True)
+    heard = [long or run.sound for run, long in zip(runs, longs, strict=True)]
+    levels = [
+        long.numbers["laeq_db"] if long else run.sound.levels.laeq_db
+        for run, long in zip(runs, longs, strict=True)
     ]
+    playbacks = gains([float(np.abs(record.channels).max()) for record in heard], levels)
     return [
         {
             "number": number,
             "playback": playback,
-            "records": _records(run, long, playback, gain),
-            "long": _long(long, gain) if any(longs) else None,
+            "records": _records(run, long),
+            "lap": lap(run.sound, long),
+            "solved": solved(run.sound, long),
         }
-        for number, (run, long, playback, gain) in enumerate(
-            zip(runs, longs, _gains(own), _gains(heard), strict=True)
-        )
+        for number, (run, long, playback) in enumerate(zip(runs, longs, playbacks, strict=True))
     ]
 
 
-def _gains(records: Sequence[tuple[Array, float | None]]) -> list[dict[str, Any]]:
-    """Return the gains of records [Pa] with their LAeq [dB]."""
-    peaks = [float(np.abs(record).max()) for record, _ in records]
-    return [*gains(peaks, [level for _, level in records])]
-
-
-def _long(long: Listening | None, playback: dict[str, Any]) -> dict[str, Any]:
-    """Return gains and lengths [s] of the record that is heard among long ones."""
-    if long is None:
-        return {"own": False, "playback": playback}
-    seconds = len(long.pressure) / long.sample_rate
-    solved = seconds * long.numbers["solved_share"]
-    return {"own": True, "playback": playback, "seconds": seconds, "solved": solved}
-
-
-def _records(
-    run: Run, long: Listening | None, playback: dict[str, Any], gain: dict[str, Any]
-) -> list[dict[str, str]]:
-    """Return name, sound and description of the records of a run."""
-    full, scale = playback["full_scale_pa"], "full scale is {:.4g} Pa"
-    text = f"computed record of {run.sound.duration:.4g} s; {scale.format(full)}"
-    made = [{"name": "run", "text": text, "src": lossless(run.sound.channels / full)}]
+def _records(run: Run, long: Listening | None) -> list[dict[str, str]]:
+    """Return name, sound and description of the records of a run, the one that is heard first."""
+    made, scale = [], "full scale is {:.4g} Pa"
     if long is not None:
-        full = gain["full_scale_pa"]
+        full = full_scale(float(np.abs(long.channels).max()))
         text = f"long record: {listening.sentence(run, long)}; {scale.format(full)}"
         made.append({"name": "long", "text": text, "src": compressed(long.channels / full)})
+    full = full_scale(float(np.abs(run.sound.channels).max()))
+    text = f"computed record of {run.sound.duration:.4g} s; {scale.format(full)}"
+    made.append({"name": "run", "text": text, "src": lossless(run.sound.channels / full)})
     if run.result.passes is not None:
         content, text = passes_wav(run, 16)
         samples = soundfile.read(io.BytesIO(content))[0]
@@ -105,12 +89,23 @@ def _embedded(samples: Any, form: str, kind: str, **options: Any) -> str:
     return maps.uri(kind, content.getvalue())
 
 
-def lap(sound: ContactSound) -> dict[str, float]:
-    """Return the lap of a record for the script, with a factor that never exceeds its peak."""
-    part = sound.lap
-    peak = float(np.abs(part.samples(sound.channels)).max())
-    limit = float(np.abs(sound.channels).max()) / peak if peak > 0 else 1.0
-    return asdict(part) | {"factor": part.factor * min(1.0, limit)}
+def lap(sound: ContactSound, long: Listening | None = None) -> dict[str, float]:
+    """Return the lap to which the end of the record that is heard leads back."""
+    heard = long or sound
+    if sound.once:
+        return asdict(Lap(0, len(heard.pressure)))
+    if long is None:
+        return asdict(sound.lap)
+    ends = fade_length(len(long.pressure), len(long.pressure) / long.sample_rate)
+    return asdict(crossfaded_lap(long.pressure, ends, long.sample_rate))
+
+
+def solved(sound: ContactSound, long: Listening | None) -> float:
+    """Return the time [s] in the record that is heard at which the solved track ends."""
+    own = len(sound.pressure) / sound.sample_rate
+    if long is None:
+        return own
+    return min(own, len(long.pressure) / long.sample_rate * float(long.numbers["solved_share"]))
 
 
 # ---- gains
@@ -134,7 +129,7 @@ def gains(
         scale, `calibrated_pa` [Pa], and for a common LAeq; `equal_db` [dB] is the gain of the
         second over the first. A silent record has factors of 0 and nothing else.
     """
-    scales = [peak / wav.PEAK if peak > 0 else 1.0 for peak in peaks_pa]
+    scales = [full_scale(peak) for peak in peaks_pa]
     records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
     common = max((scale for scale, peak, _ in records if peak > 0), default=1.0)
     # Each record is loudest with its peak at the limit. All records can reach the minimum of these
@@ -151,6 +146,11 @@ def gains(
             gain |= {"calibrated_pa": common, "equal_db": _db(common / equal)}
         computed.append(gain)
     return computed
+
+
+def full_scale(peak_pa: float) -> float:
+    """Return the pressure [Pa] of full scale of a record whose peak lies at -1 dB."""
+    return peak_pa / wav.PEAK if peak_pa > 0 else 1.0
 
 
 def _db(ratio: float) -> float:

@@ -124,9 +124,10 @@ def test_the_sheet_of_maps_holds_every_pressure_at_its_place() -> None:
     (run,) = runs_of("lap")
     shown = maps.run_maps(run, 2.1)
     assert shown is not None
-    seen, palette = image_of(shown["sheet"]), maps.palette()
+    (sheet,) = shown["sheets"]
+    seen, palette = image_of(sheet["png"]), maps.palette()
     stored = [run.result.maps[position] for position in sorted(run.result.maps)]
-    for own, tile, box in zip(stored, shown["tiles"], shown["boxes"], strict=True):
+    for own, tile, box in zip(stored, sheet["tiles"], sheet["boxes"], strict=True):
         left, top, width, height = tile
         assert (width, height) == own.pressure.shape
         assert box[0] == pytest.approx((own.along - own.distance) * 1e6, abs=1e-3)

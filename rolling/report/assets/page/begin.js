@@ -1,48 +1,93 @@
-// ---- the beginning ----
+// ---- the beginning, and the hand of the user ----
 
-import { $, data, longest, runs, state } from "./core.js";
-import { recordOf } from "./records.js";
-import { choose, say } from "./choices.js";
-import { showStill } from "./still.js";
-import { drawFilm, filmOf } from "./film.js";
+import { $, $$, data, lengthOf, ownTime, runs, say, state } from "./core.js";
+import { glide, mix, pause, play, render, seek, soundAlone } from "./player.js";
+import { copy, roundOf, saveRecord } from "./records.js";
+import { showStill, timeOfMap } from "./contact.js";
+import { playFilm, realTime, seekFilm, seekFilmTo, showFilm, showRate, stopFilm } from "./film.js";
 import { openCharts } from "./chart.js";
 import { showDifference } from "./compare.js";
+import { beginTest, endTest, pressTest } from "./abx.js";
+import { takeRun } from "./play_sound.js";
 import { beginPlaying, redrawPlayed } from "./play_hand.js";
-import { listen, markScrolling } from "./keys.js";
 
-export function begin() {
+function begin() {
   document.documentElement.classList.add("scripted");
   $("#transport").hidden = false;
   $(".singles").open = false;
-  $("#seek").max = longest();
-  $("#loop").checked = state.loop;
   listen();
   openCharts(data.charts, runs.map((run) => run.label));
-  for (const colours of ["(prefers-color-scheme: dark)", "print"]) matchMedia(colours).addEventListener("change", recolour);
-  new ResizeObserver(markScrolling).observe(document.body);
+  for (const colours of ["(prefers-color-scheme: dark)", "print"]) matchMedia(colours).addEventListener("change", redrawPlayed);
   new IntersectionObserver(([hero]) => document.documentElement.classList.toggle("beyond", !hero.isIntersecting)).observe($("header"));
   choose(Math.max(0, runs.findIndex((run) => run.playback.calibrated_pa !== null))); // one that can be heard
   beginPlaying();
   showDifference();
   say("");
-  decodeInTurn();
+  roundOf(state.run); // so that Play sounds at once
 }
 
-/** Decodes the record that Play begins with at once, and the others while nothing else is to do. */
-export async function decodeInTurn() {
-  const idle = window.requestIdleCallback ?? setTimeout;
-  await recordOf(state.run);
-  for (const number of runs.keys()) {
-    await new Promise((done) => idle(done));
-    await recordOf(number);
-  }
-}
-
-/** Draws the canvases again in the colours of the screen, light or dark, or of paper. */
-export function recolour() {
+/** Lets a run be heard, and shows its parts of the page. */
+export function choose(number) {
+  if (!(number in runs)) return;
+  stopFilm();
+  state.run = number;
+  endTest();
+  mix();
+  for (const radio of $$("input[name=run], input[name=play-run]")) radio.checked = Number(radio.value) === number;
+  if ($("#choose")) $("#choose").value = number;
+  for (const element of $$("[data-only]")) element.hidden = Number(element.dataset.only) !== number;
+  say(runs[number].label);
+  takeRun(number);
   showStill();
-  redrawPlayed();
-  if (filmOf()) drawFilm();
+  showFilm();
+  render();
+}
+
+const toggle = () => (state.wanted ? pause() : play());
+const step = (share) => seek(ownTime(state.run) + share * lengthOf(state.run));
+const KEYS = { " ": toggle, ArrowLeft: () => step(-0.05), ArrowRight: () => step(0.05) };
+
+/** Acts on a key that the focused control has no use of its own for. */
+function onKey(event) {
+  const { key, target } = event;
+  if (event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented) return;
+  if (target.matches("select, textarea, audio, [contenteditable], input:not([type=radio], [type=checkbox], [type=range])")) return;
+  if (key === " " && target.matches("button, summary, a, [type=checkbox]")) return;
+  if (key.startsWith("Arrow") && target.matches("[type=range], [type=radio], pre, .scroll")) return;
+  if (Object.hasOwn(KEYS, key)) KEYS[key]();
+  else if (/^[1-9]$/.test(key)) choose(Number(key) - 1);
+  else return;
+  event.preventDefault();
+}
+
+/** Moves the playhead to a time that is clicked in a chart, of the slow motion or of a run. */
+function onChartSeek({ target, detail: { run, time } }) {
+  if (target.closest(".film")) return seekFilmTo(time);
+  if (run !== state.run) choose(run);
+  seek(time);
+}
+
+function listen() {
+  const on = (selector, type, act) => $$(selector).forEach((element) => element.addEventListener(type, () => act(element)));
+  document.addEventListener("keydown", onKey);
+  document.addEventListener("chart-seek", onChartSeek);
+  on("[data-play]", "click", toggle);
+  on("#seek", "input", (slider) => seek(Number(slider.value)));
+  on("#volume", "input", (slider) => state.master && glide(state.master, Number(slider.value)));
+  on("#choose, input[name=run]", "change", (choice) => choose(Number(choice.value)));
+  on("#equal", "change", mix);
+  on("audio", "play", soundAlone);
+  on("#compare-a, #compare-b", "change", endTest);
+  on("#compare-a, #compare-b", "change", showDifference);
+  on("#abx-begin", "click", beginTest);
+  on("[data-abx]", "click", pressTest);
+  on("#film-play", "click", playFilm);
+  on("#film-real", "click", realTime);
+  on("#film-rate", "change", showRate);
+  on("#film-seek", "input", (slider) => { stopFilm(); seekFilm(Number(slider.value)); });
+  on("#map-seek", "input", (slider) => { pause(); seek(timeOfMap(Number(slider.value))); });
+  on("[data-wav]", "click", saveRecord);
+  on("[data-copy]", "click", (button) => copy($(`#${button.dataset.copy}`).textContent, button));
 }
 
 begin();

@@ -1,86 +1,90 @@
-// ---- the contact ----
+// ---- pictures of the solved contact: in the first view, while it sounds, and in slow motion ----
 
-import { $, HOLD_MS, data, modulo, ownTime, runs, state } from "./core.js";
-import { pause, seek } from "./player.js";
-import { render, seconds } from "./motion.js";
-import { drawArrow, drawCircle, drawScale } from "./marks.js";
+import { $, data, motionUnwanted, runs, seconds, solvedTime, state } from "./core.js";
 
-/** Which of the stretches of time with one map each the chosen run is in. */
-export function stretch() {
-  const { begins } = runs[state.run].maps;
-  const time = ownTime(state.run);
-  let low = 0;
-  for (let high = begins.length; high - low > 1; ) {
-    const middle = (low + high) >> 1;
-    if (begins[middle] <= time) low = middle;
-    else high = middle;
+const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
+const MAP_WORDS = "The contact from above: the pressure on the asperities.";
+const FILM_WORDS = "The contact from above: the surface (grey), the pressure on its asperities (warm), and the energy that they release (blue).";
+
+/** Draws the layers of a map about the sphere's centre at (x, y), so many pixels per um; `again` is called when more of them are read. */
+export function drawSolved(pen, { sheets }, at, { x, y, perUm }, again) {
+  pen.imageSmoothingEnabled = false; // a cell is what was computed, nothing between cells was
+  pen.fillStyle = "#000";
+  pen.fillRect(0, 0, pen.canvas.width, pen.canvas.height);
+  for (const sheet of sheets) {
+    const picture = sheet.picture ??= Object.assign(new Image(), { src: sheet.png });
+    if (!picture.complete) {
+      picture.addEventListener("load", again, { once: true });
+      continue;
+    }
+    const tile = sheet.tiles[at], [left, top, cell] = sheet.boxes[at].map((um) => um * perUm);
+    pen.drawImage(picture, ...tile, x + left, y - top, tile[2] * cell, tile[3] * cell);
   }
-  return low;
 }
 
-export function sheetOf(number) {
-  if (!state.sheets[number]) {
-    const sheet = new Image();
-    sheet.onload = render;
-    sheet.src = runs[number].maps.sheet;
-    state.sheets[number] = sheet;
-  }
-  return state.sheets[number];
+/** Returns width of a picture, and sphere's centre in it [um]: in the middle of a map, or over the fixed surface of a film. */
+function frameOf({ size_um: size, sheets: [{ boxes }] }, at, aspect) {
+  const { half_um: half } = data.view;
+  if (!size) return { width: 2 * half * aspect, x: half * aspect, y: half };
+  const [along, across] = size, width = Math.min(along, aspect * across);
+  const inside = (place, room, part) => place - Math.max(0, Math.min(room - part, place - part / 2));
+  return { width, x: inside(-boxes[at][0], along, width), y: inside(boxes[at][1], across, width / aspect) };
 }
+
+/** Draws a map or a moment of a film, with the circle of Hertz's contact and a scale of length above it. */
+export function drawContact(canvas, solved, at, again) {
+  const { width, height } = canvas, frame = frameOf(solved, at, width / height), perUm = width / frame.width;
+  drawSolved(canvas.getContext("2d"), solved, at, { x: frame.x * perUm, y: frame.y * perUm, perUm }, again);
+  const [circle, scale] = canvas.parentElement.querySelectorAll(".hertz, .scale"), percent = (um, whole) => `${(100 * um) / whole}%`;
+  const left = percent(frame.x, frame.width), top = percent(frame.y * perUm, height);
+  Object.assign(circle.style, { left, top, width: percent(2 * solved.hertz_um, frame.width) });
+  const longest = frame.width / 5, decade = 10 ** Math.floor(Math.log10(longest));
+  const length = [5, 2, 1].find((digit) => digit * decade <= longest) * decade;
+  scale.style.width = percent(length, frame.width);
+  scale.textContent = `${Number(length.toPrecision(1))} µm`;
+}
+
+/** Shows the chosen run where its contact presses hardest, or in the middle of its maps. */
+export function showStill() {
+  const canvas = $("#still");
+  if (!canvas) return;
+  const { film, maps, label } = runs[state.run];
+  canvas.parentElement.hidden = !film && !maps;
+  $("#still-note").textContent = film ? FILM_WORDS : maps ? MAP_WORDS : "No map of the contact is kept.";
+  canvas.setAttribute("aria-label", `The contact of ${label} seen from above`);
+  if (film) drawContact(canvas, film, film.loudest, showStill);
+  else if (maps) drawContact(canvas, maps, maps.position_mm.length >> 1, showStill);
+}
+
+// ---- while it sounds ----
+
+const last = { run: -1, map: -1, at: 0 }; // map that is shown, and when it was drawn
 
 /** Shows the map of the time that is heard; while it plays, a map stays long enough to be seen. */
 export function showMap() {
-  const run = runs[state.run];
-  $("#map-run").textContent = run.label;
-  $("#map-time").textContent = seconds(ownTime(state.run));
-  const map = run.maps ? run.maps.order[stretch()] : -1;
-  const ready = map >= 0 && sheetOf(state.run).complete;
-  const drawn = `${state.run} ${map} ${ready}`;
-  const now = performance.now();
-  const held = state.playing && state.drawn.startsWith(`${state.run} `) && now - state.drawnAt < HOLD_MS;
-  if (drawn === state.drawn || held) return;
-  Object.assign(state, { drawn, drawnAt: now });
-  showReadings(run, map);
-  drawMap(run, ready ? map : -1);
-}
-
-export function showReadings({ label, maps }, map) {
-  const read = (name, unit, factor = 1) => {
-    const value = maps?.[name][map] ?? null;
-    return value === null ? "-" : `${Number((value * factor).toPrecision(4))} ${unit}`;
-  };
-  $("#map-position").textContent = read("position_mm", "mm");
-  $("#map-load").textContent = maps ? `${maps.load_n} N` : "-";
-  $("#map-pressure").textContent = read("max_pressure_gpa", "GPa");
-  $("#map-area").textContent = read("contact_um2", "µm²");
-  $("#map-plastic").textContent = read("plastic_um2", "µm²");
-  const number = maps ? `map ${map + 1} of ${maps.tiles.length}` : "no maps kept";
-  $("#map-number").textContent = number;
-  $("#map").setAttribute("aria-label", `Contact pressure, ${label}, ${number}`);
-}
-
-export function drawMap({ maps }, map) {
-  const canvas = $("#map");
-  const pen = canvas.getContext("2d");
-  const perUm = canvas.width / (2 * data.view.half_um);
-  const middle = canvas.width / 2;
-  pen.fillStyle = "#000";
-  pen.fillRect(0, 0, canvas.width, canvas.height);
-  if (map >= 0) {
-    const [x, y, width, height] = maps.tiles[map];
-    const [left, top, cell] = maps.boxes[map].map((um) => um * perUm);
-    pen.imageSmoothingEnabled = false; // a cell is what was computed, nothing between cells was
-    pen.drawImage(state.sheets[state.run], x, y, width, height, middle + left, middle - top, width * cell, height * cell);
-  }
-  if (maps) drawCircle(pen, middle, middle, maps.hertz_um * perUm);
-  drawScale(pen, perUm, data.view.half_um / 1.5);
-  drawArrow(pen);
-}
-
-export function stepMap(by) {
-  const { maps, seconds: own } = runs[state.run];
+  if (!data.view || (state.voices && motionUnwanted.matches)) return;
+  const { maps, label } = runs[state.run], time = solvedTime(state.run), now = performance.now();
+  $(".contact").hidden = !maps;
+  $("#no-maps").hidden = Boolean(maps);
   if (!maps) return;
-  if (state.wanted) pause();
-  const next = modulo(stretch() + by, maps.begins.length);
-  seek((maps.begins[next] + (maps.begins[next + 1] ?? own)) / 2);
+  $("#map-run").textContent = label;
+  $("#map-time").textContent = seconds(time);
+  const map = maps.order[maps.begins.findLastIndex((begin) => begin <= time)];
+  const held = state.voices && state.run === last.run && now - last.at < HOLD_MS;
+  if (held || (state.run === last.run && map === last.map)) return;
+  Object.assign(last, { run: state.run, map, at: now });
+  for (const [name, texts] of Object.entries(maps.readings)) $(`#map-${name}`).textContent = texts[map];
+  Object.assign($("#map-seek"), { max: maps.position_mm.length - 1, value: map });
+  $("#map-seek").setAttribute("aria-valuetext", maps.readings.number[map]);
+  $("#map").setAttribute("aria-label", `Contact pressure, ${label}, ${maps.readings.number[map]}`);
+  drawContact($("#map"), maps, map, () => {
+    last.map = -1;
+    showMap();
+  });
+}
+
+/** Returns the time at which a map of the chosen run is first shown. */
+export function timeOfMap(map) {
+  const { begins, order } = runs[state.run].maps;
+  return begins[order.indexOf(map)];
 }

@@ -1,8 +1,7 @@
+// ---- the page: its data, its elements, and the state of the player ----
+
 export const RATE = 48000;
 export const FADE_S = 0.01; // short enough to switch at once, long enough not to click
-export const NEVER = 1e6; // seconds, within the range of every browser
-export const STILL_MS = 2000; // without a sound after which the page says so
-export const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
 
 export const $ = (selector) => document.querySelector(selector);
 export const $$ = (selector) => [...document.querySelectorAll(selector)];
@@ -10,43 +9,31 @@ export const data = JSON.parse($("#data").textContent);
 export const runs = data.runs;
 export const motionUnwanted = matchMedia("(prefers-reduced-motion: reduce)");
 export const modulo = (value, period) => ((value % period) + period) % period;
+export const signed = (value) => (Math.abs(value) < 0.05 ? "0.0" : `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(1)}`);
 
-// All that changes. `long`: the long records are heard where there are any, otherwise the computed ones. The playhead rests at `at`, or moves with the audio clock from `from` to `end`, zero at `origin`. While looping it
-// runs on beyond the longest record, so that records of other lengths go round in their own time.
-export const state = {
-  run: 0, blind: null, mode: "calibrated", long: data.long, loop: !data.long && runs.every((run) => run.loops && !run.buzzes), wanted: false, playing: false,
-  at: 0, from: 0, end: 0, origin: 0, context: null, master: null, clock: null, voices: [], sheets: [], drawn: "", drawnAt: 0,
-};
-
-// ---- records ----
-
-/** Tells whether a run is heard by its long record. */
-export const isLong = (number) => state.long && runs[number].long.own;
-
-/** Returns the gains of a run among the records that are heard. */
-export const playbackOf = (number) => (state.long ? runs[number].long.playback : runs[number].playback);
-
-/** Returns the length in seconds of the longest record that is heard. */
-export const longest = () => Math.max(...runs.map((run, number) => (isLong(number) ? run.long.seconds : run.seconds)));
-
-/** Tells whether a record goes round again within the longest one; one that buzzes or does not close does so only when asked to. */
-export const goesRound = (number) => state.loop || (!isLong(number) && runs[number].loops && !runs[number].buzzes);
-
-// ---- time ----
-
-export function position() {
-  if (!state.playing) return state.at;
-  const heard = state.context.currentTime - (state.context.outputLatency || 0) - state.origin;
-  return Math.min(state.end, Math.max(state.from, heard));
+/** Says something to a screen reader. */
+export function say(text) {
+  $("#said").textContent = text;
 }
 
-export const sharedTime = () => (position() === state.end ? longest() : modulo(position(), longest()));
+// The playhead of all runs rests at `at`, or moves with the audio clock from zero at `origin` as long as there are `voices`. `wanted`: Play is pressed. `blind`: the run of a blind test.
+export const state = { run: 0, blind: null, wanted: false, at: 0, origin: 0, voices: null, context: null, master: null };
 
-/** Returns the time within a run's computed record: round again if it loops, at its end if it is over or the long record goes on. */
-export function ownTime(number) {
-  const { seconds, lap, long } = runs[number];
-  if (isLong(number)) return Math.min(sharedTime(), long.solved, seconds);
-  const lasts = (lap.end - lap.overlap - lap.begin) / RATE;
-  return goesRound(number) && lasts < longest() ? lap.begin / RATE + modulo(position(), lasts) : Math.min(sharedTime(), seconds);
+/** Returns the time of the audio clock that is heard now. */
+export const heardNow = () => state.context.currentTime - (state.context.outputLatency || 0);
+
+export const position = () => (state.voices ? Math.max(state.at, heardNow() - state.origin) : state.at);
+
+/** Returns the length in seconds after which a record goes round. */
+export const lengthOf = (number) => runs[number].lap.end / RATE;
+
+/** Returns the time in seconds within a run's record, which goes round in its own time. */
+export function ownTime(number, at = position()) {
+  const { begin, overlap } = runs[number].lap, end = lengthOf(number), again = (begin + overlap) / RATE;
+  return at < end ? at : again + modulo(at - again, end - again);
 }
-state.end = longest();
+
+/** Returns the time within the solved track, at whose end it stays while a long record goes on. */
+export const solvedTime = (number) => Math.min(ownTime(number), runs[number].solved);
+
+export const seconds = (time) => `${time.toFixed(lengthOf(state.run) < 1 ? 3 : 2)} s`;

@@ -1,80 +1,121 @@
-// ---- the slow motion: its maps, and the power that they release ----
+// ---- the slow motion: maps and sound by the same clock ----
 
-import { $, runs, state } from "./core.js";
-import { drawMoment, fitCanvas, loudestMap, readFilm } from "./film_still.js";
-import { drawFlight, isEmptied, openCurves, saidMotion, showInCurves } from "./film_motion.js";
-import { drawArrow, drawScale } from "./marks.js";
-import { stopFilm } from "./film_sound.js";
+import { $, FADE_S, heardNow, runs, state } from "./core.js";
+import { audioContext, glide, play, seek, showPlayheads, soundAlone, stopVoice } from "./player.js";
+import { samplesOf } from "./records.js";
+import { drawContact } from "./contact.js";
 
-// `time` in the record [s] is where the film goes on; null: at its beginning.
-export const film = { at: 0, time: null, playing: false, origin: 0, source: null, pictures: new Map() };
-export const filmOf = () => runs[state.run].film;
-export const filmRate = () => Number($("#film-rate").value);
+const LEAD_S = 0.3; // of slowed sound before the first map and after the last one: the ear needs longer than the eye
+const SOON_S = 0.05; // until the sound starts, so that it starts when it is told to
+const FLASH_S = 1 / 3; // three flashes a second are too many by WCAG 2.3.1
 
-/** Returns the pictures of a run's film, read when they are first shown. */
-export function picturesOf(number, onload = drawFilm) {
-  if (!film.pictures.has(number)) film.pictures.set(number, readFilm(runs[number].film));
-  for (const picture of Object.values(film.pictures.get(number))) if (!picture.complete) picture.addEventListener("load", onload, { once: true });
-  return film.pictures.get(number);
-}
-
-export const watts = (uw) => (uw < 1000 ? `${Number(uw.toPrecision(3))} µW` : `${Number((uw / 1000).toPrecision(3))} mW`);
+// The film goes on at `time` in the record [s], or at its beginning where it is not `begun`; the audio clock is at `origin` at time zero. It has a `voice` while it plays.
+export const film = { at: 0, time: 0, begun: false, origin: 0, voice: null };
+const filmOf = () => runs[state.run].film;
+const filmRate = () => Number($("#film-rate").value);
 const twoDigits = (value) => Number(value.toPrecision(2));
 
-/** Shows the film of the chosen run at its loudest moment. */
+/** Shows the film of the chosen run. */
 export function showFilm() {
   if (!$("#film")) return;
-  stopFilm();
   const shown = filmOf();
   $(".film").hidden = !shown;
   $("#no-film").hidden = Boolean(shown);
   if (!shown) return;
-  fitCanvas($("#film"), shown);
-  openCurves(shown);
+  $("#film").height = Math.round(($("#film").width * shown.size_um[1]) / shown.size_um[0]);
   $("#film-seek").max = shown.times.length - 1;
   $("#film-rate").value = shown.rate;
   showRate();
 }
 
-/** Says by which factor the film is slowed, and how much of its sound is then heard. */
+/** Says by which factor the film is slowed, and how much of its sound is then heard, at its loudest moment. */
 export function showRate() {
   stopFilm();
-  const { times, heard } = filmOf(), rate = filmRate();
-  const lasts = times[times.length - 1] - times[0];
+  const { times, heard, loudest } = filmOf(), rate = filmRate(), lasts = times.at(-1) - times[0];
   $("#film-play").textContent = `Play ${rate} times slower`;
   $("#film-length").textContent = `It shows ${twoDigits(1e3 * lasts)} ms of the record in ${times.length} maps, which last ${twoDigits(lasts * rate)} s.`
     + ` Slowed ${rate} times, ${Math.round(100 * heard[rate])} % of the A-weighted sound lies above 100 Hz.`;
-  seekFilm(loudestMap(filmOf()));
-  film.time = null;
-}
-
-/** Shows the map of a time that is clicked in the curves. */
-export function seekFilmTo(event) {
-  event.stopPropagation(); // the record of the player stays where it is
-  stopFilm();
-  seekFilm(Math.max(0, filmOf().times.findLastIndex((start) => start <= event.detail.time)));
+  seekFilm(loudest);
+  film.begun = false;
 }
 
 /** Shows a map of the film, from which the film goes on. */
 export function seekFilm(number) {
-  const { times, power_uw: power } = filmOf();
-  Object.assign(film, { at: number, time: times[number] });
+  const { times, said } = filmOf();
+  Object.assign(film, { at: number, time: times[number], begun: true });
   $("#film-seek").value = number;
-  const text = `${(1e3 * times[number]).toFixed(3)} ms, ${watts(power[number])}${saidMotion(filmOf(), times[number])}`;
-  $("#film-time").textContent = text;
-  $("#film-seek").setAttribute("aria-valuetext", text);
+  $("#film-seek").setAttribute("aria-valuetext", said[number]);
+  $("#film-time").textContent = said[number];
   $("#film").setAttribute("aria-label", `Slow motion, ${filmRate()} times slower, ${runs[state.run].label}, map ${number + 1} of ${times.length}`);
   drawFilm();
 }
 
-export function drawFilm() {
-  const shown = filmOf();
+/** Draws the map, or only the surface in a flight, unless the picture would then flash. */
+function drawFilm() {
+  const shown = filmOf(), flight = shown?.flight_s[film.at];
   if (!shown) return;
-  const pen = $("#film").getContext("2d"), scale = pen.canvas.width / shown.size[0];
-  const isEmpty = isEmptied(shown, shown.times[film.at]);
-  drawMoment(pen, picturesOf(state.run), shown, film.at, scale, isEmpty);
-  drawScale(pen, scale / shown.cell_um, (shown.size[0] * shown.cell_um) / 5);
-  drawArrow(pen);
-  if (isEmpty) drawFlight(pen);
-  showInCurves(shown.times[film.at]);
+  const flies = flight > 0 && (!film.voice || flight * filmRate() > FLASH_S);
+  $("#film-flies").hidden = !flies;
+  drawContact($("#film"), flies ? { ...shown, sheets: shown.sheets.slice(0, 1) } : shown, film.at, drawFilm);
+  showPlayheads();
+}
+
+const mapAt = (time) => Math.max(0, filmOf().times.findLastIndex((start) => start <= time));
+
+/** Stops at the map of a time [s]. */
+export function seekFilmTo(time) {
+  stopFilm();
+  seekFilm(mapAt(time));
+}
+
+/** Plays the film once: it never begins again by itself, so that nothing flashes. */
+export async function playFilm() {
+  if (film.voice) return stopFilm();
+  const shown = filmOf(), rate = filmRate(), lead = LEAD_S / rate, context = audioContext();
+  const [record] = await Promise.all([samplesOf($(`audio[data-run="${state.run}"]`)), context.resume()]);
+  if (film.voice || shown !== filmOf() || rate !== filmRate()) return;
+  soundAlone(stopFilm);
+  const first = shown.times[0], last = shown.times.at(-1), end = Math.min(last + lead, record.duration);
+  const from = film.begun && film.time < last ? film.time : Math.max(0, first - lead);
+  const when = context.currentTime + SOON_S;
+  Object.assign(film, { origin: when - rate * from, voice: slowedVoice(record, when, from, end, rate) });
+  $("#film-play").textContent = "Pause";
+  tickFilm(film.voice, rate, end);
+}
+
+/** Starts the record from one time to another, slowed like the picture, at a time of the audio clock. */
+function slowedVoice(buffer, when, from, to, rate) {
+  const { context } = state;
+  const source = new AudioBufferSourceNode(context, { buffer, playbackRate: 1 / rate });
+  const smooth = new BiquadFilterNode(context, { type: "lowpass", frequency: 20000 / rate }); // images between samples
+  const gain = new GainNode(context, { gain: 0 });
+  glide(gain, 1, when);
+  glide(gain, 0, when + (to - from) * rate - 2 * FADE_S);
+  source.connect(smooth).connect(gain).connect(state.master);
+  source.start(when, from, to - from);
+  return { source, gain };
+}
+
+/** Shows the map of the time that is heard. */
+function tickFilm(voice, rate, end) {
+  if (film.voice !== voice) return;
+  const time = (heardNow() - film.origin) / rate, next = mapAt(time);
+  if (next !== film.at) seekFilm(next);
+  Object.assign(film, { time, begun: true });
+  if (time >= end) stopFilm();
+  else requestAnimationFrame(() => tickFilm(voice, rate, end));
+}
+
+/** Pauses picture and sound. */
+export function stopFilm() {
+  if (!film.voice) return;
+  stopVoice(film.voice);
+  film.voice = null;
+  $("#film-play").textContent = `Play ${filmRate()} times slower`;
+}
+
+/** Plays the event at its own pace: the record from a quarter of a second before it. */
+export function realTime() {
+  seek(filmOf().times[film.at] - 0.25);
+  play();
 }

@@ -1,11 +1,11 @@
 // ---- taking settings and sound away ----
 
 import { $, runs } from "./core.js";
-import { copy, download } from "./downloads.js";
+import { download } from "./chart_save.js";
 import { POLL_MS, later } from "./play_hand.js";
 import { SETTINGS, isLive, sayPlayed } from "./play_panel.js";
 import { engineUrl, live, liveOf, openWorker } from "./play_sound.js";
-import { wavOf } from "./records.js";
+import { copy, wavOf } from "./records.js";
 import { renderedRecord } from "../engine/graph.js";
 
 const RECORD_S = 60;

@@ -1,7 +1,7 @@
 // ---- the hand: pointer, finger and keys on the ball, and the buttons below it ----
 
-import { $, $$ } from "./core.js";
-import { choose, say } from "./choices.js";
+import { $, $$, say } from "./core.js";
+import { choose } from "./begin.js";
 import { SETTINGS, backToScene, giveSpeed, listenToSlider, playedRuns, setVolume, shareAt, showRolling, valueAt } from "./play_panel.js";
 import { followHand, live, liveOf, openWorker, rollBall, rollOn, soundOn, startInstrument, takeRun, tellInstrument, askSettings } from "./play_sound.js";
 import { ballAt, drawStage, view, wakeStage } from "./play_view.js";

@@ -1,9 +1,7 @@
 // ---- what the ear hears, in numbers and curves ----
 
-import { $, RATE, data, motionUnwanted, runs } from "./core.js";
-import { signed } from "./choices.js";
+import { $, RATE, data, motionUnwanted, runs, signed } from "./core.js";
 import { aWeight } from "../engine/radiation.js";
-import { newtons } from "./film_motion.js";
 import { SPECTRUM, live, liveOf } from "./play_sound.js";
 
 const STRIP_S = 4;
@@ -21,6 +19,8 @@ const WINDOW = 0.3046; // mean square of the window of an AnalyserNode, after Bl
 
 const strip = { low: new Float32Array(COLUMNS), high: new Float32Array(COLUMNS), flies: new Float32Array(COLUMNS), at: 0, reach: 0 };
 const heard = { powers: null, fast: 0, fastAt: 0, top: null, texts: 0, curves: 0, gain: 0, flown: 0, remarked: 0 };
+
+const newtons = (force) => (force < 1 ? `${Number((1e3 * force).toPrecision(3))} mN` : `${Number(force.toPrecision(3))} N`);
 
 /** Takes a report of the processor into the meters. */
 export function showReport(report) {

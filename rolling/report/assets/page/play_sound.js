@@ -1,8 +1,7 @@
 // ---- the instrument: its processor, its worker, and their messages ----
 
-import { $, FADE_S, playbackOf, runs, state } from "./core.js";
-import { audioContext, pause } from "./player.js";
-import { stopFilm } from "./film_sound.js";
+import { $, FADE_S, runs, state } from "./core.js";
+import { audioContext, soundAlone } from "./player.js";
 import { showReport } from "./play_meter.js";
 import { view, wakeStage } from "./play_view.js";
 import { sayPlayed, showModes, showRolling, showSettings } from "./play_panel.js";
@@ -121,8 +120,7 @@ function openNode(falls) {
 
 /** Starts the sound by a gesture of the user, and silences all other sound of the page. */
 export async function startInstrument() {
-  if (state.wanted) pause();
-  stopFilm();
+  soundAlone(restBall);
   const context = audioContext();
   const started = context.resume();
   openWorker();
@@ -151,7 +149,7 @@ async function openGraph(context) {
 export const tellInstrument = (message) => live.node?.port.postMessage(message);
 
 export function sendVolume() {
-  const scale = playbackOf(live.number).calibrated_pa ?? liveOf().fullScale;
+  const scale = runs[live.number].playback.calibrated_pa ?? liveOf().fullScale;
   live.volumeNode?.gain.setTargetAtTime(10 ** (live.volume / 20) / scale, state.context.currentTime, FADE_S);
 }
 

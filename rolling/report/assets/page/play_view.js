@@ -3,7 +3,7 @@
 import { $, modulo, motionUnwanted, runs } from "./core.js";
 import { penOf, write } from "./play_meter.js";
 import { live, liveOf } from "./play_sound.js";
-import { sheetOf } from "./contact.js";
+import { drawSolved } from "./contact.js";
 
 const LEVEL_AT = 0.68; // height of the plate's surface in the picture
 const CENTRING_S = 0.35; // in which a ball that is let go comes back to the middle
@@ -130,17 +130,14 @@ function drawLens() {
   if (!figure) return;
   figure.hidden = !maps;
   if (!maps) return;
-  const now = performance.now(), tile = nearestMap(maps), sheet = sheetOf(live.number), map = `${live.number} ${tile} ${sheet.complete}`;
-  if (map === view.map || now - view.mapAt < (isStill() ? 1000 : LENS_MS)) return;
-  Object.assign(view, { map, mapAt: now });
-  const canvas = $("#play-lens"), pen = canvas.getContext("2d"), { width } = canvas;
-  const perUm = width / 2.6 / maps.hertz_um, middle = width / 2;
-  pen.fillStyle = "#000";
-  pen.fillRect(0, 0, width, width);
-  if (!sheet.complete) return;
-  const [left, top, cell] = maps.boxes[tile].map((um) => um * perUm), [, , wide, high] = maps.tiles[tile];
-  pen.imageSmoothingEnabled = false; // a cell is what was computed
-  pen.drawImage(sheet, ...maps.tiles[tile], middle + left, middle - top, wide * cell, high * cell);
+  const now = performance.now(), map = nearestMap(maps), key = `${live.number} ${map}`;
+  if (key === view.map || now - view.mapAt < (isStill() ? 1000 : LENS_MS)) return;
+  Object.assign(view, { map: key, mapAt: now });
+  const canvas = $("#play-lens"), x = canvas.width / 2;
+  drawSolved(canvas.getContext("2d"), maps, map, { x, y: x, perUm: x / 1.3 / maps.hertz_um }, () => {
+    view.map = "";
+    drawLens();
+  });
 }
 
 /** Returns the map nearest to the place of the ball on the track, which closes. */

@@ -1,78 +1,50 @@
-// ---- sound ----
+// ---- the player: records that go round in step, one of which is let through ----
 
-import { $, $$, FADE_S, NEVER, RATE, STILL_MS, goesRound, longest, modulo, playbackOf, position, runs, state } from "./core.js";
-import { bufferOf, recordOf } from "./records.js";
-import { render, showButton, tick } from "./motion.js";
-import { stopFilm } from "./film_sound.js";
+import { $, $$, FADE_S, RATE, lengthOf, ownTime, position, runs, seconds, solvedTime, state } from "./core.js";
+import { roundOf } from "./records.js";
+import { showMap } from "./contact.js";
+import { film, stopFilm } from "./film.js";
 import { restBall } from "./play_sound.js";
+import { setPlayhead } from "./chart_touch.js";
 
-export const heardRun = () => state.blind ?? state.run;
-export const gainOf = (number) => (number === heardRun() ? playbackOf(number)[state.mode] : 0);
+const STILL_MS = 2000; // without a sound after which the page says so
 
-export function glide(gain, target) {
-  const now = state.context.currentTime;
-  gain.cancelScheduledValues(now);
-  gain.setValueAtTime(gain.value, now);
-  gain.linearRampToValueAtTime(target, now + FADE_S);
-}
+const heardRun = () => state.blind ?? state.run;
+const gainOf = (number) => (number === heardRun() ? runs[number].playback[$("#equal")?.checked ? "equal" : "calibrated"] : 0);
 
-/** All runs sound together, but only one is let through: switching moves gains and nothing else. */
+/** Moves a gain to its target within the time of a fade. */
+export const glide = ({ gain }, target, when = state.context.currentTime) => gain.setTargetAtTime(target, when, FADE_S / 4);
+
+/** Lets one run through: switching moves gains and nothing else. */
 export function mix() {
-  state.voices.forEach((voice, number) => voice && glide(voice.gain.gain, gainOf(number)));
+  state.voices?.forEach((voice, number) => voice && glide(voice.gain, gainOf(number)));
 }
 
-/** Starts all records that are decoded at a time, and the others in step with them as soon as they are. */
-export function startVoices(at) {
-  const { context } = state, when = context.currentTime;
-  const voices = runs.map(() => null);
-  Object.assign(state, { playing: true, from: at, origin: when - at, voices, clock: new ConstantSourceNode(context, { offset: 0 }) });
-  state.clock.connect(state.master);
-  state.clock.onended = () => voices === state.voices && finish();
-  state.clock.start();
-  runs.forEach((_, number) => bufferOf(number) && startVoice(number, when, at === 0));
-  setEnd();
-  mix();
-  decodeOthers(voices);
-}
-
-/** Starts the record of a run in step with the clock; the first of all begins without a fade. */
-export function startVoice(number, when, atOnce) {
-  const { context } = state, buffer = bufferOf(number), loop = goesRound(number), at = when - state.origin;
-  const source = new AudioBufferSourceNode(context, { buffer, loop });
-  const gain = new GainNode(context, { gain: atOnce ? gainOf(number) : 0 });
-  source.connect(gain).connect(state.master);
-  source.start(when, loop ? modulo(at, buffer.duration) : Math.min(modulo(at, longest()), buffer.duration));
-  state.voices[number] = { source, gain };
-}
-
-/** Decodes the records that are missing, one after another, and lets them join the voices. */
-export async function decodeOthers(voices) {
-  for (const number of runs.keys()) {
-    await recordOf(number);
+/** Starts the records of all runs in step, each as soon as it is decoded. */
+function startVoices() {
+  const { context } = state, voices = runs.map(() => null);
+  Object.assign(state, { voices, origin: context.currentTime - state.at });
+  runs.forEach(async ({ lap: { begin, end, overlap } }, number) => {
+    const buffer = await roundOf(number);
     if (voices !== state.voices) return;
-    if (voices[number]) continue;
-    startVoice(number, state.context.currentTime + FADE_S, false);
-    glide(voices[number].gain.gain, gainOf(number));
-  }
-  setEnd();
+    const source = new AudioBufferSourceNode(context, { buffer, loop: true, loopStart: (begin + overlap) / RATE, loopEnd: end / RATE });
+    const gain = new GainNode(context, { gain: 0 });
+    source.connect(gain).connect(state.master);
+    source.start(context.currentTime, ownTime(number, context.currentTime - state.origin));
+    voices[number] = { source, gain };
+    glide(gain, gainOf(number));
+  });
 }
 
-/** Sets where it stops: at the end of this round, or never. */
-export function setEnd() {
-  state.end = state.loop ? Infinity : longest() * (Math.floor(position() / longest() + 1e-9) + 1);
-  const when = state.loop ? NEVER : state.origin + state.end;
-  for (const source of [state.clock, ...state.voices.map((voice) => voice?.source)]) source?.stop(when);
+function stopVoices() {
+  state.at = position();
+  state.voices?.filter(Boolean).forEach(stopVoice);
+  state.voices = null;
 }
 
-export function stopVoices() {
-  const old = state.voices;
-  state.clock.onended = null;
-  state.clock.stop();
-  state.voices = [];
-  for (const voice of old.filter(Boolean)) {
-    glide(voice.gain.gain, 0);
-    voice.source.stop(state.context.currentTime + FADE_S);
-  }
+export function stopVoice({ source, gain }) {
+  glide(gain, 0);
+  source.stop(state.context.currentTime + 2 * FADE_S);
 }
 
 export function audioContext() {
@@ -84,50 +56,74 @@ export function audioContext() {
   return state.context;
 }
 
+/** Stops every sound of the page but one: the records, the slow motion, the ball, or a single player. */
+export function soundAlone(own) {
+  for (const stop of [pause, stopFilm, restBall]) if (stop !== own) stop();
+  for (const player of $$("audio")) if (player !== own) player.pause();
+}
+
 /** A browser without a sound device may wait for one without a word. */
-export function sayIfStill() {
+function sayIfStill() {
   $("#no-sound").hidden = !state.wanted || state.context.state === "running";
 }
 
 export async function play() {
   if (state.wanted) return;
+  soundAlone(pause);
   state.wanted = true;
-  for (const player of $$("audio")) player.pause();
-  stopFilm();
-  restBall();
   showButton();
   const started = audioContext().resume();
   setTimeout(sayIfStill, STILL_MS);
-  await Promise.all([recordOf(heardRun()), started]);
-  if (!state.wanted || state.playing) return;
+  await Promise.all([roundOf(heardRun()), started]);
+  if (!state.wanted || state.voices) return;
   $("#no-sound").hidden = true;
-  startVoices(state.at >= state.end ? 0 : state.at);
+  startVoices();
   tick();
 }
 
 export function pause() {
   state.wanted = false;
-  if (state.playing) {
-    Object.assign(state, { at: position(), playing: false });
-    stopVoices();
-  }
+  stopVoices();
   showButton();
   render();
 }
 
-export function finish() {
-  Object.assign(state, { wanted: false, playing: false, voices: [], at: longest(), end: longest() });
-  showButton();
-  render();
-}
-
+/** Moves the playhead to a time in the record of the chosen run. */
 export function seek(time) {
-  const at = Math.min(Math.max(time, 0), longest());
-  if (state.playing) {
-    stopVoices();
-    startVoices(at < longest() ? at : 0);
-  } else {
-    Object.assign(state, { at, end: longest() });
-  }
+  const goesOn = state.voices !== null;
+  stopVoices();
+  state.at = Math.max(0, time);
+  if (goesOn) startVoices();
   render();
+}
+
+// ---- what moves with it ----
+
+function tick() {
+  if (!state.voices) return;
+  render();
+  requestAnimationFrame(tick);
+}
+
+function showButton() {
+  for (const button of $$("[data-play]")) {
+    button.querySelector("span").textContent = state.wanted ? "Pause" : "Play";
+    button.toggleAttribute("data-playing", state.wanted);
+  }
+}
+
+export function render() {
+  const time = ownTime(state.run), length = lengthOf(state.run);
+  Object.assign($("#seek"), { max: length, value: time });
+  $("#seek").setAttribute("aria-valuetext", seconds(time));
+  $("#time").textContent = `${seconds(time)} / ${seconds(length)}`;
+  showPlayheads();
+  showMap();
+}
+
+/** Moves the playheads of charts over time; those of the slow motion stand at its map. */
+export function showPlayheads() {
+  for (const figure of $$("figure.timeline")) {
+    if (figure.plot) setPlayhead(figure.plot, figure.closest(".film") ? film.time : solvedTime(figure.plot.chart.run));
+  }
 }

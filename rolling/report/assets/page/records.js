@@ -1,54 +1,40 @@
-// ---- records: decoded once, the first when the page opens ----
+// ---- records: decoded, made to go round, and taken away ----
 
-import { $, RATE, goesRound, isLong, runs } from "./core.js";
+import { $, RATE, runs, say } from "./core.js";
+import { download } from "./chart_save.js";
 
-export const decoded = new Map(); // by kind and number of the run
-
-export function bytesOf(uri) {
-  const text = atob(uri.slice(uri.indexOf(",") + 1));
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
-  return bytes;
-}
+const rounds = new Map(); // promises of buffers by number of the run
+const COPIED_MS = 2000;
 
 /** Decodes the samples of a player, without a click of the user. */
-export const samplesOf = (player) => new OfflineAudioContext(1, 1, RATE).decodeAudioData(bytesOf(player.src).buffer);
+export function samplesOf(player) {
+  const bytes = Uint8Array.from(atob(player.src.slice(player.src.indexOf(",") + 1)), (letter) => letter.charCodeAt(0));
+  return new OfflineAudioContext(1, 1, RATE).decodeAudioData(bytes.buffer);
+}
 
-/** Makes the part of a record that goes round: all of one that closes, otherwise cross-faded as in listen.wav. */
-export function lapOf(record, { begin, end, overlap, correlation, factor }) {
-  const { numberOfChannels } = record;
-  const round = new AudioBuffer({ length: end - overlap - begin, sampleRate: RATE, numberOfChannels });
-  for (let channel = 0; channel < numberOfChannels; channel++) {
+/** Returns a promise of the record that a run is heard by; its end leads back to its lap. */
+export function roundOf(number) {
+  if (!rounds.has(number)) rounds.set(number, samplesOf($(`audio[data-heard="${number}"]`)).then((record) => crossFade(record, runs[number].lap)));
+  return rounds.get(number);
+}
+
+/** Cross-fades the end of a record with the beginning of its lap as in listen.wav. */
+function crossFade(record, { begin, end, overlap, correlation }) {
+  for (let channel = 0; channel < record.numberOfChannels; channel++) {
     const samples = record.getChannelData(channel);
-    const lap = samples.slice(begin, end - overlap);
     for (let i = 0; i < overlap; i++) {
-      const rise = Math.sin((0.5 * Math.PI * (i + 0.5)) / overlap) ** 2;
-      const fall = 1 - rise;
-      lap[i] = (rise * lap[i] + fall * samples[end - overlap + i]) / Math.sqrt(rise ** 2 + fall ** 2 + 2 * correlation * rise * fall);
+      const rise = Math.sin((0.5 * Math.PI * (i + 0.5)) / overlap) ** 2, fall = 1 - rise, at = end - overlap + i;
+      samples[at] = (rise * samples[begin + i] + fall * samples[at]) / Math.sqrt(rise ** 2 + fall ** 2 + 2 * correlation * rise * fall);
     }
-    round.copyToChannel(lap.map((sample) => factor * sample), channel);
   }
-  return round;
+  return record;
 }
 
-/** Returns the computed record of a run and its lap, or the long record of a run, as a promise of { record, round, ready }. */
-export function recordOf(number, kind = isLong(number) ? "long" : "run") {
-  const key = `${kind} ${number}`;
-  if (!decoded.has(key)) {
-    const entry = { ready: null };
-    entry.promise = samplesOf($(`audio[data-${kind}="${number}"]`)).then((record) => {
-      entry.ready = { record, round: kind === "long" ? record : lapOf(record, runs[number].lap) };
-      return entry.ready;
-    });
-    decoded.set(key, entry);
-  }
-  return decoded.get(key).promise;
-}
-
-/** Returns the buffer that a run plays now, round again or not; undefined until it is decoded. */
-export function bufferOf(number) {
-  const { record, round } = decoded.get(`${isLong(number) ? "long" : "run"} ${number}`)?.ready ?? {};
-  return goesRound(number) ? round : record;
+/** Saves the record of the player beside a button as a WAV. */
+export async function saveRecord(button) {
+  const line = button.parentElement, record = await samplesOf(line.querySelector("audio"));
+  const channels = Array.from({ length: record.numberOfChannels }, (_, c) => record.getChannelData(c));
+  download(wavOf(channels, line.querySelector("span").textContent), "audio/wav", `${button.dataset.wav}.wav`);
 }
 
 /** Writes channels of samples within full scale as a WAV of 16 bits with a comment. */
@@ -66,4 +52,21 @@ export function wavOf(channels, comment, rate = RATE) {
   }
   new Uint8Array(file.buffer).set(text, 64 + size);
   return file.buffer;
+}
+
+/** Copies a text, and says so on its button for a while. */
+export async function copy(text, button) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch { // not every browser lets a file use the clipboard
+    const area = document.body.appendChild(document.createElement("textarea"));
+    area.value = text;
+    area.select();
+    document.execCommand("copy");
+    area.remove();
+  }
+  say("copied");
+  const before = button.dataset.label ??= button.textContent;
+  button.textContent = "Copied";
+  setTimeout(() => { button.textContent = before; }, COPIED_MS);
 }
