@@ -13,6 +13,7 @@ import { impulseResponses } from "./response.js";
 
 export const LIVE_MODES = 100; // that move in real time
 const MOST_WORK = 18; // area^1.5 [m3] times the root of the modes: 5 s
+let latestPlate = { key: "", plate: null };
 
 /** Return the slow parts of a run at settings; `most` modes move. */
 export function prepare(run, settings, most = LIVE_MODES) {
@@ -41,7 +42,7 @@ export function prepare(run, settings, most = LIVE_MODES) {
   };
 }
 
-/** Return the plate with edges at settings, or null without edges. */
+/** Return the plate with edges at settings, the latest again if it is the same; null without edges. */
 function edgedPlate(run, settings) {
   const { thickness, length, width, plateDensity, lossFactor } = settings;
   if (!thickness || !length) return null;
@@ -53,7 +54,10 @@ function edgedPlate(run, settings) {
     const size = `${(length * width).toPrecision(2)} m2 with about ${Math.round(count)} modes`;
     throw new Error(`This plate (${size}) takes too long to prepare: choose a smaller or a thicker one.`);
   }
-  return new EdgedPlate({ massPerArea, bendingStiffness, lossFactor, length, width });
+  const numbers = { massPerArea, bendingStiffness, lossFactor, length, width };
+  const key = JSON.stringify(numbers);
+  if (latestPlate.key !== key) latestPlate = { key, plate: new EdgedPlate(numbers) };
+  return latestPlate.plate;
 }
 
 /** Return bodies and radiation that each listener hears, and the way [m] of the sound from the contact to the first. */
