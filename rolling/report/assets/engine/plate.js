@@ -63,13 +63,10 @@ export class EdgedPlate {
 
   /** Return the modes, their distances [m] and their pressure per stiffness force at a listener for a force at a point [m]. */
   radiation(contact, listener) {
-    const { edges, modes } = this;
+    const { edges } = this;
     const size = (Math.sign(listener[2]) * AIR) / (2 * Math.PI * this.modalMass);
-    const shapes = modes.map((mode) => size * this.shape(mode, contact));
-    const at = (frequency, path) => {
-      const { re, im } = rayleighIntegrals(edges, modes, listener, path, frequency);
-      return { re: re.map((value, i) => shapes[i] * value), im: im.map((value, i) => shapes[i] * value) };
-    };
+    const modes = this.modes.map((mode) => ({ ...mode, share: size * this.shape(mode, contact) }));
+    const at = (frequency, path) => rayleighIntegrals(edges, modes, listener, path, frequency);
     return { modes, distances: distances(edges, listener), at };
   }
 }

@@ -56,7 +56,7 @@ export function distances(edges, [x, y, z]) {
   return [Math.hypot(...beside, z), Math.hypot(...beyond, z)];
 }
 
-/** Return the integrals of exp(-i k (R - path)) / R [m] over modes (m, n) at a frequency [Hz]. */
+/** Return the integrals of exp(-i k (R - path)) / R [m] over modes (m, n, share) at a frequency [Hz]: pairs of re and im. */
 export function rayleighIntegrals(edges, modes, listener, path, frequency) {
   const k = (2 * Math.PI * frequency) / SOUND;
   const [near] = distances(edges, listener);
@@ -84,13 +84,13 @@ export function rayleighIntegrals(edges, modes, listener, path, frequency) {
       }
     });
   });
-  const integrals = { re: new Float64Array(modes.length), im: new Float64Array(modes.length) };
-  modes.forEach(({ m, n }, i) => {
+  return modes.map(({ m, n, share }) => {
     const [[c, s], shape] = [sums[m - 1], across.shapes[n - 1]];
+    let [re, im] = [0, 0];
     for (let b = 0; b < count; b++) {
-      integrals.re[i] += c[b] * shape[b];
-      integrals.im[i] += s[b] * shape[b];
+      re += c[b] * shape[b];
+      im += s[b] * shape[b];
     }
+    return [share * re, share * im];
   });
-  return integrals;
 }

@@ -82,11 +82,11 @@ export function impulseResponses(listeners, path) {
   const frequencies = Array.from({ length: ((AUDIBLE[1] + TAPER) * count) / RATE }, (_, i) => (i * RATE) / count);
   const grid = { frequencies, lead, count };
   const responses = listeners.map(({ bodies, radiation }) => {
-    const rows = radiation ? frequencies.map((frequency) => radiation.at(frequency, path)) : [];
-    const modes = radiation?.modes ?? [];
-    const direct = rows.map(({ re, im }) => [re, im].map((row) => -row.reduce((sum, value) => sum + value, 0)));
-    const filter = filterOf((frequency, i) => bodies.reduce((sum, pressureAt) => plus(sum, pressureAt(frequency)), direct[i] ?? [0, 0]), grid);
-    const resonators = modes.map((mode, k) => resonatorOf(mode, (i) => [rows[i].re[k], rows[i].im[k]], grid));
+    const { modes, at } = radiation ?? { modes: [], at: () => [] };
+    const rows = frequencies.map((frequency) => at(frequency, path));
+    const direct = rows.map((row) => row.reduce((sum, pressure) => plus(sum, pressure, -1), [0, 0]));
+    const filter = filterOf((frequency, i) => bodies.reduce((sum, pressureAt) => plus(sum, pressureAt(frequency)), direct[i]), grid);
+    const resonators = modes.map((mode, k) => resonatorOf(mode, (i) => rows[i][k], grid));
     const samples = new Float64Array(Math.max(count, ...resonators.map(({ length }) => length)));
     samples.set(filter);
     for (const resonator of resonators) addResonator(samples, resonator);
