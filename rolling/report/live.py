@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array
+from acoustics.radiation import HalfSpaceBody
 from acoustics.wav import PEAK, SAMPLE_RATE_HZ
 from rolling.dynamics import _motion_kernels, drop
 from rolling.dynamics._motion_kernels import LawTable
@@ -21,6 +22,7 @@ from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
+from rolling.sound.radiators import ground
 from rolling.sound.vibration_sound import Vibration
 
 LARGEST = 300_000  # bytes of a law or a release on the page, in base64
@@ -67,7 +69,7 @@ def live_of(run: Run) -> Data | None:
         "limits": limits,
         "fixed": _fixed(scene),
         "contact": ends[0] if ends else None,
-        "contactEnd": ends[1] if len(ends) > 1 else None,
+        "middle": [*np.mean(ends, axis=0).tolist(), 0.0] if ends else None,
         "listeners": [list(place) for place in scene.listeners] if ends else None,
         "hearBall": scene.sound.ball,
         "fullScale": peak / PEAK or 1.0,
@@ -155,6 +157,8 @@ def _add_vibration(run: Run, data: Data, vibration: Vibration | None) -> Data:
     if scene.rolling.load_n != WEIGHT:
         data["limits"]["load"] = [float(law.load_n[0]), float(law.load_n[-1])]
     data["fixed"]["shortestWave"] = wave
+    if isinstance(body := ground(scene), HalfSpaceBody):  # modulus of compression waves [Pa]
+        data["fixed"]["compression"] = body.density_kg_m3 * body.compression_m_s**2
     closes = law.period_m is not None and not run.sound.has_seam
     return data | {"kind": "vibration", "law": stored_law(law, scene.load, closes)}
 

@@ -92,7 +92,7 @@ def test_the_response_of_a_plate_has_its_transfer(thickness: float) -> None:
     )
     script = """
       const own = new plate.EdgedPlate(data);
-      const listener = { bodies: [], modes: own.radiation([0.129, 0.148], [0.3, 0.2, 0.5]) };
+      const listener = { bodies: [], radiation: own.radiation([0.129, 0.148], [0.3, 0.2, 0.5]) };
       done(response.impulseResponses([listener], 0.7));
     """
     data = {"massPerArea": parts[0], "bendingStiffness": parts[1], "lossFactor": 0.01}

@@ -1,40 +1,31 @@
 // Discrete Fourier transforms of lengths that are powers of two.
 
-/** Replace values by the sums of x[i] exp(-2 pi i j k / n). */
+/** Return the sums of x[i] exp(-2 pi i j k / n), after Stockham: every stage also sorts its values. */
 function transform(re, im) {
   const { length } = re;
-  const [cos, sin] = [Math.cos, Math.sin].map((wave) => Float64Array.from({ length: length / 2 }, (_, k) => wave((2 * Math.PI * k) / length)));
-  for (let i = 1, j = 0; i < length; i++) {
-    let bit = length / 2;
-    for (; j & bit; bit /= 2) j ^= bit;
-    j ^= bit; // i with its bits in reverse
-    if (j > i) {
-      [re[i], re[j]] = [re[j], re[i]];
-      [im[i], im[j]] = [im[j], im[i]];
-    }
-  }
-  for (let half = 1; half < length; half *= 2) {
-    const stride = length / (2 * half);
-    for (let first = 0; first < length; first += 2 * half) {
-      for (let i = first, k = 0; i < first + half; i++, k += stride) {
-        const j = i + half;
-        const a = re[j] * cos[k] + im[j] * sin[k];
-        const b = im[j] * cos[k] - re[j] * sin[k];
-        re[j] = re[i] - a;
-        im[j] = im[i] - b;
-        re[i] += a;
-        im[i] += b;
+  let [xr, xi, yr, yi] = [re, im, new Float64Array(length), new Float64Array(length)];
+  for (let half = length / 2, stride = 1; half >= 1; half /= 2, stride *= 2) {
+    for (let p = 0; p < half; p++) {
+      const [cos, sin] = [Math.cos((Math.PI * p) / half), Math.sin((Math.PI * p) / half)];
+      for (let a = p * stride; a < (p + 1) * stride; a++) {
+        const [b, to] = [a + half * stride, a + p * stride];
+        const [dr, di] = [xr[a] - xr[b], xi[a] - xi[b]];
+        yr[to] = xr[a] + xr[b];
+        yi[to] = xi[a] + xi[b];
+        yr[to + stride] = dr * cos + di * sin;
+        yi[to + stride] = di * cos - dr * sin;
       }
     }
+    [xr, xi, yr, yi] = [yr, yi, xr, xi];
   }
+  return { re: xr, im: xi };
 }
 
-/** Return lines 0 to n/2 of a real record, which zeros extend to n samples. */
+/** Return lines 0 to n - 1 of a real record, which zeros extend to n samples. */
 export function linesOfRecord(record, n) {
-  const [re, im] = [new Float64Array(n), new Float64Array(n)];
+  const re = new Float64Array(n);
   re.set(record.subarray(0, n));
-  transform(re, im);
-  return { re: re.subarray(0, n / 2 + 1), im: im.subarray(0, n / 2 + 1) };
+  return transform(re, new Float64Array(n));
 }
 
 /** Return the real record of n samples that has given lines from 0 up, and zeros beyond. */
@@ -45,6 +36,5 @@ export function recordOfLines({ re, im }, n) {
     a[k] = share * re[k];
     b[k] = -share * im[k];
   }
-  transform(a, b); // the real part of sum conj(x) exp(-i) is that of sum x exp(i)
-  return a;
+  return transform(a, b).re; // the real part of sum conj(x) exp(-i) is that of sum x exp(i)
 }

@@ -1,7 +1,7 @@
 // Nodes of the browser between the instrument and the ear: a convolver makes sound of the contact force.
 
 const SETTLE_S = 0.03; // in which a ball that begins at rest takes the motion of the track
-const FEED_S = 0.04; // in which the force then goes over from one body to the next
+const FEED_S = 0.01; // time constant in which the force then goes over from one body to the next
 const HIGH_PASS = { order: 8, frequency: 15.5 }; // Butterworth: -0.5 dB at 17.8 Hz, -0.07 dB at 20 Hz
 const RUN_IN_S = 1; // before a record of rolling, for the high-pass and the modes of the plate
 
@@ -26,25 +26,17 @@ export function throughBody(source, responses, output, atOnce = false) {
   const convolver = new ConvolverNode(context, { buffer, disableNormalization: true });
   const feed = new GainNode(context, { gain: atOnce ? 1 : 0 });
   source.connect(feed).connect(convolver).connect(output);
-  const body = { source, feed, convolver };
-  if (!atOnce) fadeFeed(body, 1);
-  return body;
-}
-
-function fadeFeed({ feed: { gain, context } }, target) {
-  const begin = context.currentTime + SETTLE_S;
-  gain.setValueAtTime(1 - target, begin);
-  gain.linearRampToValueAtTime(target, begin + FEED_S);
+  if (!atOnce) feed.gain.setTargetAtTime(1, context.currentTime + SETTLE_S, FEED_S);
+  return { source, feed, convolver };
 }
 
 /** Take the force from a body, which rings out. */
-export function leaveBody(body) {
-  const { source, feed, convolver } = body;
-  fadeFeed(body, 0);
+export function leaveBody({ source, feed, convolver }) {
+  feed.gain.setTargetAtTime(0, feed.context.currentTime + SETTLE_S, FEED_S);
   setTimeout(() => {
     source.disconnect(feed);
     convolver.disconnect();
-  }, 1e3 * (2 * (SETTLE_S + FEED_S) + convolver.buffer.duration));
+  }, 1e3 * (SETTLE_S + 10 * FEED_S + convolver.buffer.duration));
 }
 
 /** Render channels of pressure [Pa] of the steady state, or of a fall from its beginning, as a promise. */

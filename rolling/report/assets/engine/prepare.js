@@ -3,11 +3,11 @@
 
 import { chainAt, loadOf } from "./chain.js";
 import { DECIMATION_DELAY } from "./decimate.js";
-import { chosenModes } from "./kept.js";
+import { costOfModes } from "./kept.js";
 import { ForceLaw, lawTable } from "./law.js";
 import { RATE, stepsPerSample } from "./motion.js";
 import { EdgedPlate, MODES_HZ } from "./plate.js";
-import { ballPressure, compressionSpeed, halfSpacePressure, platePressure } from "./radiation.js";
+import { ballPressure, halfSpacePressure, platePressure } from "./radiation.js";
 import { prepareRelease } from "./release.js";
 import { impulseResponses } from "./response.js";
 
@@ -23,9 +23,10 @@ export function prepare(run, settings, most = LIVE_MODES) {
   const load = loadOf(run, settings);
   const plate = edgedPlate(run, settings);
   const { lead, responses } = impulseResponses(...listenersOf(run, settings, plate));
-  const own = plate && plate.moving(run.contact);
-  const kept = own && chosenModes(law, chainAt(run, settings, law), own, responses[0], load, settings.speed, most);
-  const chain = chainAt(run, settings, law, kept && kept.motion);
+  const modes = plate && plate.moving(run.contact, most);
+  const chain = chainAt(run, settings, law, modes);
+  const of = plate ? plate.modes.length : 0;
+  const cost = () => costOfModes(law, { chain, load, speed: settings.speed }, responses[0], [modes, plate.moving(run.contact)]);
   return {
     kind: "vibration",
     table,
@@ -37,7 +38,7 @@ export function prepare(run, settings, most = LIVE_MODES) {
     rate: RATE,
     delay: lead + DECIMATION_DELAY,
     responses,
-    kept: kept ? { modes: kept.modes, of: kept.of, costDb: kept.costDb } : { modes: 0, of: 0, costDb: 0 },
+    kept: { modes: Math.min(most, of), of, costDb: of > most ? cost() : 0 },
   };
 }
 
@@ -48,42 +49,33 @@ function edgedPlate(run, settings) {
   const { young, poisson } = run.fixed;
   const massPerArea = plateDensity * thickness;
   const bendingStiffness = (young * thickness ** 3) / (12 * (1 - poisson ** 2));
-  const numbers = { massPerArea, bendingStiffness, lossFactor, length, width };
   const count = (length * width * MODES_HZ) / (2 * Math.sqrt(bendingStiffness / massPerArea));
   if ((length * width) ** 1.5 * Math.sqrt(count) > MOST_WORK) {
     const size = `${(length * width).toPrecision(2)} m2 with about ${Math.round(count)} modes`;
     throw new Error(`This plate (${size}) takes too long to prepare: choose a smaller or a thicker one.`);
   }
+  const numbers = { massPerArea, bendingStiffness, lossFactor, length, width };
   const key = JSON.stringify(numbers);
   if (latestPlate.key !== key) latestPlate = { key, plate: new EdgedPlate(numbers) };
   return latestPlate.plate;
 }
 
-/** Return the bodies that each listener hears, and the way [m] of the sound from the contact to the first. */
+/** Return bodies and radiation that each listener hears, and the way [m] of the sound from the contact to the first. */
 function listenersOf(run, settings, plate) {
-  const { radius, young, poisson } = run.fixed;
   const { distance, plateDensity, ballDensity, thickness } = settings;
+  const { radius, compression } = run.fixed;
+  const ball = (way, cosine, further) => (run.hearBall && cosine > 0 ? [ballPressure(radius, ballDensity, way, cosine, further)] : []);
   if (!plate) {
-    const ground = thickness
-      ? platePressure(plateDensity * thickness, distance)
-      : halfSpacePressure(plateDensity, compressionSpeed(young, poisson, plateDensity), distance);
-    return [[{ bodies: run.hearBall ? [ground, ballPressure(radius, ballDensity, distance)] : [ground] }], distance];
+    const ground = thickness ? platePressure(plateDensity * thickness, distance) : halfSpacePressure(plateDensity, compression, distance);
+    return [[{ bodies: [ground, ...ball(distance, 1, 0)] }], distance];
   }
-  const end = run.contactEnd ?? run.contact;
-  const middle = run.contact.map((value, i) => (value + end[i]) / 2);
-  const away = (point, place) => Math.hypot(place[0] - point[0], place[1] - point[1], place[2]);
-  const places = run.listeners.map((place) => movedListener(place, middle, distance / run.settings.distance));
-  const path = away(run.contact, places[0]);
+  const away = (point, place) => Math.hypot(...place.map((value, i) => value - point[i]));
+  const factor = distance / run.settings.distance;
+  const places = run.listeners.map((place) => place.map((value, i) => run.middle[i] + factor * (value - run.middle[i])));
+  const path = away([...run.contact, 0], places[0]);
   const listeners = places.map((place) => {
-    const way = away(middle, place);
-    const hears = run.hearBall && place[2] > 0;
-    const bodies = hears ? [ballPressure(radius, ballDensity, way, place[2] / way, way - path)] : [];
-    return { bodies, modes: plate.radiation(run.contact, place) };
+    const way = away(run.middle, place);
+    return { bodies: ball(way, place[2] / way, way - path), radiation: plate.radiation(run.contact, place) };
   });
   return [listeners, path];
-}
-
-/** Return a listener [m] moved along its line from the contact, as the distance of the run changes. */
-function movedListener(place, [x, y], factor) {
-  return [x, y, 0].map((origin, i) => origin + factor * (place[i] - origin));
 }

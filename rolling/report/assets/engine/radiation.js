@@ -1,5 +1,7 @@
-// Sound of bodies that a force moves: pressure per force on the axis above the contact, after
-// acoustics/radiation.py. Phasors of exp(i w t); the delay from the contact is left out.
+// Sound of bodies that a force moves: pressure per force [Pa/N] on the axis above the contact as a
+// function of frequency [Hz], after acoustics/radiation.py. The delay from the contact is left out.
+
+import { over } from "./poles.js";
 
 export const AIR = 1.204; // [kg/m3]
 export const SOUND = 343.2; // [m/s]
@@ -14,42 +16,23 @@ export function aWeight(frequency) {
   return weight(frequency ** 2) / weight(1e6);
 }
 
-/** Return a function that adds the pressure of an infinite plate per force [Pa/N] to a line. */
+/** Return the pressure of an infinite plate at a distance [m]. */
 export function platePressure(massPerArea, distance) {
-  const pressure = -AIR / (2 * Math.PI * distance * massPerArea);
-  return (frequency, sum) => {
-    sum[0] += pressure;
-  };
+  return () => [-AIR / (2 * Math.PI * distance * massPerArea), 0];
 }
 
-/** Return a function that adds the pressure of an elastic half-space per force [Pa/N] to a line. */
-export function halfSpacePressure(density, compressionSpeed, distance) {
-  const pressure = -AIR / (distance * density * compressionSpeed);
-  return (frequency, sum) => {
-    sum[1] += pressure * frequency;
-  };
+/** Return the pressure of an elastic half-space by its modulus of compression waves [Pa]. */
+export function halfSpacePressure(density, modulus, distance) {
+  return (frequency) => [0, (-AIR * frequency) / (distance * Math.sqrt(density * modulus))];
 }
 
-/**
- * Return a function that adds the pressure of a ball and its image per force [Pa/N] to a line, at a
- * distance [m] and cosine from the axis, later than the sound from the contact by a way [m].
- */
-export function ballPressure(radius, density, distance, cosine = 1, further = 0) {
-  return (frequency, sum) => {
+/** Return the pressure of a ball and its image, off the axis by a cosine, and later by a way [m]. */
+export function ballPressure(radius, density, distance, cosine, further) {
+  return (frequency) => {
     const k = (2 * Math.PI * frequency) / SOUND;
     const ka = k * radius;
-    const small = ((3 * AIR * frequency) / (distance * density * SOUND)) * cosine * Math.sin(ka * cosine);
-    const [cr, ci] = [2 - ka * ka, 2 * ka];
+    const size = ((-3 * AIR * frequency) / (distance * density * SOUND)) * cosine * Math.sin(ka * cosine);
     const phase = ka - k * further;
-    const size = -small / (cr * cr + ci * ci);
-    const [re, im] = [Math.cos(phase), Math.sin(phase)];
-    sum[0] += size * (re * cr + im * ci);
-    sum[1] += size * (im * cr - re * ci);
+    return over([size * Math.cos(phase), size * Math.sin(phase)], [2 - ka * ka, 2 * ka]);
   };
-}
-
-/** Return the speed [m/s] of compression waves in an elastic body; none is quite incompressible. */
-export function compressionSpeed(young, poisson, density) {
-  const nu = Math.min(poisson, 0.499);
-  return Math.sqrt((young * (1 - nu)) / ((1 + nu) * (1 - 2 * nu)) / density);
 }

@@ -20,8 +20,8 @@ export function prepareRelease(run) {
   const count = 2 ** Math.ceil(Math.log2(2 * FINER * re.length));
   const fine = recordOfLines({ re, im }, count).map((value) => count * value);
   const steps = Math.min(Math.max(Math.ceil((run.limits.speed[1] * 2 * re.length) / length / RATE), 1), MOST_RELEASE_STEPS);
-  const numbers = { start, length, spacing: length / count, steps, waves, fine };
-  return { kind: "release", rate: RATE, delay: 0, responses: [Float32Array.of(1)], ...numbers };
+  const spacing = length / count;
+  return { kind: "release", rate: RATE, delay: 0, responses: [Float32Array.of(1)], start, length, spacing, steps, waves, fine };
 }
 
 /** Pressure of the release at 48 kHz while the ball travels. */
@@ -38,9 +38,8 @@ export class ReleaseSource {
     const { fine, start, spacing } = this.prepared;
     const place = (position - start) / spacing;
     const first = Math.floor(place);
-    const n = fine.length;
-    const i = (((first - 1) % n) + n) % n;
-    return cubic(fine[i], fine[(i + 1) % n], fine[(i + 2) % n], fine[(i + 3) % n], place - first);
+    const at = (row) => fine[(first + row) & (fine.length - 1)]; // a power of two, so that the track closes
+    return cubic(at(-1), at(0), at(1), at(2), place - first);
   }
 
   /** Return the factor [Pa m2/W] from the fluctuation of the power at a speed [m/s] to the pressure. */

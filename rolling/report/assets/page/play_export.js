@@ -29,9 +29,8 @@ const keyValue = (name, value) => (name === "dropHeight" && value === 0 ? null :
 const inMm = (length) => Number((1e3 * length).toPrecision(6));
 
 /** Returns the listeners [mm] as the engine moves them, away from the middle of the path. */
-function movedListeners({ contact, contactEnd, listeners, settings: own }, { distance }) {
-  const origin = [...contact.map((value, i) => (value + (contactEnd ?? contact)[i]) / 2), 0];
-  return listeners.map((place) => place.map((value, i) => inMm(origin[i] + (distance / own.distance) * (value - origin[i]))));
+function movedListeners({ middle, listeners, settings: own }, { distance }) {
+  return listeners.map((place) => place.map((value, i) => inMm(middle[i] + (distance / own.distance) * (value - middle[i]))));
 }
 
 /** Returns the settings as keys of a scene file, with the commands that reproduce them. */
