@@ -6,7 +6,7 @@ import { over, plus } from "./poles.js";
 import { AUDIBLE, aWeight } from "./radiation.js";
 
 const HEARD_LINES = 8192; // samples of the response
-const NEXT = 1.005; // ratio of frequencies
+const MOST_LINES = 1200; // of the force
 
 /** Return the square of the receptance [m2/N2] of ball, contact and modes at a frequency [Hz]. */
 function squaredReceptance({ mass, stiffness, contactTime }, { frequency, damping, reach }, hertz) {
@@ -29,9 +29,11 @@ export function costOfModes(law, { chain, load, speed }, response, sets) {
   const [track, heard] = [linesOfRecord(approach, rows), linesOfRecord(response, HEARD_LINES)];
   const square = ({ re, im }, line) => (line > 0 && 2 * line < re.length ? re[line] ** 2 + im[line] ** 2 : 0);
   const powers = [0, 0];
-  for (let f = AUDIBLE[0]; f < AUDIBLE[1]; f *= NEXT) {
-    const transfer = square(heard, Math.round((f * HEARD_LINES) / RATE)) * aWeight(f) ** 2;
-    const power = f * transfer * square(track, Math.round((f * law.length) / speed));
+  const lowest = speed / law.length;
+  const stride = Math.max(1, Math.ceil(AUDIBLE[1] / lowest / MOST_LINES));
+  for (let k = Math.ceil(AUDIBLE[0] / lowest); k * lowest < AUDIBLE[1]; k += stride) {
+    const f = k * lowest;
+    const power = square(track, k) * square(heard, Math.round((f * HEARD_LINES) / RATE)) * aWeight(f) ** 2;
     if (power > 0) sets.forEach((modes, i) => (powers[i] += power / squaredReceptance(chain, modes, f)));
   }
   return powers[0] > 0 ? Math.abs(10 * Math.log10(powers[0] / powers[1])) : 0;

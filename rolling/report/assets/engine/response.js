@@ -11,7 +11,7 @@ import { AUDIBLE, SOUND } from "./radiation.js";
 
 const TAPER = 1500; // [Hz] beyond hearing in which the band ends
 const LEAD = 96; // samples in which the band limit fades in and out: -80 dB
-const LEAST = 256; // samples of a filter
+const [LEAST, PLAIN] = [256, 4096]; // samples of a filter at least, with a plate that has edges and without
 const RUNG = 1e-5; // of a mode at which its ringing ends
 const LEFT = 1e-6; // energy that is cut at the end
 const FADED = 0.25; // part of a response that fades at its end, so that the cut makes no noise
@@ -78,7 +78,8 @@ export function impulseResponses(listeners, path) {
   const samplesTo = (distance) => Math.ceil((Math.abs(distance - path) / SOUND) * RATE);
   const ends = listeners.flatMap(({ radiation }) => radiation?.distances ?? [path]);
   const lead = LEAD + samplesTo(Math.min(...ends));
-  const count = Math.max(LEAST, 2 ** Math.ceil(Math.log2(lead + samplesTo(Math.max(...ends)) + LEAD)));
+  const least = ends.length > listeners.length ? LEAST : PLAIN;
+  const count = Math.max(least, 2 ** Math.ceil(Math.log2(lead + samplesTo(Math.max(...ends)) + LEAD)));
   const frequencies = Array.from({ length: ((AUDIBLE[1] + TAPER) * count) / RATE }, (_, i) => (i * RATE) / count);
   const grid = { frequencies, lead, count };
   const responses = listeners.map(({ bodies, radiation }) => {
