@@ -7,7 +7,7 @@ import { showStill } from "./still.js";
 import { drawFilm, filmOf } from "./film.js";
 import { openCharts } from "./chart.js";
 import { showDifference } from "./compare.js";
-import { beginPlaying, redrawPlayed } from "./play_hand.js";
+import { beginPlaying } from "./play_hand.js";
 import { listen, markScrolling } from "./keys.js";
 
 export function begin() {
@@ -41,7 +41,6 @@ export async function decodeInTurn() {
 /** Draws the canvases again in the colours of the screen, light or dark, or of paper. */
 export function recolour() {
   showStill();
-  redrawPlayed();
   if (filmOf()) drawFilm();
 }
 
