@@ -47,7 +47,7 @@ export function listen() {
   on("#seek", "input", (slider) => seek(Number(slider.value)));
   on("#loop", "change", (box) => setLoop(box.checked));
   on("#volume", "input", (slider) => state.master && glide(state.master.gain, Number(slider.value)));
-  on("#choose, input[name=run]", "change", (choice) => choose(Number(choice.value)));
+  on("#choose, input[name=run], input[name=play-run]", "change", (choice) => choose(Number(choice.value)));
   on("#equal", "change", (box) => setMode(box.checked ? "equal" : "calibrated"));
   on("#heard", "change", (choice) => setLong(choice.value === "long"));
   on("#compare-a, #compare-b", "change", () => { endTest(); showDifference(); });

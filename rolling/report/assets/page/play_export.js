@@ -45,7 +45,8 @@ export function yamlOf(run, swept, settings, dropped = false) {
   }
   if (Object.keys(swept).length > 0) sections.sweep = {};
   const words = changed.map(([key, value]) => ` --set '${key}=${JSON.stringify(value)}'`).join("");
-  const lines = Object.entries(sections).map(([section, values]) => `${section}: {${Object.entries(values).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join(", ")}}`);
+  const flow = (values) => Object.entries(values).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join(", ");
+  const lines = Object.entries(sections).map(([section, values]) => `${section}: {${flow(values)}}`);
   const command = changed.some(([key]) => isSolvedAgain(key, run)) ? "rolling run SCENE" : "rolling resound RUN";
   return [`# ${run.label}${words ? `, changed: ${command}${words}` : ""}`, ...lines, ""].join("\n");
 }

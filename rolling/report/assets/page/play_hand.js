@@ -1,8 +1,8 @@
 // ---- the hand: pointer, finger and keys on the ball, and the buttons below it ----
 
-import { $, $$ } from "./core.js";
-import { choose, say } from "./choices.js";
-import { giveSpeed, listenToSliders, playedRuns, shareAt, showRun, valueAt } from "./play_panel.js";
+import { $, runs } from "./core.js";
+import { say } from "./choices.js";
+import { giveSpeed, listenToSliders, shareAt, showRun, valueAt } from "./play_panel.js";
 import { askSettings, live, liveOf, openWorker, rollBall, startInstrument, takeRun, tellInstrument } from "./play_sound.js";
 import { view, wakeStage } from "./play_view.js";
 import { copyYaml, saveWav, showExport } from "./play_export.js";
@@ -10,8 +10,6 @@ import { copyYaml, saveWav, showExport } from "./play_export.js";
 const FALL_MS = 500; // that a lifted ball is held
 const REST_M_S = 0.01; // below which a ball that is let go stays where it is
 const KEY_STEP = 0.03; // of the slider of the speed
-
-const hand = { grip: 0, sent: false };
 
 const STAGE_KEYS = {
   " ": turnRolling,
@@ -25,13 +23,12 @@ const STAGE_KEYS = {
 
 /** Prepares the instrument of the first run that can be played, once its picture is in sight. */
 export function beginPlaying() {
-  const [first] = playedRuns(), stage = $("#play-stage");
-  if (first === undefined) return;
+  const first = runs.findIndex((run) => run.live), stage = $("#play-stage");
+  if (first < 0) return;
   const acts = { pointerdown: grab, pointermove: pull, pointerup: letGo, pointercancel: letGo, keydown: pressKey, keyup: releaseKey };
   for (const [type, act] of Object.entries(acts)) stage.addEventListener(type, act);
   const clicks = { roll: turnRolling, drop: dropBall, back: showRun, copy: () => copyYaml($("#play-copy")), wav: saveWav };
   for (const [name, act] of Object.entries(clicks)) $(`#play-${name}`).addEventListener("click", act);
-  for (const radio of $$("input[name=play-run]")) radio.addEventListener("change", () => choose(Number(radio.value)));
   listenToSliders();
   new ResizeObserver(wakeStage).observe(stage);
   new IntersectionObserver(([{ isIntersecting }]) => {
@@ -53,7 +50,7 @@ function grab(event) {
   stage.setPointerCapture(event.pointerId);
   stage.focus({ preventScroll: true });
   stage.classList.add("touched");
-  hand.grip = Math.abs(away) * view.scale < 1.3 * view.radius ? away : 0; // a hand beside the ball calls it
+  view.grip = Math.abs(away) * view.scale < 1.3 * view.radius ? away : 0; // a hand beside the ball calls it
   live.held = true;
   rollBall(0);
   startInstrument();
@@ -62,13 +59,8 @@ function grab(event) {
 
 function pull(event) {
   if (!live.held) return;
-  view.goal = placeOf(event) - hand.grip;
-  if (hand.sent) return;
-  hand.sent = true; // at most one message in a frame
-  requestAnimationFrame(() => {
-    hand.sent = false;
-    if (live.held) tellInstrument({ task: "drag", position: view.goal });
-  });
+  view.goal = placeOf(event) - view.grip;
+  tellInstrument({ task: "drag", position: view.goal });
   wakeStage();
 }
 

@@ -7,10 +7,9 @@ import { newtons } from "./film_motion.js";
 import { SPECTRUM, live, liveOf } from "./play_sound.js";
 
 const COLUMNS = 125; // of the strip, one per report: 4 s
-const TEXT_MS = 250; // between changes of the numbers
-const SLOW_MS = 1000; // between changes of the curves where motion is unwanted
-const CURVES_MS = 60; // between changes of the curves
-const SMOOTHED = 0.3; // share of the latest spectrum in the one that is shown
+const SHOWN_MS = 120; // between changes of numbers and curves
+const SLOW_MS = 1000; // between them where motion is unwanted
+const SMOOTHED = 0.5; // share of the latest spectrum in the one that is shown
 const LEVELS_DB = 70; // that the spectrum shows
 const QUIETEST_DB = -20; // level that is shown
 const TIGHT_DB = -0.5; // gain of the limiter from which it is named
@@ -18,7 +17,7 @@ const FAST_S = 0.125; // time constant of the level
 const WINDOW = 0.3046; // mean square of the window of an AnalyserNode, after Blackman
 const BANDS = data.bands.map(Number);
 
-const heard = { strip: [], powers: BANDS.map(() => 0), fast: 0, fastAt: 0, top: 0, texts: 0, curves: 0, gain: 0 };
+const heard = { strip: [], powers: BANDS.map(() => 0), fast: 0, fastAt: 0, top: 0, shownAt: 0, gain: 0 };
 
 /** Takes a report of the processor into the meters. */
 export function showReport(report) {
@@ -27,9 +26,9 @@ export function showReport(report) {
   heard.strip = [...heard.strip, column].slice(-COLUMNS);
   heard.gain = Math.min(0.95 * heard.gain, live.limiter.reduction); // it is named for some seconds
   takeLevel(now);
-  if (now - heard.texts > TEXT_MS) showNumbers(report, now);
-  if (now - heard.curves < (motionUnwanted.matches ? SLOW_MS : CURVES_MS)) return;
-  heard.curves = now;
+  if (now - heard.shownAt < (motionUnwanted.matches ? SLOW_MS : SHOWN_MS)) return;
+  heard.shownAt = now;
+  showNumbers(report);
   showSpectrum();
   showStrip();
 }
@@ -43,15 +42,15 @@ function linesOf(analyser) {
 
 /** Follows the A-weighted mean square by the time constant of the Fast level. */
 function takeLevel(now) {
-  const [meter] = live.meters, square = linesOf(meter).reduce((sum, power, line) => sum + power * aWeight((line * RATE) / meter.fftSize) ** 2, 0);
+  const [meter] = live.meters;
+  const square = linesOf(meter).reduce((sum, power, line) => sum + power * aWeight((line * RATE) / meter.fftSize) ** 2, 0);
   heard.fast += (square - heard.fast) * (1 - Math.exp((heard.fastAt - now) / 1000 / FAST_S));
   heard.fastAt = now;
 }
 
 export const digits = (value, count) => Number(value.toPrecision(count));
 
-function showNumbers({ state, asleep }, now) {
-  heard.texts = now;
+function showNumbers({ state, asleep }) {
   const level = 10 * Math.log10(heard.fast), own = liveOf().level, isHeard = !asleep && level >= QUIETEST_DB;
   $("#play-level").textContent = isHeard ? level.toFixed(1) : "–";
   $("#play-against").textContent = isHeard && own !== null ? `${signed(level - own)} dB against the run` : "";
@@ -59,7 +58,8 @@ function showNumbers({ state, asleep }, now) {
   const presses = state.force !== null, flown = Math.round(100 * heard.strip.at(-1).flies); // a release has no force
   $("#play-force-now").parentElement.hidden = !presses;
   $("#play-force-now").textContent = presses ? newtons(state.force) : "";
-  $("#play-flight").textContent = !presses ? "" : state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : flown ? `flies ${flown} % of the time` : "in contact";
+  const motion = state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : flown ? `flies ${flown} % of the time` : "in contact";
+  $("#play-flight").textContent = presses ? motion : "";
   $("#play-limit").hidden = heard.gain > TIGHT_DB;
 }
 
@@ -94,7 +94,8 @@ export function drawSpectrum() {
   const wanted = 10 * Math.ceil((Math.max(...sounding, ...own.map((level) => level ?? -Infinity)) + 3) / 10);
   if (Number.isFinite(wanted) && (wanted > heard.top || wanted < heard.top - 15)) heard.top = wanted;
   $("#play-top").textContent = `${heard.top} dB`.replace("-", "−");
-  const steps = (levels, step) => levels.flatMap((level, i) => (level > heard.top - LEVELS_DB && level !== null ? step(i, heard.top - level) : []));
+  const isShown = (level) => level !== null && level > heard.top - LEVELS_DB;
+  const steps = (levels, step) => levels.flatMap((level, i) => (isShown(level) ? step(i, heard.top - level) : []));
   draw("#play-bars", steps(sounding, (i, y) => `M ${i + 0.5} ${LEVELS_DB} V ${y}`));
   draw("#play-run-bands", steps(own, (i, y) => `M ${i} ${y} h 1`));
 }

@@ -7,7 +7,7 @@ import { showExport } from "./play_export.js";
 import { wakeStage } from "./play_view.js";
 
 /** The sliders: name in the engine, unit and its number in SI units, and key of a scene. */
-export const SETTINGS = $$(".slider input").map((input) => ({ name: input.name, unit: input.dataset.unit, si: Number(input.dataset.si), key: input.dataset.key, input }));
+export const SETTINGS = $$(".slider input").map((input) => ({ ...input.dataset, name: input.name, si: Number(input.dataset.si), input }));
 
 /** Tells whether a setting means something for a run. */
 export const isLive = (name, { limits }) => Boolean(limits[name]) && limits[name][0] < limits[name][1];
@@ -16,7 +16,8 @@ export const isLive = (name, { limits }) => Boolean(limits[name]) && limits[name
 export const valueAt = (share, [low, high]) => (low > 0 ? low * (high / low) ** share : (high * (1000 ** share - 1)) / 999);
 
 /** Returns the share of a slider at a value: the inverse of `valueAt`. */
-export const shareAt = (value, [low, high]) => (low > 0 ? Math.log(value / low) / Math.log(high / low) : Math.log(1 + (999 * value) / high) / Math.log(1000));
+export const shareAt = (value, [low, high]) =>
+  low > 0 ? Math.log(value / low) / Math.log(high / low) : Math.log1p((999 * value) / high) / Math.log(1000);
 
 /** Rounds a value to three digits in its unit, as slider, engine and scene share it. */
 const roundedIn = (value, si) => Number((Number((value / si).toPrecision(3)) * si).toPrecision(12));
@@ -37,6 +38,7 @@ export function showRun() {
   live.settings.dropHeight ??= limits.dropHeight ? roundedIn(limits.dropHeight[1] / 2, 1e-3) : null;
   for (const setting of SETTINGS) setting.input.parentElement.hidden = !isLive(setting.name, run);
   $("#play-drop").hidden = !isLive("dropHeight", run);
+  if ($("#play-contact")) $("#play-contact").hidden = !runs[live.number].maps;
   $("#play-remarks").textContent = run.remarks.join(" ");
   $("#play-volume").value = 0;
   for (const radio of $$("input[name=play-run]")) radio.checked = Number(radio.value) === live.number;
@@ -85,8 +87,9 @@ function showVolume() {
 
 /** Says how many modes of a plate with edges move, and what the others cost. */
 export function showModes({ modes, of, costDb } = { modes: 0, of: 0, costDb: 0 }) {
+  const kept = `The lowest ${modes} of ${of} modes of the plate move, the others in bands`;
   const cost = costDb < 0.1 ? "less than 0.1" : `about ${costDb.toFixed(1)}`;
-  $("#play-modes").textContent = modes < of ? `The lowest ${modes} of ${of} modes of the plate move, the others in bands: the level changes by ${cost} dB.` : "";
+  $("#play-modes").textContent = modes < of ? `${kept}: the level changes by ${cost} dB.` : "";
 }
 
 /** Says in a sentence what the engine cannot do. */
@@ -94,5 +97,3 @@ export function sayPlayed(text) {
   $("#play-note").textContent = text;
   $("#play-note").hidden = !text;
 }
-
-export const playedRuns = () => [...runs.keys()].filter((number) => runs[number].live);

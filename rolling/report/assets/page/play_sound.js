@@ -14,10 +14,11 @@ const METER = 2048; // samples of the Fast level
 export const SPECTRUM = 16384; // samples, whose lines resolve the third octave at 20 Hz
 
 // `rolling`: direction of the ball, 0 at rest. `fastest`: speed of the hand [m/s], which the time steps have to resolve. `dropped`: drops are wanted. `behind`: the settings have changed since the worker was
-// asked; `preparing`: promise of the time when it is not behind. `latest`: prepared settings, null where they are refused. `sounding`: the node that plays, its output, run and time steps.
+// asked; `preparing`: promise of the time when it is not behind. `latest`: the settings prepared last. `sounding`: the node that plays, its output, run and time steps.
 export const live = {
   number: -1, settings: {}, rolling: 0, held: false, fastest: 0, dropped: false, report: null, heardAt: 0,
-  worker: null, behind: false, preparing: null, latest: null, refused: false, opening: null, bus: null, meters: [], volume: null, limiter: null, sounding: null, body: null,
+  worker: null, behind: false, preparing: null, latest: null, refused: false,
+  opening: null, bus: null, meters: [], volume: null, limiter: null, sounding: null, body: null,
 };
 
 export const liveOf = () => runs[live.number].live;
@@ -127,8 +128,7 @@ function openNode({ number, settings, prepared }) {
 export async function startInstrument() {
   if (state.wanted) pause();
   stopFilm();
-  const context = audioContext();
-  const started = context.resume();
+  const context = audioContext(), started = context.resume();
   openWorker();
   await (live.opening ??= openGraph(context));
   await started;
@@ -137,7 +137,7 @@ export async function startInstrument() {
 /** Connects the pressure [Pa] with meters, and by its volume and a limiter with the output. */
 async function openGraph(context) {
   if (!context.audioWorklet) {
-    return sayPlayed("This browser has no AudioWorklet here (it takes a file, https or localhost), so the ball cannot be played; the rest of the page works.");
+    return sayPlayed("This browser has no AudioWorklet here (it takes a file, https or localhost), so the ball cannot be played.");
   }
   await context.audioWorklet.addModule(engineUrl());
   const bus = new GainNode(context), volume = new GainNode(context, { gain: 0 });

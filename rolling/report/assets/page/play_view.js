@@ -7,12 +7,12 @@ import { sheetOf } from "./contact.js";
 
 const CENTRING_S = 0.35; // in which a ball that is let go comes back to the middle
 const HAND_PX_S = 500; // speed of a hand that rolls the ball as fast as its run
-const MARKS_PX = 70; // least distance of marks on the plate
+const MARKS_PX = 100; // distance of marks on the plate, as the style has it
 const BLURRED_PX = 35; // that the plate moves in a frame, from which its marks and those of the ball cannot be seen
 const LENS_MS = 120; // that a map stays under the lens at least
 
-// Lengths in metres, `scale` along the track in pixels per metre; the ball has a scale of its own. `camera` is in the middle of the picture, `ball` is where the ball is drawn, `goal` where the hand is.
-export const view = { camera: 0, ball: 0, goal: 0, asked: false, seen: false, drawnAt: 0, map: "", mapAt: 0, scale: 1, radius: 1 };
+// Lengths in metres, `scale` along the track in pixels per metre; the ball has a scale of its own. `camera` is in the middle of the picture, `ball` is where the ball is drawn, `goal` where the hand is, `grip` away from the middle of the ball.
+export const view = { camera: 0, ball: 0, goal: 0, grip: 0, asked: false, seen: false, drawnAt: 0, map: "", mapAt: 0, scale: 1, radius: 1 };
 
 /** Draws the next frame soon, if the picture is in sight. */
 export function wakeStage() {
@@ -39,42 +39,35 @@ function moveBall(passed) {
 
 /** Moves plate and ball by the lengths of their styles. */
 function drawStage() {
-  const stage = $("#play-stage"), ball = $("#play-ball"), run = liveOf(), { height = 0, speed = 0 } = live.report?.state ?? {};
+  const stage = $("#play-stage"), ball = $("#play-ball"), run = liveOf();
+  const { height = 0, speed = 0 } = live.report?.state ?? {};
   view.radius = ball.offsetWidth / 2;
   view.scale = HAND_PX_S / run.settings.speed;
   const enlarged = view.radius / run.fixed.radius, room = ball.offsetTop - 10; // pixels per metre of the ball; pixels above it
-  const step = marksApart(MARKS_PX / view.scale), ratio = enlarged / view.scale;
-  const camera = motionUnwanted.matches && !live.held ? view.ball : view.camera; // the plate stands still then
+  const ratio = enlarged / view.scale, isStill = motionUnwanted.matches && !live.held;
   const passing = live.held ? 0 : (Math.abs(speed) * view.scale) / 60; // in a frame
   const lengths = {
-    "--x": (view.ball - camera) * view.scale,
+    "--x": (view.ball - view.camera) * view.scale,
     "--lift": room * (1 - Math.exp((-height * enlarged) / room)),
     "--depth": enlarged * Math.min(live.settings.thickness ?? 1, 1),
-    "--step": step * view.scale,
-    "--shift": stage.clientWidth / 2 - (motionUnwanted.matches && !live.held ? 0 : modulo(camera, step) * view.scale),
+    "--shift": stage.clientWidth / 2 - (isStill ? 0 : modulo(view.camera * view.scale, MARKS_PX)),
   };
   for (const [name, length] of Object.entries(lengths)) stage.style.setProperty(name, `${length}px`);
-  stage.style.setProperty("--turn", `${motionUnwanted.matches && !live.held ? 0 : (view.ball * view.scale) / view.radius}rad`);
+  stage.style.setProperty("--turn", `${isStill ? 0 : (view.ball * view.scale) / view.radius}rad`);
   stage.style.setProperty("--clear", Math.max(0, 1 - passing / BLURRED_PX));
-  $("#play-ruler").textContent = `marks every ${digits(1e3 * step, 3)} mm; ball ${digits(Math.max(ratio, 1 / ratio), 2)} times ${ratio > 1 ? "larger" : "smaller"}`;
-  const place = (1e3 * view.ball).toFixed(0), motion = live.held ? "held" : live.rolling ? `rolls at ${digits(live.settings.speed, 3)} m/s` : "at rest";
+  const size = `${digits(Math.max(ratio, 1 / ratio), 2)} times ${ratio > 1 ? "larger" : "smaller"}`, place = (1e3 * view.ball).toFixed(0);
+  const motion = live.held ? "held" : live.rolling ? `rolls at ${digits(live.settings.speed, 3)} m/s` : "at rest";
+  $("#play-ruler").textContent = `at ${place} mm; marks every ${digits((1e3 * MARKS_PX) / view.scale, 3)} mm; ball ${size}`;
   stage.setAttribute("aria-valuenow", place);
   stage.setAttribute("aria-valuetext", `${place} mm along the track, ${motion}`);
 }
 
-/** Returns a round distance of marks that is not below a length. */
-function marksApart(least) {
-  const decade = 10 ** Math.floor(Math.log10(least));
-  return decade * [1, 2, 5, 10].find((digit) => digit * decade >= least);
-}
-
 /** Draws the solved contact nearest to the place of the ball, where the run has maps; its area is too small to flash. */
 function drawLens() {
-  const { maps } = runs[live.number], figure = $("#play-contact");
-  if (!figure) return;
-  figure.hidden = !maps;
+  const { maps } = runs[live.number];
   if (!maps) return;
-  const now = performance.now(), tile = nearestMap(maps), sheet = sheetOf(live.number), map = `${live.number} ${tile} ${sheet.complete}`;
+  const now = performance.now(), tile = nearestMap(maps), sheet = sheetOf(live.number);
+  const map = `${live.number} ${tile} ${sheet.complete}`;
   if (map === view.map || now - view.mapAt < (motionUnwanted.matches && !live.held ? 1000 : LENS_MS)) return;
   Object.assign(view, { map, mapAt: now });
   const canvas = $("#play-lens"), pen = canvas.getContext("2d"), { width } = canvas;
