@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import soundfile
 from firefox import Firefox, firefox_path
-from live_engine import node
 from report_browser import MINUS, until, without_browser
 from report_runs import runs_of
 from ruamel.yaml import YAML
@@ -225,25 +224,3 @@ def test_the_limiter_leaves_quiet_sound_and_holds_the_loudest(playing) -> None:
         _, peak = page.evaluate(OUTPUT)
         assert 0.5 < peak / volume < 1 + 1e-6
         assert "limiter lowers" in page.text_content("#play-limit")
-
-
-def test_the_instrument_knows_its_load_and_what_it_has_lost() -> None:
-    """A clock in whole milliseconds gives the load of 0.6 ms per block within 4 standard errors.
-
-    The clock of the test wanders by some milliseconds.
-    """
-    script = """
-      let seconds = 1e9;
-      const pace = new worklet.Pace(48000, () => Math.floor(1000 * seconds));
-      for (let i = 0; i < 4800; i++) {
-        if (i === 2400) seconds += 0.3;
-        pace.begin();
-        seconds += 0.6e-3;
-        pace.end();
-        seconds += 128 / 48000 - 0.6e-3 + 4e-4 * Math.sin(i * i);
-      }
-      done([pace.load, pace.lost]);
-    """
-    load, lost = node(script)
-    assert load == pytest.approx(0.6e-3 * 375, rel=0.1)
-    assert lost == pytest.approx(0.3, abs=0.01)
