@@ -31,9 +31,9 @@ export function beginPlaying() {
   for (const [name, act] of Object.entries(clicks)) $(`#play-${name}`).addEventListener("click", act);
   listenToSliders();
   new ResizeObserver(wakeStage).observe(stage);
-  new IntersectionObserver(([{ isIntersecting }]) => {
-    view.seen = isIntersecting;
-    if (isIntersecting) openWorker();
+  new IntersectionObserver((entries) => {
+    view.seen = entries.at(-1).isIntersecting;
+    if (view.seen) openWorker();
     wakeStage();
   }, { rootMargin: "200px" }).observe(stage);
   if (live.number < 0) takeRun(first);

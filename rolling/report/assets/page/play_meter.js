@@ -55,7 +55,8 @@ function showNumbers({ state, asleep }) {
   $("#play-level").textContent = isHeard ? level.toFixed(1) : "–";
   $("#play-against").textContent = isHeard && own !== null ? `${signed(level - own)} dB against the run` : "";
   $("#play-speed-now").textContent = `${digits(Math.abs(state.speed) < 1e-5 ? 0 : state.speed, 2)} m/s`.replace("-", "−");
-  const presses = state.force !== null, flown = Math.round(100 * heard.strip.at(-1).flies); // a release has no force
+  const presses = state.force !== null; // a release has no force
+  const flown = Math.round((100 * heard.strip.reduce((sum, { flies }) => sum + flies, 0)) / heard.strip.length);
   $("#play-force-now").parentElement.hidden = !presses;
   $("#play-force-now").textContent = presses ? newtons(state.force) : "";
   const motion = state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : flown ? `flies ${flown} % of the time` : "in contact";
