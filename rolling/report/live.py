@@ -73,6 +73,7 @@ def live_of(run: Run) -> Data | None:
         "listeners": [list(place) for place in scene.listeners] if ends else None,
         "hearBall": scene.sound.ball,
         "fullScale": peak / PEAK or 1.0,
+        "level": run.sound.levels.laeq_db,
     }
     add = _add_release if vibration is None else _add_vibration
     data = add(run, data, vibration)

@@ -18,7 +18,7 @@ MODULES = sorted([*ASSETS.glob("page/*.js"), *ASSETS.glob("engine/*.js")])
 DECLARED = re.compile(
     r"^(?:async )?(?:const|let|var|function\*?|class) (\w+|[{\[][^=]*[}\]])", re.M
 )
-MOST_LINES = 3550  # filled lines; the aim is 2500
+MOST_LINES = 2500
 LENGTHS = range(25, 251)
 
 

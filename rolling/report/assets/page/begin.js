@@ -9,7 +9,7 @@ import { openCharts } from "./chart.js";
 import { showDifference } from "./compare.js";
 import { beginTest, endTest, pressTest } from "./abx.js";
 import { takeRun } from "./play_sound.js";
-import { beginPlaying, redrawPlayed } from "./play_hand.js";
+import { beginPlaying } from "./play_hand.js";
 
 function begin() {
   document.documentElement.classList.add("scripted");
@@ -17,7 +17,6 @@ function begin() {
   $(".singles").open = false;
   listen();
   openCharts(data.charts, runs.map((run) => run.label));
-  for (const colours of ["(prefers-color-scheme: dark)", "print"]) matchMedia(colours).addEventListener("change", redrawPlayed);
   new IntersectionObserver(([hero]) => document.documentElement.classList.toggle("beyond", !hero.isIntersecting)).observe($("header"));
   choose(Math.max(0, runs.findIndex((run) => run.playback.calibrated_pa !== null))); // one that can be heard
   beginPlaying();
@@ -74,7 +73,7 @@ function listen() {
   on("[data-play]", "click", toggle);
   on("#seek", "input", (slider) => seek(Number(slider.value)));
   on("#volume", "input", (slider) => state.master && glide(state.master, Number(slider.value)));
-  on("#choose, input[name=run]", "change", (choice) => choose(Number(choice.value)));
+  on("#choose, input[name=run], input[name=play-run]", "change", (choice) => choose(Number(choice.value)));
   on("#equal", "change", mix);
   on("audio", "play", soundAlone);
   on("#compare-a, #compare-b", "change", endTest);

@@ -2,7 +2,6 @@
 
 import { $, runs } from "./core.js";
 import { download } from "./chart_save.js";
-import { POLL_MS, later } from "./play_hand.js";
 import { SETTINGS, isLive, sayPlayed } from "./play_panel.js";
 import { engineUrl, live, liveOf, openWorker } from "./play_sound.js";
 import { copy, wavOf } from "./records.js";
@@ -44,8 +43,9 @@ export function yamlOf(run, swept, settings, dropped = false) {
     (sections[section] ??= {})[name] = value;
   }
   if (Object.keys(swept).length > 0) sections.sweep = {};
-  const words = changed.map(([key, value]) => (Array.isArray(value) ? ` --set '${key}=${JSON.stringify(value)}'` : ` --set ${key}=${value}`)).join("");
-  const lines = Object.entries(sections).map(([section, values]) => `${section}: {${Object.entries(values).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join(", ")}}`);
+  const words = changed.map(([key, value]) => ` --set '${key}=${JSON.stringify(value)}'`).join("");
+  const flow = (values) => Object.entries(values).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join(", ");
+  const lines = Object.entries(sections).map(([section, values]) => `${section}: {${flow(values)}}`);
   const command = changed.some(([key]) => isSolvedAgain(key, run)) ? "rolling run SCENE" : "rolling resound RUN";
   return [`# ${run.label}${words ? `, changed: ${command}${words}` : ""}`, ...lines, ""].join("\n");
 }
@@ -64,11 +64,10 @@ export const copyYaml = (button) => copy($("#play-yaml").textContent, button);
 
 /** Renders a record of the present settings once they are prepared, with its peak at -1 dB. */
 export async function saveWav() {
-  const [button, bar] = [$("#play-wav"), $("#play-progress")];
+  const button = $("#play-wav");
   button.disabled = true;
-  bar.hidden = false;
   openWorker();
-  while (live.asked) await later(POLL_MS);
+  await live.preparing;
   try {
     if (live.refused) return;
     const { number, settings, prepared } = live.latest, speed = live.settings.speed;
@@ -83,6 +82,5 @@ export async function saveWav() {
     sayPlayed(`No record: ${error.message}.`);
   } finally {
     button.disabled = false;
-    bar.hidden = true;
   }
 }

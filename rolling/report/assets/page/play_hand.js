@@ -1,47 +1,40 @@
 // ---- the hand: pointer, finger and keys on the ball, and the buttons below it ----
 
-import { $, $$, say } from "./core.js";
-import { choose } from "./begin.js";
-import { SETTINGS, backToScene, giveSpeed, listenToSlider, playedRuns, setVolume, shareAt, showRolling, valueAt } from "./play_panel.js";
-import { followHand, live, liveOf, openWorker, rollBall, rollOn, soundOn, startInstrument, takeRun, tellInstrument, askSettings } from "./play_sound.js";
-import { ballAt, drawStage, view, wakeStage } from "./play_view.js";
-import { drawSpectrum, drawStrip } from "./play_meter.js";
+import { $, runs, say } from "./core.js";
+import { giveSpeed, listenToSliders, shareAt, showRun, valueAt } from "./play_panel.js";
+import { askSettings, live, liveOf, openWorker, rollBall, soundOn, startInstrument, takeRun, tellInstrument } from "./play_sound.js";
+import { view, wakeStage } from "./play_view.js";
 import { copyYaml, saveWav, showExport } from "./play_export.js";
 
-export const POLL_MS = 30; // between questions whether the instrument is ready
 const REST_M_S = 0.01; // below which a ball that is let go stays where it is
 const KEY_STEP = 0.03; // of the slider of the speed
 
-const hand = { grip: 0, sent: false };
+const STAGE_KEYS = {
+  " ": turnRolling,
+  ArrowLeft: () => rollBall(-1),
+  ArrowRight: () => rollBall(1),
+  ArrowUp: () => stepSpeed(KEY_STEP),
+  ArrowDown: () => stepSpeed(-KEY_STEP),
+  Home: showRun,
+  d: dropBall,
+};
 
 /** Prepares the instrument of the first run that can be played, once its picture is in sight. */
 export function beginPlaying() {
-  const [first] = playedRuns();
-  if (first === undefined) return;
-  const stage = $("#play-stage");
-  const acts = { pointerdown: grab, pointermove: pull, pointerup: letGo, pointercancel: letGo, keydown: pressKey, keyup: releaseKey, blur: () => push(0) };
+  const first = runs.findIndex((run) => run.live), stage = $("#play-stage");
+  if (first < 0) return;
+  const acts = { pointerdown: grab, pointermove: pull, pointerup: letGo, pointercancel: letGo, keydown: pressKey, keyup: releaseKey };
   for (const [type, act] of Object.entries(acts)) stage.addEventListener(type, act);
-  const clicks = { roll: turnRolling, drop: dropBall, back: backToScene, copy: () => copyYaml($("#play-copy")), wav: saveWav };
+  const clicks = { roll: turnRolling, drop: dropBall, back: showRun, copy: () => copyYaml($("#play-copy")), wav: saveWav };
   for (const [name, act] of Object.entries(clicks)) $(`#play-${name}`).addEventListener("click", act);
-  $("#play-volume").addEventListener("input", ({ target }) => setVolume(Number(target.value)));
-  for (const radio of $$("input[name=play-run]")) radio.addEventListener("change", () => choose(Number(radio.value)));
-  SETTINGS.forEach(listenToSlider);
-  new ResizeObserver(redrawPlayed).observe(stage);
-  new IntersectionObserver(([{ isIntersecting }]) => {
-    view.seen = isIntersecting;
-    if (isIntersecting) openWorker();
+  listenToSliders();
+  new ResizeObserver(wakeStage).observe(stage);
+  new IntersectionObserver((entries) => {
+    view.seen = entries.at(-1).isIntersecting;
+    if (view.seen) openWorker();
     wakeStage();
   }, { rootMargin: "200px" }).observe(stage);
   if (live.number < 0) takeRun(first);
-  setVolume(0);
-}
-
-/** Draws the canvases again, in another size or other colours. */
-export function redrawPlayed() {
-  if (live.number < 0) return;
-  drawStage();
-  drawStrip();
-  drawSpectrum();
 }
 
 const placeOf = ({ clientX }) => {
@@ -51,26 +44,21 @@ const placeOf = ({ clientX }) => {
 
 function grab(event) {
   if (event.button > 0) return;
-  event.currentTarget.setPointerCapture(event.pointerId);
-  event.currentTarget.focus({ preventScroll: true });
-  const away = placeOf(event) - view.ball;
-  hand.grip = Math.abs(away) * view.scale < 1.3 * view.radius ? away : 0; // a hand beside the ball calls it
-  Object.assign(live, { held: true, rolling: false });
-  Object.assign(view, { touched: true, goal: view.ball });
+  const stage = event.currentTarget, away = placeOf(event) - view.ball;
+  stage.setPointerCapture(event.pointerId);
+  stage.focus({ preventScroll: true });
+  stage.classList.add("touched");
+  view.grip = Math.abs(away) * view.scale < 1.3 * view.radius ? away : 0; // a hand beside the ball calls it
+  live.held = true;
+  rollBall(0);
   startInstrument();
-  showRolling();
   pull(event);
 }
 
 function pull(event) {
   if (!live.held) return;
-  view.goal = placeOf(event) - hand.grip;
-  if (hand.sent) return;
-  hand.sent = true; // at most one message in a frame
-  requestAnimationFrame(() => {
-    hand.sent = false;
-    if (live.held) tellInstrument({ task: "drag", position: view.goal });
-  });
+  view.goal = placeOf(event) - view.grip;
+  tellInstrument({ task: "drag", position: view.goal });
   wakeStage();
 }
 
@@ -78,43 +66,24 @@ function pull(event) {
 function letGo() {
   if (!live.held) return;
   const speed = live.report ? live.report.state.speed : live.settings.speed;
-  const rolls = Math.abs(speed) > REST_M_S;
-  Object.assign(live, { held: false, direction: speed < 0 ? -1 : 1 });
-  view.offset = ballAt();
-  if (rolls) giveSpeed(Math.abs(speed));
-  followHand(0);
-  rollBall(rolls);
+  Object.assign(live, { held: false, fastest: 0 });
+  if (Math.abs(speed) > REST_M_S) giveSpeed(Math.abs(speed));
+  else askSettings();
+  rollBall(Math.abs(speed) > REST_M_S ? Math.sign(speed) : 0);
 }
 
-const turnRolling = () => rollBall(!live.rolling);
-
-const STAGE_KEYS = {
-  " ": turnRolling,
-  ArrowLeft: () => push(-1),
-  ArrowRight: () => push(1),
-  ArrowUp: () => stepSpeed(KEY_STEP),
-  ArrowDown: () => stepSpeed(-KEY_STEP),
-  Home: backToScene,
-  d: dropBall,
-};
+function turnRolling() {
+  rollBall(live.rolling ? 0 : 1);
+}
 
 function pressKey(event) {
   if (event.ctrlKey || event.altKey || event.metaKey || !STAGE_KEYS[event.key]) return;
-  STAGE_KEYS[event.key]();
   event.preventDefault();
+  if (!event.repeat || event.key.startsWith("Arrow")) STAGE_KEYS[event.key]();
 }
 
 function releaseKey({ key }) {
-  if (key === "ArrowLeft" || key === "ArrowRight") push(0);
-}
-
-/** Rolls to one side as long as a key is held. */
-async function push(direction) {
-  if (live.push === direction) return;
-  live.push = direction;
-  view.touched = true;
-  if (direction) await startInstrument();
-  rollOn();
+  if (key === "ArrowLeft" || key === "ArrowRight") rollBall(0);
 }
 
 function stepSpeed(by) {
@@ -122,16 +91,14 @@ function stepSpeed(by) {
   giveSpeed(valueAt(shareAt(live.settings.speed, range) + by, range));
 }
 
-/** Lifts the ball and lets it fall. */
+/** Lifts the ball and lets it fall, once it sounds with the present settings. */
 async function dropBall() {
   if ($("#play-drop").hidden) return;
-  view.touched = live.dropped = true;
+  live.dropped = true;
   showExport();
   askSettings();
   await startInstrument();
-  while (!live.report || live.asked) await later(POLL_MS); // until it sounds with the present settings
+  await live.preparing;
   soundOn(true);
   say("lifted");
 }
-
-export const later = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));

@@ -4,8 +4,7 @@ import { $, FADE_S, runs, state } from "./core.js";
 import { audioContext, soundAlone } from "./player.js";
 import { showReport } from "./play_meter.js";
 import { view, wakeStage } from "./play_view.js";
-import { sayPlayed, showModes, showRolling, showSettings } from "./play_panel.js";
-import { showExport } from "./play_export.js";
+import { sayPlayed, showModes, showRun } from "./play_panel.js";
 import { instrumentNode, leaveBody, throughBody } from "../engine/graph.js";
 
 const LIMIT_DB = -1; // of full scale, above which the limiter compresses by 20
@@ -14,95 +13,100 @@ const HOLD_S = 0.5; // that a lifted ball is held
 const METER = 2048; // samples of the Fast level
 export const SPECTRUM = 16384; // samples, whose lines resolve the third octave at 20 Hz
 
-// `asked`: the worker prepares settings; `behind`: they have changed since. `push`: direction of a held arrow key. `fastest`: speed of the hand [m/s], which the time steps have to resolve. `dropped`: drops are wanted.
+// `rolling`: direction of the ball, 0 at rest. `fastest`: speed of the hand [m/s], which the time steps have to resolve.
+// `dropped`: drops are wanted. `behind`: the settings have changed since the worker was asked; `preparing`: promise of the
+// time when it is not behind. `latest`: the settings prepared last. `node`: the instrument that sounds.
 export const live = {
-  number: -1, settings: {}, worker: null, opening: null, latest: null, asked: false, behind: false, refused: false,
-  rolling: false, held: false, push: 0, direction: 1, fastest: 0, dropped: false, volume: 0, report: null, heardAt: 0,
-  bus: null, meters: [], volumeNode: null, limiter: null, node: null, output: null, body: null,
+  number: -1, settings: {}, rolling: 0, held: false, fastest: 0, dropped: false, report: null, heardAt: 0,
+  worker: null, behind: false, preparing: null, latest: null, refused: false,
+  opening: null, bus: null, meters: [], volume: null, limiter: null, node: null, body: null,
 };
 
 export const liveOf = () => runs[live.number].live;
-export const isPlayed = () => live.rolling || live.held || live.push !== 0;
 
 export const engineUrl = () => `data:text/javascript;charset=utf-8,${encodeURIComponent($("#engine").textContent)}`;
 
 /** Chooses the run that is played, with its own settings. */
 export function takeRun(number) {
   if (number === live.number || !runs[number].live) return;
-  const { settings } = runs[number].live;
-  Object.assign(live, { number, settings: { ...settings }, dropped: settings.dropHeight !== null, direction: 1, fastest: 0 });
-  showSettings();
-  showExport();
-  askSettings();
+  Object.assign(live, { number, fastest: 0 });
+  showRun();
 }
+
+// ---- prepared settings ----
 
 /** Starts the worker, which prepares the settings before anything is to be heard. */
 export function openWorker() {
   if (live.worker) return;
   live.worker = new Worker(engineUrl());
-  live.worker.onmessage = ({ data: message }) => {
-    setAsked(false);
-    if (message.failed) sayPlayed(`The engine cannot play these settings: ${message.failed}.`);
-    else if (message.number === live.number) deliver(message);
-    if (live.refused && !message.failed) sayPlayed("");
-    live.refused = Boolean(message.failed);
-    if (live.behind) askSettings();
-  };
-  live.worker.onerror = () => sayPlayed("The engine of the page does not start in this browser.");
   askSettings();
 }
 
-/** Asks for the present settings; while the worker prepares, only the last ones wait. */
+/** Prepares the present settings; while the worker prepares others, only the last ones wait. */
 export function askSettings() {
-  if (!live.worker) return;
-  live.behind = live.asked;
-  if (live.asked) return;
-  setAsked(true);
-  live.worker.postMessage({ number: live.number, run: liveOf(), settings: preparedSettings() });
+  live.behind = true;
+  if (live.worker) live.preparing ??= prepareSettings();
 }
 
-function setAsked(asked) {
-  live.asked = asked;
-  $(".stage").setAttribute("aria-busy", String(asked));
+async function prepareSettings() {
+  $(".stage").setAttribute("aria-busy", "true");
+  while (live.behind) {
+    live.behind = false;
+    const { number, failed, settings, prepared } = await answerTo({ number: live.number, run: liveOf(), settings: preparedSettings() });
+    if (failed) sayPlayed(`The engine cannot play these settings: ${failed}.`);
+    else if (live.refused) sayPlayed("");
+    live.refused = Boolean(failed);
+    if (failed || number !== live.number) continue;
+    live.latest = { number, settings, prepared };
+    showModes(prepared.kept);
+    soundOn();
+  }
+  live.preparing = null;
+  $(".stage").setAttribute("aria-busy", "false");
 }
+
+const answerTo = (question) => new Promise((answered) => {
+  live.worker.onmessage = ({ data: answer }) => answered(answer);
+  live.worker.onerror = () => answered({ failed: "it does not start in this browser" });
+  live.worker.postMessage(question);
+});
 
 /** Returns the settings with the speed of the hand, and a height only where the ball is dropped. */
-export function preparedSettings() {
+function preparedSettings() {
   const { settings, fastest, dropped } = live;
   const least = 0.01 * liveOf().limits.speed[1]; // for the choice of modes, which a ball at rest does not make
   return { ...settings, speed: Math.max(settings.speed, fastest, least), dropHeight: dropped ? settings.dropHeight : null };
 }
 
-/** Lets the time steps follow a hand that has become faster, or rests. */
-export function followHand(speed) {
-  const most = liveOf().limits.speed[1];
-  if (speed > 0 && speed <= Math.max(live.fastest, live.settings.speed)) return;
-  live.fastest = Math.min(2 * speed, most);
+/** Lets the time steps follow a hand that has become faster. */
+function followHand(speed) {
+  if (speed <= Math.max(live.fastest, live.settings.speed)) return;
+  live.fastest = Math.min(2 * speed, liveOf().limits.speed[1]);
   askSettings();
 }
 
-/** Lets prepared settings sound. */
-function deliver({ number, settings, prepared }) {
-  showModes(prepared.kept);
-  live.latest = { number, settings, prepared };
-  if (!live.bus) return;
-  soundOn();
-  sendVolume();
-}
+// ---- sound ----
 
 /** Fades into an instrument and a body of the latest settings, where the ball rolls on, or is lifted and falls. */
 export function soundOn(falls = false) {
-  const { body, node } = live;
-  openNode(falls);
-  live.body = throughBody(live.output, live.latest.prepared.responses, live.bus);
+  const { bus, latest, node, body } = live;
+  if (!bus || !latest) return;
+  live.body = throughBody(openNode(latest, falls), latest.prepared.responses, bus);
   if (body) leaveBody(body);
   setTimeout(() => node?.port.postMessage({ task: "end" }), 200); // it has faded by then
+  sendVolume();
 }
 
-function openNode(falls) {
-  const { latest: { number, settings, prepared }, report, heardAt } = live;
-  const { position, speed } = report?.state ?? { position: prepared.start, speed: 0 };
-  const from = { position: position + (speed * (performance.now() - heardAt)) / 1000, speed, hold: HOLD_S };
+/** Returns the position of the ball [m] now: the latest report is carried on by its speed. */
+export function heardPosition(unheard) {
+  if (!live.report) return unheard;
+  const { position, speed } = live.report.state;
+  return position + speed * Math.min((performance.now() - live.heardAt) / 1000, 0.1);
+}
+
+/** Makes the instrument of prepared settings, and returns its output. */
+function openNode({ number, settings, prepared }, falls) {
+  const from = { position: heardPosition(prepared.start), speed: live.report?.state.speed ?? 0, hold: HOLD_S };
   const begun = { ...settings, dropHeight: falls ? settings.dropHeight : null };
   const { node, output } = instrumentNode(state.context, { run: runs[number].live, settings: begun, prepared, from });
   node.port.onmessage = ({ data: report }) => {
@@ -113,16 +117,16 @@ function openNode(falls) {
     wakeStage();
   };
   node.onprocessorerror = () => sayPlayed("The engine stopped because of an error.");
-  Object.assign(live, { node, output });
+  live.node = node;
   if (live.held) tellInstrument({ task: "drag", position: view.goal });
   else rollOn();
+  return output;
 }
 
 /** Starts the sound by a gesture of the user, and silences all other sound of the page. */
 export async function startInstrument() {
   soundAlone(restBall);
-  const context = audioContext();
-  const started = context.resume();
+  const context = audioContext(), started = context.resume();
   openWorker();
   await (live.opening ??= openGraph(context));
   await started;
@@ -131,43 +135,42 @@ export async function startInstrument() {
 /** Connects the pressure [Pa] with meters, and by its volume and a limiter with the output. */
 async function openGraph(context) {
   if (!context.audioWorklet) {
-    return sayPlayed("This browser has no AudioWorklet here (it takes a file, https or localhost), so the ball cannot be played; the rest of the page works.");
+    return sayPlayed("This browser has no AudioWorklet here (it takes a file, https or localhost), so the ball cannot be played.");
   }
   await context.audioWorklet.addModule(engineUrl());
-  const bus = new GainNode(context);
-  live.volumeNode = new GainNode(context, { gain: 0 });
-  live.limiter = new DynamicsCompressorNode(context, { threshold: LIMIT_DB, knee: 0, ratio: 20, attack: 0, release: 0.25 });
+  const bus = new GainNode(context), volume = new GainNode(context, { gain: 0 });
+  const limiter = new DynamicsCompressorNode(context, { threshold: LIMIT_DB, knee: 0, ratio: 20, attack: 0, release: 0.25 });
   const clip = new WaveShaperNode(context, { curve: [-1, 0, 1] }); // of short peaks, which the limiter lets pass
-  bus.connect(live.volumeNode).connect(live.limiter).connect(new GainNode(context, { gain: UNDO_MAKEUP })).connect(clip).connect(state.master);
-  live.meters = [METER, SPECTRUM].map((fftSize) => new AnalyserNode(context, { fftSize, smoothingTimeConstant: 0, channelCount: 1, channelCountMode: "explicit", channelInterpretation: "discrete" }));
-  for (const meter of live.meters) bus.connect(meter);
-  live.bus = bus;
-  if (live.latest) deliver(live.latest);
+  bus.connect(volume).connect(limiter).connect(new GainNode(context, { gain: UNDO_MAKEUP })).connect(clip).connect(state.master);
+  const first = { smoothingTimeConstant: 0, channelCount: 1, channelCountMode: "explicit", channelInterpretation: "discrete" }; // channel
+  const meters = [METER, SPECTRUM].map((fftSize) => new AnalyserNode(context, { fftSize, ...first }));
+  for (const meter of meters) bus.connect(meter);
+  Object.assign(live, { bus, volume, limiter, meters });
+  soundOn();
 }
 
 /** Sends a message to the processor; it is lost before the sound has started. */
 export const tellInstrument = (message) => live.node?.port.postMessage(message);
 
+/** Lets the volume glide to that of its slider, and to the scale of the run that is played. */
 export function sendVolume() {
   const scale = runs[live.number].playback.calibrated_pa ?? liveOf().fullScale;
-  live.volumeNode?.gain.setTargetAtTime(10 ** (live.volume / 20) / scale, state.context.currentTime, FADE_S);
+  live.volume?.gain.setTargetAtTime(10 ** ($("#play-volume").value / 20) / scale, state.context.currentTime, FADE_S);
 }
 
-/** Lets the ball roll at the speed of the settings, in the direction of a held key, or rest. */
-export function rollOn() {
-  const { rolling, push, direction, settings } = live;
-  tellInstrument({ task: "roll", speed: (push || (rolling ? direction : 0)) * settings.speed });
-}
+/** Lets the ball roll at the speed of the settings, or rest. */
+export const rollOn = () => tellInstrument({ task: "roll", speed: live.rolling * live.settings.speed });
 
-/** Rolls or stops; a ball that rests at speed 0 takes that of its scene. */
-export async function rollBall(rolling) {
-  live.rolling = rolling;
-  showRolling();
-  if (rolling) await startInstrument();
+/** Rolls to one side (1, -1) or stops (0). */
+export async function rollBall(direction) {
+  live.rolling = direction;
+  $("#play-roll span").textContent = direction ? "Stop" : "Roll";
+  $("#play-roll").toggleAttribute("data-playing", direction !== 0);
+  if (direction) await startInstrument();
   rollOn();
 }
 
 /** Lets the ball come to rest because another sound of the page starts. */
 export function restBall() {
-  if (isPlayed()) rollBall(false);
+  if (live.rolling || live.held) rollBall(0);
 }
