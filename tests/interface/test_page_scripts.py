@@ -19,7 +19,7 @@ DECLARED = re.compile(
     r"^(?:async )?(?:const|let|var|function\*?|class) (\w+|[{\[][^=]*[}\]])", re.M
 )
 MOST_LINES = 2500
-LENGTHS = range(25, 251)
+LENGTHS = range(20, 251)
 
 
 def names_of(script: str) -> list[str]:
@@ -38,8 +38,14 @@ def test_joined_scripts_are_javascript_without_doubled_names(entry: str) -> None
     assert checked.returncode == 0, checked.stderr
 
 
+def code_lines(path: Path) -> int:
+    """Count the lines of a script that are neither blank nor a comment."""
+    lines = map(str.strip, path.read_text().splitlines())
+    return sum(bool(line) and not line.startswith(("//", "/*", "*")) for line in lines)
+
+
 def test_scripts_are_small() -> None:
-    lines = {m.name: sum(map(bool, map(str.strip, m.read_text().splitlines()))) for m in MODULES}
+    lines = {module.name: code_lines(module) for module in MODULES}
     assert sum(lines.values()) <= MOST_LINES
     modules = {name: count for name, count in lines.items() if not name.startswith("begin")}
     assert {name: count for name, count in modules.items() if count not in LENGTHS} == {}

@@ -103,6 +103,7 @@ def vibration_data(scene: Scene, law: ForceLaw, vibrating: Vibration) -> dict[st
         duration=scene.duration,
         channels=vibrating.pressures.T,
         has_seam=False,
+        levels=SimpleNamespace(laeq_db=None),
     )
     result = SimpleNamespace(solved_steps=len(law.position_m))
     parts = {"scene": scene, "sound": sound, "result": result, "label": "live"}

@@ -43,20 +43,25 @@ export class EdgedPlate {
 
   /**
    * Return frequencies [rad/s], damping ratios and reach [m/J^0.5] at a point [m] of the lowest modes,
-   * and of a tail of bands with the static compliance of all others.
+   * of bands with the static compliance of those that are not kept, and of a tail with that of all others.
    */
   moving(point, most = Infinity) {
     const reachOf = (mode) => this.shape(mode, point) / (mode.w * Math.sqrt(this.modalMass));
     const [kept, rest] = [this.modes.slice(0, most), this.modes.slice(most)];
     const moving = { frequency: kept.map(({ w }) => w), damping: kept.map(({ loss }) => loss / 2), reach: kept.map(reachOf) };
-    let compliance = this.mobility / (Math.PI ** 2 * BEYOND * MODES_HZ);
-    for (const mode of [...rest, ...this.between(MODES_HZ, BEYOND * MODES_HZ)]) compliance += reachOf(mode) ** 2;
-    const edge = rest[0]?.w ?? 2 * Math.PI * MODES_HZ;
+    const addBand = (w, compliance) => {
+      moving.frequency.push(w * TAIL_RATIO ** 0.5);
+      moving.damping.push(TAIL_DAMPING);
+      moving.reach.push(Math.sqrt(compliance));
+    };
+    const edge = 2 * Math.PI * MODES_HZ, complianceOf = (modes) => modes.reduce((sum, mode) => sum + reachOf(mode) ** 2, 0);
+    for (let low = rest[0]?.w; low < edge; low *= TAIL_RATIO) {
+      addBand(low, complianceOf(rest.filter(({ w }) => w >= low && w < low * TAIL_RATIO)));
+    }
+    const beyond = this.mobility / (Math.PI ** 2 * BEYOND * MODES_HZ) + complianceOf(this.between(MODES_HZ, BEYOND * MODES_HZ));
     for (let band = 0; band < TAIL_BANDS; band++) {
       const share = TAIL_RATIO ** -band - (band < TAIL_BANDS - 1 ? TAIL_RATIO ** -(band + 1) : 0);
-      moving.frequency.push(edge * TAIL_RATIO ** (band + 0.5));
-      moving.damping.push(TAIL_DAMPING);
-      moving.reach.push(Math.sqrt(compliance * share));
+      addBand(edge * TAIL_RATIO ** band, beyond * share);
     }
     return moving;
   }
