@@ -9,8 +9,8 @@ import { over, plus, times } from "./poles.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, SOUND } from "./radiation.js";
 
-const TAPER = 1500; // [Hz] beyond hearing in which the band ends
-const LEAD = 96; // samples in which the band limit fades in and out: -80 dB
+const TAPER = 500; // [Hz] beyond hearing in which the band ends
+const LEAD = 192; // samples in which the band limit fades in and out: -80 dB
 const [LEAST, PLAIN] = [256, 1024]; // samples of a filter at least, with a plate that has edges and without
 const RUNG = 1e-5; // of a mode at which its ringing ends
 const LEFT = 1e-6; // energy that is cut at the end
