@@ -2,7 +2,7 @@
 
 With --check, only name the stale ones.
 
-Generated are the reference of scene files with their JSON Schema (from the models), the table of
+Generated are the reference of scene files with their JSON Schema (from the models), the list of
 laws (from the tests), the tables of materials and finishes (from their data), and the table of
 rooms (from the imports).
 """
@@ -55,7 +55,7 @@ def generated() -> dict[Path, str]:
             for page, text in scene_reference(schema).items()
         },
         docs / "materials.md": _between(docs / "materials.md", "names", name_tables()),
-        docs / "verification.md": _between(docs / "verification.md", "laws", law_table()),
+        docs / "verification.md": _between(docs / "verification.md", "laws", law_list()),
         docs / "architecture.md": _between(docs / "architecture.md", "rooms", room_table()),
     }
 
@@ -198,6 +198,9 @@ def _values(field: Json) -> str:
 # ---- materials and finishes
 
 
+QUOTED = "; as usually quoted"
+
+
 def name_tables() -> str:
     """Return the tables of materials and finishes, each value with the number of its source."""
     from rolling.scene import library
@@ -214,11 +217,13 @@ def name_tables() -> str:
         rows = []
         for name, entry in entries.items():
             pairs = [entry.get(key) for key in keys]
-            cells = [f"{pair[0]:g} ({numbers[pair[1]]})" if pair else "-" for pair in pairs]
+            cells = [f"{pair[0]:g}<sup>{numbers[pair[1]]}</sup>" if pair else "-" for pair in pairs]
             reason = entry.get("sound_only")
             words = entry["words"] + (f"; **sound only**: {reason}" if reason else "")
             rows.append([f"`{name}`", *cells, words])
-        listed = [f"{n}. {text}" for n, text in enumerate(sources.values(), 1)]
+        listed = [
+            f"{n}. {text.replace(QUOTED, ' *')}" for n, text in enumerate(sources.values(), 1)
+        ]
         heads = ["name", *(f"`{key}`" for key in keys), ""]
         parts += [f"## {table.capitalize()}", "", _table(heads, rows), "", *listed, ""]
     return "\n".join(parts).rstrip()
@@ -227,20 +232,21 @@ def name_tables() -> str:
 # ---- laws
 
 
-def law_table() -> str:
-    """Return the table of laws by subject, with their number and the files of their tests.
+def law_list() -> str:
+    """Return the list of subjects with the number of their laws, by the folder of their tests.
 
     The markers `@pytest.mark.law("subject: sentence")` are read from the source, without running a
     test.
     """
-    laws, files = defaultdict(set), defaultdict(set)
+    laws = defaultdict(lambda: defaultdict(set))
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
         for law in _laws(ast.parse(path.read_text(encoding="utf-8"))):
-            subject = law.partition(":")[0]
-            laws[subject].add(law)
-            files[subject].add(f"`{path.relative_to(ROOT / 'tests').as_posix()}`")
-    rows = [[name, str(len(laws[name])), ", ".join(sorted(files[name]))] for name in sorted(laws)]
-    return _table(["subject", "laws", "tests"], rows)
+            laws[path.parent.name][law.partition(":")[0]].add(law)
+    lines = []
+    for folder, subjects in sorted(laws.items()):
+        counts = ", ".join(f"{name} ({len(subjects[name])})" for name in sorted(subjects))
+        lines.append(f"- `tests/{folder}`: {counts}.")
+    return "\n".join(lines)
 
 
 def _laws(module: ast.Module) -> Iterator[str]:
@@ -254,7 +260,7 @@ def _laws(module: ast.Module) -> Iterator[str]:
 
 
 def room_table() -> str:
-    """Return the table of rooms with purpose and imports, lowest floor first.
+    """Return the table of rooms with purpose, lowest floor first.
 
     A room is a folder or file at the top of `rolling`; the package `acoustics` is one room.
     """
@@ -271,11 +277,10 @@ def room_table() -> str:
             str(floors[room]),
             f"`{room}`",
             _purpose(modules[room]),
-            ", ".join(f"`{other}`" for other in sorted(imports[room])),
         ]
         for room in sorted(modules, key=lambda room: (floors[room], room))
     ]
-    return _table(["floor", "room", "purpose", "imports"], rows)
+    return _table(["floor", "room", "purpose"], rows)
 
 
 def _imports(paths: list[Path], rooms: dict[str, list[Path]]) -> set[str]:
