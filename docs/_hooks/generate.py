@@ -221,9 +221,8 @@ def name_tables() -> str:
             reason = entry.get("sound_only")
             words = entry["words"] + (f"; **sound only**: {reason}" if reason else "")
             rows.append([f"`{name}`", *cells, words])
-        listed = [
-            f"{n}. {text.replace(QUOTED, ' *')}" for n, text in enumerate(sources.values(), 1)
-        ]
+        shown = (text.partition(":")[0] + " *" * (QUOTED in text) for text in sources.values())
+        listed = [f"{n}. {text}" for n, text in enumerate(shown, 1)]
         heads = ["name", *(f"`{key}`" for key in keys), ""]
         parts += [f"## {table.capitalize()}", "", _table(heads, rows), "", *listed, ""]
     return "\n".join(parts).rstrip()
