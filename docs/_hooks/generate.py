@@ -117,7 +117,7 @@ def _reference(sections: dict[str, Json], schema: Json) -> str:
         if shared:
             parts += [f"It also has {_shared(shared)}.", ""]
         new = [row for text, row in rows.items() if text not in earlier]
-        parts += [_table(["key", "values", "meaning"], new), ""] if new else []
+        parts += [*(f"- {key} ({values}): {text}" for key, values, text in new), ""] if new else []
         earlier |= {text: title for text in rows if text not in earlier}
     return "\n".join(parts).rstrip()
 
