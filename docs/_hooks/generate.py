@@ -3,7 +3,7 @@
 With --check, only name the stale ones.
 
 Generated are the reference of scene files with their JSON Schema (from the models), the list of
-laws (from the tests), the tables of materials and finishes (from their data), and the table of
+laws (from the tests), the tables of materials and finishes (from their data), and the list of
 rooms (from the imports).
 """
 
@@ -56,7 +56,7 @@ def generated() -> dict[Path, str]:
         },
         docs / "materials.md": _between(docs / "materials.md", "names", name_tables()),
         docs / "verification.md": _between(docs / "verification.md", "laws", law_list()),
-        docs / "architecture.md": _between(docs / "architecture.md", "rooms", room_table()),
+        docs / "architecture.md": _between(docs / "architecture.md", "rooms", room_list()),
     }
 
 
@@ -258,8 +258,8 @@ def _laws(module: ast.Module) -> Iterator[str]:
 # ---- rooms
 
 
-def room_table() -> str:
-    """Return the table of rooms with purpose, lowest floor first.
+def room_list() -> str:
+    """Return the list of rooms with floor and purpose, lowest floor first.
 
     A room is a folder or file at the top of `rolling`; the package `acoustics` is one room.
     """
@@ -271,15 +271,8 @@ def room_table() -> str:
             modules[f"rolling.{path.stem}"] = [path]
     imports = {room: _imports(paths, modules) - {room} for room, paths in modules.items()}
     floors = _floors(imports)
-    rows = [
-        [
-            str(floors[room]),
-            f"`{room}`",
-            _purpose(modules[room]),
-        ]
-        for room in sorted(modules, key=lambda room: (floors[room], room))
-    ]
-    return _table(["floor", "room", "purpose"], rows)
+    rows = sorted(modules, key=lambda room: (floors[room], room))
+    return "\n".join(f"- `{room}` ({floors[room]}): {_purpose(modules[room])}" for room in rows)
 
 
 def _imports(paths: list[Path], rooms: dict[str, list[Path]]) -> set[str]:
