@@ -123,13 +123,13 @@ class Plate(Section):
     width_mm : float, optional
         Width [mm] along y of a rectangular plate
     contact_mm : pair of float, optional
-        Contact point [x, y] [mm] from a corner of a rectangular plate; absent: 0.43 of the length,
+        Contact point (x, y) [mm] from a corner of a rectangular plate; absent: 0.43 of the length,
         0.37 of the width
     contact_path : str, optional
         Path of the contact on a rectangular plate: fixed (default) at contact_mm, or to-and-fro
         between contact_mm and contact_end_mm
     contact_end_mm : pair of float, optional
-        Other end [x, y] [mm] of a path to-and-fro
+        Other end (x, y) [mm] of a path to-and-fro
     contact_loss_factor : float, optional
         Loss factor of the contact stiffness [-] at the contact resonance; absent: 0
     """

@@ -274,7 +274,7 @@ class SurfaceFault(Section):
         pit: a paraboloid; dent: a hole whose raised rim holds its volume; bump: a rounded hill;
         scratch: a line; groove: a line across the whole surface; step: a rise over size_um
     at_mm : list of float, optional
-        Place [x, y] [mm]: x along the surface from its start, y from the line of the sphere
+        Place (x, y) [mm]: x along the surface from its start, y from the line of the sphere
     count : int, optional
         Number of faults at random places, in place of at_mm
     seed : int, optional

@@ -378,7 +378,7 @@ class Sound(Section):
         Distance of the listener [m], more than the radius of the sphere; beside listener_mm it is
         the radius of the half sphere of the mean level
     listener_mm : three floats, or a list of them, optional
-        Listeners [x, y, z] [mm] of a plate with edges, from the corner of contact_mm, z above the
+        Listeners (x, y, z) [mm] of a plate with edges, from the corner of contact_mm, z above the
         plate on the ball's side; the first has the main levels, two make the WAVs stereo; absent:
         above the contact, or the middle of its path, at distance_m
     q : float
