@@ -217,7 +217,9 @@ def name_tables() -> str:
         rows = []
         for name, entry in entries.items():
             pairs = [entry.get(key) for key in keys]
-            cells = [f"{pair[0]:g}<sup>{numbers[pair[1]]}</sup>" if pair else "-" for pair in pairs]
+            cells = [
+                f"{pair[0]:g}<sup>({numbers[pair[1]]})</sup>" if pair else "-" for pair in pairs
+            ]
             reason = entry.get("sound_only")
             words = entry["words"] + (f"; **sound only**: {reason}" if reason else "")
             rows.append([f"`{name}`", *cells, words])
