@@ -2,8 +2,8 @@
 
 With --check, only name the stale ones.
 
-Generated are the reference of scene files with their JSON Schema (from the models), the table of
-laws (from the tests), the tables of materials and finishes (from their data), and the table of
+Generated are the reference of scene files with their JSON Schema (from the models), the list of
+laws (from the tests), the tables of materials and finishes (from their data), and the list of
 rooms (from the imports).
 """
 
@@ -22,6 +22,11 @@ ROOT = Path(__file__).parents[2]
 COMMAND = "python docs/_hooks/generate.py"
 
 Json = dict[str, Any]
+PLACES = {  # of the values of a key
+    "material": "[name](materials.md#materials)",
+    "finish": "[name](materials.md#finishes)",
+    "grade": "name",
+}
 
 
 def main(arguments: list[str]) -> int:
@@ -45,10 +50,13 @@ def generated() -> dict[Path, str]:
     return {
         ROOT / "scenarios" / "scene.schema.json": json.dumps(schema, indent=1, ensure_ascii=False)
         + "\n",
-        docs / "scene-file.md": _between(docs / "scene-file.md", "keys", scene_reference(schema)),
+        **{
+            docs / page: _between(docs / page, "keys", text)
+            for page, text in scene_reference(schema).items()
+        },
         docs / "materials.md": _between(docs / "materials.md", "names", name_tables()),
-        docs / "verification.md": _between(docs / "verification.md", "laws", law_table()),
-        docs / "architecture.md": _between(docs / "architecture.md", "rooms", room_table()),
+        docs / "verification.md": _between(docs / "verification.md", "laws", law_list()),
+        docs / "architecture.md": _between(docs / "architecture.md", "rooms", room_list()),
     }
 
 
@@ -79,12 +87,45 @@ def _schema() -> Json:
     return schema()
 
 
-def scene_reference(schema: Json) -> str:
-    """Return the reference of scene files: one table for each section of the schema."""
-    parts = ["## Top level", "", _keys(schema, schema)]
-    for title, model in _sections("", schema, schema).items():
-        parts += ["", f"## {title}", "", model.get("description", ""), "", _keys(model, schema)]
-    return "\n".join(parts)
+def scene_reference(schema: Json) -> dict[str, str]:
+    """Return the reference of scene files by page: a table for each section of the schema.
+
+    A key that an earlier section of the page has with the same text is only named.
+    """
+    sections = _sections("", schema, schema)
+    bodies = {title: sections[title] for title in sections if ":" not in title}
+    faults = {"faults": bodies.pop("faults")}
+    kinds = {title: sections[title] for title in sections if ":" in title}
+    kinds = dict(sorted(kinds.items(), key=lambda kind: kind[0].startswith("sphere"))) | faults
+    return {
+        "scene-file.md": _reference({"Keys": schema} | bodies, schema),
+        "surface-keys.md": _reference(kinds, schema),
+    }
+
+
+def _reference(sections: dict[str, Json], schema: Json) -> str:
+    """Return the headings and tables of sections."""
+    parts, earlier = [], dict[str, str]()
+    for title, model in sections.items():
+        rows = {"|".join(row): row for row in _rows(model, schema)}
+        shared = defaultdict(list)
+        for text in rows.keys() & earlier.keys():
+            shared[earlier[text]].append(rows[text][0])
+        parts += [f"## {title}", ""]
+        if model is not schema:
+            parts += [model["description"], ""]
+        if shared:
+            parts += [f"It also has {_shared(shared)}.", ""]
+        new = [row for text, row in rows.items() if text not in earlier]
+        parts += [*(f"- {key} ({values}): {text}" for key, values, text in new), ""] if new else []
+        earlier |= {text: title for text in rows if text not in earlier}
+    return "\n".join(parts).rstrip()
+
+
+def _shared(keys: dict[str, list[str]]) -> str:
+    """Return the keys that a section shares with others, in words."""
+    parts = (f"{', '.join(sorted(names))} of *{title}*" for title, names in sorted(keys.items()))
+    return ", and ".join(parts)
 
 
 def _sections(prefix: str, outer: Json, schema: Json) -> dict[str, Json]:
@@ -113,50 +154,51 @@ def _models(field: Json, schema: Json) -> Iterator[Json]:
             yield from _models(part, schema)
 
 
-def _keys(model: Json, schema: Json) -> str:
-    required = model.get("required", ())
-    rows = []
+def _rows(model: Json, schema: Json) -> Iterator[list[str]]:
+    """Yield the row of each key that no heading has: name, values, meaning."""
     for name, field in model["properties"].items():
-        sections = list(_models(field, schema))
-        text = field.get("description", "") or (
-            sections[0].get("description", "") if len(sections) == 1 else ""
-        )
-        rows.append([f"`{name}`", _values(field, sections), _default(name, field, required), text])
-    return _table(["key", "values", "default", "meaning"], rows)
+        text = field.get("description")
+        if not text or (name == "kind" and "const" in field):
+            continue
+        key = f"**`{name}`**" if name in model.get("required", ()) else f"`{name}`"
+        values = "section" if [*_models(field, schema)] else PLACES.get(name) or _values(field)
+        default = field.get("default")
+        if default is not None and not isinstance(default, dict):
+            word = f"`{default}`" if isinstance(default, str) else f"`{json.dumps(default)}`"
+            bold = f"**{word}**"
+            values = values.replace(word, bold) if word in values else f"{values}, {bold}"
+        yield [key, values, text]
 
 
-def _default(name: str, field: Json, required: Any) -> str:
-    if name in required:
-        return "required"
-    default = field.get("default")
-    return "-" if default is None or isinstance(default, dict) else f"`{json.dumps(default)}`"
+WORDS = {"object": "lists by dotted key", "array": "list of pairs", "boolean": "`true`, `false`"}
 
 
-def _values(field: Json, sections: list[Json]) -> str:
+def _values(field: Json) -> str:
     """Return the allowed values of a field in words."""
-    if sections:
-        return "section"
     if "const" in field:
         return f"`{field['const']}`"
     if "enum" in field:
         return ", ".join(f"`{value}`" for value in field["enum"])
     if "anyOf" in field:
-        return " or ".join(
-            _values(part, []) for part in field["anyOf"] if part.get("type") != "null"
-        )
-    words = {"object": "lists by dotted key", "array": "list of pairs"}
+        return " or ".join(_values(part) for part in field["anyOf"] if part.get("type") != "null")
     if "patternProperties" in field:
         return "amplitude by order"
     if "items" in field:
-        item = field["items"]
-        inner = "sections" if "$ref" in item else f"{item.get('type')}s"
-        return f"list of {inner}" if "prefixItems" not in item else "list of pairs"
-    limits = {"exclusiveMinimum": "> {:g}", "minimum": ">= {:g}", "maximum": "<= {:g}"}
-    bounds = " and ".join(sign.format(field[key]) for key, sign in limits.items() if key in field)
-    return f"{words.get(field.get('type', ''), field.get('type', ''))} {bounds}".strip()
+        kind = field["items"].get("type", "section")
+        return "list of pairs" if "prefixItems" in field["items"] else f"list of {kind}s"
+    least, above, most = (field.get(key) for key in ("minimum", "exclusiveMinimum", "maximum"))
+    kind = WORDS.get(field.get("type", ""), field.get("type", ""))
+    if above is not None:
+        return f"> {above:g}" + (f", <= {most:g}" if most is not None else "")
+    if least is None:
+        return kind
+    return f"{least:g} to {most:g}" if most is not None else f"{kind} >= {least:g}"
 
 
 # ---- materials and finishes
+
+
+QUOTED = "; as usually quoted"
 
 
 def name_tables() -> str:
@@ -175,11 +217,14 @@ def name_tables() -> str:
         rows = []
         for name, entry in entries.items():
             pairs = [entry.get(key) for key in keys]
-            cells = [f"{pair[0]:g} ({numbers[pair[1]]})" if pair else "-" for pair in pairs]
+            cells = [
+                f"{pair[0]:g}<sup>({numbers[pair[1]]})</sup>" if pair else "-" for pair in pairs
+            ]
             reason = entry.get("sound_only")
             words = entry["words"] + (f"; **sound only**: {reason}" if reason else "")
             rows.append([f"`{name}`", *cells, words])
-        listed = [f"{n}. {text}" for n, text in enumerate(sources.values(), 1)]
+        shown = (text.partition(":")[0] + " *" * (QUOTED in text) for text in sources.values())
+        listed = [f"{n}. {text}" for n, text in enumerate(shown, 1)]
         heads = ["name", *(f"`{key}`" for key in keys), ""]
         parts += [f"## {table.capitalize()}", "", _table(heads, rows), "", *listed, ""]
     return "\n".join(parts).rstrip()
@@ -188,20 +233,21 @@ def name_tables() -> str:
 # ---- laws
 
 
-def law_table() -> str:
-    """Return the table of laws by subject, with their number and the files of their tests.
+def law_list() -> str:
+    """Return the number of laws and of their subjects by the folder of their tests.
 
     The markers `@pytest.mark.law("subject: sentence")` are read from the source, without running a
     test.
     """
-    laws, files = defaultdict(set), defaultdict(set)
+    laws = defaultdict(lambda: defaultdict(set))
     for path in sorted((ROOT / "tests").rglob("test_*.py")):
         for law in _laws(ast.parse(path.read_text(encoding="utf-8"))):
-            subject = law.partition(":")[0]
-            laws[subject].add(law)
-            files[subject].add(f"`{path.relative_to(ROOT / 'tests').as_posix()}`")
-    rows = [[name, str(len(laws[name])), ", ".join(sorted(files[name]))] for name in sorted(laws)]
-    return _table(["subject", "laws", "tests"], rows)
+            laws[path.parent.name][law.partition(":")[0]].add(law)
+    lines = [
+        f"- `tests/{folder}`: {sum(map(len, subjects.values()))} laws of {len(subjects)} subjects"
+        for folder, subjects in sorted(laws.items())
+    ]
+    return "\n".join(lines)
 
 
 def _laws(module: ast.Module) -> Iterator[str]:
@@ -214,8 +260,8 @@ def _laws(module: ast.Module) -> Iterator[str]:
 # ---- rooms
 
 
-def room_table() -> str:
-    """Return the table of rooms with purpose and imports, lowest floor first.
+def room_list() -> str:
+    """Return the list of rooms with floor and purpose, lowest floor first.
 
     A room is a folder or file at the top of `rolling`; the package `acoustics` is one room.
     """
@@ -227,16 +273,8 @@ def room_table() -> str:
             modules[f"rolling.{path.stem}"] = [path]
     imports = {room: _imports(paths, modules) - {room} for room, paths in modules.items()}
     floors = _floors(imports)
-    rows = [
-        [
-            str(floors[room]),
-            f"`{room}`",
-            _purpose(modules[room]),
-            ", ".join(f"`{other}`" for other in sorted(imports[room])),
-        ]
-        for room in sorted(modules, key=lambda room: (floors[room], room))
-    ]
-    return _table(["floor", "room", "purpose", "imports"], rows)
+    rows = sorted(modules, key=lambda room: (floors[room], room))
+    return "\n".join(f"- `{room}` ({floors[room]}): {_purpose(modules[room])}" for room in rows)
 
 
 def _imports(paths: list[Path], rooms: dict[str, list[Path]]) -> set[str]:

@@ -46,17 +46,15 @@ class Sphere(Section):
     radius_mm : float
         Radius [mm]
     material : str, optional
-        Name of a material, which gives Young's modulus, Poisson's ratio and density; values beside
-        it win
+        Material, which gives Young's modulus, Poisson's ratio and density; values beside it win
     density_kg_m3 : float, optional
-        Density [kg/m3], for the mass; dynamics needs it. Absent: the check of the contact
-        resonance takes 7850, as if steel
+        Density [kg/m3]; dynamics needs it, and checks without it take 7850
     youngs_modulus_gpa : float, optional
         Young's modulus [GPa]; absent: a rigid sphere
     poissons_ratio : float, optional
         Poisson's ratio [-]; absent: a rigid sphere
     surface : section, optional
-        Surface of the sphere, wrapped around its circumference; absent: perfectly smooth
+        Surface of the sphere, wrapped around its circumference; absent: smooth
     """
 
     NAMED: ClassVar[str] = "sphere"
@@ -98,40 +96,40 @@ class Plate(Section):
     Attributes
     ----------
     material : str, optional
-        Name of a material, which gives modulus, Poisson's ratio, hardness, density and, with a
-        thickness, loss factor; values beside it win
+        Material, which gives modulus, Poisson's ratio, hardness, density and, with a thickness,
+        loss factor; values beside it win
     youngs_modulus_gpa : float
         Young's modulus [GPa]
     poissons_ratio : float
         Poisson's ratio [-]
     hardness_gpa : float or "none", optional
         Hardness [GPa], the maximum pressure that the plate bears, below a fifth of its modulus;
-        none, or absent without a material: purely elastic
+        none or absent: purely elastic
     yield_strength_gpa : float, optional
-        Yield strength [GPa] in place of the hardness, which is three times as much
+        Yield strength [GPa], a third of the hardness, in place of it
     plasticity : str, optional
-        Memory of yielding: memoryless solves every position on the virgin surface, permanent
-        leaves the plastic overlap in it and needs a hardness; absent: memoryless
+        Memory of yielding: memoryless (default) meets the virgin surface everywhere, permanent
+        leaves the plastic overlap in it and needs a hardness
     density_kg_m3 : float, optional
         Density [kg/m3]; dynamics needs it
     thickness_mm : float, optional
-        Thickness [mm] of an infinite plate that bends, for dynamics; absent: a half-space
+        Thickness [mm] of a plate that bends, for dynamics; absent: a half-space
     loss_factor : float, optional
-        Loss factor of bending waves [-], for the sound power above coincidence; absent: no sound
-        power there; a plate with edges needs it
+        Loss factor of bending waves [-], for the sound power above coincidence; a plate with edges
+        needs it
     length_mm : float, optional
         Length [mm] along x of a rectangular plate, simply supported at its edges; absent: an
         infinite plate
     width_mm : float, optional
         Width [mm] along y of a rectangular plate
     contact_mm : pair of float, optional
-        Contact point [x, y] [mm] from a corner of a rectangular plate; absent: 0.43 of the length,
+        Contact point (x, y) [mm] from a corner of a rectangular plate; absent: 0.43 of the length,
         0.37 of the width
     contact_path : str, optional
-        Path of the contact on a rectangular plate: fixed at contact_mm, or to-and-fro between
-        contact_mm and contact_end_mm at the speed of the sphere; absent: fixed
+        Path of the contact on a rectangular plate: fixed (default) at contact_mm, or to-and-fro
+        between contact_mm and contact_end_mm
     contact_end_mm : pair of float, optional
-        Other end [x, y] [mm] of a path to-and-fro
+        Other end (x, y) [mm] of a path to-and-fro
     contact_loss_factor : float, optional
         Loss factor of the contact stiffness [-] at the contact resonance; absent: 0
     """

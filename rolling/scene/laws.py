@@ -30,8 +30,7 @@ class Distribution(Section):
     skewness : float, optional
         Skewness of the heights, negative for a plateau with valleys; absent: 0
     kurtosis : float, optional
-        Kurtosis of the heights, more than the square of the skewness plus 1; absent: 3, that of
-        Gaussian heights
+        Kurtosis of the heights, above the square of the skewness plus 1; absent: 3
     seed : int
         Seed of the random heights
     """
@@ -81,17 +80,17 @@ class Roughness(Distribution):
     Attributes
     ----------
     autocorrelation : str
-        Law in the distance r and the correlation length L: gaussian exp(-(r/L)^2), gaussian_10pct
-        exp(-2.3 (r/L)^2), exponential exp(-r/L), exponential_10pct exp(-2.3 r/L)
+        Law in the distance r and the correlation length L: exp(-(r/L)^2) or exp(-r/L); with _10pct
+        2.3 times the exponent
     roughness_ra_um : float
         Arithmetic mean roughness Ra [um]
     correlation_length_um : float
-        Correlation length [um], along the track
+        Correlation length [um] along the track
     correlation_length_across_um : float, optional
-        Correlation length across the track [um]; absent: the same as along
+        Correlation length [um] across the track; absent: as along
     lay_deg : float, optional
-        Angle [degrees] from the track, towards positive y, by which both correlation lengths are
-        turned; absent: 0
+        Angle [degrees] from the track, towards positive y, that turns both correlation lengths;
+        absent: 0
     """
 
     autocorrelation: Autocorrelation = "gaussian"
@@ -177,11 +176,11 @@ class SelfAffineLaw(Distribution):
     Attributes
     ----------
     hurst : float
-        Hurst exponent H, from 0 to 1
+        Hurst exponent H [-]
     rolloff_um : float
-        Wavelength of the roll-off, 2 pi/q_r [um], from shortest_um to width_um
+        Wavelength of the roll-off [um], from shortest_um to width_um
     shortest_um : float
-        Shortest wavelength, 2 pi/q_s [um], at least four spacings
+        Shortest wavelength [um], at least four spacings
     roughness_ra_um : float, optional
         Arithmetic mean roughness Ra [um]; exactly one of roughness_ra_um, rq_um and rdq is given
     rq_um : float, optional
@@ -272,24 +271,22 @@ class SurfaceFault(Section):
     Attributes
     ----------
     kind : str
-        pit: a paraboloid hole; dent: a hole whose raised rim holds the displaced volume; bump: a
-        rounded hill; scratch: a line; groove: a line across the whole surface; step: a rise over
-        size_um that falls back evenly over the rest of the surface
+        pit: a paraboloid; dent: a hole whose raised rim holds its volume; bump: a rounded hill;
+        scratch: a line; groove: a line across the whole surface; step: a rise over size_um
     at_mm : list of float, optional
-        Place [x, y] [mm]: x along the surface from its start, y from the line of the sphere;
-        absent: random places
+        Place (x, y) [mm]: x along the surface from its start, y from the line of the sphere
     count : int, optional
         Number of faults at random places, in place of at_mm
     seed : int, optional
         Seed of the random places
     size_um : float
-        Diameter, or width of a scratch, of a groove or of the flank of a step [um]
+        Diameter, or width of a scratch, groove or flank of a step [um]
     depth_um : float
         Depth, or height of a bump or step [um]
     length_um : float, optional
         Length of a scratch [um]
     angle_deg : float, optional
-        Angle of a scratch to the track [degrees]; absent: 90, across it
+        Angle of a scratch to the track [degrees]; absent: 90
     """
 
     SECTION: ClassVar[str] = "faults"

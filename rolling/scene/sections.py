@@ -203,27 +203,26 @@ class Rolling(Section):
     Attributes
     ----------
     load_n : float or "weight"
-        Normal load [N], constant; weight or absent: the weight of the sphere, which needs
-        sphere.density_kg_m3
+        Normal load [N]; weight: that of the sphere, which needs sphere.density_kg_m3
     speed_m_s : float or pairs of float
-        Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0, linear between
-        them, constant after the last
+        Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0, linear between them,
+        constant after the last
     resistance : float, optional
-        Coefficient of rolling resistance c [-] of a free solid sphere, which starts at the speed
-        and rolls out by 5/7 c load/mass; absent: the speed is kept
+        Coefficient of rolling resistance c [-] of a free solid sphere, which slows down by 5/7 c
+        load/mass; absent: the speed is kept
     drop_mm : float, optional
-        Height [mm] above the surface from which the sphere is let go at the start, while it moves
-        at the speed; needs dynamics and the sound of the vibration; absent: it rolls from the start
+        Height [mm] above the surface from which the sphere falls at the start; needs dynamics and
+        the sound of the vibration
     duration_s : float, optional
-        Time rolled [s]; absent with distance_mm, with resistance: until the sphere rests, and with
-        a height file: once round the file
+        Time rolled [s]; absent with distance_mm, with resistance (until the sphere rests) and with
+        a height file (once round it)
     distance_mm : float, optional
         Distance rolled [mm] instead of a duration, so that every speed meets the same surface
     start_um : float
         Start position along the track [um]
     passes : int, optional
-        Passes over the whole track [-], each on the surface that the pass before left; the record
-        is the last; more than 1 needs plate.plasticity: permanent; absent: 1
+        Passes [-] over the whole track, each on the surface that the pass before left; the record
+        is the last; more than 1 needs plate.plasticity: permanent
     """
 
     load_n: Load = WEIGHT
@@ -272,22 +271,21 @@ class Numerics(Section):
     Attributes
     ----------
     step_nodes : float
-        Step in nodes [-]: a whole number from 1 to 64, or one over a whole number down to 1/16
+        Step in nodes [-]: 1 to 64, or one over a whole number down to 1/16
     tolerance : float or "auto"
         Maximum violation of the contact conditions over the maximum deflection [-]; auto takes
-        1e-4, and less on a surface that is smooth for the deflection of the contact
+        1e-4, and less for smooth surfaces
     edges : str
         Nodes at the edge of yielding patches: sharp loads them in full or not at all, blended by
         the share of their cell in contact
     subcells : int or "auto"
-        Sub-cells along the side of each node's cell, with heights, pressures and bounds of their
-        own; auto takes 2 on steep surfaces that yield with blended edges, else 1
+        Sub-cells along the side of each node's cell, with heights and pressures of their own; auto
+        takes 2 on steep surfaces that yield, with blended edges
     precision : str
-        Precision of the transforms in the iteration; a solution is accepted after a check in
-        double precision
+        Precision of the transforms in the iteration; the check of a solution is in double precision
     error_estimate : bool
-        Whether the run estimates the errors that its grid and its tolerance leave in every level,
-        for a quarter more time, and 40 % under an exponential law
+        Estimate the errors of grid and tolerance in every level, for a quarter more time, or 40 %
+        under an exponential law
     """
 
     step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(default=1.0, gt=0)
@@ -329,12 +327,12 @@ class Dynamics(Section):
     Attributes
     ----------
     loads : int
-        Minimum number of loads at which the track is marched [-], odd: the scene's in the middle
+        Minimum number of loads at which the track is marched [-], odd
     span : float
         Ratio of a marched load to the next lower one [-]
     release : bool, optional
-        Whether the release is computed under the moving load, by one more march of each run;
-        otherwise under the constant load; absent: true for sound.source: release
+        Release under the moving load, by one more march of each run, in place of the constant load;
+        absent: true for sound.source: release
     """
 
     loads: Annotated[int, AfterValidator(_odd)] = Field(default=3, ge=3, le=15)
@@ -372,16 +370,15 @@ class Sound(Section):
     Attributes
     ----------
     source : str, optional
-        Origin of the sound pressure: release of elastic energy (an upper bound), or vibration of
-        sphere and plate, which needs dynamics and takes neither q nor gain; absent: vibration with
-        dynamics, otherwise release
+        Origin of the sound: release of elastic energy (an upper bound), or vibration of sphere and
+        plate, which needs dynamics; absent: vibration with dynamics, otherwise release
     ball : bool
-        Whether the vibration of the sphere is heard beside the plate's
+        Hear the vibration of the sphere beside the plate's
     distance_m : float
         Distance of the listener [m], more than the radius of the sphere; beside listener_mm it is
         the radius of the half sphere of the mean level
     listener_mm : three floats, or a list of them, optional
-        Listeners [x, y, z] [mm] of a plate with edges, from the corner of contact_mm, z above the
+        Listeners (x, y, z) [mm] of a plate with edges, from the corner of contact_mm, z above the
         plate on the ball's side; the first has the main levels, two make the WAVs stereo; absent:
         above the contact, or the middle of its path, at distance_m
     q : float
@@ -389,8 +386,8 @@ class Sound(Section):
     gain_pa_per_w_m2 : float, optional
         Fixed factor from intensity to sound pressure [Pa per W/m2]; absent: energy-true per run
     listen_s : float, optional
-        Length of listen.wav [s], for which the sphere rolls on beyond the solved track, over a
-        random continuation of it; absent: laps of the record, at least 5 s
+        Length [s] of listen.wav as a long record, beyond the solved track; absent: laps of the
+        record, at least 5 s
     loudness : bool
         Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito
     """

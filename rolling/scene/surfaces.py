@@ -27,7 +27,7 @@ class MadeSurface(SurfaceKind):
     Attributes
     ----------
     spacing_um : float
-        Node spacing [um], along and across
+        Node spacing [um] along and across
     width_um : float
         Width across the track [um], a whole number of nodes, at least 8
     """
@@ -70,7 +70,7 @@ class Gaussian(Roughness, MadeSurface):
     kind : "gaussian"
         A random surface by its autocorrelation
     finish : str, optional
-        Name of a finish, which gives Ra and correlation length; values beside it win
+        Finish, which gives Ra and correlation length; values beside it win
     """
 
     NAMED: ClassVar[str] = "surface"
@@ -125,41 +125,37 @@ class HeightFile(SurfaceKind):
     kind : "file"
         Heights from a file; the track is the file
     path : str
-        File of heights, relative to the scene file: .npy, .npz, .csv or .txt, shape (along track,
-        across), .xyz, or a format of an instrument such as .x3p, .sdf or .sur
+        File of heights, relative to the scene file: an array (.npy, .npz, .csv, .txt), .xyz, or a
+        format of a measuring instrument
     channel : str, optional
-        Channel of an instrument's file; absent: the first with heights
+        Channel of a measuring instrument's file; absent: the first with heights
     along : str, optional
-        Axis of the file that lies along the track: y (default), so that a row lies across, or x
+        Axis of the file along the track: y (default) makes a row lie across
     height_unit : str
-        Unit of the heights in the file, of all three columns of .xyz; other formats of instruments
-        have their own
+        Unit of the heights of an array, and of all columns of .xyz
     spacing_um : float, optional
-        Node spacing [um], along and across; a file with other spacings of its own is resampled;
-        absent: the finer spacing of the file
+        Node spacing [um], to which a file with its own spacings is resampled; absent: the file's
+        finer spacing
     outliers : float, optional
-        Threshold for outliers in robust standard deviations of the heights about their plane: a
-        node that differs by more from the median of its 5 x 5 neighbours counts as unmeasured
+        Threshold, in robust standard deviations of the heights about their plane, beyond which a
+        node that differs from the median of its 5 x 5 neighbours counts as unmeasured
     unmeasured : str, optional
-        Unmeasured points: refuse (default), or fill from their surroundings by the equation of
-        Laplace
+        Unmeasured points: refuse (default), or fill from their surroundings
     s_filter_um : float, optional
         Cut-off wavelength [um] of the Gaussian S-filter, which removes shorter waves
     level : str
-        F-operator: auto removes the least-squares plane where the step from the last row to the
-        first stands out and the plane lowers it, and always from a measurement that is made
-        periodic; plane removes it always, quadratic a surface of second order, none nothing
+        F-operator: plane removes the least-squares plane, quadratic a surface of second order; auto
+        removes the plane of a measurement, and of a period where it lowers the step at the seam
     l_filter_um : float, optional
         Cut-off wavelength [um] of the Gaussian L-filter, which removes longer waves
     periodic : str, optional
         Period of a measurement: blend fades the end of each side into its beginning, mirror
-        continues it backwards, none takes the file as a period; absent: blend for .xyz and formats
-        of instruments, none for the others
+        continues it backwards, none takes the file as a period; absent: none for an array,
+        otherwise blend
     overlap_um : float, optional
         Length [um] of the blend, up to half a side; absent: a tenth of each side
     width_um : float, optional
-        Width across the track [um] of a profile of one line, whose heights are the same all
-        across: a whole number of nodes, at least 8; absent: the file holds lines side by side
+        Width [um] across the track of a profile of one line, a whole number of nodes, at least 8
     """
 
     SECTION: ClassVar[str] = "surface"
@@ -272,7 +268,7 @@ class RoundSurface(SurfaceKind):
     Attributes
     ----------
     waviness : dict, optional
-        Amplitudes [um] of waves around the circumference by their order, with a crest at its start
+        Amplitudes [um] of waves around the circumference by their order
     """
 
     SECTION: ClassVar[str] = "sphere.surface"
@@ -321,7 +317,7 @@ class GradedBall(RoundSurface):
     kind : "graded"
         Roughness and form at the limits of a grade of ISO 3290-1
     grade : str
-        Grade, whose limits are Ra and deviation from spherical form [um]: G3 0.010, 0.08; G5
+        Grade; its limits of Ra and of the deviation from spherical form [um] are G3 0.010, 0.08; G5
         0.014, 0.13; G10 0.020, 0.25; G16 0.025, 0.4; G20 0.032, 0.5; G24 0.040, 0.6; G28 0.050,
         0.7; G40 0.060, 1; G60 0.080, 1.5; G100 0.100, 2.5; G200 0.150, 5
     correlation_length_um : float
@@ -358,7 +354,7 @@ class BallHeightFile(RoundSurface):
     height_unit : str
         Unit of the heights in the file
     spacing_um : float
-        Node spacing [um], equal to the spacing of the plate's surface
+        Node spacing [um], equal to that of the plate's surface
     """
 
     kind: Literal["file"] = "file"

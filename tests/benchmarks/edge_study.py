@@ -1,6 +1,6 @@
 """Errors of contact edges on many kinds of surface, against a fine grid of the same surface.
 
-`python tests/benchmarks/edge_study.py` prints the table of docs/accuracy.md, which takes five
+`python tests/benchmarks/edge_study.py` prints the numbers of docs/accuracy.md, which takes five
 minutes of one free core. Arguments choose the scenes whose names contain one of them.
 """
 

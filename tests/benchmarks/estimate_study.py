@@ -1,7 +1,7 @@
 """Test of the error estimate: estimated errors against a fine grid over the whole track.
 
 `python tests/benchmarks/estimate_study.py [SCENE...]` runs the scenes of `SCENES`, or some of them,
-and prints the table of docs/accuracy.md. All scenes take about half an hour of one core.
+and prints the numbers of docs/accuracy.md. All scenes take about half an hour of one core.
 """
 
 from __future__ import annotations

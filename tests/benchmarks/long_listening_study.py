@@ -1,7 +1,7 @@
 """Test of long listening: continuations of short tracks against a track solved ten times as long.
 
 `python tests/benchmarks/long_listening_study.py [KIND...]` solves the tracks of `KINDS`, or some of
-them, continues each tenth of them, and prints the table of docs/dynamics.md. All take a quarter
+them, continues each tenth of them, and prints the numbers of docs/dynamics.md. All take a quarter
 of an hour of one core.
 """
 

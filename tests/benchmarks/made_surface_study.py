@@ -1,6 +1,6 @@
 """Skewness, kurtosis and spectrum of made surfaces against the requested ones.
 
-`python tests/benchmarks/made_surface_study.py` prints the tables of docs/made-surfaces.md: five
+`python tests/benchmarks/made_surface_study.py` prints the numbers of docs/made-surfaces.md: five
 pairs, three laws and three seeds on 1024 x 256 nodes of 1 um.
 """
 

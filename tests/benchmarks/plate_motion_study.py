@@ -1,7 +1,7 @@
 """Motion over plates with edges: against the linear chain, and against shorter time steps.
 
 `python tests/benchmarks/plate_motion_study.py` marches the track of `ball-on-plate` and prints the
-tables of docs/dynamics.md, in a minute of one core.
+numbers of docs/dynamics.md, in a minute of one core.
 """
 
 from __future__ import annotations

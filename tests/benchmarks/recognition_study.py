@@ -1,7 +1,7 @@
 """Measures by which listeners tell the shipped scenes apart, with their scatter over seeds.
 
 `python tests/benchmarks/recognition_study.py [SCENE...]` runs the scenes of `SCENES`, or some of
-them, with several seeds of their surfaces, and prints the tables of docs/listening.md. All scenes
+them, with several seeds of their surfaces, and prints the numbers of docs/gallery.md. All scenes
 take about ten minutes on two cores.
 """
 

@@ -1,6 +1,6 @@
 """Start of a pass over a plate that remembers, and the second pass against the first.
 
-`python tests/benchmarks/running_in_study.py` prints both tables of docs/theory.md for a few scenes
+`python tests/benchmarks/running_in_study.py` prints the numbers of docs/theory.md for a few scenes
 and a short track, in half a minute. `--full` takes 38 random scenes, two seeds and 10 mm of
 track, in two minutes of one core.
 """

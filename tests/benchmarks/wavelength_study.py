@@ -1,7 +1,7 @@
 """Falls of LAeq by the table of wavelengths against falls on surfaces without these waves.
 
 `python tests/benchmarks/wavelength_study.py` runs small scenes, takes the loudest octave of waves
-and the next off each surface, runs them again, and prints the table of docs/dynamics.md. It takes
+and the next off each surface, runs them again, and prints the numbers of docs/dynamics.md. It takes
 about six minutes on a core.
 """
 

@@ -60,7 +60,7 @@ def test_constraints_pin_every_package_of_all_extras() -> None:
 
 
 def test_the_lower_bounds_are_those_that_were_tried() -> None:
-    page = (ROOT / "docs" / "releasing.md").read_text(encoding="utf-8")
+    page = (ROOT / "RELEASING.md").read_text(encoding="utf-8")
     (tried,) = re.findall(r"^The lower bounds are (.*?) and h5netcdf ([\d.]+),", page, re.M | re.S)
     listed = re.split(r",\s+", f"{tried[0]}, h5netcdf {tried[1]}")
     versions = dict(part.split() for part in listed)
