@@ -73,11 +73,10 @@ def _act(argv: Sequence[str] | None) -> int:
 
 def _code_of(error: Exception) -> int:
     """Return the exit code of an error that a user can mend, or raise another error."""
-    from rolling.scene.library import LibraryError
     from rolling.scene.messages import SceneError
     from rolling.terminal.files import FolderError
 
-    if isinstance(error, SceneError | FolderError | LibraryError):
+    if isinstance(error, SceneError | FolderError):
         return BAD_INPUT
     from rolling.contact.solver import ContactError  # slow to import
 
@@ -109,14 +108,8 @@ def _run(given: argparse.Namespace) -> int:
     scene = file.read_scene(given.scene, given.overrides)  # before the solver is loaded
     commands = _commands()
     folder = given.out or default_folder(scene)
-    failures = commands.run_scene(
-        scene,
-        out=folder,
-        part=given.part,
-        workers=given.workers,
-        cluster=given.cluster,
-        report=given.report,
-    )
+    settings = {key: vars(given)[key] for key in ("part", "workers", "cluster", "report")}
+    failures = commands.run_scene(scene, folder, **settings)
     if given.open:
         _open(folder / "report.html")
     return _code(failures)
@@ -159,8 +152,8 @@ def _status(given: argparse.Namespace) -> int:
 def _call(name: str, given: argparse.Namespace) -> int:
     """Call the function of `rolling.commands` that a command names; print its files."""
     own = ("command", "parser", "quiet", "verbose")
-    arguments = {key: value for key, value in vars(given).items() if key not in own}
-    result = getattr(_commands(), name)(**arguments)
+    keywords = {key: value for key, value in vars(given).items() if key not in own}
+    result = getattr(_commands(), name)(**keywords)
     if isinstance(result, dict):
         return _code(result)
     for path in result:

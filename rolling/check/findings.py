@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from itertools import chain
@@ -190,19 +190,7 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
 
     Raise SceneError for a height file that cannot be used.
     """
-    by_key = {
-        finding.key: finding
-        for finding in (
-            *_track(scene),
-            *_march(scene),
-            *_memory(scene),
-            *_smooth_contact(scene),
-            *resolution.findings(scene),
-            *heights.findings(scene),
-            *validity.findings(scene),
-            resolution.record(scene),
-        )
-    }
+    by_key = {finding.key: finding for rule in _RULES for finding in rule(scene)}
     for finding in solved.findings(scene) if solved else ():
         before = by_key.get(finding.key, finding)
         by_key[finding.key] = replace(finding, warning=finding.warning or before.warning)
@@ -308,3 +296,10 @@ def _hardness(scene: Scene, pressure: float) -> Iterator[Finding]:
     numbers = {"load": scene.load, "capacity": capacity}
     yield Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}")
     yield judged("capacity", si(capacity, "N"), scene.load >= capacity, **numbers)
+
+
+# In the order of the table. A rule replaces the finding of an earlier rule with the same key.
+_RULES: tuple[Callable[[Scene], Iterable[Finding]], ...] = (
+    *(_track, _march, _memory, _smooth_contact),
+    *(resolution.findings, heights.findings, validity.findings, resolution.record),
+)

@@ -259,11 +259,11 @@ def _step_length(scene: Scene) -> Finding:
     return judged("step_length", rounded(radii), radii > DOUBTFUL_RADII, **numbers)
 
 
-def record(scene: Scene) -> Finding:
+def record(scene: Scene) -> Iterator[Finding]:
     """Count the third octaves whose level the length of the record makes certain within 2 dB."""
     certain = bands.reliable(scene.duration)
     value = f"{certain.sum()} of {len(certain)}"
     if not certain.all():
         lowest = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if sure][:1]
         value += f", from {lowest[0]} Hz on" if lowest else ", the record is very short"
-    return Finding("third_octaves", "third octaves within 2 dB", value)
+    yield Finding("third_octaves", "third octaves within 2 dB", value)

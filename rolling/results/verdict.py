@@ -106,13 +106,8 @@ def conclusion(scene: Scene, findings: Findings) -> str:
 
 def contributions(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     """List the contributions to the uncertainty of LAeq, the worst first."""
-    parts = [
-        *_source(summary, scene),
-        *_record(summary),
-        *_motion(summary),
-        *_limits(summary, scene),
-        *_grid(summary, scene),
-    ]
+    rules = _source, _record, _motion, _limits, _grid
+    parts = (part for rule in rules for part in rule(summary, scene))
     return sorted(parts, key=lambda part: part.rank, reverse=True)
 
 
@@ -160,7 +155,7 @@ def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
     return None if estimate is None or laeq is None else float(laeq - estimate)
 
 
-def _record(summary: Mapping[str, Any]) -> list[Contribution]:
+def _record(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     """Return the parts of ±: length of the record, its comb of lines, and time steps."""
     keys = ["comb_spread_db", "motion_step_error_db"]
     if summary.get("source") != "vibration":
@@ -209,7 +204,7 @@ def _unknown_grid(summary: Mapping[str, Any], scene: Scene) -> Contribution:
     return _unsized(resolution.KEY, ".unknown", why=why)
 
 
-def _motion(summary: Mapping[str, Any]) -> Iterator[Contribution]:
+def _motion(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
     """Yield the limits of a motion: extrapolated forces, impacts and flight."""
     if summary.get("impacts_yield"):
         yield _unsized("impacts_yield", word=DO_NOT_QUOTE)
