@@ -68,7 +68,7 @@ if __name__ == "__main__":
         package_data={
             "rolling": ["py.typed", "*.pyi"],
             **{f"rolling.{room}": ["*.toml", "*.yaml"] for room in TABLES},
-            "acoustics": ["py.typed"],
+            "acoustics": ["py.typed", "*.pyi"],
             "rolling.report": ["assets/*", "assets/*/*.js"],
             SCENES: ["*.yaml", "*.sdf", "scene.schema.json", "*/*/*.yaml"],
         },

@@ -10,6 +10,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 
@@ -72,11 +73,10 @@ def _act(argv: Sequence[str] | None) -> int:
 
 def _code_of(error: Exception) -> int:
     """Return the exit code of an error that a user can mend, or raise another error."""
-    from rolling.scene.library import LibraryError
     from rolling.scene.messages import SceneError
     from rolling.terminal.files import FolderError
 
-    if isinstance(error, SceneError | FolderError | LibraryError):
+    if isinstance(error, SceneError | FolderError):
         return BAD_INPUT
     from rolling.contact.solver import ContactError  # slow to import
 
@@ -105,17 +105,11 @@ def _run(given: argparse.Namespace) -> int:
     from rolling.run.folder import default_folder
     from rolling.scene import file
 
-    scene = file.read_scene(given.scene, given.set)  # before the solver is loaded
+    scene = file.read_scene(given.scene, given.overrides)  # before the solver is loaded
     commands = _commands()
     folder = given.out or default_folder(scene)
-    failures = commands.run_scene(
-        scene,
-        out=folder,
-        part=given.part,
-        workers=given.workers,
-        cluster=given.cluster,
-        report=not given.no_report,
-    )
+    settings = {key: vars(given)[key] for key in ("part", "workers", "cluster", "report")}
+    failures = commands.run_scene(scene, folder, **settings)
     if given.open:
         _open(folder / "report.html")
     return _code(failures)
@@ -140,12 +134,6 @@ def _code(failures: dict[str, str]) -> int:
     return FAILED if failures else OK
 
 
-def _resound(given: argparse.Namespace) -> int:
-    """Run the scene of a run folder with other values, with the marches stored there."""
-    settings = {"workers": given.workers, "report": not given.no_report}
-    return _code(_commands().resound(given.folder, given.set, given.out, **settings))
-
-
 def _status(given: argparse.Namespace) -> int:
     """Print the states of the runs of a folder, with --watch until all are at rest."""
     from rolling.run import folder
@@ -161,41 +149,15 @@ def _status(given: argparse.Namespace) -> int:
         time.sleep(defaults.WATCH_SECONDS)
 
 
-def _report(given: argparse.Namespace) -> int:
-    """Write a page of run folders."""
-    print(_commands().report(given.folders, given.out))
-    return OK
-
-
-def _gallery(given: argparse.Namespace) -> int:
-    """Write a page of many runs."""
-    commands = _commands()
-    print(commands.gallery(given.run_folders, given.out or commands.GALLERY))
-    return OK
-
-
-def _table(given: argparse.Namespace) -> int:
-    """Write the tables and plots of a sweep."""
-    print(*_commands().tabulate(given.folder, given.plot, given.against, given.over), sep="\n")
-    return OK
-
-
-def _plot(given: argparse.Namespace) -> int:
-    """Draw single figures of a run."""
-    print(*_commands().plot(given.folder, given.figure, given.format, given.out), sep="\n")
-    return OK
-
-
-def _surface(given: argparse.Namespace) -> int:
-    """Describe a surface of a file or a scene."""
-    height_keys = given.spacing_um, given.channel, given.height_unit
-    _commands().surface(given.source, given.set, *height_keys, save=given.save, out=given.out)
-    return OK
-
-
-def _listen(given: argparse.Namespace) -> int:
-    """Write a long record of a run, which goes on beyond its solved track."""
-    print(_commands().listen(given.folder, given.seconds, given.speed, given.seed))
+def _call(name: str, given: argparse.Namespace) -> int:
+    """Call the function of `rolling.commands` that a command names; print its files."""
+    own = ("command", "parser", "quiet", "verbose")
+    keywords = {key: value for key, value in vars(given).items() if key not in own}
+    result = getattr(_commands(), name)(**keywords)
+    if isinstance(result, dict):
+        return _code(result)
+    for path in result:
+        print(path)
     return OK
 
 
@@ -203,7 +165,7 @@ def _check(given: argparse.Namespace) -> int:
     """Check a scene and estimate its cost."""
     from rolling.scene import file
 
-    scene = file.read_scene(given.scene, given.set)
+    scene = file.read_scene(given.scene, given.overrides)
     with progress.step(LOADING):
         from rolling.check.findings import check_scene
     findings = check_scene(scene, solve=not given.fast)
@@ -221,7 +183,7 @@ def _accuracy(given: argparse.Namespace) -> int:
     """Study speed against error."""
     from rolling.scene import file
 
-    scene = file.read_scene(given.scene, given.set)
+    scene = file.read_scene(given.scene, given.overrides)
     with progress.step(LOADING):
         from rolling.accuracy import study
     print(study.run_study(scene, given.out, given.workers, given.finest, given.duration))
@@ -270,10 +232,7 @@ def _schema(given: argparse.Namespace) -> int:
 
 _ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
     act.__name__.removeprefix("_"): act
-    for act in (
-        *(_run, _check, _status, _table, _plot, _resound, _report, _gallery, _listen, _surface),
-        *(_accuracy, _reproduce, _scenes, _init, _schema),
-    )
+    for act in (_run, _check, _status, _accuracy, _reproduce, _scenes, _init, _schema)
 }
 
 
@@ -289,7 +248,7 @@ def _parser() -> argparse.ArgumentParser:
     parsers = parser.add_subparsers(required=True, metavar="COMMAND")
     for name, command in arguments.COMMANDS.items():
         sub = parsers.add_parser(name, help=command["help"], description=command["help"])
-        sub.set_defaults(command=_ACTS[name], parser=sub)
+        sub.set_defaults(command=_ACTS.get(name, partial(_call, name)), parser=sub)
         arguments.add_volume(sub, argparse.SUPPRESS)  # which keeps an option before the command
         arguments.add(sub, name)
     return parser

@@ -70,7 +70,7 @@ def run_scene(
 
 
 def resound(
-    source: Path,
+    folder: Path,
     overrides: Sequence[str],
     out: Path | None = None,
     *,
@@ -81,7 +81,7 @@ def resound(
 
     Parameters
     ----------
-    source : Path. The run folder.
+    folder : Path. The run folder.
     overrides : sequence of str. Assignments such as "sound.distance_m=2".
     out, workers, report : as in `run_scene`.
 
@@ -94,16 +94,15 @@ def resound(
     FolderError : nothing is solved in the run folder, or `out` holds another scene.
     SceneError : the overrides are not allowed.
     """
-    stored = [run for run in folders.stored_runs(source) if run.is_done]
+    stored = [run for run in folders.stored_runs(folder) if run.is_done]
     if not stored:
-        raise FolderError(f"{source}: no run in it is done, so there is no march to take")
-    scene = file.resound(folders.stored_scene(source), overrides)
+        raise FolderError(f"{folder}: no run in it is done, so there is no march to take")
+    scene = file.resound(folders.stored_scene(folder), overrides)
     if (program := folders.made_by(stored[0].home)) != folders.this_program():
-        progress.line(f"{source}: marched by {program}, heard by {folders.this_program()}")
-    folder = out or default_folder(scene)
-    derived = partial(derive, report=report)
-    failures = solve_folder(scene, folder, derived, sources=stored, workers=workers)
-    _print_runs(folder, folders.runs_in(folder, scene))
+        progress.line(f"{folder}: marched by {program}, heard by {folders.this_program()}")
+    target, derived = out or default_folder(scene), partial(derive, report=report)
+    failures = solve_folder(scene, target, derived, sources=stored, workers=workers)
+    _print_runs(target, folders.runs_in(target, scene))
     return failures
 
 
@@ -151,9 +150,9 @@ def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
         write_report(open_runs(done), folder, [run for run in runs if not run.is_done])
 
 
-def write_table(table: pd.DataFrame, path: Path) -> None:
+def write_table(frame: pd.DataFrame, path: Path) -> None:
     """Write a table as CSV."""
-    files.write_bytes(path, table.to_csv(lineterminator="\n").encode("utf-8", "backslashreplace"))
+    files.write_bytes(path, frame.to_csv(lineterminator="\n").encode("utf-8", "backslashreplace"))
 
 
 def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> None:
@@ -169,8 +168,8 @@ def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder
         files.write_bytes(folder / PAGE, page.page(runs, names))
 
 
-def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
-    """Write a page of all runs that are done in run folders, and return its file.
+def report(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
+    """Write a page of all runs that are done in run folders; return its file.
 
     Parameters
     ----------
@@ -193,12 +192,12 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> Path:
         finished = open_runs(done)
     if out is None:
         write_report(finished, run_folders[0], unsolved)
-        return run_folders[0] / PAGE
+        return [run_folders[0] / PAGE]
     with progress.step("writing the page"):
         content = page.page(finished, [])
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
-    return out
+    return [out]
 
 
 def _stored(run_folders: Sequence[Path]) -> tuple[list[RunFolder], list[RunFolder]]:
@@ -211,7 +210,7 @@ def _stored(run_folders: Sequence[Path]) -> tuple[list[RunFolder], list[RunFolde
     return done, [run for run in runs if not run.is_done]
 
 
-def gallery(run_folders: Sequence[Path], out: Path = GALLERY) -> Path:
+def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     """Write one page of many runs, each with a picture, a sound and a sentence; return its file.
 
     Parameters
@@ -221,13 +220,12 @@ def gallery(run_folders: Sequence[Path], out: Path = GALLERY) -> Path:
 
     Raises
     ------
-    FolderError, SceneError : there is no folder, a folder is no run folder, nothing is done in
+    FolderError, SceneError : a folder is no run folder, nothing is done in
         them, a run is damaged, or `out` exists. Nothing is written.
     """
     from rolling.report import gallery as cards
 
-    if not run_folders:
-        raise FolderError("RUN: name the run folders to show, such as `rolling gallery outputs/*`")
+    out = out or GALLERY
     if out.exists():
         raise FolderError(f"{out}: exists; take another --out, or remove it")
     done, unsolved = _stored(run_folders)
@@ -249,7 +247,7 @@ def gallery(run_folders: Sequence[Path], out: Path = GALLERY) -> Path:
         content = cards.gallery(opened, len(done), out.parent, left_out)
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
-    return out
+    return [out]
 
 
 def listen(
@@ -257,8 +255,8 @@ def listen(
     seconds: float = defaults.LISTENED_SECONDS,
     speed: float | tuple[float, float] | None = None,
     seed: int = 0,
-) -> Path:
-    """Write a long record of a run into long.wav, print its facts, and return its path.
+) -> list[Path]:
+    """Write a long record of a run into long.wav, print its facts; return its path.
 
     Parameters
     ----------
@@ -283,7 +281,7 @@ def listen(
     progress.line(listening.sentence(run, long))
     for text in long.numbers["limits"]:
         progress.line(f"warning: {text}")
-    return path
+    return [path]
 
 
 def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None) -> list[Path]:
@@ -313,7 +311,7 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
         raise FolderError(str(error)) from error
 
 
-def tabulate(
+def table(
     folder: Path, numbers: Sequence[str], against: Sequence[str], over: str = runs_table.SEED
 ) -> list[Path]:
     """Write the tables, statistics and plots of a sweep, as far as its runs are done.
@@ -336,8 +334,8 @@ def tabulate(
     runs = folders.stored_runs(folder)
     if not runs[0].values or not any(run.is_done for run in runs):
         raise FolderError(f"{folder}: no run of a sweep is done, so there is nothing to tabulate")
-    table = runs_table.runs_table(runs)
-    solved = table[table["laeq_db"].notna() | table["steps"].notna()]
+    frame = runs_table.runs_table(runs)
+    solved = frame[frame["laeq_db"].notna() | frame["steps"].notna()]
     keys = [key for key in runs[0].values if key != over]
     if over != runs_table.SEED:
         _refuse_unknown(over, [*runs[0].values], "swept key")
@@ -350,7 +348,7 @@ def tabulate(
     for name in numbers:
         _refuse_unknown(name, [*solved.select_dtypes("number")], "number of runs.csv")
     paths = [folder / TABLE, folder / "statistics.csv"]
-    write_table(table, paths[0])
+    write_table(frame, paths[0])
     write_table(runs_table.seed_statistics(solved, over), paths[1])
     if not (axes := [*against] or keys[:1]):
         return paths
@@ -378,7 +376,7 @@ def surface(
     *,
     save: Path | None = None,
     out: Path | None = None,
-) -> None:
+) -> list[Path]:
     """Print the parameters of a surface by ISO 25178-2, and write them with a picture.
 
     Parameters
@@ -432,8 +430,8 @@ def surface(
     for form, content in contents.items():
         files.write_bytes(folder / f"{drawn.name}.{form}", content)
     if progress.is_quiet():
-        print(folder)
-        return
+        return [folder]
     nodes, sides = (" x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * steps, 6)))
     print(f"{labels.printable(name)}: {nodes} nodes of {sides} um, {words}")
     print(*parameter_lines(values), "", f"all files: {labels.printable(str(folder))}", sep="\n")
+    return []

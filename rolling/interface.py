@@ -149,15 +149,12 @@ def _simulated(
 
     def finish(number: int, result: Result) -> None:
         run = runs[number]
-        heard[number] = replace(
-            hear(names[number], run.values, run.folder, run.scene, result), writer=save_run
-        )
+        heard[number] = hear(names[number], run.values, run.folder, run.scene, result)
 
     def start(number: int) -> Result:
         return Result.empty(runs[number].scene)
 
     scenes = [run.scene for run in runs]
-
     silence = terminal.begin(terminal.Level.QUIET) if shown is False else nullcontext()
     with silence, terminal.Bar(0.0, scene.name, shown) as bar:
         loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)
@@ -191,7 +188,7 @@ def open_run(folder: Path | str) -> Run:
     `open_run("outputs/mine").series["contact_area"]`
     """
     (run,) = open_runs([folders.done_run(Path(folder), "open")])
-    return replace(run, writer=save_run)
+    return run
 
 
 def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
@@ -227,6 +224,9 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
         write_run(replace(run, scene=scene, folder=folder, values={}))
         derive(folder, [alone], report)
     return folder
+
+
+Run.save = save_run
 
 
 def live(runs: Run | Sequence[Run]) -> Any:

@@ -26,25 +26,11 @@ from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
 
 __all__ = [
-    "contact_areas",
-    "contact_filter",
-    "contact_force",
-    "contact_pressure",
-    "levels",
-    "mean_third_octaves",
-    "mobilities",
-    "modulation",
-    "power_density",
-    "recovery_events",
-    "release_power",
-    "running_in",
-    "sources",
-    "spectrogram",
-    "spectrum",
-    "surface",
-    "third_octaves",
-    "wavelengths",
-]
+    "contact_areas", "contact_filter", "contact_force", "contact_pressure", "levels",
+    "mean_third_octaves", "mobilities", "modulation", "power_density", "recovery_events",
+    "release_power", "running_in", "sources", "spectrogram", "spectrum", "surface",
+    "third_octaves", "wavelengths",
+]  # fmt: skip
 
 
 def _checked(draw: Callable[..., Any]) -> Callable[..., Any]:

@@ -49,7 +49,7 @@ def main(words: list[str]) -> int:
         commands.run_scene(files[name], out=given.out / name, workers=given.workers)
     page = given.out / commands.GALLERY
     page.unlink(missing_ok=True)
-    print(commands.gallery([given.out / name for name in names], page))
+    print(*commands.gallery([given.out / name for name in names], page))
     draw(page, PICTURES / "gallery.png", GALLERY_SIZE)
     if "quickstart" in names:
         quickstart = given.out / "quickstart"

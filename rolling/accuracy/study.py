@@ -161,7 +161,6 @@ def _row(scene: Scene, variant: Variant, nodes: int, series: Mapping[str, Array]
             "tolerance": variant.tolerance,
             "edges": variant.edges,
             "precision": variant.precision,
-            "width_um": scene.track.n_across * scene.spacing * variant.width * 1e6,
             "band": BANDS,
         },
     )
@@ -169,8 +168,7 @@ def _row(scene: Scene, variant: Variant, nodes: int, series: Mapping[str, Array]
 
 def compared(rows: xr.Dataset) -> xr.Dataset:
     """Add the errors of variants against the reference, and of the solves on the scene's grid."""
-    best, own = rows.isel(variant=rows.curve == REFERENCE), rows.isel(variant=rows.curve == OWN)
-    best, own = best.squeeze("variant", drop=True), own.squeeze("variant", drop=True)
+    best = rows.isel(variant=rows.curve == REFERENCE).squeeze("variant", drop=True)
     errors = {f"error_{name}": rows[name] - best[name] for name in LEVELS}
     with np.errstate(divide="ignore", invalid="ignore"):
         for name in MEANS:
@@ -181,7 +179,6 @@ def compared(rows: xr.Dataset) -> xr.Dataset:
             on_grid = rows.curve.isin([OWN, "tolerance", "precision"])
             solver_errors = _signal_db(rows, exact.squeeze("variant", drop=True))
             errors["solver_error_signal_db"] = solver_errors.where(on_grid)
-        errors["width_error_signal_db"] = _signal_db(rows, own).where(rows.curve == "width")
     return rows.assign(errors)
 
 

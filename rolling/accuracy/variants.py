@@ -1,4 +1,4 @@
-"""Variants of a scene: the same stretch of track with another grid, numerics or width."""
+"""Variants of a scene: the same stretch of track with another grid or other numerics."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rolling.contact.subcells import half_space_of
 from rolling.scene.scene import Scene
 from rolling.surface import contact_of_scene
 from rolling.surface.refined import dies_out, refined, subcell_heights
-from rolling.surface.scene_surface import heights, wider_heights, wider_times
+from rolling.surface.scene_surface import heights
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 REFERENCE_TOLERANCE, SOLVER_TOLERANCE = 1e-6, 1e-8
@@ -28,12 +28,11 @@ STATES = ("contact_area", "plastic_area", "max_pressure", "iterations", "convolu
 
 @dataclass(frozen=True)
 class Variant:
-    """The grid, the step, the solver settings and the width of one march.
+    """The grid, the step, and the solver settings of one march.
 
     times : int. Divisor of the scene's spacing.
     step_nodes : float. Length of a step in nodes of the scene's own grid.
     tolerance, edges, precision : float, str, str. Numerics as in a scene.
-    width : int. Factor on the width of the surface.
     curve : str. Setting that is varied: the name of a curve in the diagram.
     """
 
@@ -42,7 +41,6 @@ class Variant:
     tolerance: float
     edges: str
     precision: str
-    width: int = 1
     curve: str = field(default=OWN, compare=False)
 
     @property
@@ -68,7 +66,6 @@ def label(scene: Scene, variant: Variant) -> str:
         "tolerance": f"tolerance {tolerance}",
         "step": f"step {spacing * variant.step_nodes:g} µm",
         "precision": f"{variant.precision} precision",
-        "width": f"width {scene.track.n_across * spacing * variant.width:g} µm",
         OWN: f"{OWN}: {grid}, tolerance {tolerance}",
     }
     return labels.get(variant.curve, grid)
@@ -104,7 +101,6 @@ def variants_of(scene: Scene, finest: int) -> list[Variant]:
     grids = [2**k for k in range(round(math.log2(finest)))]
     best = replace(own, times=finest, tolerance=REFERENCE_TOLERANCE, edges=all_edges[0])
     reference = replace(best, precision="single", curve=REFERENCE)
-    wide = wider_times(scene)
     listed = [
         own,
         reference,
@@ -117,7 +113,6 @@ def variants_of(scene: Scene, finest: int) -> list[Variant]:
         *(replace(own, tolerance=t, curve="tolerance") for t in TOLERANCES),
         *(replace(own, step_nodes=s, curve="step") for s in STEP_NODES),
         *(replace(own, precision=p, curve="precision") for p in ("single", "double")),
-        *([replace(own, width=wide, curve="width")] if wide else []),
     ]
     return list(dict.fromkeys(listed))
 
@@ -129,7 +124,7 @@ def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
     their middle.
     """
     plain = scene.with_({"numerics.edges": "sharp", "numerics.subcells": 1})
-    own = heights(scene) if variant.width == 1 else wider_heights(scene, variant.width)
+    own = heights(scene)
     coarse = contact_of_scene.rolling_contact(plain, own)
     smooth, spacing = contact_of_scene.continues(scene), coarse.spacing / variant.times
     if smooth is None:

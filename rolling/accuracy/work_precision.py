@@ -18,7 +18,7 @@ from rolling.accuracy.variants import OWN, REFERENCE, SOLVER, tolerance_text
 LAEQ_LIMIT_DB, BAND_LIMIT_DB = 0.1, 0.5  # maximum errors of a recommended variant
 # A solve whose error is a fifth of the error of the grid adds 0.2 dB to the whole.
 SOLVER_BELOW_GRID_DB, MOST_SOLVER_DB = 14.0, -40.0
-SETTINGS = ["spacing_um", "edges", "tolerance", "step_um", "precision", "width_um"]
+SETTINGS = ["spacing_um", "edges", "tolerance", "step_um", "precision"]
 COSTS = ["seconds_per_second", "iterations", "convolutions"]
 SHORT = {
     "seconds_per_second": "s per s",
@@ -59,14 +59,14 @@ def text(study: xr.Dataset) -> str:
 
 
 def advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
-    """Write the reference's own error, the cheapest variant, the tolerance and the width."""
+    """Write the reference's own error, the cheapest variant and the tolerance."""
     lines = [f"failed: {line}" for line in study.attrs["failures"].splitlines()]
     if math.isnan(study.laeq_db.sel(variant=named(study, REFERENCE))):
         return [*lines, "the reference is silent: levels cannot be compared"]
     best = frame[frame.curve == REFERENCE].iloc[0]
     same = frame[(frame.edges == best.edges) & (frame.step_um == best.step_um)]
-    next_grid = same[(same.curve != REFERENCE) & (same.width_um == best.width_um)]
-    next_grid = next_grid.sort_values(["spacing_um", "tolerance"]).iloc[0]
+    coarser = same[same.curve != REFERENCE]
+    next_grid = coarser.sort_values(["spacing_um", "tolerance"]).iloc[0]
     laeq, band = abs(next_grid.error_laeq_db), next_grid.worst_band_db
     off = f"the reference is off by {laeq:.3f} dB of LAeq and {band:.2f} dB of a third octave"
     grid = f"if errors halve with the spacing (the errors at {next_grid.spacing_um:g} µm)"
@@ -74,7 +74,7 @@ def advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
     good = frame[
         (frame.error_laeq_db.abs() + laeq <= LAEQ_LIMIT_DB)
         & (frame.worst_band_db + band <= BAND_LIMIT_DB)
-        & ~frame.curve.isin([REFERENCE, SOLVER, "width"])
+        & ~frame.curve.isin([REFERENCE, SOLVER])
     ]
     limits = f"LAeq within {LAEQ_LIMIT_DB} dB and third octaves within {BAND_LIMIT_DB} dB"
     if good.empty:
@@ -82,7 +82,7 @@ def advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
     else:
         cheapest = good.sort_values("seconds_per_second").iloc[0]
         lines.append(f"cheapest with {limits}: {_settings(cheapest)}")
-    return [*lines, *_tolerance_advice(frame), *_width_advice(study, frame)]
+    return [*lines, *_tolerance_advice(frame)]
 
 
 def _settings(row: pd.Series) -> str:
@@ -106,20 +106,6 @@ def _tolerance_advice(frame: pd.DataFrame) -> list[str]:
     loosest = tolerance_text(fitting.tolerance.max())
     words = f"the loosest tolerance with a solver error below {most:.0f} dB is {loosest}"
     return [f"{words}; the scene has {tolerance_text(own.tolerance)}"]
-
-
-def _width_advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
-    """Write the change by a wider surface with the same asperities in its middle."""
-    rows = frame[frame.curve == "width"]
-    if rows.empty:
-        return []
-    wide, own = rows.iloc[0], frame[frame.curve == OWN].iloc[0]
-    signal = float(study.width_error_signal_db.max())
-    change, widths = wide.error_laeq_db - own.error_laeq_db, (wide.width_um, own.width_um)
-    words = "a surface of {:g} µm instead of {:g} µm changes LAeq by".format(*widths)
-    return [
-        f"{words} {change:+.3f} dB, and the release signal by {signal:.1f} dB re its fluctuation"
-    ]
 
 
 # ---- the diagram

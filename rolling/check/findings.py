@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from itertools import chain
@@ -190,19 +190,7 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
 
     Raise SceneError for a height file that cannot be used.
     """
-    by_key = {
-        finding.key: finding
-        for finding in (
-            *_track(scene),
-            *_march(scene),
-            *_memory(scene),
-            *_smooth_contact(scene),
-            *resolution.findings(scene),
-            *heights.findings(scene),
-            *validity.findings(scene),
-            resolution.record(scene),
-        )
-    }
+    by_key = {finding.key: finding for rule in _RULES for finding in rule(scene)}
     for finding in solved.findings(scene) if solved else ():
         before = by_key.get(finding.key, finding)
         by_key[finding.key] = replace(finding, warning=finding.warning or before.warning)
@@ -212,18 +200,17 @@ def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
 # ---- size and cost
 
 
-def _track(scene: Scene) -> list[Finding]:
+def _track(scene: Scene) -> Iterator[Finding]:
     track, duration = scene.track, scene.duration
     sides = f"{si(track.n_along * track.spacing, 'm')} x {si(track.n_across * track.spacing, 'm')}"
     closed = "" if track.closed else ", not closed"
-    return [
-        *([_turns(scene)] if track.turn_nodes else []),
-        Finding("steps", "steps", f"{track.steps} of {si(track.step, 'm')}"),
-        Finding("surface", "surface", f"{sides}, {track.n_along} x {track.n_across} nodes"),
-        Finding("distance", "distance rolled", f"{si(track.distance, 'm')}{closed}"),
-        Finding("duration", "duration", si(duration, "s")),
-        Finding("samples", "sound samples", f"{round(duration * cost.SAMPLE_RATE)}"),
-    ]
+    if track.turn_nodes:
+        yield _turns(scene)
+    yield Finding("steps", "steps", f"{track.steps} of {si(track.step, 'm')}")
+    yield Finding("surface", "surface", f"{sides}, {track.n_along} x {track.n_across} nodes")
+    yield Finding("distance", "distance rolled", f"{si(track.distance, 'm')}{closed}")
+    yield Finding("duration", "duration", si(duration, "s"))
+    yield Finding("samples", "sound samples", f"{round(duration * cost.SAMPLE_RATE)}")
 
 
 def _turns(scene: Scene) -> Finding:
@@ -243,26 +230,23 @@ def _turns(scene: Scene) -> Finding:
     return Finding("turns", "turns of the sphere", value)
 
 
-def _march(scene: Scene) -> list[Finding]:
+def _march(scene: Scene) -> Iterator[Finding]:
     """State window, time, tolerance and the cost of the error estimate."""
     rq = cost.roughness(scene)[0]
     step_ms, seconds = cost.step_ms(scene), cost.expected_seconds(scene)
     time = computing(seconds) + f" for {scene.passes} passes" * scene.is_permanent
     rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
-    result = [
-        _window(scene, rq),
-        Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core"),
-        Finding("expected_time", "expected time", time, None, seconds),
-        Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}"),
-    ]
-    result += surface_time(scene)
+    yield _window(scene, rq)
+    yield Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core")
+    yield Finding("expected_time", "expected time", time, None, seconds)
+    yield Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}")
+    yield from surface_time(scene)
     if scene.numerics.error_estimate:
         share = error_cost.cost_share(scene, cost.STEP_LAWS[cost.step_law(scene, rq)][1])
         seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3
         reason = error_cost.too_short(scene) or "a smooth surface makes no sound"
         value = f"{computing(seconds)} ({share:.0%} more)" if share else f"none: {reason}"
-        result.append(Finding("error_estimate", "error estimate", value, None, seconds))
-    return result
+        yield Finding("error_estimate", "error estimate", value, None, seconds)
 
 
 def _window(scene: Scene, rq: float) -> Finding:
@@ -279,43 +263,43 @@ def _window(scene: Scene, rq: float) -> Finding:
     return judged("window", value, across > period, **numbers)
 
 
-def _memory(scene: Scene) -> list[Finding]:
+def _memory(scene: Scene) -> Iterator[Finding]:
+    needs = refusals.memory_text(cost.memory([scene], cost.cores())), cost.disk([scene])
     excess = {key: f"{fault}; the run will be refused" for key, fault in _excess([scene]).items()}
-    memory = refusals.memory_text(cost.memory([scene], cost.cores()))
-    return [
-        Finding("memory", "memory", memory, excess.get("memory")),
-        Finding("disk", "disk", f"about {byte_size(cost.disk([scene]))}", excess.get("disk")),
-    ]
+    yield Finding("memory", "memory", needs[0], excess.get("memory"))
+    yield Finding("disk", "disk", f"about {byte_size(needs[1])}", excess.get("disk"))
 
 
 # ---- contact of a smooth sphere
 
 
-def _smooth_contact(scene: Scene) -> list[Finding]:
+def _smooth_contact(scene: Scene) -> Iterator[Finding]:
     """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
     contact = scene.load, scene.radius, scene.contact_modulus
     radius, pressure = closed_forms.hertz_radius(*contact), closed_forms.hertz_pressure(*contact)
     nodes, coarse = radius / scene.spacing, radius / MIN_HERTZ_NODES * 1e6
     numbers = {"nodes": nodes, "least": MIN_HERTZ_NODES, "spacing_um": coarse}
-    doubt, count = nodes < MIN_HERTZ_NODES, rounded(nodes, 3)
-    return [
-        Finding("hertz_radius", "Hertz radius", si(radius, "m")),
-        Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa")),
-        *_hardness(scene, pressure),
-        judged("hertz_nodes", count, doubt, **numbers),
-    ]
+    yield Finding("hertz_radius", "Hertz radius", si(radius, "m"))
+    yield Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa"))
+    yield from _hardness(scene, pressure)
+    yield judged("hertz_nodes", rounded(nodes, 3), nodes < MIN_HERTZ_NODES, **numbers)
 
 
-def _hardness(scene: Scene, pressure: float) -> list[Finding]:
+def _hardness(scene: Scene, pressure: float) -> Iterator[Finding]:
     """Compare the hardness with the Hertz pressure [Pa], and the load with the capacity."""
     if not math.isfinite(scene.hardness):
-        return [Finding("hardness", "hardness", "none, purely elastic")]
+        yield Finding("hardness", "hardness", "none, purely elastic")
+        return
     gentle = "above the Hertz pressure of a smooth sphere; asperities may yield"
     says = "yields" if pressure > scene.hardness else gentle
     capacity = scene.hardness * scene.track.n_along * scene.track.n_across * scene.track.spacing**2
     numbers = {"load": scene.load, "capacity": capacity}
-    doubt = scene.load >= capacity
-    return [
-        Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
-        judged("capacity", si(capacity, "N"), doubt, **numbers),
-    ]
+    yield Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}")
+    yield judged("capacity", si(capacity, "N"), scene.load >= capacity, **numbers)
+
+
+# In the order of the table. A rule replaces the finding of an earlier rule with the same key.
+_RULES: tuple[Callable[[Scene], Iterable[Finding]], ...] = (
+    *(_track, _march, _memory, _smooth_contact),
+    *(resolution.findings, heights.findings, validity.findings, resolution.record),
+)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,26 +29,22 @@ OFF = 0.005  # difference of skewness or kurtosis that is named
 ROLLOFF_WAVES = 4.0  # of the roll-off that a period should hold
 
 
-def findings(scene: Scene) -> list[Finding]:
+def findings(scene: Scene) -> Iterator[Finding]:
     """Judge the heights of a file, and made heights that are self-affine or not Gaussian."""
     if not isinstance(scene.surface, HeightFile):
-        return _made(scene)
+        yield from _made(scene)
+        return
     surface, path = scene_surface(scene), scene.height_path
     assert surface.levelling is not None and path is not None  # every file has both
-    steps = [
-        Finding(step.step, STEP_NAMES.get(step.step, step.step), step.text, step.warning)
-        for step in surface.preparation
-    ]
-    percent = 100 * surface.form_share
-    form, has_form = f"{rounded(percent)} % of the variance", surface.form_share > MAX_FORM
-    return [
-        *_resolution(surface),
-        *_file(path, scene.surface),
-        *steps,
-        Finding("level", "tilt", tilt_text(surface.levelling)),
-        _seam(scene, surface.levelling),
-        judged("form", form, has_form, percent=percent),
-    ]
+    yield from _resolution(surface)
+    yield from _file(path, scene.surface)
+    for step in surface.preparation:
+        yield Finding(step.step, STEP_NAMES.get(step.step, step.step), step.text, step.warning)
+    yield Finding("level", "tilt", tilt_text(surface.levelling))
+    yield _seam(scene, surface.levelling)
+    share, percent = surface.form_share, 100 * surface.form_share
+    form = f"{rounded(percent)} % of the variance"
+    yield judged("form", form, share > MAX_FORM, percent=percent)
 
 
 def tilt_text(levelling: Levelling) -> str:
@@ -68,25 +65,25 @@ def tilt_text(levelling: Levelling) -> str:
     return f"{order}: {plane}; Ra {before} before, {after} after"
 
 
-def _file(path: Path, surface: HeightFile) -> list[Finding]:
+def _file(path: Path, surface: HeightFile) -> Iterator[Finding]:
     """State channel, nodes and spacing of the file of an instrument."""
     if not is_instrument(path):
-        return []
+        return
     measured = read(path, surface.channel, surface.height_unit)
     rows, columns = measured.heights.shape
     dy, dx = (si(step, "m") for step in measured.spacing_m or ())
     value = f"{columns} x {rows} nodes (x, y) of {dx} x {dy}"
     if len(measured.channels) > 1:
         value += f", {surface.channel or measured.channels[0]} of {', '.join(measured.channels)}"
-    return [Finding("file", "measurement", value)]
+    yield Finding("file", "measurement", value)
 
 
-def _resolution(surface: SceneSurface) -> list[Finding]:
+def _resolution(surface: SceneSurface) -> Iterator[Finding]:
     """Count the nodes per correlation length, and judge them and the noise."""
     along, across = surface.correlations
     length, noise = min(along.length, across.length), max(along.noise, across.noise)
     if not math.isfinite(length):
-        return []
+        return
     nodes, kinds = length / surface.spacing, list[str]()
     if nodes < 1:
         kinds.append("none")
@@ -98,7 +95,7 @@ def _resolution(surface: SceneSurface) -> list[Finding]:
     numbers = {"nodes": nodes, "least": MIN_CORRELATION_NODES, "length": length}
     numbers |= {"spacing_um": spacing_um, "percent": 100 * noise}
     warning = "; ".join(sentence(key, kind, **numbers) for kind in kinds)
-    return [replace(judged(key, rounded(nodes, 3), False), warning=warning or None)]
+    yield replace(judged(key, rounded(nodes, 3), False), warning=warning or None)
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Finding:
@@ -128,12 +125,11 @@ def _share_on_seam(scene: Scene, radius: float) -> float:
 # ---- made heights
 
 
-def _made(scene: Scene) -> list[Finding]:
+def _made(scene: Scene) -> Iterator[Finding]:
     """Make heights that are self-affine or not Gaussian, and judge them."""
     laws = [law for law in scene.laws if is_described(law)]
     if not laws or refusals.excess([scene], 1, None):
-        return []
-    result = []
+        return
     for law, (key, heights) in zip(laws, scene_surface(scene).made.items(), strict=True):
         of = "sphere " * key.startswith("ball")
         if not law.is_gaussian:
@@ -142,7 +138,7 @@ def _made(scene: Scene) -> list[Finding]:
             got = {"skewness": skewness, "kurtosis": kurtosis}
             value = sentence("surface_made", "value", **got, **wanted)
             off = max(abs(skewness - law.moments[0]), abs(kurtosis - law.moments[1])) > OFF
-            result.append(replace(judged("surface_made", value, off, of=of, value=value), key=key))
+            yield replace(judged("surface_made", value, off, of=of, value=value), key=key)
         errors, chances = heights["spectrum_error_db"], heights["spectrum_chance_db"]
         octave = max(errors, key=lambda name: abs(errors[name]) / max(chances[name], 0.1))
         numbers = {"octave": octave, "error": errors[octave], "chance": chances[octave]}
@@ -150,6 +146,4 @@ def _made(scene: Scene) -> list[Finding]:
         least_um = ROLLOFF_WAVES * law.rolloff_um if isinstance(law, SelfAffineLaw) else 0.0
         few = cost.shortest_period(scene) * 1e6 < least_um
         words = {"of": of, "waves": ROLLOFF_WAVES, "least_um": least_um}
-        spectrum = judged("surface_spectrum", value, few, **words)
-        result.append(replace(spectrum, key=f"{key}_spectrum"))
-    return result
+        yield replace(judged("surface_spectrum", value, few, **words), key=f"{key}_spectrum")

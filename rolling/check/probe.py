@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -73,16 +73,16 @@ class Probe:
     left_out: str = ""
     surface_s: float = 0.0
 
-    def findings(self, scene: Scene) -> list[Finding]:
+    def findings(self, scene: Scene) -> Iterator[Finding]:
         """State the numbers of the solved positions, in place of closed forms and cost model."""
         solved, count, failed = self.solved, len(self.solved), None
         if self.failures:
             numbers = {"failed": len(self.failures), "tried": self.tried}
             failed = sentence("positions", "failed", reason=self.failures[0], **numbers)
         value = f"none: {self.left_out}" if self.left_out else f"{count} of {self.tried}"
-        result = [Finding("positions", "positions solved", value, failed)]
+        yield Finding("positions", "positions solved", value, failed)
         if not count:
-            return result
+            return
         seconds = scene.track.solved_steps * float(solved["step_ms"].mean()) * 1e-3
         step = _ranged(solved["step_ms"], lambda ms: f"{rounded(ms)} ms")
         rows, columns = solved["rows"], solved["columns"]
@@ -92,27 +92,22 @@ class Probe:
         )
         window = f"{mean} nodes" + (f" ({least} to {most})" if least != most else "")
         if making := cost.surface_seconds(scene)[0]:
-            result += surface_time(scene, max(1.0, self.surface_s / making))
-        result += [
-            Finding("window", "window", window),
-            Finding("step_time", "time of a step", f"{step} on 1 core"),
-            Finding("expected_time", "expected time", computing(seconds), None, seconds),
-            Finding("contact_area", "contact area", _ranged(solved["contact_area"], _area)),
-        ]
+            yield from surface_time(scene, max(1.0, self.surface_s / making))
+        yield Finding("window", "window", window)
+        yield Finding("step_time", "time of a step", f"{step} on 1 core")
+        yield Finding("expected_time", "expected time", computing(seconds), None, seconds)
+        yield Finding("contact_area", "contact area", _ranged(solved["contact_area"], _area))
         if math.isfinite(scene.hardness):
             plastic_area, contact_area = solved["plastic_area"], solved["contact_area"]
             share = 100 * plastic_area / contact_area
-            whole = 100 * plastic_area.sum() / contact_area.sum()
             says = "stays elastic where solved"
-            if whole:
+            if whole := 100 * plastic_area.sum() / contact_area.sum():
                 range_ = f"{rounded(share.min())} to {rounded(share.max())} %"
                 says = f"yields on {rounded(whole)} % of the contact ({range_})"
-            result += [
-                Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}"),
-                Finding("plastic_area", "plastic area", _ranged(plastic_area, _area)),
-            ]
+            yield Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}")
+            yield Finding("plastic_area", "plastic area", _ranged(plastic_area, _area))
         pressure = _ranged(solved["max_pressure"], lambda value: si(value, "Pa"))
-        return [*result, Finding("max_pressure", "maximum pressure", pressure)]
+        yield Finding("max_pressure", "maximum pressure", pressure)
 
 
 def _ranged(values: Array, text: Callable[[float], str]) -> str:

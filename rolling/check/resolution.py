@@ -12,6 +12,7 @@ common.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -59,10 +60,13 @@ _LOST = (0.0, 0.0045, 0.0167, 0.0368, 0.0644, 0.1393, 0.2347, 0.3344, 0.4177, 0.
 LEVEL_ERROR_DB = 3.0
 
 
-def findings(scene: Scene) -> list[Finding]:
+def findings(scene: Scene) -> Iterator[Finding]:
     """Judge the step against hearing and contact, and the spacing against the heights."""
-    tone = [_grid_tone(scene)] if scene.numerics.step_nodes < 1 else []
-    return [_nyquist(scene), _step_length(scene), *tone, *_spacing(scene)]
+    yield _nyquist(scene)
+    yield _step_length(scene)
+    if scene.numerics.step_nodes < 1:
+        yield _grid_tone(scene)
+    yield from _spacing(scene)
 
 
 # ---- error of the grid
@@ -98,11 +102,11 @@ def grid_signal_db(scene: Scene) -> float | None:
     return error
 
 
-def _spacing(scene: Scene) -> list[Finding]:
+def _spacing(scene: Scene) -> Iterator[Finding]:
     """Judge the spacing of a random surface by the error that it leaves."""
     error = grid_signal_db(scene)
     if error is None:
-        return []
+        return
     shortest = min(min(law.lengths_um) for law in scene.laws)
     nodes = shortest / scene.spacing_um
     value = f"about {error:.0f} dB of the fluctuation"
@@ -110,10 +114,8 @@ def _spacing(scene: Scene) -> list[Finding]:
     if warning is None and error > BANDS_DB:
         fine = spacing(scene, error, BANDS_DB)
         value += f"; third octaves within 1 dB up to 16 kHz take {fine:g} um"
-    return [
-        Finding("correlation_nodes", "nodes per correlation length", rounded(nodes, 3)),
-        Finding(KEY, "error of the grid", value, warning),
-    ]
+    yield Finding("correlation_nodes", "nodes per correlation length", rounded(nodes, 3))
+    yield Finding(KEY, "error of the grid", value, warning)
 
 
 def too_coarse(scene: Scene, error: float, source: str) -> str | None:
@@ -257,11 +259,11 @@ def _step_length(scene: Scene) -> Finding:
     return judged("step_length", rounded(radii), radii > DOUBTFUL_RADII, **numbers)
 
 
-def record(scene: Scene) -> Finding:
+def record(scene: Scene) -> Iterator[Finding]:
     """Count the third octaves whose level the length of the record makes certain within 2 dB."""
     certain = bands.reliable(scene.duration)
     value = f"{certain.sum()} of {len(certain)}"
     if not certain.all():
         lowest = [name for name, sure in zip(bands.BAND_NAMES, certain, strict=True) if sure][:1]
         value += f", from {lowest[0]} Hz on" if lowest else ", the record is very short"
-    return Finding("third_octaves", "third octaves within 2 dB", value)
+    yield Finding("third_octaves", "third octaves within 2 dB", value)

@@ -30,24 +30,25 @@ MAX_CONTACT = 0.2  # contact radius over sphere radius
 LOWEST_MODE = 0.84  # frequency of the lowest mode times diameter over the speed of shear waves
 
 
-def findings(scene: Scene) -> list[Finding]:
+def findings(scene: Scene) -> Iterator[Finding]:
     """Judge whether the model and its materials hold for a scene; a height file is read."""
-    resonance = _bouncing(scene) if scene.dynamics is None else vibration.resonance(scene)
-    moving = [*vibration.findings(scene), *_free_sphere(scene)]
-    limits = [*_half_space(scene), *_near(scene), resonance, *moving]
-    return [*_materials(scene), *limits]
+    yield from _materials(scene)
+    yield from _half_space(scene)
+    distance, least = scene.sound.distance_m, NEAR * scene.radius
+    if distance < least:
+        numbers = {"distance": distance, "radii": NEAR, "least": least}
+        yield judged("listener", si(distance, "m"), True, **numbers)
+    if scene.dynamics is None:
+        yield _bouncing(scene)
+        return
+    yield vibration.resonance(scene)
+    yield from vibration.findings(scene)
+    yield from _modes(scene)
+    if scene.rolling.drop_mm is not None:
+        yield from _fall(scene)
 
 
-def _near(scene: Scene) -> list[Finding]:
-    """Warn of a listener to whom the sphere is no small source."""
-    distance = scene.sound.distance_m
-    if distance >= NEAR * scene.radius:
-        return []
-    numbers = {"distance": distance, "radii": NEAR, "least": NEAR * scene.radius}
-    return [judged("listener", si(distance, "m"), True, **numbers)]
-
-
-def _half_space(scene: Scene) -> list[Finding]:
+def _half_space(scene: Scene) -> Iterator[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
     slope, share = cost.roughness(scene)[1], resolution.contact_radius(scene) / scene.radius
     advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
@@ -57,15 +58,12 @@ def _half_space(scene: Scene) -> list[Finding]:
         advice = "filter the shortest wavelengths out of the heights"
     steep = {"slope": slope, "most": MAX_SLOPE, "advice": advice}
     wide = {"share": share, "most": MAX_CONTACT}
-    findings = [
-        judged("slope", rounded(slope), slope > MAX_SLOPE, **steep),
-        judged("contact_radius", rounded(share), share > MAX_CONTACT, **wide),
-    ]
+    yield judged("slope", rounded(slope), slope > MAX_SLOPE, **steep)
+    yield judged("contact_radius", rounded(share), share > MAX_CONTACT, **wide)
     if scene.faults:
         slope = max(fault.steepest for fault in scene.faults)
         sharp = {"slope": slope, "most": MAX_SLOPE}
-        findings.append(judged("fault_slope", rounded(slope), slope > MAX_SLOPE, **sharp))
-    return findings
+        yield judged("fault_slope", rounded(slope), slope > MAX_SLOPE, **sharp)
 
 
 def _bouncing(scene: Scene) -> Finding:
@@ -111,15 +109,7 @@ def _materials(scene: Scene) -> Iterator[Finding]:
         yield judged("sphere_yields", si(1e9 * hardness, "Pa"), True, pressure=1e9 * hardness)
 
 
-# ---- a sphere that is let go from a height, and its modes within hearing
-
-
-def _free_sphere(scene: Scene) -> list[Finding]:
-    """Judge the first impact of a sphere that falls, and the modes of the sphere."""
-    if scene.dynamics is None:
-        return []
-    falls = scene.rolling.drop_mm is not None
-    return [*_modes(scene), *([_impact(scene), _room(scene), *_yielding(scene)] if falls else [])]
+# ---- modes of the sphere within hearing, and its fall
 
 
 def lowest_mode_hz(scene: Scene) -> float:
@@ -133,31 +123,24 @@ def lowest_mode_hz(scene: Scene) -> float:
     return LOWEST_MODE * shear_speed / (2 * scene.radius)
 
 
-def _modes(scene: Scene) -> list[Finding]:
+def _modes(scene: Scene) -> Iterator[Finding]:
     """Warn of a mode of the sphere within hearing."""
     frequency = lowest_mode_hz(scene)
-    if frequency >= HEARING[1]:
-        return []
-    steel = ", as if of steel" * (scene.sphere.youngs_modulus_gpa is None)
-    most = scene.sphere.radius_mm * frequency / HEARING[1]
-    return [judged("ball_modes", si(frequency, "Hz"), True, steel=steel, most=most)]
+    if frequency < HEARING[1]:
+        steel = ", as if of steel" * (scene.sphere.youngs_modulus_gpa is None)
+        most = scene.sphere.radius_mm * frequency / HEARING[1]
+        yield judged("ball_modes", si(frequency, "Hz"), True, steel=steel, most=most)
 
 
-def _impact(scene: Scene) -> Finding:
-    """State speed, time, force and contact of the first impact on a rigid plate."""
+def _fall(scene: Scene) -> Iterator[Finding]:
+    """State the first impact on a rigid plate, and compare it with surface, sphere and hardness."""
     fall, duration = drop.fall_s(scene), scene.duration
-    value = (
-        f"{si(drop.speed_m_s(scene), 'm/s')} after {si(fall, 's')}, up to"
-        f" {si(drop.largest_force_n(scene), 'N')} for {si(drop.impact_s(scene), 's')}"
-    )
-    return judged("drop", value, fall >= duration, duration=duration, fall=fall)
-
-
-def _room(scene: Scene) -> Finding:
-    """Compare the contact of the first impact with surface, sphere and thickness."""
-    force, period = drop.largest_force_n(scene), cost.shortest_period(scene)
+    force, contact_time = drop.largest_force_n(scene), drop.impact_s(scene)
+    value = f"{si(drop.speed_m_s(scene), 'm/s')} after {si(fall, 's')}, up to"
+    value += f" {si(force, 'N')} for {si(contact_time, 's')}"
+    yield judged("drop", value, fall >= duration, duration=duration, fall=fall)
     radius = closed_forms.hertz_radius(force, scene.radius, scene.contact_modulus)
-    thickness, doubt = scene.plate.thickness_mm, ""
+    period, thickness, doubt = cost.shortest_period(scene), scene.plate.thickness_mm, ""
     if 2 * radius > period:
         doubt = "surface"
     elif radius > MAX_CONTACT * scene.radius:
@@ -167,13 +150,8 @@ def _room(scene: Scene) -> Finding:
     numbers = {"period": period, "width_um": 2e6 * radius, "share": radius / scene.radius}
     numbers |= {"most": MAX_CONTACT, "thick": vibration.THICK}
     numbers |= {"thickness": 1e3 * radius / vibration.THICK}
-    return judged("drop_width", f"radius {si(radius, 'm')}", doubt, **numbers)
-
-
-def _yielding(scene: Scene) -> list[Finding]:
-    """Compare the drop with the height from which the impact yields."""
-    if not math.isfinite(scene.hardness):
-        return []
-    height = drop.elastic_height_m(scene)
-    value, yields = f"up to {rounded(1e3 * height)} mm", drop.height_m(scene) > height
-    return [judged("impacts_yield", value, yields, most=1e3 * height)]
+    yield judged("drop_width", f"radius {si(radius, 'm')}", doubt, **numbers)
+    if math.isfinite(scene.hardness):
+        height = 1e3 * drop.elastic_height_m(scene)
+        yields = 1e3 * drop.height_m(scene) > height
+        yield judged("impacts_yield", f"up to {rounded(height)} mm", yields, most=height)

@@ -10,6 +10,7 @@ estimate with runs.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -39,12 +40,17 @@ _SPEEDS = 61  # number of speeds, as a sharp resonance needs them
 _WAVES, _ACROSS, _LINES = 160, 160, 40_000  # points along, across, and over the resonance
 
 
-def findings(scene: Scene) -> list[Finding]:
-    """Judge the vibration of a scene; nothing without dynamics."""
-    if scene.dynamics is None:
-        return []
-    plate = _half_space(scene) if of_scene.plate(scene) is None else _bending(scene)
-    return [_force(scene), _waves(scene), *plate, *_edges(scene), *_marches(scene)]
+def findings(scene: Scene) -> Iterator[Finding]:
+    """Judge the vibration of a scene with dynamics."""
+    yield _force(scene)
+    yield _waves(scene)
+    if of_scene.plate(scene) is None:
+        lowest = HALF_SPACE_HZ_M / scene.sound.distance_m
+        yield judged("half_space_sound", si(lowest, "Hz"), lowest > HEARING[0])
+    else:
+        yield from _bending(scene)
+    yield from _edges(scene)
+    yield from _marches(scene)
 
 
 def resonance(scene: Scene) -> Finding:
@@ -135,13 +141,7 @@ def _waves(scene: Scene) -> Finding:
 # ---- plate
 
 
-def _half_space(scene: Scene) -> list[Finding]:
-    """Judge the distance of the listener from a half-space."""
-    lowest = HALF_SPACE_HZ_M / scene.sound.distance_m
-    return [judged("half_space_sound", si(lowest, "Hz"), lowest > HEARING[0])]
-
-
-def _bending(scene: Scene) -> list[Finding]:
+def _bending(scene: Scene) -> Iterator[Finding]:
     """Judge thickness, bending theory and distance of the listener of a plate that bends."""
     plate, distance = of_scene.plate(scene), scene.sound.distance_m
     assert plate is not None  # asked for by the caller
@@ -152,19 +152,17 @@ def _bending(scene: Scene) -> list[Finding]:
     thin, thick = 1e3 * thickness * limit / HEARING[1], 1e3 * radius / THICK
     least, thicknesses = 1e3 * thickness * air / LOADED_HZ, of_scene.LEAST_THICKNESSES
     doubt, critical = limit < HEARING[1], si(plate.critical_hz, "Hz")
-    return [
-        judged("air_load", si(air, "Hz"), air > LOADED_HZ, least=least),
-        judged("contact_thickness", rounded(share), share > THICK, most=THICK, least=thick),
-        judged("bending", si(limit, "Hz"), doubt, thicknesses=thicknesses, most=thin),
-        judged("coincidence", critical, too_close, near=near),
-    ]
+    yield judged("air_load", si(air, "Hz"), air > LOADED_HZ, least=least)
+    yield judged("contact_thickness", rounded(share), share > THICK, most=THICK, least=thick)
+    yield judged("bending", si(limit, "Hz"), doubt, thicknesses=thicknesses, most=thin)
+    yield judged("coincidence", critical, too_close, near=near)
 
 
-def _edges(scene: Scene) -> list[Finding]:
+def _edges(scene: Scene) -> Iterator[Finding]:
     """State modes, contact point and limits of a plate with edges."""
     plate = of_scene.rectangular_plate(scene)
     if plate is None:
-        return []
+        return
     modes, count = "none up to 30 kHz", len(plate.angular_frequency)
     if count:
         lowest = float(plate.angular_frequency[0]) / (2 * math.pi)
@@ -181,31 +179,28 @@ def _edges(scene: Scene) -> list[Finding]:
     contact = f"fixed at {ends[0]}: seen from the plate the sphere rolls on the spot"
     if len(ends) > 1:
         contact = f"to-and-fro from {ends[0]} to {ends[1]}; its record does not loop"
-    return [
-        judged("plate_modes", modes, not count),
-        judged("plate_sag", si(sag, "m"), bends, most=most),
-        Finding("plate_contact", "contact on the plate", contact),
-    ]
+    yield judged("plate_modes", modes, not count)
+    yield judged("plate_sag", si(sag, "m"), bends, most=most)
+    yield Finding("plate_contact", "contact on the plate", contact)
 
 
 # ---- cost
 
 
-def _marches(scene: Scene) -> list[Finding]:
+def _marches(scene: Scene) -> Iterator[Finding]:
     """State the cost of the marches at other loads and of the release under the moving load."""
     assert scene.dynamics is not None  # asked for by the caller
     (falling, total), seconds = cost.fall_seconds(scene), cost.lap_seconds(scene)
     others = scene.dynamics.loads - 1
     total += others * seconds
     value = f"{others + falling} more marches, {computing(total)}, and more where the force leaves"
-    result = [Finding("force_law", "force law", f"{value} them", None, total)]
+    yield Finding("force_law", "force law", f"{value} them", None, total)
     if not scene.moves_release:
-        return result
+        return
     speed, frequency = scene.motion.slowest(scene.duration), cost.bounce_hz(scene)
     steps, least = speed / (frequency * scene.step), LEAST_STEPS * frequency * scene.step
     value = f"one more march, {computing(seconds)}, {rounded(steps)} steps in a period"
     if scene.dynamics.release is None:
         value += "; dynamics.release: false leaves it out"
     numbers = {"steps": steps, "least": LEAST_STEPS, "speed": least}
-    own = judged(OWN_MARCH, value, steps < LEAST_STEPS, **numbers)
-    return [*result, replace(own, seconds=seconds)]
+    yield replace(judged(OWN_MARCH, value, steps < LEAST_STEPS, **numbers), seconds=seconds)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import partial
-from operator import attrgetter as has
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,7 +51,7 @@ def _filters(run: Run) -> bool:
 
 
 _LEVELS, _AREAS = (partial(sweep.swept_table, names=names) for names in (sweep.LEVELS, sweep.AREAS))
-_VIBRATES = has("vibration")
+_VIBRATES = attrgetter("vibration")
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(
@@ -68,15 +68,17 @@ SINGLE = {
     "spectrogram": FigureKind(sound.spectrogram, among=True),
     "modulation": FigureKind(origins.modulation, origins.modulation_table, _turns),
     "wavelengths": FigureKind(
-        origins.wavelengths, origins.wavelength_table, has("wavelength_octaves")
+        origins.wavelengths, origins.wavelength_table, attrgetter("wavelength_octaves")
     ),
-    "running_in": FigureKind(origins.running_in, origins.running_in_table, has("result.passes")),
+    "running_in": FigureKind(
+        origins.running_in, origins.running_in_table, attrgetter("result.passes")
+    ),
     "surface": FigureKind(contact.surface),
     "contact_pressure": FigureKind(
-        contact.contact_pressure, holds=has("result.snapshot"), among=True
+        contact.contact_pressure, holds=attrgetter("result.snapshot"), among=True
     ),
     "recovery_events": FigureKind(
-        contact.recovery_events, contact.recovery_event_table, has("event_statistics")
+        contact.recovery_events, contact.recovery_event_table, attrgetter("event_statistics")
     ),
     "sources": FigureKind(vibration.sources, vibration.source_table, _VIBRATES),
     "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _VIBRATES),

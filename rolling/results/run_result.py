@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,6 @@ from rolling.terminal import progress
 if TYPE_CHECKING:
     import xarray
 
-Writer = Callable[["Run", Path, bool], Path]  # run, folder, report
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run:
@@ -52,7 +50,6 @@ class Run:
     sound : ContactSound. Sound pressure, levels and their uncertainty.
     summary : dict. The numbers of summary.json; a run that was opened has the stored ones.
     vibration : Vibration. Vibration of sphere and plate; None unless the scene has dynamics.
-    writer : callable. The function behind `save`, which stands above this module.
     """
 
     label: str
@@ -63,7 +60,9 @@ class Run:
     sound: ContactSound
     summary: dict[str, Any]
     vibration: Vibration | None = None
-    writer: Writer | None = None
+
+    # `save` writes a run folder. Its module stands above this one and binds it.
+    save: ClassVar[Callable[..., Path]]
 
     @property
     def home(self) -> Path:
@@ -224,27 +223,6 @@ class Run:
         print(f"listen: {path}   {listening.heard(self)[1]}")
         listening.open_player(path)
         return None
-
-    def save(self, folder: Path | str, report: bool = True) -> Path:
-        """Write the run folder that `rolling run` would write.
-
-        Parameters
-        ----------
-        folder : Path or str. The folder to make.
-        report : bool. Write the report page as well. Default: true.
-
-        Returns
-        -------
-        folder : Path. The new folder, for `open_run`.
-
-        Raises
-        ------
-        FolderError : the folder exists already.
-        TypeError : the run does not come from `simulate`, `simulate_sweep` or `open_run`.
-        """
-        if self.writer is None:
-            raise TypeError("only runs of simulate, simulate_sweep and open_run can be saved")
-        return self.writer(self, Path(folder), report)
 
     def to_xarray(self) -> xarray.DataTree:
         """Return the content of result.h5 as a tree.

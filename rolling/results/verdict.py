@@ -7,7 +7,7 @@ A contribution is a known error or a broken limit. Up to 1 dB it leaves the leve
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -106,13 +106,8 @@ def conclusion(scene: Scene, findings: Findings) -> str:
 
 def contributions(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     """List the contributions to the uncertainty of LAeq, the worst first."""
-    parts = [
-        *_source(summary, scene),
-        *_record(summary),
-        *_motion(summary),
-        *_limits(summary, scene),
-        *_grid(summary, scene),
-    ]
+    rules = _source, _record, _motion, _limits, _grid
+    parts = (part for rule in rules for part in rule(summary, scene))
     return sorted(parts, key=lambda part: part.rank, reverse=True)
 
 
@@ -140,15 +135,16 @@ def _unsized(name: str, variant: str = "", word: str = INDICATIVE, **facts: obje
 # ---- contributions
 
 
-def _source(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
-    """Return the bound that a level of the release is."""
+def _source(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
+    """Yield the bound that a level of the release is."""
     if summary.get("source") == "vibration":
-        return []
+        return
     if scene.sound.gain_pa_per_w_m2 is not None:
-        return [_unsized("fixed_gain")]
-    if scene.sound.q != 1:
-        return [_unsized("assumed_q", q=scene.sound.q)]
-    return [_unsized("upper_bound")._replace(decibels=above_vibration_db(summary))]
+        yield _unsized("fixed_gain")
+    elif scene.sound.q != 1:
+        yield _unsized("assumed_q", q=scene.sound.q)
+    else:
+        yield _unsized("upper_bound")._replace(decibels=above_vibration_db(summary))
 
 
 def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
@@ -159,7 +155,7 @@ def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
     return None if estimate is None or laeq is None else float(laeq - estimate)
 
 
-def _record(summary: Mapping[str, Any]) -> list[Contribution]:
+def _record(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     """Return the parts of ±: length of the record, its comb of lines, and time steps."""
     keys = ["comb_spread_db", "motion_step_error_db"]
     if summary.get("source") != "vibration":
@@ -175,17 +171,18 @@ def _record(summary: Mapping[str, Any]) -> list[Contribution]:
     return parts
 
 
-def _grid(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
-    """Return the errors of grid, missing detail, solver and force law, known or unknown."""
+def _grid(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
+    """Yield the errors of grid, missing detail, solver and force law, known or unknown."""
     keys = ["laeq_solver_error_db"]
     if summary.get("source") == "vibration":
         keys.append("force_law_error_db")
-    parts = [_sized(key, summary[key]) for key in keys if summary.get(key) is not None]
+    yield from (_sized(key, summary[key]) for key in keys if summary.get(key) is not None)
     if (grid := _whole_error(summary, "laeq_grid_error")) is None:
-        return [*parts, _unknown_grid(summary, scene)]
+        yield _unknown_grid(summary, scene)
+        return
+    yield _sized(resolution.KEY, grid)
     detail = _whole_error(summary, "laeq_subgrid_error")
-    below = _unsized("subgrid", ".unknown") if detail is None else _sized("subgrid", detail)
-    return [*parts, _sized(resolution.KEY, grid), below]
+    yield _unsized("subgrid", ".unknown") if detail is None else _sized("subgrid", detail)
 
 
 def _whole_error(summary: Mapping[str, Any], name: str) -> float | None:
@@ -207,36 +204,33 @@ def _unknown_grid(summary: Mapping[str, Any], scene: Scene) -> Contribution:
     return _unsized(resolution.KEY, ".unknown", why=why)
 
 
-def _motion(summary: Mapping[str, Any]) -> list[Contribution]:
-    """Return the limits of a motion: extrapolated forces, impacts and flight."""
-    parts, outside = [], summary.get("force_outside_share") or 0.0
+def _motion(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
+    """Yield the limits of a motion: extrapolated forces, impacts and flight."""
     if summary.get("impacts_yield"):
-        parts.append(_unsized("impacts_yield", word=DO_NOT_QUOTE))
-    if outside > 0:  # the share that ends a level counts as the decibels that end it
+        yield _unsized("impacts_yield", word=DO_NOT_QUOTE)
+    if (outside := summary.get("force_outside_share") or 0.0) > 0:
+        # The share that ends a level counts as the decibels that end it.
         decibels = LIMITS_DB[1] * outside / MOST_OUTSIDE
-        parts.append(_sized("force_outside", decibels, percent=100 * outside))
+        yield _sized("force_outside", decibels, percent=100 * outside)
     if (flight := summary.get("flight_share") or 0.0) > 0:
         # A fall is one event, and its parts differ in any case.
         scatter = 0.0 if "drop_mm" in summary else summary.get("record_scatter_db") or 0.0
-        parts.append(_sized("impacts", scatter, least=INDICATIVE, percent=100 * flight))
-    return parts
+        yield _sized("impacts", scatter, least=INDICATIVE, percent=100 * flight)
 
 
-def _limits(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
-    """Return the broken limits of theory, sampling and height files, without their advice."""
-    parts = []
+def _limits(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
+    """Yield the broken limits of theory, sampling and height files, without their advice."""
     for caveat in summary.get("caveats", ()):
         key, text = caveat["key"], ": ".join(caveat["text"].split(": ")[:2])
         if key == "step_length":
             error = resolution.LEVEL_ERROR_DB * scene.track.step / resolution.contact_radius(scene)
-            parts.append(_sized(key, error, text=text))
+            yield _sized(key, error, text=text)
         elif key == "half_space_sound" and (bands := summary.get("third_octave_a_db")):
             if summary.get("source") == "vibration":
-                parts.append(_sized(key, _half_space_error_db(bands, scene.sound.distance_m)))
+                yield _sized(key, _half_space_error_db(bands, scene.sound.distance_m))
         elif key in (*_BROKEN, *_DOUBTFUL):
             word = DO_NOT_QUOTE if key in _BROKEN else INDICATIVE
-            parts.append(Contribution(key, word, None, text))
-    return parts
+            yield Contribution(key, word, None, text)
 
 
 def _half_space_error_db(bands: Mapping[str, float | None], distance: float) -> float:

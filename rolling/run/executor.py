@@ -31,12 +31,8 @@ OF_A_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
 @contextmanager
 def ended_by_signal() -> Iterator[None]:
     """Raise KeyboardInterrupt for SIGTERM as for Ctrl-C, in the main thread."""
-
-    def interrupt(number: int, frame: Any) -> None:
-        raise KeyboardInterrupt
-
     try:
-        before = signal.signal(signal.SIGTERM, interrupt)
+        before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     except ValueError:  # only the main thread may handle signals
         yield
         return

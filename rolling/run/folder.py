@@ -28,13 +28,8 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-SCENE, RESULT, SUMMARY, FAILED, PIECES = (
-    "scene.yaml",
-    "result.h5",
-    "summary.json",
-    "failed.json",
-    "pieces",
-)
+SCENE, RESULT, SUMMARY = "scene.yaml", "result.h5", "summary.json"
+FAILED, PIECES = "failed.json", "pieces"
 MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so
 LOCK, PART_LOCK = ".lock", ".lock-{}-of-{}"
 LOCK_SECONDS = 2.0  # patience with the momentary look of `status`

@@ -21,16 +21,12 @@ from pydantic import Field
 from ruamel.yaml import YAML
 
 from acoustics.numbers import rounded
-from rolling.scene.messages import fault, shown
+from rolling.scene.messages import SceneError, fault, shown
 
 # In an installed package the scenes stand inside of it, in a checkout beside it.
 _PLACES = (Path(__file__).parents[1] / "scenarios", Path(__file__).parents[2] / "scenarios")
 _SUFFIX = ".yaml"
 _SCHEMA = "scene.schema.json"
-
-
-class LibraryError(Exception):
-    """A scene that the library does not hold, or a copy that would replace a file, in one line."""
 
 
 def folder() -> Path:
@@ -73,19 +69,18 @@ def copy(name: str, target: Path) -> list[Path]:
     """Copy a scene of the library into a folder, with its heights and the schema that it names.
 
     Return the files that were written, the scene first; other files that exist stay as they are.
-    Raise LibraryError where there is no such scene, or the file exists.
+    Raise SceneError where there is no such scene, or the file exists.
     """
     file = scenes().get(name.removesuffix(_SUFFIX))
     if file is None:
-        raise LibraryError(
-            f"{name}: no such scene in the library{_nearest(name)}; `rolling scenes` lists them"
-        )
+        words = f"no such scene in the library{_nearest(name)}; `rolling scenes` lists them"
+        raise SceneError([f"{name}: {words}"])
     content, written = file.read_bytes(), [target / file.name]
     try:
         _write_new(written[0], content)
     except FileExistsError as error:
         advice = "nothing is replaced; rename it or change to another folder"
-        raise LibraryError(f"{written[0]}: exists, and {advice}") from error
+        raise SceneError([f"{written[0]}: exists, and {advice}"]) from error
     named = [folder() / _SCHEMA] if f"$schema={_SCHEMA}".encode() in content else []
     for other in (*companions(file), *named):
         with suppress(FileExistsError):

@@ -19,13 +19,7 @@ from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
 from rolling.scene.messages import SceneError, dotted, fault, shown
 from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Section, Sound
 from rolling.scene.surfaces import BallHeightFile, HeightFile, Surface, turn_nodes
-from rolling.scene.track import (
-    Motion,
-    Track,
-    file_track,
-    made_track,
-    rolled,
-)
+from rolling.scene.track import Motion, Track, file_track, made_track, rolled
 
 STEEL_DENSITY = 7850.0  # [kg/m3]
 GRAVITY = 9.80665  # [m/s2]

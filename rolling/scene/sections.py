@@ -156,15 +156,10 @@ def _speed(value: Any) -> Any:
     return tuple(pairs)
 
 
-_PAIR = {"type": "array", "minItems": 2, "maxItems": 2}
-_PAIR |= {"prefixItems": [{"type": "number", "minimum": 0}] * 2}
-_SPEEDS = [
-    {"type": "number", "exclusiveMinimum": 0},
-    {"type": "array", "minItems": 2, "items": _PAIR},
-]
+_Pair = tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
 Speed = Annotated[
-    float | tuple[tuple[float, float], ...],
-    *(BeforeValidator(_speed), WithJsonSchema({"anyOf": _SPEEDS})),
+    Annotated[float, Field(gt=0)] | Annotated[tuple[_Pair, ...], Field(min_length=2)],
+    BeforeValidator(_speed),
 ]
 
 

@@ -1,4 +1,4 @@
-"""Surface of a scene, generated or read, centred and levelled, and a wider one like it.
+"""Surface of a scene, generated or read, centred and levelled.
 
 March, statistics and pictures take the heights from this module. The last surface is kept, because
 most runs of a sweep share it, and small ones before it, so that a sweep may alternate between them.
@@ -174,44 +174,6 @@ def continued_rows(scene: Scene, first: int, rows: int) -> Array:
     seed = scene.laws[0].seed, first % len(whole), rows
     laws = [(law.rq_m, law) for law in scene.laws]
     return made.continued(patch, scene.spacing, laws, seed)
-
-
-def wider_times(scene: Scene) -> int | None:
-    """Return the factor on the width that keeps the sphere's line on its nodes.
-
-    It is 2, or 3 for an odd number of nodes across. It is None for smooth plates, which have no
-    width to judge, for height files, which end at their edges, for heights that are not Gaussian,
-    whose asperities change with the period, and where faults or the surface of the sphere add to
-    the heights.
-    """
-    law = scene.surface.law
-    if law is None or not law.is_gaussian or scene.faults or scene.sphere.surface:
-        return None
-    return 2 if scene.track.n_across % 2 == 0 else 3
-
-
-def wider_heights(scene: Scene, times: int) -> Array:
-    """Generate the surface of a scene `times` as wide, (along, times across) [m].
-
-    The scene's own white noise lies in the middle, between columns of other noise, and its scale is
-    kept. Filtered on the wider period, the asperities in the middle differ from the
-    scene's by the influence of its narrower period only.
-
-    Raises
-    ------
-    SurfaceError
-        The filter leaves nothing.
-    """
-    law, track = scene.surface.law, scene.track
-    assert law is not None  # asked for by the caller
-    sides = track.n_across * (times - 1)
-    other = np.random.default_rng([law.seed, times]).standard_normal((track.n_along, sides))
-    left, right = np.split(other, 2, axis=1)
-    own = surface.white_noise((track.n_along, track.n_across), law.seed)
-    narrow, wide = (
-        made.filtered(noise, scene.spacing, law) for noise in (own, np.hstack([left, own, right]))
-    )
-    return wide * made.scale(narrow, scene.spacing, law)
 
 
 # ---- surface of a sphere

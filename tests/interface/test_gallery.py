@@ -115,6 +115,6 @@ def test_without_scripts_it_plays_and_without_folders_it_says_what_to_give(
     assert not page.locator(".modes").is_visible()
     context.close()
     done = rolling(["gallery"], tmp_path)
-    assert done.returncode == 2 and "name the run folders" in done.stderr
+    assert done.returncode == 2 and "required: RUN" in done.stderr
     done = rolling(["gallery", "nothing"], tmp_path)
     assert done.returncode == 2 and not [*tmp_path.iterdir()]

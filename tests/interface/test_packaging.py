@@ -177,7 +177,11 @@ def test_the_wheel_has_the_packages_and_the_scenes_and_nothing_else(
     }
     data = re.compile(r"rolling/(report/assets/.*|.*\.toml|scene/.*\.yaml)$")
     assets = {name for name in _files(source) if data.match(name)}
-    typed = {"rolling/py.typed", "rolling/__init__.pyi", "acoustics/py.typed"}
+    typed = {
+        f"{name}/{file}"
+        for name in ("rolling", "acoustics")
+        for file in ("py.typed", "__init__.pyi")
+    }
     assert names == modules | scenes | assets | typed and len(scenes) > 30
     (info,) = site.glob("*.dist-info")
     text = (info / "METADATA").read_text(encoding="utf-8")

@@ -283,7 +283,7 @@ def test_check_states_the_made_heights(
 
 
 def test_a_run_reports_its_made_heights() -> None:
-    """Plate and sphere are described in the summary; only Gaussian plates are made wider."""
+    """Plate and sphere are described in the summary."""
     ball = "sphere.surface={kind: gaussian, roughness_ra_um: 0.01, correlation_length_um: 8"
     short = "rolling.duration_s=null", "rolling.distance_mm=0.064", "rolling.load_n=0.1"
     small = scene(*short, AFFINE % "rq_um: 0.05" + ", width_um: 64, seed: 1, skewness: -0.5}")
@@ -291,9 +291,6 @@ def test_a_run_reports_its_made_heights() -> None:
     assert summary["surface_made"]["skewness"] == pytest.approx(-0.5, abs=0.3)
     assert "4 to 8" in summary["surface_made"]["spectrum_error_db"]
     assert "self-affine from 16 to 4 µm" in surface_words(small)
-    assert scene_surface.wider_times(small) is None and not scene_surface.has_detail(small)
-    gaussian = small.with_({"surface.skewness": None})
-    wide = scene_surface.wider_heights(gaussian, scene_surface.wider_times(gaussian))
-    assert wide.shape == (small.track.n_along, 128)
+    assert not scene_surface.has_detail(small)
     both = scene(*short, f"{ball}, seed: 1, kurtosis: 4}}")
     assert [*scene_surface.scene_surface(both).made] == ["ball_surface_made"]

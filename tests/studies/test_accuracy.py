@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ from rolling.accuracy import work_precision
 from rolling.accuracy.variants import stretch_of, variant_contact, variants_of
 from rolling.contact.solver import ContactError
 from rolling.scene.scene import Scene
-from rolling.surface import refined, scene_surface
+from rolling.surface import refined
 
 pytestmark = pytest.mark.slow
 ELASTIC: dict[str, Any] = {
@@ -137,7 +136,6 @@ def test_height_files_are_refined_by_their_spectrum(tmp_path: Path) -> None:
         file = {"kind": "file", "path": f"{name}.npy", "height_unit": "m", "spacing_um": 2}
         scene = Scene.from_dict(scene_of().to_dict() | {"surface": file}, tmp_path)
         own, reference = variants_of(scene, 4)[:2]
-        assert all(v.width == 1 for v in variants_of(scene, 4))  # nothing is known beyond a file
         contacts[name] = variant_contact(scene, own), variant_contact(scene, reference)
     own, fine = contacts["pits"]
     flat = np.repeat(np.repeat(own.heights, 4, axis=0), 4, axis=1)
@@ -160,21 +158,6 @@ def test_refining_keeps_the_nodes_and_the_line_of_the_sphere(times: int) -> None
         assert np.allclose(
             np.roll(fine, -(times // 2), axis=1)[::times, ::times], ridge, atol=1e-13
         )
-
-
-@pytest.mark.parametrize(("width", "times"), [(256, 2), (250, 3)])
-def test_a_wider_surface_has_the_same_asperities_in_its_middle(width: float, times: int) -> None:
-    scene = scene_of(**{"surface.width_um": width, "rolling.duration_s": 0.02})
-    assert scene_surface.wider_times(scene) == times
-    own, wide = scene_surface.heights(scene), scene_surface.wider_heights(scene, times)
-    assert wide.shape == (own.shape[0], times * own.shape[1])
-    first = own.shape[1] * (times - 1) // 2
-    off = wide[:, first : first + own.shape[1]] - own
-    # away from the seam of the narrower period; zero means differ by a constant
-    assert np.ptp(off[:, 20:-20]) < 1e-6 * np.std(own)
-    assert np.std(off[:, :3]) > 0.1 * np.std(own)
-    contact = variant_contact(scene, replace(variants_of(scene, 2)[0], width=times))
-    assert contact.heights.shape == wide.shape
 
 
 # ---- the command
