@@ -9,8 +9,8 @@ from acoustics.numbers import rounded
 from rolling.check import cost, resolution, vibration
 from rolling.check.finding import Finding, judged, sentence, si
 from rolling.check.resolution import HEARING
-from rolling.contact import closed_forms
-from rolling.dynamics import drop, of_scene
+from rolling.dynamics import drop
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import library
 from rolling.scene.quantities import STEEL_DENSITY
 from rolling.scene.scene import Scene
@@ -49,7 +49,8 @@ def _near(scene: Scene) -> list[Finding]:
 
 def _half_space(scene: Scene) -> list[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
-    slope, share = cost.roughness(scene)[1], resolution.contact_radius(scene) / scene.radius
+    slope = cost.roughness(scene)[1]
+    share = max(resolution.contact_radius(scene) / scene.radius, _share_across(scene))
     advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
     if scene.sphere.surface is not None:
         advice += ", of plate or sphere"
@@ -68,6 +69,11 @@ def _half_space(scene: Scene) -> list[Finding]:
     return findings
 
 
+def _share_across(scene: Scene) -> float:
+    """Return the semi-axis of the smooth elastic contact across the track over the radius there."""
+    return semi_axes(scene)[1] / scene.radius_across
+
+
 def _bouncing(scene: Scene) -> Finding:
     """Name the frequency at which the ball bounces, and weigh its part of the sound.
 
@@ -82,7 +88,7 @@ def _bouncing(scene: Scene) -> Finding:
     ball = steel if density is None else f"of {density:g} kg/m3"
     if scene.laws:
         correlation = 1e-6 * min(law.lengths_um[0] for law in scene.laws)
-    wave = speed / frequency / (of_scene.hertz_radius(scene) + correlation)
+    wave = speed / frequency / (semi_axes(scene)[0] + correlation)
     weight = "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
     part = sentence("resonance", weight)
     numbers = {"ball": ball, "frequency": frequency, "speed": speed, "part": part}
@@ -156,7 +162,7 @@ def _impact(scene: Scene) -> Finding:
 def _room(scene: Scene) -> Finding:
     """Compare the contact of the first impact with surface, sphere and thickness."""
     force, period = drop.largest_force_n(scene), cost.shortest_period(scene)
-    radius = closed_forms.hertz_radius(force, scene.radius, scene.contact_modulus)
+    radius = max(semi_axes(scene, force))
     thickness, doubt = scene.plate.thickness_mm, ""
     if 2 * radius > period:
         doubt = "surface"

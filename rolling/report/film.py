@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from acoustics.arrays import Array
-from rolling.figures.vibration import hertz_radius
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.marches.observers import SlowMotion
 from rolling.report import maps
 from rolling.report.maps import Pixels
@@ -60,7 +60,7 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
         "size": slow.pressure.shape[1:],
         "most_cells": int(np.count_nonzero(slow.pressure, axis=(1, 2)).max()),
         "cell_um": slow.cell * 1e6,
-        "hertz_um": 1e6 * hertz_radius(run),
+        "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
         "centres": _centres(run, slow),
         "times": np.round(times, 8).tolist(),
         "power_uw": _short(power * 1e6),

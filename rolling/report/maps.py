@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from acoustics.arrays import Array
-from rolling.figures.vibration import hertz_radius
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.marches.observers import PressureMap
 from rolling.results.run_result import Run
 from rolling.scene.track import Motion
@@ -88,7 +88,7 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
         return None
     hardness = max(run.scene.hardness for run in mapped)
     computed = max(float(shown.pressure.max()) for run in mapped for shown in sounding_maps(run))
-    reach = [1e6 * hertz_radius(run) for run in mapped]
+    reach = [1e6 * max(semi_axes(run.scene)) for run in mapped]
     for run in mapped:
         for shown in sounding_maps(run):
             left, top, cell = _box(shown, run)
@@ -128,7 +128,7 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
         "boxes": [[round(value, 4) for value in _box(shown, run)] for shown in maps],
         "begins": np.round(begins, 7).tolist(),
         "order": order.tolist(),
-        "hertz_um": 1e6 * hertz_radius(run),
+        "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
         "load_n": run.scene.load,
         "position_mm": [float(f"{shown.distance * 1e3:.6g}") for shown in maps],
         "max_pressure_gpa": series("max_pressure", 1e-9),

@@ -3,7 +3,7 @@
 import { $, HOLD_MS, data, modulo, ownTime, runs, state } from "./core.js";
 import { pause, seek } from "./player.js";
 import { render, seconds } from "./motion.js";
-import { drawArrow, drawCircle, drawScale } from "./marks.js";
+import { drawArrow, drawEllipse, drawScale } from "./marks.js";
 
 /** Which of the stretches of time with one map each the chosen run is in. */
 export function stretch() {
@@ -72,7 +72,7 @@ export function drawMap({ maps }, map) {
     pen.imageSmoothingEnabled = false; // a cell is what was computed, nothing between cells was
     pen.drawImage(state.sheets[state.run], x, y, width, height, middle + left, middle - top, width * cell, height * cell);
   }
-  if (maps) drawCircle(pen, middle, middle, maps.hertz_um * perUm);
+  if (maps) drawEllipse(pen, middle, middle, maps.hertz_um.map((axis) => axis * perUm));
   drawScale(pen, perUm, data.view.half_um / 1.5);
   drawArrow(pen);
 }

@@ -1,6 +1,6 @@
 // ---- a map of the slow motion as a picture ----
 
-import { drawCircle } from "./marks.js";
+import { drawEllipse } from "./marks.js";
 
 export const MOST_PX = 1200; // width of a picture
 
@@ -40,5 +40,5 @@ export function drawMoment(pen, pictures, shown, at, scale, isEmpty = false) {
     drawPart(pen, pictures.release, shown.release, at, scale);
   }
   const [x, y] = shown.centres[at];
-  drawCircle(pen, x * scale, y * scale, (shown.hertz_um / shown.cell_um) * scale);
+  drawEllipse(pen, x * scale, y * scale, shown.hertz_um.map((axis) => (axis / shown.cell_um) * scale));
 }

@@ -1,13 +1,13 @@
 // ---- marks on pictures of the contact: circle, scale and arrow ----
 
 /** Draws the dashed circle of the contact of a smooth sphere. */
-export function drawCircle(pen, x, y, radius) {
+export function drawEllipse(pen, x, y, [along, across]) {
   pen.setLineDash([9, 7]);
   for (const [colour, width] of [["#000", 5], ["#7fd4ff", 2]]) { // seen on the darkest pressure and on the lightest
     pen.strokeStyle = colour;
     pen.lineWidth = width;
     pen.beginPath();
-    pen.arc(x, y, radius, 0, 2 * Math.PI);
+    pen.ellipse(x, y, along, across, 0, 0, 2 * Math.PI);
     pen.stroke();
   }
   pen.setLineDash([]);

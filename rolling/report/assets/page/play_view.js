@@ -134,7 +134,7 @@ function drawLens() {
   if (map === view.map || now - view.mapAt < (isStill() ? 1000 : LENS_MS)) return;
   Object.assign(view, { map, mapAt: now });
   const canvas = $("#play-lens"), pen = canvas.getContext("2d"), { width } = canvas;
-  const perUm = width / 2.6 / maps.hertz_um, middle = width / 2;
+  const perUm = width / 2.6 / Math.max(...maps.hertz_um), middle = width / 2;
   pen.fillStyle = "#000";
   pen.fillRect(0, 0, width, width);
   if (!sheet.complete) return;

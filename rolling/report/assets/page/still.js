@@ -4,7 +4,7 @@ import { $, data, runs, state } from "./core.js";
 import { sheetOf } from "./contact.js";
 import { picturesOf } from "./film.js";
 import { drawMoment, loudestMap } from "./film_still.js";
-import { drawArrow, drawCircle, drawScale } from "./marks.js";
+import { drawArrow, drawEllipse, drawScale } from "./marks.js";
 
 export const ASPECT = 1.5; // width of the picture over its height
 
@@ -40,7 +40,7 @@ export function drawMapStill(pen, maps) {
   const [left, top, cell] = maps.boxes[map].map((um) => um * perUm);
   if (sheet.complete) pen.drawImage(sheet, u, v, w, h, width / 2 + left, height / 2 - top, w * cell, h * cell);
   else sheet.addEventListener("load", showStill, { once: true });
-  drawCircle(pen, width / 2, height / 2, maps.hertz_um * perUm);
+  drawEllipse(pen, width / 2, height / 2, maps.hertz_um.map((axis) => axis * perUm));
   finishStill(pen, perUm);
   return "The contact from above: the pressure on the asperities.";
 }
