@@ -46,7 +46,7 @@ def track_of(radius: float, radius_across: float, nodes: float, **changes: float
 @pytest.mark.parametrize("ratio", [1.5, 5.0, 30.0])
 @pytest.mark.parametrize("is_transposed", [False, True])
 def test_area_approach_and_pressure_are_those_of_hertz(ratio: float, is_transposed: bool) -> None:
-    """Measured 1.7 to 2.6 % (2.6 % of a sphere, by whole rim nodes), 2e-4 and 7e-4 (half a node) at 12."""
+    """Measured 2.6 % (as of a sphere, by whole rim nodes), 2e-4 and, by half a node, 7e-4."""
     radii = (RADIUS, ratio * RADIUS)[:: -1 if is_transposed else 1]
     along, across, approach, pressure = hertz(*radii)
     track = track_of(*radii, nodes=12)
