@@ -50,7 +50,8 @@ def _near(scene: Scene) -> list[Finding]:
 def _half_space(scene: Scene) -> list[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
     slope = cost.roughness(scene)[1]
-    share = max(resolution.contact_radius(scene) / scene.radius, _share_across(scene))
+    along, across = resolution.contact_radius(scene), semi_axes(scene)[1]
+    share = max(along / scene.radius, across / scene.radius_across)
     advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
     if scene.sphere.surface is not None:
         advice += ", of plate or sphere"
@@ -67,11 +68,6 @@ def _half_space(scene: Scene) -> list[Finding]:
         sharp = {"slope": slope, "most": MAX_SLOPE}
         findings.append(judged("fault_slope", rounded(slope), slope > MAX_SLOPE, **sharp))
     return findings
-
-
-def _share_across(scene: Scene) -> float:
-    """Return the semi-axis of the smooth elastic contact across the track over the radius there."""
-    return semi_axes(scene)[1] / scene.radius_across
 
 
 def _bouncing(scene: Scene) -> Finding:
