@@ -70,7 +70,7 @@ if __name__ == "__main__":
             **{f"rolling.{room}": ["*.toml", "*.yaml"] for room in TABLES},
             "acoustics": ["py.typed", "*.pyi"],
             "rolling.report": ["assets/*", "assets/*/*.js"],
-            SCENES: ["*.yaml", "*.sdf", "scene.schema.json", "*/*/*.yaml"],
+            SCENES: ["*.yaml", "*.sdf", "scene.schema.json", "*/*/*.yaml", "validation/*"],
         },
         include_package_data=False,
         long_description=project_page(),

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
+from rolling.dynamics.smooth_contact import equivalent_radius, semi_axes
 from rolling.scene.scene import Scene
 from rolling.surface import refined
 from rolling.surface.scene_surface import scene_surface
@@ -79,20 +80,28 @@ def roughness(scene: Scene) -> tuple[float, float]:
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:
-    """Estimate the radius [m] within which the sphere overlaps a surface of rms roughness rq [m].
+    """Estimate the reach [m] along the track of the overlap with a surface of rms height rq [m].
 
     It is sqrt(2 R (a^2/R + 1.5 rq)) with the radius R of the sphere and the Hertz radius a.
     """
-    approach = closed_forms.hertz_approach(scene.load, scene.radius, scene.contact_modulus)
+    radius = equivalent_radius(scene)
+    approach = closed_forms.hertz_approach(scene.load, radius, scene.contact_modulus)
     if math.isfinite(scene.hardness):
         # In rigid-plastic sinking the area of overlap times the hardness equals the load.
-        approach = max(approach, scene.load / (2 * math.pi * scene.radius * scene.hardness))
+        radius = math.sqrt(scene.radius * scene.radius_across)
+        approach = max(approach, scene.load / (2 * math.pi * radius * scene.hardness))
     return math.sqrt(2 * scene.radius * (approach + RISE * rq))
 
 
+def overlap_width(scene: Scene, rq: float) -> float:
+    """Estimate the reach [m] across the track of the overlap with rms heights rq [m]."""
+    return overlap_radius(scene, rq) * math.sqrt(scene.radius_across / scene.radius)
+
+
 def window_nodes(scene: Scene, rq: float) -> float:
-    """Estimate the nodes along a side of the window, which holds both ends of a step."""
-    return 2 * overlap_radius(scene, rq) / scene.spacing + max(1.0, scene.numerics.step_nodes)
+    """Estimate the nodes along the side of a square of the area of the window, at both ends."""
+    side = math.sqrt(overlap_radius(scene, rq) * overlap_width(scene, rq))
+    return 2 * side / scene.spacing + max(1.0, scene.numerics.step_nodes)
 
 
 def subcells(scene: Scene, is_read: bool = True) -> int:
@@ -164,9 +173,9 @@ def fall_seconds(scene: Scene) -> tuple[int, float]:
     """Estimate number and time [s] of the marches for the impacts of a drop; none without one."""
     if scene.rolling.drop_mm is None:
         return 0, 0.0
-    contact, period = (scene.radius, scene.contact_modulus), shortest_period(scene)
+    period = shortest_period(scene)
     loads = [load for sign in (-1, 1) for load in drop.loads(scene, sign)]
-    held = [load for load in loads if 2 * closed_forms.hertz_radius(load, *contact) <= period]
+    held = [load for load in loads if 2 * max(semi_axes(scene, load)) <= period]
     # Another load would roll out elsewhere.
     heavier = [scene.with_({"rolling.load_n": x, "rolling.resistance": None}) for x in held]
     return len(held), scene.track.solved_steps * sum(map(step_ms, heavier)) * 1e-3
@@ -266,6 +275,6 @@ def _events(scene: Scene) -> float:
     """Estimate the number of recovery events of a run, 0 where none are recorded."""
     if not scene.recovery.events:
         return 0.0
-    across = 2 * overlap_radius(scene, 0.0) / scene.spacing
+    across = 2 * overlap_width(scene, 0.0) / scene.spacing
     across = min(across, scene.track.n_along, scene.track.n_across)
     return EVENTS_PER_NODE * across * scene.track.solved_steps * scene.numerics.step_nodes

@@ -25,7 +25,7 @@ from rolling.check.finding import (
     si,
     surface_time,
 )
-from rolling.contact import closed_forms
+from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
@@ -251,15 +251,19 @@ def _march(scene: Scene) -> Iterator[Finding]:
 
 def _window(scene: Scene, rq: float) -> Finding:
     """Estimate the nodes of the window, and warn of a surface that is narrower than the contact."""
-    track, across = scene.track, 2 * cost.overlap_radius(scene, rq)
-    nodes, period = cost.window_nodes(scene, rq), cost.shortest_period(scene)
-    side = "width" if track.n_across <= track.n_along else "length"
-    length = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
-    key = "surface.width_um" if side == "width" else f"rolling.{length}"
+    track = scene.track
+    lengths = 2 * cost.overlap_width(scene, rq), 2 * cost.overlap_radius(scene, rq)
+    periods = track.n_across * scene.spacing, track.n_along * scene.spacing
+    side = "width" if lengths[0] / periods[0] >= lengths[1] / periods[1] else "length"
+    across, period = (lengths[0], periods[0]) if side == "width" else (lengths[1], periods[1])
+    key = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
+    key = "surface.width_um" if side == "width" else f"rolling.{key}"
     if isinstance(scene.surface, HeightFile) and not (side == "width" and scene.surface.width_um):
         key = "height file"
     numbers = {"across": across, "side": side, "period": period, "key": key, "least": 1e6 * across}
-    value = f"about {nodes:.0f} x {nodes:.0f} nodes"
+    ahead = max(1.0, scene.numerics.step_nodes)
+    columns, rows = (length / scene.spacing + ahead for length in lengths)
+    value = f"about {rows:.0f} x {columns:.0f} nodes"
     return judged("window", value, across > period, **numbers)
 
 
@@ -275,11 +279,13 @@ def _memory(scene: Scene) -> Iterator[Finding]:
 
 def _smooth_contact(scene: Scene) -> Iterator[Finding]:
     """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
-    contact = scene.load, scene.radius, scene.contact_modulus
-    radius, pressure = closed_forms.hertz_radius(*contact), closed_forms.hertz_pressure(*contact)
+    (length, width), pressure = semi_axes(scene), maximum_pressure(scene)
+    radius, shape = min(length, width), si(length, "m")
+    if length != width:
+        shape += f" along, {si(width, 'm')} across"
     nodes, coarse = radius / scene.spacing, radius / MIN_HERTZ_NODES * 1e6
     numbers = {"nodes": nodes, "least": MIN_HERTZ_NODES, "spacing_um": coarse}
-    yield Finding("hertz_radius", "Hertz radius", si(radius, "m"))
+    yield Finding("hertz_radius", "Hertz radius", shape)
     yield Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa"))
     yield from _hardness(scene, pressure)
     yield judged("hertz_nodes", rounded(nodes, 3), nodes < MIN_HERTZ_NODES, **numbers)

@@ -20,7 +20,7 @@ from acoustics import bands
 from acoustics.numbers import rounded
 from rolling.check import cost
 from rolling.check.finding import Finding, judged, sentence, si
-from rolling.dynamics import of_scene
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
@@ -87,8 +87,8 @@ def grid_signal_db(scene: Scene) -> float | None:
     # A rough elastic contact carries E* slope / sqrt(2 pi) on its loaded area, a smooth one Hertz's
     # mean pressure, and no area more than the hardness.
     rough = scene.contact_modulus * slope / math.sqrt(2 * math.pi)
-    radius = of_scene.hertz_radius(scene)
-    pressure = min(scene.hardness, max(rough, scene.load / (math.pi * radius**2)))
+    length, width = semi_axes(scene)
+    pressure = min(scene.hardness, max(rough, scene.load / (math.pi * (length * width))))
     error = CONSTANT_DB + PER_LENGTH_DB * math.log10(rq / slope / scene.spacing)
     error += PER_AREA_DB * math.log10(scene.load / pressure / scene.spacing**2)
     error += FLAT_DB if flat else 0.0
@@ -213,9 +213,10 @@ def _grid_tone(scene: Scene) -> Finding:
 
 
 def contact_radius(scene: Scene) -> float:
-    """Return the larger of the elastic and the fully plastic radius [m] of a smooth contact."""
-    elastic = of_scene.hertz_radius(scene)
-    return max(elastic, math.sqrt(scene.load / (math.pi * scene.hardness)))
+    """Return the larger of the elastic and the fully plastic reach [m] of a smooth contact."""
+    plastic = math.sqrt(scene.load / (math.pi * scene.hardness))
+    plastic *= math.sqrt(math.sqrt(scene.radius / scene.radius_across))
+    return max(semi_axes(scene)[0], plastic)
 
 
 def lost_release(radii: float) -> float:

@@ -9,8 +9,8 @@ from acoustics.numbers import rounded
 from rolling.check import cost, resolution, vibration
 from rolling.check.finding import Finding, judged, sentence, si
 from rolling.check.resolution import HEARING
-from rolling.contact import closed_forms
-from rolling.dynamics import drop, of_scene
+from rolling.dynamics import drop
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import library
 from rolling.scene.quantities import STEEL_DENSITY
 from rolling.scene.scene import Scene
@@ -50,7 +50,9 @@ def findings(scene: Scene) -> Iterator[Finding]:
 
 def _half_space(scene: Scene) -> Iterator[Finding]:
     """Compare slope and contact radius with the limits of a half-space."""
-    slope, share = cost.roughness(scene)[1], resolution.contact_radius(scene) / scene.radius
+    slope = cost.roughness(scene)[1]
+    along, across = resolution.contact_radius(scene), semi_axes(scene)[1]
+    share = max(along / scene.radius, across / scene.radius_across)
     advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
     if scene.sphere.surface is not None:
         advice += ", of plate or sphere"
@@ -80,7 +82,7 @@ def _bouncing(scene: Scene) -> Finding:
     ball = steel if density is None else f"of {density:g} kg/m3"
     if scene.laws:
         correlation = 1e-6 * min(law.lengths_um[0] for law in scene.laws)
-    wave = speed / frequency / (of_scene.hertz_radius(scene) + correlation)
+    wave = speed / frequency / (semi_axes(scene)[0] + correlation)
     weight = "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
     part = sentence("resonance", weight)
     numbers = {"ball": ball, "frequency": frequency, "speed": speed, "part": part}
@@ -139,7 +141,7 @@ def _fall(scene: Scene) -> Iterator[Finding]:
     value = f"{si(drop.speed_m_s(scene), 'm/s')} after {si(fall, 's')}, up to"
     value += f" {si(force, 'N')} for {si(contact_time, 's')}"
     yield judged("drop", value, fall >= duration, duration=duration, fall=fall)
-    radius = closed_forms.hertz_radius(force, scene.radius, scene.contact_modulus)
+    radius = max(semi_axes(scene, force))
     period, thickness, doubt = cost.shortest_period(scene), scene.plate.thickness_mm, ""
     if 2 * radius > period:
         doubt = "surface"

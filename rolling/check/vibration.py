@@ -22,6 +22,7 @@ from rolling.check import cost
 from rolling.check.finding import Finding, computing, judged, si
 from rolling.check.resolution import HEARING
 from rolling.dynamics import of_scene
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene.laws import HeightLaw
 from rolling.scene.quantities import plate_modes
 from rolling.scene.scene import Scene
@@ -76,7 +77,7 @@ def _force(scene: Scene) -> Finding:
     if scene.faults:
         value += "; faults are left out"
     wave = scene.motion.fastest(scene.duration) / cost.bounce_hz(scene)
-    if wave < 2 * of_scene.hertz_radius(scene):
+    if wave < 2 * semi_axes(scene)[0]:
         value += "; short waves may multiply it"
     or_load = " or a higher rolling.load_n" * (scene.rolling.load_n != WEIGHT)
     return judged("force_ratio", value, low < 0, ratio=ratio, or_load=or_load)
@@ -118,8 +119,10 @@ def _mean_heights(scene: Scene, law: HeightLaw, along: Array) -> Array:
     across = np.concatenate(([0.0], np.geomspace(1e-4 * widest, widest, _ACROSS)))
     # The highest asperities carry where smooth surfaces would be an rms height apart.
     whole = cost.roughness(scene)[0]
-    radius = math.sqrt(of_scene.hertz_radius(scene) ** 2 + scene.radius * whole)
-    q = radius * np.hypot(along[:, None], across)
+    radii = scene.radius, scene.radius_across
+    axes = zip(semi_axes(scene), radii, strict=True)
+    length, width = (math.sqrt(axis**2 + radius * whole) for axis, radius in axes)
+    q = np.hypot(length * along[:, None], width * across)
     pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3
     sides = [made.plane_density(law, along[:, None], side) for side in (across, -across)]
     density: Array = np.trapezoid((sides[0] + sides[1]) * pressure**2, across, axis=1)
@@ -145,7 +148,7 @@ def _bending(scene: Scene) -> Iterator[Finding]:
     """Judge thickness, bending theory and distance of the listener of a plate that bends."""
     plate, distance = of_scene.plate(scene), scene.sound.distance_m
     assert plate is not None  # asked for by the caller
-    radius, thickness = of_scene.hertz_radius(scene), of_scene.thickness_m(scene)
+    radius, thickness = max(semi_axes(scene)), of_scene.thickness_m(scene)
     share, limit = radius / thickness, of_scene.bending_limit_hz(scene)
     near, air = FAR * plate.nearest_m, plate.lowest_hz
     too_close = distance < near and scene.plate.edges_mm is None

@@ -14,17 +14,17 @@ STRETCH = 16  # nodes of a row whose maximum height is known
 
 
 @njit(cache=True)
-def undeformed_gap(heights, spacing, radius, x, y, row, column, out):
+def undeformed_gap(heights, spacing, radius, radius_across, x, y, row, column, out):
     """Set `out` to the undeformed gap on the window that begins at node (row, column).
 
-    The gap is ((x_i - x)^2 + (y_j - y)^2) / (2 R) - z.
+    The gap is (x_i - x)^2 / (2 R) + (y_j - y)^2 / (2 R across) - z.
     """
     along, across = heights.shape
-    curvature = 0.5 / radius
+    curvature, curvature_across = 0.5 / radius, 0.5 / radius_across
     rises = np.empty(out.shape[1])
     for j in range(rises.size):
         dy = (column + j) * spacing - y
-        rises[j] = dy * dy * curvature
+        rises[j] = dy * dy * curvature_across
     for i in range(out.shape[0]):
         dx = (row + i) * spacing - x
         rise = dx * dx * curvature
@@ -58,7 +58,9 @@ def cell_tops(heights, out):
 
 
 @njit(cache=True)
-def overlap_block(heights, stretches, row_highest, highest, spacing, radius, x, y, approach):
+def overlap_block(
+    heights, stretches, row_highest, highest, spacing, radius, radius_across, x, y, approach
+):
     """Find the bounding block of the nodes whose gap is below the approach.
 
     `stretches` are the maximum heights of each STRETCH nodes of a row, `row_highest` of each row,
@@ -66,9 +68,9 @@ def overlap_block(heights, stretches, row_highest, highest, spacing, radius, x, 
 
     The block is (first row, last row, first column, last column).
 
-    The search covers the whole disc that the highest node allows, at most one period to each side,
-    because an island may lie outside any earlier window. An empty block has its last row before its
-    first.
+    The search covers the whole ellipse that the highest node allows, at most one period to each
+    side, because an island may lie outside any earlier window. An empty block has its last row
+    before its first.
     """
     reach2 = 2 * radius * (approach + highest)
     if reach2 <= 0.0:
@@ -78,7 +80,8 @@ def overlap_block(heights, stretches, row_highest, highest, spacing, radius, x, 
     reach = min(np.sqrt(reach2), (heights.shape[0] + 0.5) * spacing)
     low = int(np.ceil((x - reach) / spacing))
     high = int(np.floor((x + reach) / spacing))
-    plate, sphere = (heights, stretches, row_highest), (spacing, radius, x, y, approach)
+    plate = heights, stretches, row_highest
+    sphere = spacing, radius, radius_across, x, y, approach
     # The first and the last row give the first columns. Of all rows between them only the nodes
     # beyond the columns so far can widen the block.
     empty = 1, 0
@@ -114,31 +117,32 @@ def overlap_of_row(plate, sphere, i, columns):
     `overlap_block`.
     """
     heights, stretches, row_highest = plate
-    spacing, radius, x, y, approach = sphere
+    spacing, radius, radius_across, x, y, approach = sphere
     along, across = heights.shape
     dx = i * spacing - x
     width2 = 2 * radius * (approach + row_highest[i % along]) - dx * dx
     if width2 <= 0.0:
         return columns
-    width = min(np.sqrt(width2), (across + 0.5) * spacing)
+    width = min(np.sqrt(width2 * (radius_across / radius)), (across + 0.5) * spacing)
     left = int(np.ceil((y - width) / spacing))
     right = int(np.floor((y + width) / spacing))
     row = heights[i % along], stretches[i % along]
     rise = dx * dx / (2 * radius) - approach
     if columns[0] > columns[1]:
-        first = search_row(row, rise, spacing, radius, y, left, right, 1)
+        first = search_row(row, rise, spacing, radius_across, y, left, right, 1)
         if first > right:
             return columns
         columns = first, first
     else:
-        first = search_row(row, rise, spacing, radius, y, left, columns[0] - 1, 1)
+        first = search_row(row, rise, spacing, radius_across, y, left, columns[0] - 1, 1)
         columns = min(first, columns[0]), columns[1]
-    last = search_row(row, rise, spacing, radius, y, right, max(columns[1] + 1, left), -1)
+    end = max(columns[1] + 1, left)
+    last = search_row(row, rise, spacing, radius_across, y, right, end, -1)
     return columns[0], max(last, columns[1])
 
 
 @njit(cache=True)
-def search_row(row, rise, spacing, radius, y, begin, end, step):
+def search_row(row, rise, spacing, radius_across, y, begin, end, step):
     """Return the first node of a row from `begin` to `end` whose gap is below the approach.
 
     Return the node after `end` if there is none. `row` has the heights and the maximum heights of
@@ -157,9 +161,9 @@ def search_row(row, rise, spacing, radius, y, begin, end, step):
         # Where the highest node nearest to the sphere is not below, none of the stretch is.
         here, there = j * spacing - y, last * spacing - y
         nearest = min(abs(here), abs(there)) if here * there > 0.0 else 0.0
-        if rise + nearest**2 / (2 * radius) - tops[stretch] < 0.0:
+        if rise + nearest**2 / (2 * radius_across) - tops[stretch] < 0.0:
             for k in range(j, last + step, step):
-                if rise + (k * spacing - y) ** 2 / (2 * radius) - z[node + k - j] < 0.0:
+                if rise + (k * spacing - y) ** 2 / (2 * radius_across) - z[node + k - j] < 0.0:
                     return k
         node += last + step - j
         node = 0 if node == z.size else z.size - 1 if node < 0 else node

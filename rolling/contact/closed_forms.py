@@ -5,6 +5,9 @@ Source of the Hertz formulas: K. L. Johnson, Contact Mechanics (1985), ch. 3-4.
 
 from __future__ import annotations
 
+import math
+from functools import lru_cache
+
 import numpy as np
 
 from acoustics.arrays import positive
@@ -78,6 +81,57 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
     '376 nm'
     """
     return hertz_radius(load, radius, contact_modulus) ** 2 / radius
+
+
+@lru_cache(maxsize=64)
+def hertz_ellipse(radius: float, radius_across: float) -> tuple[float, float, float]:
+    """Return the sphere that bears a load like a body of two radii, and the shape of its contact.
+
+    Approach, stiffness and energy of the elliptic contact are those of a sphere of the equivalent
+    radius R at any load. With the contact radius a of that sphere the semi-axes are a times the
+    two factors, and the maximum pressure is that of the sphere over their product.
+
+    Parameters
+    ----------
+    radius, radius_across : float, m
+        Principal radii of curvature of the body, along the track and across it.
+
+    Returns
+    -------
+    equivalent : float, m
+        Equivalent radius R.
+    along, across : float
+        Semi-axes of the contact over the contact radius of the equivalent sphere.
+
+    Notes
+    -----
+    With the ratio k of the semi-axes and Carlson's integrals, R / R across is RD(0, 1, k^2) /
+    RD(0, k^2, 1) (Johnson, section 4.2, in which the integrals are K and E).
+
+    Examples
+    --------
+    >>> equivalent, along, across = hertz_ellipse(0.46, 0.3)
+    >>> f"{equivalent:.4f} m, {along:.4f}, {across:.4f}"
+    '0.3743 m, 1.1472, 0.8629'
+    """
+    radius, radius_across = positive("radius", radius), positive("radius_across", radius_across)
+    if radius == radius_across:
+        return radius, 1.0, 1.0
+    from scipy.optimize import brentq  # slow to import, for two radii only
+    from scipy.special import elliprd, elliprf
+
+    wanted = math.log(radius / radius_across)
+
+    def error(log_k: float) -> float:
+        """Return the error of the logarithm of R / R across at a ratio of the semi-axes."""
+        square = math.exp(2 * log_k)
+        return math.log(elliprd(0, 1, square) / elliprd(0, square, 1)) - wanted
+
+    log_k = brentq(error, -abs(wanted) - 1, abs(wanted) + 1, xtol=1e-15)
+    square = math.exp(2 * log_k)
+    along = float(2 / math.pi * elliprf(0, square, 1))
+    equivalent = 4 / (3 * math.pi) * radius * float(elliprd(0, square, 1)) / along**3
+    return equivalent, along, along * math.exp(log_k)
 
 
 def hertz_force(energy: float, radius: float, contact_modulus: float) -> float:

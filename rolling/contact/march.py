@@ -197,16 +197,17 @@ def _state(
 
 def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
     """Solve from a Winkler foundation that fits Hertz."""
-    hertz = closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
+    radius, *factors = closed_forms.hertz_ellipse(*contact.radii)
+    hertz = closed_forms.hertz_radius(contact.load, radius, contact.contact_modulus)
     stiffness = 4 * contact.contact_modulus / (np.pi * hertz)
     reach = max(hertz, np.sqrt(contact.load / (np.pi * contact.hardness))) * 1.5
-    nodes = int(np.ceil(reach / contact.spacing)) + 2
+    rows, columns = (int(np.ceil(reach * factor / contact.spacing)) + 2 for factor in factors)
     centre, middle = (
         round(contact.position(k) / contact.spacing),
         round(contact.mid_width / contact.spacing),
     )
-    around = Window(centre - nodes, middle - nodes, 2 * nodes + 1, 2 * nodes + 1)
-    window = _room([around, *_overlaps(contact, k, hertz**2 / contact.radius)], contact.subcells)
+    around = Window(centre - rows, middle - columns, 2 * rows + 1, 2 * columns + 1)
+    window = _room([around, *_overlaps(contact, k, hertz**2 / radius)], contact.subcells)
     gap = contact.gap(k, window)
     pressure = solver.foundation(gap, contact.load, contact.spacing, stiffness, contact.hardness)
     problem = _Problem(contact, k, half_space, window, gap, -np.inf)
@@ -302,8 +303,9 @@ def _refuse_the_impossible(contact: RollingContact) -> None:
             " larger surface"
         )
     # A rough or yielding contact is at least as wide as the smooth elastic contact.
-    width = 2 * closed_forms.hertz_radius(contact.load, contact.radius, contact.contact_modulus)
-    _refuse_wide(contact, width, width)
+    radius, along, across = closed_forms.hertz_ellipse(*contact.radii)
+    width = 2 * closed_forms.hertz_radius(contact.load, radius, contact.contact_modulus)
+    _refuse_wide(contact, width * along, width * across)
 
 
 def _refuse_wide(contact: RollingContact, along: float, across: float) -> None:

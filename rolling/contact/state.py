@@ -115,7 +115,7 @@ class RollingContact:
     spacing : float, m
         Node spacing.
     radius : float, m
-        Radius of the sphere.
+        Radius of the sphere along the track.
     contact_modulus : float, Pa
         Contact modulus E* of both bodies.
     hardness : float, Pa
@@ -141,6 +141,8 @@ class RollingContact:
         true.
     loads : (positions,) array, N, or None
         Load at each position of a lap, instead of the same load at all. Default: None.
+    radius_across : float, m, or None
+        Radius of the sphere across the track. Default: the radius along it.
     """
 
     heights: Array
@@ -157,12 +159,15 @@ class RollingContact:
     subcells: int = 1
     slopes: bool = True
     loads: Array | None = None
+    radius_across: float | None = None
     __repr__ = short_repr
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "heights", real_array("heights", self.heights, 2))
         for name in ("spacing", "radius", "contact_modulus", "hardness", "load", "tolerance"):
             positive(name, getattr(self, name))
+        if self.radius_across is not None:
+            positive("radius_across", self.radius_across)
 
     @cached_property
     def maxima(self) -> Maxima:
@@ -173,6 +178,11 @@ class RollingContact:
     def has_blended_edges(self) -> bool:
         """Whether edges are blended; an elastic contact has no patch at the hardness."""
         return self.blended and bool(np.isfinite(self.hardness))
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Radii of the sphere along and across the track [m]."""
+        return self.radius, self.radius if self.radius_across is None else self.radius_across
 
     @property
     def mid_width(self) -> float:
@@ -217,7 +227,7 @@ class RollingContact:
         row, last_row, column, last_column = _window_kernels.overlap_block(
             *self.maxima,
             self.spacing,
-            self.radius,
+            *self.radii,
             self.position(k) + self.off_centre,
             self.mid_width,
             approach,
@@ -243,7 +253,7 @@ class RollingContact:
         _window_kernels.undeformed_gap(
             heights,
             self.spacing,
-            self.radius,
+            *self.radii,
             self.position(k) + self.off_centre,
             self.mid_width,
             window.row,

@@ -13,6 +13,7 @@ from rolling.contact import closed_forms
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import LOWEST, ForceLaw
 from rolling.dynamics.motion import BodyMotion, longest_step_s
+from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.scene.scene import Scene
 
 IMPACT_STEPS = 40  # in the time of the first impact: force off by 0.3 %, restitution by 0.001
@@ -38,20 +39,24 @@ def fall_s(scene: Scene) -> float:
 def impact_s(scene: Scene) -> float:
     """Return the time [s] of the first impact."""
     speed, modulus = speed_m_s(scene), scene.contact_modulus
-    return closed_forms.hertz_impact_time(scene.mass, speed, scene.radius, modulus)
+    radius = equivalent_radius(scene)
+    return closed_forms.hertz_impact_time(scene.mass, speed, radius, modulus)
 
 
 def largest_force_n(scene: Scene) -> float:
     """Return the largest force [N] of the first impact."""
     energy = scene.load * height_m(scene)
-    return closed_forms.hertz_force(energy, scene.radius, scene.contact_modulus)
+    radius = equivalent_radius(scene)
+    return closed_forms.hertz_force(energy, radius, scene.contact_modulus)
 
 
 def elastic_height_m(scene: Scene) -> float:
     """Return the height [m] from which the pressure of the impact reaches the hardness."""
-    radius = math.pi * scene.radius * scene.hardness / (2 * scene.contact_modulus)
-    force = 2 / 3 * math.pi * scene.hardness * radius**2
-    return 0.4 * force * radius**2 / scene.radius / scene.load
+    sphere, along, across = closed_forms.hertz_ellipse(scene.radius, scene.radius_across)
+    pressure = scene.hardness * along * across  # of the equivalent sphere
+    radius = math.pi * sphere * pressure / (2 * scene.contact_modulus)
+    force = 2 / 3 * math.pi * pressure * radius**2
+    return 0.4 * force * radius**2 / sphere / scene.load
 
 
 def loads(scene: Scene, sign: int) -> list[float]:

@@ -15,6 +15,7 @@ from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.modes import Modes, modes_of
 from rolling.dynamics.motion import BodyMotion, Path, Stepping, Travel, move
+from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.scene.scene import Scene
 
 LEAST_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
@@ -113,8 +114,9 @@ def smooth_chain(scene: Scene) -> Chain:
 
 
 def hertz_radius(scene: Scene) -> float:
-    """Return the radius [m] of the smooth elastic contact."""
-    return closed_forms.hertz_radius(scene.load, scene.radius, scene.contact_modulus)
+    """Return the radius [m] of the smooth elastic contact of the equivalent sphere."""
+    radius = equivalent_radius(scene)
+    return closed_forms.hertz_radius(scene.load, radius, scene.contact_modulus)
 
 
 def chain_over(scene: Scene, law: ForceLaw) -> Chain:

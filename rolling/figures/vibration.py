@@ -11,7 +11,7 @@ from acoustics import plots
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
 from acoustics.plots import COLOURS
-from rolling.dynamics import of_scene
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
 from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
@@ -207,7 +207,8 @@ def contact_filter_table(run: Run) -> pd.DataFrame:
     """Tabulate the levels of surface and approach [dB re 1 µm] by wavelength [µm]."""
     scene, result = run.scene, run.result
     heights = scene_surface(scene).heights
-    middle, reach = heights.shape[1] // 2, max(1, round(hertz_radius(run) / scene.spacing))
+    across = semi_axes(scene)[1]
+    middle, reach = heights.shape[1] // 2, max(1, round(across / scene.spacing))
     under = heights[:, max(0, middle - reach) : middle + reach]
     closed = scene.track.lap_steps <= result.solved_steps
     lengths, heights_db = wavelength_bands(under, scene.spacing, closed)
@@ -227,8 +228,8 @@ def contact_filter_table(run: Run) -> pd.DataFrame:
 
 
 def hertz_radius(run: Run) -> float:
-    """Return the contact radius of the smooth elastic contact [m]."""
-    return of_scene.hertz_radius(run.scene)
+    """Return the reach [m] of the smooth elastic contact along the track."""
+    return semi_axes(run.scene)[0]
 
 
 # ---- mobilities

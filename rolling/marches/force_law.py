@@ -21,6 +21,7 @@ from rolling.contact.solver import ContactError
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.force_law import HIGHEST, LEAST, LOWEST, ForceLaw
 from rolling.dynamics.motion import BodyMotion
+from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.marches.piece import Piece
 from rolling.marches.result import LoadMarches, MovingRelease, Result, vibration_key
 from rolling.scene.scene import Scene
@@ -192,7 +193,8 @@ def law_over(
     period = count * result.step if closed else None
     known, approach = _rising(scene, np.array(loads), rows[:, :count])
     try:
-        smooth = closed_forms.hertz_approach(1.0, scene.radius, scene.contact_modulus)
+        radius = equivalent_radius(scene)
+        smooth = closed_forms.hertz_approach(1.0, radius, scene.contact_modulus)
         return ForceLaw(position, known, approach, period, smooth)
     except ValueError as error:
         raise ContactError(f"{error}; take a longer track") from error
@@ -204,7 +206,7 @@ def _rising(scene: Scene, loads: Array, approach: Array) -> tuple[Array, Array]:
     The error of the solver may exceed the difference between two loads. A single load gets a
     neighbour by the contact of a smooth sphere.
     """
-    least, body = LEAST, (scene.radius, scene.contact_modulus)
+    least, body = LEAST, (equivalent_radius(scene), scene.contact_modulus)
     if len(loads) == 1:
         loads, approach, least = loads * [1.0, 1.01], np.stack([approach[0]] * 2), 1.0
     hertz = [closed_forms.hertz_approach(load, *body) for load in loads]

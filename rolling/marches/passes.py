@@ -20,10 +20,10 @@ from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.check import cost
 from rolling.check.finding import sentence
-from rolling.contact import closed_forms
 from rolling.contact.memory import sink
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
+from rolling.dynamics.smooth_contact import maximum_pressure
 from rolling.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -45,8 +45,7 @@ def _width_steps(scene: Scene) -> float:
 
 def _is_groove(scene: Scene) -> bool:
     """Return whether the smooth contact yields, so that the sphere rolls in a groove."""
-    contact = scene.load, scene.radius, scene.contact_modulus
-    return closed_forms.hertz_pressure(*contact) > scene.hardness
+    return maximum_pressure(scene) > scene.hardness
 
 
 def run_in(scene: Scene, first: int) -> int:

@@ -99,12 +99,13 @@ def _contact(run: Run) -> dict[str, str]:
         memory = f"permanent indentation, {scene.passes} passes"
     bends = say("assumed.elastic", **dict(plate))
     load = "the weight of the sphere" if scene.rolling.load_n == WEIGHT else "constant"
+    across = f" x {sphere.radius_across_mm:g}" if sphere.radius_across_mm else ""
     ends = scene.motion.slowest(duration), scene.motion.fastest(duration)
     speeds = " to ".join(dict.fromkeys(rounded(speed, 4) for speed in ends))
     return {
         "load": f"{rounded(scene.load, 6)} N, {load}",
         "speed": f"{speeds} m/s",
-        "sphere": f"R {sphere.radius_mm:g} mm, {_of(sphere.material)}{elastic}",
+        "sphere": f"R {sphere.radius_mm:g}{across} mm, {_of(sphere.material)}{elastic}",
         "plate": f"{_of(plate.material)}{bends}, {hardness}, {memory}",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",

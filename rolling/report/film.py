@@ -14,8 +14,8 @@ from PIL import Image
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, unit_prefix
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.figures.picture import Picture
-from rolling.figures.vibration import hertz_radius
 from rolling.marches.observers import SlowMotion
 from rolling.report import charts, maps
 from rolling.report.maps import Pixels
@@ -74,7 +74,7 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
             _sheet(glow(slow.release), LIT, bytes(range(256)), centres, side),
         ],
         "size_um": [along * side, across * side],
-        "hertz_um": 1e6 * hertz_radius(run),
+        "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
         "times": np.round(times, 8).tolist(),
         "said": _said(run, slow, flights),
         "flight_s": _short(flights),

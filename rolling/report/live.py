@@ -17,6 +17,7 @@ from rolling.dynamics import _motion_kernels, drop
 from rolling.dynamics._motion_kernels import LawTable
 from rolling.dynamics.bodies import half_space_mobility
 from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
+from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.results.listening import released
 from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
@@ -115,6 +116,7 @@ def _fixed(scene: Scene) -> Data:
     unit = half_space_mobility(0.5 / np.pi, 2 * (1 + poisson), poisson, 1.0)
     return {
         "radius": scene.radius,
+        "impactRadius": equivalent_radius(scene),
         "young": 1e9 * scene.plate.youngs_modulus_gpa,
         "poisson": poisson,
         "modulus": scene.contact_modulus,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from acoustics.arrays import Array
-from rolling.figures.vibration import hertz_radius
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.marches.observers import PressureMap
 from rolling.results.run_result import Run
 from rolling.scene.track import Motion
@@ -88,7 +88,7 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
         return None
     hardness = max(run.scene.hardness for run in mapped)
     computed = max(float(shown.pressure.max()) for run in mapped for shown in sounding_maps(run))
-    reach = [1e6 * hertz_radius(run) for run in mapped]
+    reach = [1e6 * max(semi_axes(run.scene)) for run in mapped]
     for run in mapped:
         for shown in sounding_maps(run):
             left, top, cell = _box(shown, run)
@@ -127,7 +127,7 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
         "sheets": [sheet | {"boxes": [rounded_box(*_box(shown, run)) for shown in maps]}],
         "begins": np.round(begins, 7).tolist(),
         "order": order.tolist(),
-        "hertz_um": 1e6 * hertz_radius(run),
+        "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
         "position_mm": places,
         "readings": {
             "number": [f"map {k + 1} of {len(maps)}" for k in range(len(maps))],

@@ -19,9 +19,9 @@ from acoustics.arrays import Array
 from acoustics.level import SoundLevels, level_db
 from acoustics.modulation import envelope_spectrum, modulated_octave
 from rolling.check import cost, heights
-from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.motion import BodyMotion
+from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result
@@ -149,7 +149,8 @@ def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
 def _contact(scene: Scene, result: Result) -> dict[str, Any]:
     """Return areas, pressure, balance and effort over all positions."""
     state = {name: result.whole(name) for name in STATE_SERIES}
-    hertz_area = float(np.pi * of_scene.hertz_radius(scene) ** 2)
+    length, width = semi_axes(scene)
+    hertz_area = float(np.pi * (length * width))
     plastic = float(state["plastic_area"].mean())
     defect = np.abs(result.whole("energy_defect")).max()
     return {
@@ -235,9 +236,9 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration) -> dic
     chain, motion, ratio = vibration.chain, vibration.motion, vibration.force_ratio
     largest = float(motion.force_n.max())
     # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
-    highest = largest and closed_forms.hertz_pressure(largest, scene.radius, scene.contact_modulus)
+    highest = largest and maximum_pressure(scene, largest)
     plate, edges = of_scene.plate(scene), of_scene.rectangular_plate(scene)
-    share = plate and of_scene.hertz_radius(scene) / of_scene.thickness_m(scene)
+    share = plate and max(semi_axes(scene)) / of_scene.thickness_m(scene)
     mean = "compact_source_level_db" if edges is None else "hemisphere_mean_level_db"
     return {
         **_difference(scene, release.levels, vibration.levels),

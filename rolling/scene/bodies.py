@@ -22,6 +22,7 @@ from rolling.scene.surfaces import BallSurface
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
 DENSITY = MATERIALS["density_kg_m3"]
 Material = Annotated[str, library.listed("materials")]
+MOST_OBLONG = 1e6  # one radius over the other
 HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
 
 
@@ -44,7 +45,9 @@ class Sphere(Section):
     Attributes
     ----------
     radius_mm : float
-        Radius [mm]
+        Radius [mm], along the track; mass, circumference and sound are those of a sphere of it
+    radius_across_mm : float, optional
+        Radius across the track [mm], as of a wheel or a crowned roller; absent: radius_mm
     material : str, optional
         Material, which gives Young's modulus, Poisson's ratio and density; values beside it win
     density_kg_m3 : float, optional
@@ -60,6 +63,7 @@ class Sphere(Section):
     NAMED: ClassVar[str] = "sphere"
 
     radius_mm: float = Field(gt=0)
+    radius_across_mm: float | None = Field(default=None, gt=0)
     material: Material | None = None
     density_kg_m3: float | None = Field(default=None, ge=DENSITY.least, le=DENSITY.most)
     youngs_modulus_gpa: float | None = Field(default=None, ge=YOUNG.least, le=YOUNG.most)
@@ -68,6 +72,12 @@ class Sphere(Section):
 
     @model_validator(mode="after")
     def _both_or_neither(self) -> Sphere:
+        if self.radius_across_mm is not None:
+            ratio = self.radius_across_mm / self.radius_mm
+            if not 1 / MOST_OBLONG <= ratio <= MOST_OBLONG:
+                words = {"got": self.radius_across_mm, "least": self.radius_mm / MOST_OBLONG}
+                words["most"] = self.radius_mm * MOST_OBLONG
+                raise refusal("sphere.radius_across_mm oblong", **words)
         rule = "an elastic sphere needs both, a rigid sphere neither"
         _refuse_half(self, ("youngs_modulus_gpa", "poissons_ratio"), rule)
         return self

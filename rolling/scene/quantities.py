@@ -154,6 +154,11 @@ class SceneQuantities(Section):
         return self.sphere.radius_mm * 1e-3
 
     @property
+    def radius_across(self) -> float:
+        """Radius of the sphere across the track [m]."""
+        return 1e-3 * (self.sphere.radius_across_mm or self.sphere.radius_mm)
+
+    @property
     def mass(self) -> float:
         """Mass of the sphere [kg]; it is of steel unless the scene gives a density."""
         return mass(self.sphere)
@@ -311,7 +316,8 @@ def automatic_tolerance(scene: SceneQuantities) -> float:
     if scene.height_paths:
         return FILE_TOLERANCE
     rq = math.hypot(*(law.rq_m for law in scene.laws))
-    deflection = (9 * scene.load**2 / (16 * scene.radius * scene.contact_modulus**2)) ** (1 / 3)
+    radius = math.sqrt(scene.radius * scene.radius_across)
+    deflection = (9 * scene.load**2 / (16 * radius * scene.contact_modulus**2)) ** (1 / 3)
     tolerance = min(TOLERANCE, max(LEAST_TOLERANCE, TOLERANCE * rq / deflection / SMOOTH))
     digit = 10.0 ** math.floor(math.log10(tolerance) + 1e-9)
     return float(f"{math.floor(tolerance / digit + 1e-9) * digit:.0e}")

@@ -293,7 +293,8 @@ def refuse_rolling(rolling: Rolling, values: Values) -> None:
 def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
     """Refuse a contact too near an edge of the plate, and more modes than can be moved."""
     assert plate.edges_mm is not None  # asked for by the caller
-    load, radius = quantities.load(sphere, rolling), sphere.radius_mm * 1e-3
+    load = quantities.load(sphere, rolling)
+    radius = max(sphere.radius_mm, sphere.radius_across_mm or 0.0) * 1e-3
     contact = (3 * load * radius / (4 * quantities.contact_modulus(sphere, plate))) ** (1 / 3)
     least = EDGE_RADII * contact * 1e3
     for key, point in plate.contact_ends_mm.items():

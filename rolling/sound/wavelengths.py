@@ -17,7 +17,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
-from rolling.dynamics.of_scene import hertz_radius
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound
 
@@ -107,11 +107,12 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
     closes = track.closed and track.lap_steps == lap < len(approach)
     if track.turn_nodes or not closes or abs(lap * track.step / scene.spacing - count) > 1e-6:
         return {}
-    radius, middle = hertz_radius(scene) / scene.spacing, heights.shape[1] // 2
-    reach, along = int(radius), np.fft.fftfreq(count, 1 / count)
+    length, width = (axis / scene.spacing for axis in semi_axes(scene))
+    middle, reach = heights.shape[1] // 2, int(width)
+    along = np.fft.fftfreq(count, 1 / count)
     mean = np.zeros(count // 2 + 1, dtype=complex)
     for k in range(-reach, reach + 1, 1 + (2 * reach + 1) * count // _MOST_NODES):
-        weight = np.sqrt(np.clip(1 - (along**2 + k**2) / radius**2, 0, None))
+        weight = np.sqrt(np.clip(1 - (along / length) ** 2 - (k / width) ** 2, 0, None))
         line = heights[:, (middle + k) % heights.shape[1]]
         mean += np.fft.rfft(line) * np.fft.rfft(weight)
     actual = np.fft.rfft(approach[:lap])

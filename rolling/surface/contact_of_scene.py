@@ -18,6 +18,7 @@ def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
         heights=heights(scene) if over is None else over,
         spacing=scene.spacing,
         radius=scene.radius,
+        radius_across=scene.radius_across,
         contact_modulus=scene.contact_modulus,
         hardness=scene.hardness,
         load=scene.load,

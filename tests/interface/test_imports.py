@@ -23,7 +23,7 @@ FLOORS = {
         ("marches",),
         ("results",),
         ("figures", "run"),
-        ("accuracy", "lee2025", "plot", "report"),
+        ("accuracy", "lee2025", "plot", "report", "validate"),
         ("commands",),
         ("cli", "interface"),
     ),

@@ -21,6 +21,7 @@ def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
     heights = rng.normal(size=(along, across)) * 10 ** rng.uniform(-8, -6)
     x, y = rng.uniform(-1, 2) * along * SPACING, rng.uniform(0, 1) * across * SPACING
     approach = rng.uniform(-0.5, 1) * heights.max()
+    radius_across = RADIUS * (10 ** rng.uniform(-2, 2) if seed % 2 else 1.0)
     # All nodes that the search may reach: a period to each side.
     rows = np.arange(
         int(np.ceil(x / SPACING - along - 0.5)), int(np.floor(x / SPACING + along + 0.5)) + 1
@@ -28,11 +29,12 @@ def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
     columns = np.arange(
         int(np.ceil(y / SPACING - across - 0.5)), int(np.floor(y / SPACING + across + 0.5)) + 1
     )
-    rise = (rows * SPACING - x)[:, None] ** 2 + (columns * SPACING - y) ** 2
-    gap = rise / (2 * RADIUS) - heights[np.ix_(rows % along, columns % across)]
+    rise = (rows * SPACING - x)[:, None] ** 2 / (2 * RADIUS)
+    rise = rise + (columns * SPACING - y) ** 2 / (2 * radius_across)
+    gap = rise - heights[np.ix_(rows % along, columns % across)]
     below = np.argwhere(gap < approach)
     maxima = maxima_of(heights, rising=False)
-    got = _window_kernels.overlap_block(*maxima, SPACING, RADIUS, x, y, approach)
+    got = _window_kernels.overlap_block(*maxima, SPACING, RADIUS, radius_across, x, y, approach)
     if below.size == 0:
         assert got[1] < got[0]
         return

@@ -87,7 +87,8 @@ def _sphere(track: RollingContact, state: ContactState, rows: Nodes, columns: No
     x = (rows - (track.subcells - 1) / 2) * track.spacing
     x = x - (track.start + state.position * track.step)
     y = (columns - (track.heights.shape[1] - 1) / 2) * track.spacing
-    rise: Array = (x[:, None] ** 2 + y[None, :] ** 2) / (2 * track.radius)
+    along, across = track.radii
+    rise: Array = x[:, None] ** 2 / (2 * along) + y[None, :] ** 2 / (2 * across)
     return rise
 
 
@@ -182,7 +183,7 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
     It is 0 without penetration. Deflections are never negative, so contact needs an undeformed gap
     below the approach. Few nodes remain to be checked, and their deflections are summed directly.
     """
-    reach = 2 * track.radius * (state.approach + float(track.heights.max()))
+    reach = 2 * max(track.radii) * (state.approach + float(track.heights.max()))
     if not reach > 0:
         return 0.0
     nodes = np.sqrt(reach) / track.spacing
@@ -212,7 +213,9 @@ def _low_lines(
     """Return rows or columns within `nodes` of the centre whose gap may lie below the approach."""
     lines = np.arange(np.floor(centre - nodes), np.ceil(centre + nodes) + 1).astype(np.int64)
     distance = (lines - centre) * track.spacing
-    return lines[distance**2 / (2 * track.radius) - highest[lines % highest.size] < state.approach]
+    return lines[
+        distance**2 / (2 * max(track.radii)) - highest[lines % highest.size] < state.approach
+    ]
 
 
 def _deflection_at(

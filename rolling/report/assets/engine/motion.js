@@ -26,11 +26,11 @@ export const MOST_STEPS = 32; // per sample
  * from a height [m], and the shortest waves of the law at a speed [m/s].
  */
 export function stepsPerSample(run, settings, chain, height = settings.dropHeight ?? 0) {
-  const { radius, modulus, shortestWave } = run.fixed;
+  const { impactRadius, modulus, shortestWave } = run.fixed;
   const [mass, load] = [ballMass(run, settings), loadOf(run, settings)];
   let longest = (2 * Math.PI) / Math.sqrt(chain.stiffness / mass) / PER_PERIOD;
   const fall = Math.sqrt((2 * load * height) / mass);
-  const impact = 2.868 * (mass ** 2 / (radius * modulus ** 2 * fall)) ** 0.2; // [s], by Hertz
+  const impact = 2.868 * (mass ** 2 / (impactRadius * modulus ** 2 * fall)) ** 0.2; // [s], by Hertz
   if (fall > 0) longest = Math.min(longest, impact / PER_IMPACT);
   if (settings.speed > 0) longest = Math.min(longest, shortestWave / (2 * settings.speed));
   return Math.min(Math.max(Math.ceil(1 / (RATE * longest)), 3), MOST_STEPS);

@@ -31,13 +31,14 @@ function frameOf({ size_um: size, sheets: [{ boxes }] }, at, aspect) {
   return { width, x: inside(-boxes[at][0], along, width), y: inside(boxes[at][1], across, width / aspect) };
 }
 
-/** Draws a map or a moment of a film, with the circle of Hertz's contact and a scale of length above it. */
+/** Draws a map or a moment of a film, with the ellipse of Hertz's contact and a scale of length above it. */
 export function drawContact(canvas, solved, at, again) {
   const { width, height } = canvas, frame = frameOf(solved, at, width / height), perUm = width / frame.width;
   drawSolved(canvas.getContext("2d"), solved, at, { x: frame.x * perUm, y: frame.y * perUm, perUm }, again);
-  const [circle, scale] = canvas.parentElement.querySelectorAll(".hertz, .scale"), percent = (um, whole) => `${(100 * um) / whole}%`;
+  const [ellipse, scale] = canvas.parentElement.querySelectorAll(".hertz, .scale"), percent = (um, whole) => `${(100 * um) / whole}%`;
   const left = percent(frame.x, frame.width), top = percent(frame.y * perUm, height);
-  Object.assign(circle.style, { left, top, width: percent(2 * solved.hertz_um, frame.width) });
+  const [along, across] = solved.hertz_um;
+  Object.assign(ellipse.style, { left, top, width: percent(2 * along, frame.width), aspectRatio: along / across });
   const longest = frame.width / 5, decade = 10 ** Math.floor(Math.log10(longest));
   const length = [5, 2, 1].find((digit) => digit * decade <= longest) * decade;
   scale.style.width = percent(length, frame.width);

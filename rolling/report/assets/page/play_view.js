@@ -70,7 +70,7 @@ function drawLens() {
   if (key === view.map || now - view.mapAt < (motionUnwanted.matches && !live.held ? 1000 : LENS_MS)) return;
   Object.assign(view, { map: key, mapAt: now });
   const canvas = $("#play-lens"), x = canvas.width / 2;
-  drawSolved(canvas.getContext("2d"), maps, map, { x, y: x, perUm: x / 1.3 / maps.hertz_um }, () => {
+  drawSolved(canvas.getContext("2d"), maps, map, { x, y: x, perUm: x / 1.3 / Math.max(...maps.hertz_um) }, () => {
     view.map = "";
     drawLens();
   });
