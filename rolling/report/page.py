@@ -131,7 +131,8 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
             for name in SINGLE
             if name not in left_out and (picture := single_picture(name, run, runs))
         }
-        repeats = [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS]
+        repeating = [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS]
+        repeats = repeating if sound["records"][0]["name"] == "run" else []  # a long record goes on
         views.append({"label": run.label, "run": run, "repeats": repeats, "pictures": pictures})
         curves = [curve | {"run": number} for curve in film.curves(run)]
         views[-1] |= sound | {"live": live.live_of(run), "curves": curves}
