@@ -199,6 +199,13 @@ def _listen(given: argparse.Namespace) -> int:
     return OK
 
 
+def _compare(given: argparse.Namespace) -> int:
+    """Compare a run with a recording."""
+    words = given.calibration, given.background, given.out
+    print(_commands().compare(given.folder, given.recording, *words))
+    return OK
+
+
 def _check(given: argparse.Namespace) -> int:
     """Check a scene and estimate its cost."""
     from rolling.scene import file
@@ -272,7 +279,7 @@ _ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
     act.__name__.removeprefix("_"): act
     for act in (
         *(_run, _check, _status, _table, _plot, _resound, _report, _gallery, _listen, _surface),
-        *(_accuracy, _reproduce, _scenes, _init, _schema),
+        *(_compare, _accuracy, _reproduce, _scenes, _init, _schema),
     )
 }
 

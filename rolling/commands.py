@@ -286,6 +286,57 @@ def listen(
     return path
 
 
+def compare(
+    folder: Path,
+    recording: Path,
+    calibration: str | None = None,
+    background: Path | None = None,
+    out: Path | None = None,
+) -> Path:
+    """Compare a run with a recording: print a table, write it with a page, and return the page.
+
+    Parameters
+    ----------
+    folder : Path. The folder of one run.
+    recording : Path. Sound file of the real thing.
+    calibration : str. TONE.wav=LEVEL, a recorded tone of known level in dB re 20 uPa, or the
+        pressure of full scale in Pa. Default: none; the recording gets the LAeq of the run.
+    background : Path. Recording of the background alone, which is subtracted. Default: none.
+    out : Path. Page to write; the table stands beside it as CSV. Default: compare-NAME.html in the
+        run folder, where NAME is that of the recording.
+
+    Raises
+    ------
+    FolderError : the folder holds no single run that is done, a sound cannot be compared, or `out`
+        exists. Nothing is written.
+    """
+    from rolling.figures.picture import csv_bytes, slug
+    from rolling.report import recording as recordings
+
+    stored = folders.done_run(folder, "compare")
+    page = out or folder / f"compare-{slug(recording.name)[:80]}.html"
+    if page.suffix != ".html":
+        raise FolderError(f"--out: got {page}, allowed: a name that ends with .html")
+    for path in (page, page.with_suffix(".csv")):
+        if out is not None and path.exists():
+            raise FolderError(f"{path}: exists; take another --out, or remove it")
+    with progress.step("reading the run, making its sound"):
+        (run,) = open_runs([stored])
+    with progress.step("comparing it with the recording"):
+        comparison = recordings.compare(run, recording, calibration, background)
+        content = recordings.page(run, comparison)
+    page.parent.mkdir(parents=True, exist_ok=True)
+    files.write_bytes(page.with_suffix(".csv"), csv_bytes(comparison.table))
+    files.write_bytes(page, content)
+    if not progress.is_quiet():
+        rows = recordings.rows(comparison)
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        for row in rows:
+            print("  ".join(f"{x:{width}}" for x, width in zip(row, widths, strict=True)).rstrip())
+        print("", *comparison.notes, "", sep="\n")
+    return page
+
+
 def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None) -> list[Path]:
     """Draw figures of the runs of a folder, and return their files.
 
