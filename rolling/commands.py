@@ -314,12 +314,9 @@ def compare(
     from rolling.report import recording as recordings
 
     stored = folders.done_run(folder, "compare")
+    if out is not None and (out.exists() or out.suffix == ".csv"):
+        raise FolderError(f"{out}: exists, or is the name of a table; take another --out")
     page = out or folder / f"compare-{slug(recording.name)[:80]}.html"
-    if page.suffix != ".html":
-        raise FolderError(f"--out: got {page}, allowed: a name that ends with .html")
-    for path in (page, page.with_suffix(".csv")):
-        if out is not None and path.exists():
-            raise FolderError(f"{path}: exists; take another --out, or remove it")
     with progress.step("reading the run, making its sound"):
         (run,) = open_runs([stored])
     with progress.step("comparing it with the recording"):
@@ -329,11 +326,8 @@ def compare(
     files.write_bytes(page.with_suffix(".csv"), csv_bytes(comparison.table))
     files.write_bytes(page, content)
     if not progress.is_quiet():
-        rows = recordings.rows(comparison)
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        for row in rows:
-            print("  ".join(f"{x:{width}}" for x, width in zip(row, widths, strict=True)).rstrip())
-        print("", *comparison.notes, "", sep="\n")
+        text = recordings.words(comparison.table).to_string(index=False)
+        print(text, "", *comparison.notes, "", sep="\n")
     return page
 
 

@@ -1,6 +1,6 @@
 """A recording of the real thing beside a run: third octaves, LAeq, modulation, and a page of them.
 
-Levels are in dB re 20 uPa, uncertainties are standard uncertainties.
+Levels are in dB re 20 uPa, their uncertainties are standard uncertainties.
 """
 
 from __future__ import annotations
@@ -9,139 +9,120 @@ import io
 import math
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import soundfile
 from markupsafe import Markup
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
-from acoustics import plots, resampling, wav
+from acoustics import level, plots, resampling, spectrum, uncertainty, wav
 from acoustics.arrays import Array
-from acoustics.bands import BAND_NAMES, EDGES_HZ, reliable
-from acoustics.level import laeq_db, sound_levels
-from acoustics.modulation import OCTAVE, envelope_spectrum
+from acoustics.bands import BAND_NAMES, EDGES_HZ, NOMINAL_HZ
+from acoustics.modulation import envelope_spectrum
 from acoustics.radiation import P_REF_PA
-from acoustics.spectrum import line_spectrum
-from acoustics.uncertainty import level_uncertainty, record_scatter_db
 from rolling import __version__
 from rolling.figures.picture import finish, picture
 from rolling.report import maps, records, text
 from rolling.report.page import environment
-from rolling.results import listening
-from rolling.results.labels import printable
+from rolling.results import labels, listening
 from rolling.results.run_result import Run
 from rolling.scene.height_files import read_regular
 from rolling.terminal.files import FolderError
 
 LEAST_S, MOST_S, LEAST_RATE_HZ, MOST_BYTES = 0.5, 120.0, 16_000, 200_000_000
-LARGEST, FAINTEST = 1e6, 1e-9  # samples beyond are no sound, or silence
+FAINTEST, LARGEST = 1e-9, 1e6  # of full scale; less is silence, more is no sound
 FULL_SCALE, FLAT = 0.99, 3  # equal extreme samples in a row, at full scale, are clipped
 FADE_S, HEARD_S = 0.02, 20.0
 SEGMENTS = 8  # of a record, whose mean squares show the spread of its bands
-STEADY_DB = 0.3  # standard uncertainty of a tone
-CLEAR_DB = 3.0  # of a recording above its background
+STEADY_DB = 0.3  # largest uncertainty of the level of a tone
+CLEAR_DB = 3.0  # least level of a recording above its background
 MODULATION_HZ = 2.0 ** np.arange(8)  # mid frequencies of octaves of modulation
-KINDS = ("db", "uncertainty_db")
 _HANN = 1.5  # sum of the squared lines of a tone in a Hann window
 _DB = 10.0 / math.log(10.0)
 
 
 class Recording(NamedTuple):
-    """A channel that is recorded [full scale] or computed [Pa]; it is closed or faded.
+    """Samples that are recorded [full scale] or computed [Pa], closed or faded at both ends.
 
-    `highest` [Hz] is the highest frequency that it resolves. The noise in it is a lap long.
+    `highest` [Hz] is the highest frequency that they resolve, `seconds` [s] the length of a lap.
     """
 
     name: str
     samples: Array
     rate: int
     highest: float
-    channel: int = 0
-    laps: float = 1.0
-    clipped: bool = False
-
-    @property
-    def seconds(self) -> float:
-        """Duration of a lap [s]."""
-        return len(self.samples) / self.rate / self.laps
+    seconds: float
+    is_clipped: bool = False
 
 
 class Comparison(NamedTuple):
-    """Table of a run and a recording, sentences on it, and both records."""
+    """Levels of a run and a recording side by side, sentences on them, and both records."""
 
     table: pd.DataFrame
     notes: list[str]
-    run: Recording
-    recording: Recording
+    records: tuple[Recording, Recording]
 
 
 # ---- records
 
 
-def read(path: Path, channel: int | None = None) -> Recording:
-    """Read a channel of a sound file, the loudest by default; refuse what is no recording."""
+def read(path: Path) -> Recording:
+    """Read the first channel of a sound file, or raise FolderError for what is no recording."""
     try:
         with soundfile.SoundFile(io.BytesIO(read_regular(path, MOST_BYTES))) as file:
             rate, seconds = file.samplerate, file.frames / file.samplerate
             if rate < LEAST_RATE_HZ or not LEAST_S <= seconds <= MOST_S:
-                raise FolderError(
-                    f"{path}: got {seconds:.3g} s at {rate} Hz, allowed: {LEAST_S:g} to "
-                    f"{MOST_S:g} s at {LEAST_RATE_HZ} Hz or more"
-                )
-            channels = file.read(dtype="float64", always_2d=True).T
+                allowed = f"{LEAST_S:g} to {MOST_S:g} s at {LEAST_RATE_HZ} Hz or more"
+                raise FolderError(f"{path}: got {seconds:.3g} s at {rate} Hz, allowed: {allowed}")
+            heard = file.read(dtype="float64", always_2d=True)[:, 0]
     except (OSError, RuntimeError) as error:
-        raise FolderError(
-            f"{path}: cannot be read as a sound ({error}); allowed: WAV, FLAC, OGG, MP3, AIFF"
-        ) from error
-    if not np.abs(channels).max(initial=0.0) <= LARGEST:
-        raise FolderError(f"{path}: holds samples that are no finite numbers up to {LARGEST:g}")
-    number = int(np.argmax(channels.std(axis=1))) if channel is None else channel
-    if number >= len(channels) or np.ptp(heard := channels[number]) < FAINTEST:
-        raise FolderError(f"{path}: channel {number + 1} is silent or missing")
-    fade = round(FADE_S * rate)
-    window = resampling.fade(np.ones(len(heard)), fade)
+        reason = f"no sound that can be read ({error}), allowed: WAV, FLAC, OGG, MP3, AIFF"
+        raise FolderError(f"{path}: {reason}") from error
+    if not FAINTEST < np.ptp(heard) < LARGEST:
+        raise FolderError(f"{path}: its first channel is silent, or holds no finite numbers")
+    window = resampling.fade(np.ones(len(heard)), round(FADE_S * rate))
     samples = window * (heard - heard.mean()) / math.sqrt(np.mean(np.square(window)))
-    flat = np.convolve((heard == heard.max()) | (heard == heard.min()), np.ones(FLAT), "valid")
-    clipped = bool(np.abs(heard).max() >= FULL_SCALE and flat.max() == FLAT)
-    return Recording(printable(path.name), samples, rate, rate / 2.0, number, clipped=clipped)
+    flat = np.convolve(np.isin(heard, (heard.min(), heard.max())), np.ones(FLAT), "valid")
+    is_clipped = bool(np.abs(heard).max() >= FULL_SCALE and flat.max() == FLAT)
+    return Recording(labels.printable(path.name), samples, rate, rate / 2.0, seconds, is_clipped)
 
 
 def of_run(run: Run) -> Recording:
-    """Return the long record of a run [Pa] if its scene asks for one, otherwise its signal."""
+    """Return the long record of a run if its scene asks for one, otherwise its signal."""
     sound = run.sound
     if long := listening.recorded(run):
         highest = min(sound.highest, long.numbers["highest_frequency_hz"])
-        return Recording("long record of the run", long.pressure, long.sample_rate, highest)
-    record = sound.pressure, sound.sample_rate, sound.highest
-    return Recording("signal of the run", *record, laps=run.laps)
+        seconds = long.numbers["seconds"]
+        return Recording("long record", long.pressure, long.sample_rate, highest, seconds)
+    seconds = sound.duration / run.laps
+    return Recording("signal", sound.pressure, sound.sample_rate, sound.highest, seconds)
 
 
-def pascals(calibration: str, channel: int) -> float:
-    """Return the pressure [Pa] of full scale by a tone FILE=LEVEL, or by a number."""
-    path, sign, level = calibration.rpartition("=")
+def pascals(calibration: str) -> float:
+    """Return the pressure [Pa] of full scale from a tone FILE=LEVEL, or from a number."""
+    path, sign, number = calibration.rpartition("=")
     try:
-        number = float(level)
+        value = float(number)
     except ValueError:
-        number = math.nan
-    if path and 0 <= number <= 200:
-        return P_REF_PA * 10 ** (number / 20) / _tone_rms(read(Path(path), channel))
-    if not sign and 1 / LARGEST <= number <= LARGEST:
-        return number
-    raise FolderError(
-        f"--calibration: got {calibration}, allowed: TONE.wav=LEVEL with the level of the tone in "
-        "dB re 20 uPa, 0 to 200, or the pressure of full scale in Pa"
-    )
+        value = math.nan
+    if path and 0 <= value <= 200:
+        return P_REF_PA * 10 ** (value / 20) / _tone_rms(read(Path(path)))
+    if not sign and 1 / LARGEST <= value <= LARGEST:
+        return value
+    allowed = "TONE.wav=DB, 0 to 200 dB re 20 uPa, or the pressure of full scale in Pa"
+    raise FolderError(f"--calibration: got {calibration}, allowed: {allowed}")
 
 
 def _tone_rms(tone: Recording) -> float:
     """Return the rms of a steady tone without the noise beyond half an octave from it."""
-    frequency, square = line_spectrum(tone.samples, tone.rate)
-    strongest = frequency[np.argmax(square)]
-    edges = strongest / 2**0.5, strongest * 2**0.5
-    power = float(square[slice(*np.searchsorted(frequency, edges))].sum())
-    if tone.clipped or power < 0.5 * square.sum() or _scatter_db(tone, edges)[0] > STEADY_DB:
+    frequency, square = spectrum.line_spectrum(tone.samples, tone.rate)
+    octave = frequency[np.argmax(square)] * np.array([0.5, 2]) ** 0.5
+    power = float(square[slice(*np.searchsorted(frequency, octave))].sum())
+    scatter = uncertainty.record_scatter_db(tone.samples, tone.rate) or 0.0
+    if tone.is_clipped or power < 0.5 * square.sum() or scatter > STEADY_DB:
         raise FolderError(f"{tone.name}: no steady tone, or it is clipped or lost in noise")
     return math.sqrt(power)
 
@@ -149,190 +130,143 @@ def _tone_rms(tone: Recording) -> float:
 # ---- levels
 
 
-def _scatter_db(record: Recording, edges_hz: Array | tuple[float, ...]) -> Array:
-    """Return the standard uncertainty of neighbouring bands that the segments of a record show.
-
-    The transform of the lines of a band is its complex envelope. Narrow bands have 0 dB.
-    """
-    lines = np.fft.rfft(record.samples)
-    places = np.searchsorted(np.fft.rfftfreq(len(record.samples), 1 / record.rate), edges_hz)
-    scatter = np.zeros(len(edges_hz) - 1)
-    for band, (first, last) in enumerate(pairwise(places)):
-        if last - first >= SEGMENTS and lines[first:last].any():
-            envelope = np.square(np.abs(np.fft.ifft(lines[first:last])))
-            means = np.array([part.mean() for part in np.array_split(envelope, SEGMENTS)])
-            scatter[band] = _DB * means.std(ddof=1) / math.sqrt(SEGMENTS) / means.mean()
-    return scatter
-
-
-def _bands(record: Recording) -> tuple[pd.DataFrame, float]:
-    """Return third octaves with their uncertainty, and the uncertainty of LAeq [dB].
-
-    An uncertainty is that of Gaussian noise, or what parts of the record show if that is larger.
-    """
-    levels = sound_levels(record.samples, record.rate, record.highest, closed=False)
-    noise = level_uncertainty(record.samples, record.rate, levels, False, record.laps)
-    columns = {"db": levels.third_octave_db, "a_db": levels.third_octave_a_db}
-    bands = pd.DataFrame(columns | {"u_db": noise.third_octave_db}, dtype=float)
-    bands["u_db"] = np.maximum(bands["u_db"], _scatter_db(record, EDGES_HZ))
-    scatter = record_scatter_db(record.samples, record.rate)
-    return bands, max(noise.laeq_db or 0.0, scatter or 0.0)
-
-
-def _without(noise: pd.DataFrame, recorded: pd.DataFrame) -> pd.DataFrame:
-    """Subtract the background from a recording; bands less than 3 dB above it become NaN."""
-    share = 10 ** ((noise["db"] - recorded["db"]).fillna(-400.0) / 10)  # of the recording
-    net = 1 - share.where(share <= 10 ** (-CLEAR_DB / 10))
-    less = 10 * np.log10(net)
-    spread = np.hypot(recorded["u_db"], share * noise["u_db"].fillna(0.0)) / net
-    return recorded.assign(db=recorded["db"] + less, a_db=recorded["a_db"] + less, u_db=spread)
-
-
-def _modulation(record: Recording, band: tuple[float, float]) -> pd.DataFrame:
-    """Return the modulation of a band in octaves with its uncertainty, re full modulation [dB]."""
-    spectrum, low = envelope_spectrum(record.samples, record.rate, band), MODULATION_HZ / 2**0.5
-    octaves = np.floor(np.log2(spectrum.frequency_hz / low[0]))
-    squares = [np.square(spectrum.modulation[octaves == k]).sum() for k in range(len(low))]
-    levels = 10 * np.log10(np.maximum(squares, FAINTEST) / _HANN)
-    frame = pd.DataFrame({"db": levels, "u_db": _DB / np.sqrt(low * record.seconds)})
-    return frame[(low * record.seconds >= 2) & (4 * low <= band[1] - band[0])]
-
-
 def compare(
     run: Run, path: Path, calibration: str | None = None, background: Path | None = None
 ) -> Comparison:
     """Compare a run with a recording; raise FolderError where nothing can be compared.
 
-    Differences are those of the run from the recording. Without a calibration the LAeq is equal.
+    Differences are the run less the recording. Without a calibration the LAeq is made equal.
     """
     own, recording = of_run(run), read(path)
-    (computed, own_u), (recorded, u) = _bands(own), _bands(recording)
-    known = (computed["db"] + recorded["db"]).notna()
+    computed, recorded = _bands(own), _bands(recording)
+    known = np.isfinite(computed[1] + recorded[1])
     if background is not None:
-        noise = read(background, recording.channel)
-        if noise.rate != recording.rate:
-            raise FolderError(f"{background}: {noise.rate} Hz, but {path} has {recording.rate} Hz")
-        recorded = _without(_bands(noise)[0], recorded)
-    common = (computed["db"] + recorded["db"]).notna()
+        recorded = _without(_bands(read(background)), recorded)
+    common = known & np.isfinite(recorded[1])
     if not common.any():
         raise FolderError(f"{path}: no third octave in which both the run and the recording sound")
-    (own_laeq, laeq) = (_DB * math.log(_power(x)[common].sum()) for x in (computed, recorded))
-    shift = own_laeq - laeq
+    loudest = int(np.nanargmax(np.where(common, computed[1], np.nan)))
+    octave = EDGES_HZ[max(loudest - 1, 0)], EDGES_HZ[min(loudest + 2, len(common))]
+    levels = _levels(own, computed, common, octave), _levels(recording, recorded, common, octave)
+    laeq = len(common)  # its place, behind the bands
+    shift, scale = levels[0][0, laeq] - levels[1][0, laeq], "not calibrated: its LAeq is made equal"
     if calibration is not None:
-        shift = 20 * math.log10(pascals(calibration, recording.channel))
-    recorded["db"] += shift
-    bands = _beside("third octave", computed, recorded)
-    is_short = ~reliable(min(own.seconds, recording.seconds))
-    remarks = ["not in both", "background", "short"]
-    bands["remark"] = np.select([~known, ~common, is_short], remarks, "")
-    levels = [
-        pd.DataFrame({"db": [own_laeq], "u_db": [own_u]}, index=[math.nan]),
-        pd.DataFrame({"db": [laeq + shift], "u_db": [u]}, index=[math.nan]),
-    ]
-    parts = [bands, _beside("LAeq", *levels)]
-    octaves = _power(computed).where(common).rolling(OCTAVE).sum()
-    if octaves.notna().any():
-        last = int(np.nanargmax(octaves))
-        band = float(EDGES_HZ[last + 1 - OCTAVE]), float(EDGES_HZ[last + 1])
-        quantity = f"modulation of {band[0]:.0f} to {band[1]:.0f} Hz"
-        parts.append(_beside(quantity, *(_modulation(x, band) for x in (own, recording))).dropna())
-    table = pd.concat(parts, ignore_index=True).fillna({"remark": ""})
-    return Comparison(table, _notes(run, own, recording, calibration, shift), own, recording)
-
-
-def _power(bands: pd.DataFrame) -> pd.Series[float]:
-    """Return the A-weighted mean squares of third octaves [(20 uPa)^2]."""
-    return 10 ** (bands["a_db"] / 10)
-
-
-def _beside(quantity: str, own: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
-    """Return levels of a run and a recording side by side, with their difference."""
-    columns: dict[str, Any] = {"quantity": quantity, "frequency_hz": own.index.astype(float)}
-    for name, levels in (("run", own), ("recording", other.reindex(own.index))):
-        columns |= {f"{name}_db": levels["db"], f"{name}_uncertainty_db": levels["u_db"]}
-    frame = pd.DataFrame(columns)
-    frame["difference_db"] = frame["run_db"] - frame["recording_db"]
-    spreads = frame["run_uncertainty_db"], frame["recording_uncertainty_db"]
-    return frame.assign(difference_uncertainty_db=np.hypot(*spreads))
-
-
-def _notes(
-    run: Run, own: Recording, recording: Recording, calibration: str | None, shift: float
-) -> list[str]:
-    """Say which records are compared, how the recording is calibrated, and what is doubtful."""
+        full_scale = pascals(calibration)
+        shift, scale = 20 * math.log10(full_scale), f"full scale is {full_scale:.4g} Pa"
+    levels[1][0, : laeq + 1] += shift
+    name = f"modulation of {octave[0]:.0f} to {octave[1]:.0f} Hz"
+    counts = laeq, 1, len(MODULATION_HZ)
+    columns = {
+        "quantity": np.repeat(["third octave", "LAeq", name], counts),
+        "frequency_hz": [*NOMINAL_HZ, math.nan, *MODULATION_HZ],
+        **dict(zip(("run_db", "run_uncertainty_db"), levels[0], strict=True)),
+        **dict(zip(("recording_db", "recording_uncertainty_db"), levels[1], strict=True)),
+        "difference_db": levels[0][0] - levels[1][0],
+        "difference_uncertainty_db": np.hypot(levels[0][1], levels[1][1]),
+    }
     notes = [
-        f"{own.name}, {own.seconds:.3g} s, and {recording.name}, {recording.seconds:.3g} s, "
-        f"channel {recording.channel + 1}; LAeq of the third octaves that have a difference",
-        f"full scale of the recording is {10 ** (shift / 20):.4g} Pa"
-        if calibration
-        else "the recording is not calibrated: its LAeq is made equal, only shapes are compared",
+        f"run: {own.name}, {own.seconds:.3g} s",
+        f"recording: {recording.name}, first channel, {recording.seconds:.3g} s; {scale}",
     ]
-    if judged := run.summary.get("verdict"):
-        notes.append(f"level of the run: {judged['word']}; {judged['reason']}")
-    if recording.clipped:
+    if hidden := [name for name, k in zip(BAND_NAMES, known & ~common, strict=True) if k]:
+        notes.append(f"not {CLEAR_DB:g} dB above the background, left out: {', '.join(hidden)} Hz")
+    if recording.is_clipped:
         notes.append("the recording is clipped: repeat it with less gain")
-    return notes
+    table = pd.DataFrame(columns).dropna(subset="difference_db")
+    return Comparison(table, notes, (own, recording))
+
+
+def _bands(record: Recording) -> Array:
+    """Return Z and A levels of third octaves and their uncertainty [dB], (3, 31), NaN if silent.
+
+    The uncertainty is that of Gaussian noise, or that between segments if it is larger.
+    """
+    samples, rate = record.samples, record.rate
+    levels = level.sound_levels(samples, rate, record.highest, closed=False)
+    laps = len(samples) / rate / record.seconds
+    noise = uncertainty.level_uncertainty(samples, rate, levels, False, laps)
+    parts = levels.third_octave_db, levels.third_octave_a_db, noise.third_octave_db
+    bands = np.array([[part[name] for name in BAND_NAMES] for part in parts], dtype=float)
+    lines, frequency = np.fft.rfft(samples), np.fft.rfftfreq(len(samples), 1 / rate)
+    for band, (first, last) in enumerate(pairwise(np.searchsorted(frequency, EDGES_HZ))):
+        if last - first >= SEGMENTS and lines[first:last].any():
+            # The transform of the lines of a band is its complex envelope.
+            envelope = np.square(np.abs(np.fft.ifft(lines[first:last])))
+            means = np.array([part.mean() for part in np.array_split(envelope, SEGMENTS)])
+            scatter = _DB * means.std(ddof=1) / math.sqrt(SEGMENTS) / means.mean()
+            bands[2, band] = np.maximum(bands[2, band], scatter)
+    return bands
+
+
+def _without(noise: Array, recorded: Array) -> Array:
+    """Subtract the background from a recording; bands less than 3 dB above it become NaN."""
+    share = 10 ** ((np.nan_to_num(noise[0], nan=-400.0) - recorded[0]) / 10)
+    net = np.where(share <= 10 ** (-CLEAR_DB / 10), 1 - share, np.nan)
+    spread = np.hypot(recorded[2], share * np.nan_to_num(noise[2])) / net
+    return np.array([*(recorded[:2] + 10 * np.log10(net)), spread])
+
+
+def _levels(
+    record: Recording, bands: Array, common: NDArray[np.bool_], octave: tuple[float, float]
+) -> Array:
+    """Return third octaves, their LAeq, and modulation, (2, 40), with their uncertainty [dB]."""
+    power, spread = 10 ** (bands[1, common] / 10), bands[2, common]
+    laeq = 10 * np.log10(power.sum()), np.linalg.norm(power * spread) / power.sum()
+    rows = np.where(common, bands[::2], np.nan), np.reshape(laeq, (2, 1))
+    return np.hstack([*rows, _modulation(record, octave)])
+
+
+def _modulation(record: Recording, band: tuple[float, float]) -> Array:
+    """Return octaves of the modulation of a band, re full modulation, and their uncertainty [dB].
+
+    They are NaN where the record is too short, or the band too narrow.
+    """
+    found, low = envelope_spectrum(record.samples, record.rate, band), MODULATION_HZ / 2**0.5
+    octaves = np.searchsorted(low, found.frequency_hz)  # 0 below the first
+    squares = np.bincount(octaves, np.square(found.modulation), len(low) + 1)[1:] / _HANN
+    levels = 10 * np.log10(np.maximum(squares, FAINTEST)), _DB / np.sqrt(low * record.seconds)
+    return np.where((low * record.seconds >= 2) & (4 * low <= band[1] - band[0]), levels, np.nan)
 
 
 # ---- text and page
 
 
-def rows(comparison: Comparison) -> list[list[str]]:
-    """Write the quantities that have a difference, and the bands in the background, as words."""
-    table, words = comparison.table, [["dB", "run", "recording", "difference", ""]]
-    for row in table[table["remark"] != "not in both"].to_dict("records"):
-        hz = "" if math.isnan(row["frequency_hz"]) else f"{row['frequency_hz']:g} Hz"
-        pairs = ((row[f"{x}_db"], row[f"{x}_uncertainty_db"]) for x in words[0][1:4])
-        cells = ["-" if math.isnan(db) else f"{db:.1f} ± {u:.1f}" for db, u in pairs]
-        words.append([f"{row['quantity']} {hz}".strip(), *cells, row["remark"]])
-    return words
+def words(table: pd.DataFrame) -> pd.DataFrame:
+    """Write levels and differences with their uncertainties [dB] as words."""
+    frame = table[["quantity"]].assign(Hz=table["frequency_hz"].map("{:g}".format))
+    for name in ("run", "recording", "difference"):
+        pairs = zip(table[f"{name}_db"], table[f"{name}_uncertainty_db"], strict=True)
+        frame[f"{name} [dB]"] = [f"{db:.1f} ± {u:.1f}" for db, u in pairs]
+    return frame.replace({"Hz": {"nan": ""}})
 
 
 def page(run: Run, comparison: Comparison) -> bytes:
     """Write a page with the third octaves, all numbers, and both sounds at equal loudness."""
-    both = {"run": comparison.run, "recording": comparison.recording}
-    bands, heard = comparison.table[: len(BAND_NAMES)], [*map(_excerpt, both.values())]
+    both = dict(zip(("run", "recording"), comparison.records, strict=True))
+    bands = comparison.table.query("quantity == 'third octave'").set_index("frequency_hz")
+    bands = bands.reindex(NOMINAL_HZ).set_axis(BAND_NAMES)
 
     def draw(ax: Axes) -> Axes:
-        curves = [
-            (
-                record.name,
-                *(dict(zip(BAND_NAMES, bands[f"{name}_{kind}"], strict=True)) for kind in KINDS),
-            )
-            for name, record in both.items()
-        ]
+        curves = [(name, bands[f"{name}_db"], bands[f"{name}_uncertainty_db"]) for name in both]
         plots.third_octaves(ax, curves, min(record.seconds for record in both.values()))
         return finish(ax, f"Third octaves: {run.title}", comparison.notes[1:2])
 
-    drawn = picture("third_octaves", draw).file("svg") or b""
-    gains = records.gains(
-        [float(np.abs(x).max()) for x in heard], [laeq_db(x, wav.SAMPLE_RATE_HZ) for x in heard]
-    )
-    sounds = [
-        (
-            record.name,
-            records.compressed(x * (gain["equal"] or 0.0) / (gain["full_scale_pa"] or 1.0)),
-        )
-        for record, x, gain in zip(both.values(), heard, gains, strict=True)
-    ]
-    return (
-        environment()
-        .get_template("recording.html")
-        .render(
-            version=__version__,
-            title=run.title,
-            notes=comparison.notes,
-            rows=rows(comparison),
-            picture=maps.uri("image/svg+xml", drawn),
-            sounds=sounds,
-            seconds=HEARD_S,
-            css=Markup(text.asset("report.css")),
-        )
-        .encode()
-    )
+    heard = {name: _heard(record) for name, record in both.items()}
+    gain = wav.PEAK / max(np.abs(samples).max() for samples in heard.values())
+    content = {
+        "title": run.title,
+        "notes": comparison.notes,
+        "table": Markup(words(comparison.table).to_html(index=False, border=0)),
+        "picture": maps.uri("image/svg+xml", picture("third_octaves", draw).file("svg") or b""),
+        "sounds": {name: records.compressed(gain * samples) for name, samples in heard.items()},
+        "css": Markup(text.asset("report.css")),
+    }
+    template = environment().get_template("recording.html")
+    return template.render(version=__version__, seconds=HEARD_S, **content).encode()
 
 
-def _excerpt(record: Recording) -> Array:
-    """Return the beginning of a record at 48 kHz."""
-    part = record.samples[: round(HEARD_S * record.rate)]
-    return resampling.resample_closed(part, round(len(part) * wav.SAMPLE_RATE_HZ / record.rate))
+def _heard(record: Recording) -> Array:
+    """Return the beginning of a record at 48 kHz, with an A-weighted rms of 1."""
+    rate, part = wav.SAMPLE_RATE_HZ, record.samples[: round(HEARD_S * record.rate)]
+    samples = resampling.resample_closed(part, round(len(part) * rate / record.rate))
+    return np.asarray(samples / level.a_weighted_rms(samples, rate))
