@@ -201,8 +201,8 @@ def _listen(given: argparse.Namespace) -> int:
 
 def _compare(given: argparse.Namespace) -> int:
     """Compare a run with a recording."""
-    words = given.calibration, given.background, given.out
-    print(_commands().compare(given.folder, given.recording, *words))
+    sounds = given.recording, given.calibration, given.background
+    print(_commands().compare(given.folder, *sounds))
     return OK
 
 

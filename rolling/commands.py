@@ -287,47 +287,38 @@ def listen(
 
 
 def compare(
-    folder: Path,
-    recording: Path,
-    calibration: str | None = None,
-    background: Path | None = None,
-    out: Path | None = None,
+    folder: Path, path: Path, calibration: str | None = None, background: Path | None = None
 ) -> Path:
-    """Compare a run with a recording: print a table, write it with a page, and return the page.
+    """Compare a run with a recording: print a table, write it and a page, and return the page.
 
     Parameters
     ----------
-    folder : Path. The folder of one run.
-    recording : Path. Sound file of the real thing.
+    folder : Path. The folder of one run, which gets compare-NAME.html and compare-NAME.csv.
+    path : Path. Sound file of the real thing, whose name is NAME.
     calibration : str. TONE.wav=LEVEL, a recorded tone of known level in dB re 20 uPa, or the
         pressure of full scale in Pa. Default: none; the recording gets the LAeq of the run.
     background : Path. Recording of the background alone, which is subtracted. Default: none.
-    out : Path. Page to write; the table stands beside it as CSV. Default: compare-NAME.html in the
-        run folder, where NAME is that of the recording.
 
     Raises
     ------
-    FolderError : the folder holds no single run that is done, a sound cannot be compared, or `out`
-        exists. Nothing is written.
+    FolderError : the folder holds no single run that is done, or a sound cannot be compared.
+        Nothing is written.
     """
     from rolling.figures.picture import csv_bytes, slug
-    from rolling.report import recording as recordings
+    from rolling.report import recording
 
     stored = folders.done_run(folder, "compare")
-    if out is not None and (out.exists() or out.suffix == ".csv"):
-        raise FolderError(f"{out}: exists, or is the name of a table; take another --out")
-    page = out or folder / f"compare-{slug(recording.name)[:80]}.html"
     with progress.step("reading the run, making its sound"):
         (run,) = open_runs([stored])
     with progress.step("comparing it with the recording"):
-        comparison = recordings.compare(run, recording, calibration, background)
-        content = recordings.page(run, comparison)
-    page.parent.mkdir(parents=True, exist_ok=True)
+        comparison = recording.compare(run, path, calibration, background)
+        content = recording.page(run, comparison)
+    page = folder / f"compare-{slug(path.name)[:80]}.html"
     files.write_bytes(page.with_suffix(".csv"), csv_bytes(comparison.table))
     files.write_bytes(page, content)
     if not progress.is_quiet():
-        text = recordings.words(comparison.table).to_string(index=False)
-        print(text, "", *comparison.notes, "", sep="\n")
+        table = recording.words(comparison.table).to_string(index=False)
+        print(table, "", *comparison.notes, "", sep="\n")
     return page
 
 

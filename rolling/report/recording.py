@@ -16,7 +16,6 @@ import pandas as pd
 import soundfile
 from markupsafe import Markup
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from acoustics import level, plots, resampling, spectrum, uncertainty, wav
 from acoustics.arrays import Array
@@ -40,6 +39,7 @@ SEGMENTS = 8  # of a record, whose mean squares show the spread of its bands
 STEADY_DB = 0.3  # largest uncertainty of the level of a tone
 CLEAR_DB = 3.0  # least level of a recording above its background
 MODULATION_HZ = 2.0 ** np.arange(8)  # mid frequencies of octaves of modulation
+COLUMNS = [f"{x}{y}_db" for x in ("run", "recording", "difference") for y in ("", "_uncertainty")]
 _HANN = 1.5  # sum of the squared lines of a tone in a Hann window
 _DB = 10.0 / math.log(10.0)
 
@@ -145,35 +145,31 @@ def compare(
     common = known & np.isfinite(recorded[1])
     if not common.any():
         raise FolderError(f"{path}: no third octave in which both the run and the recording sound")
-    loudest = int(np.nanargmax(np.where(common, computed[1], np.nan)))
-    octave = EDGES_HZ[max(loudest - 1, 0)], EDGES_HZ[min(loudest + 2, len(common))]
-    levels = _levels(own, computed, common, octave), _levels(recording, recorded, common, octave)
-    laeq = len(common)  # its place, behind the bands
-    shift, scale = levels[0][0, laeq] - levels[1][0, laeq], "not calibrated: its LAeq is made equal"
+    computed, recorded = (np.where(common, bands, np.nan) for bands in (computed, recorded))
+    loudest, laeq = int(np.nanargmax(computed[1])), len(common)  # place of LAeq, behind the bands
+    octave = EDGES_HZ[max(loudest - 1, 0)], EDGES_HZ[min(loudest + 2, laeq)]
+    run_db, run_u = _levels(own, computed, octave)
+    db, u = _levels(recording, recorded, octave)
+    shift, scale = run_db[laeq] - db[laeq], "not calibrated: its LAeq is made equal"
     if calibration is not None:
         full_scale = pascals(calibration)
         shift, scale = 20 * math.log10(full_scale), f"full scale is {full_scale:.4g} Pa"
-    levels[1][0, : laeq + 1] += shift
-    name = f"modulation of {octave[0]:.0f} to {octave[1]:.0f} Hz"
-    counts = laeq, 1, len(MODULATION_HZ)
-    columns = {
-        "quantity": np.repeat(["third octave", "LAeq", name], counts),
-        "frequency_hz": [*NOMINAL_HZ, math.nan, *MODULATION_HZ],
-        **dict(zip(("run_db", "run_uncertainty_db"), levels[0], strict=True)),
-        **dict(zip(("recording_db", "recording_uncertainty_db"), levels[1], strict=True)),
-        "difference_db": levels[0][0] - levels[1][0],
-        "difference_uncertainty_db": np.hypot(levels[0][1], levels[1][1]),
-    }
+    db[: laeq + 1] += shift
+    pairs = run_db, run_u, db, u, run_db - db, np.hypot(run_u, u)
+    table = pd.DataFrame(dict(zip(COLUMNS, pairs, strict=True)))
+    quantities = ["third octave"] * laeq + ["LAeq"] + ["modulation"] * len(MODULATION_HZ)
+    table.insert(0, "quantity", quantities)
+    table.insert(1, "frequency_hz", [*NOMINAL_HZ, math.nan, *MODULATION_HZ])
     notes = [
-        f"run: {own.name}, {own.seconds:.3g} s",
+        f"run: {own.name}, {own.seconds:.3g} s; its level: {run.summary['verdict']['word']}",
         f"recording: {recording.name}, first channel, {recording.seconds:.3g} s; {scale}",
+        f"modulation: from {octave[0]:.0f} to {octave[1]:.0f} Hz, where the run is loudest",
     ]
     if hidden := [name for name, k in zip(BAND_NAMES, known & ~common, strict=True) if k]:
         notes.append(f"not {CLEAR_DB:g} dB above the background, left out: {', '.join(hidden)} Hz")
     if recording.is_clipped:
         notes.append("the recording is clipped: repeat it with less gain")
-    table = pd.DataFrame(columns).dropna(subset="difference_db")
-    return Comparison(table, notes, (own, recording))
+    return Comparison(table.dropna(subset="difference_db"), notes, (own, recording))
 
 
 def _bands(record: Recording) -> Array:
@@ -206,14 +202,12 @@ def _without(noise: Array, recorded: Array) -> Array:
     return np.array([*(recorded[:2] + 10 * np.log10(net)), spread])
 
 
-def _levels(
-    record: Recording, bands: Array, common: NDArray[np.bool_], octave: tuple[float, float]
-) -> Array:
+def _levels(record: Recording, bands: Array, octave: tuple[float, float]) -> Array:
     """Return third octaves, their LAeq, and modulation, (2, 40), with their uncertainty [dB]."""
-    power, spread = 10 ** (bands[1, common] / 10), bands[2, common]
-    laeq = 10 * np.log10(power.sum()), np.linalg.norm(power * spread) / power.sum()
-    rows = np.where(common, bands[::2], np.nan), np.reshape(laeq, (2, 1))
-    return np.hstack([*rows, _modulation(record, octave)])
+    power = 10 ** (bands[1] / 10)
+    total, spread = np.nansum(power), np.sqrt(np.nansum(np.square(power * bands[2])))
+    laeq = [[10 * np.log10(total)], [spread / total]]
+    return np.hstack([bands[::2], laeq, _modulation(record, octave)])
 
 
 def _modulation(record: Recording, band: tuple[float, float]) -> Array:
@@ -252,7 +246,7 @@ def page(run: Run, comparison: Comparison) -> bytes:
         return finish(ax, f"Third octaves: {run.title}", comparison.notes[1:2])
 
     heard = {name: _heard(record) for name, record in both.items()}
-    gain = wav.PEAK / max(np.abs(samples).max() for samples in heard.values())
+    gain = wav.PEAK / max(FAINTEST, *(np.abs(samples).max() for samples in heard.values()))
     content = {
         "title": run.title,
         "notes": comparison.notes,
@@ -266,7 +260,7 @@ def page(run: Run, comparison: Comparison) -> bytes:
 
 
 def _heard(record: Recording) -> Array:
-    """Return the beginning of a record at 48 kHz, with an A-weighted rms of 1."""
+    """Return the beginning of a record at 48 kHz, over the A-weighted rms of the record."""
     rate, part = wav.SAMPLE_RATE_HZ, record.samples[: round(HEARD_S * record.rate)]
     samples = resampling.resample_closed(part, round(len(part) * rate / record.rate))
-    return np.asarray(samples / level.a_weighted_rms(samples, rate))
+    return np.asarray(samples / level.a_weighted_rms(record.samples, record.rate))
