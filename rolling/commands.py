@@ -311,14 +311,13 @@ def compare(
     with progress.step("reading the run, making its sound"):
         (run,) = open_runs([stored])
     with progress.step("comparing it with the recording"):
-        comparison = recording.compare(run, path, calibration, background)
-        content = recording.page(run, comparison)
+        table, notes, both = recording.compare(run, path, calibration, background)
+        content = recording.page(run, table, notes, both)
     page = folder / f"compare-{slug(path.name)[:80]}.html"
-    files.write_bytes(page.with_suffix(".csv"), csv_bytes(comparison.table))
+    files.write_bytes(page.with_suffix(".csv"), csv_bytes(table))
     files.write_bytes(page, content)
     if not progress.is_quiet():
-        table = recording.words(comparison.table).to_string(index=False)
-        print(table, "", *comparison.notes, "", sep="\n")
+        print(recording.words(table).to_string(index=False), "", *notes, "", sep="\n")
     return page
 
 

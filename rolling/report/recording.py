@@ -58,14 +58,6 @@ class Recording(NamedTuple):
     is_clipped: bool = False
 
 
-class Comparison(NamedTuple):
-    """Levels of a run and a recording side by side, sentences on them, and both records."""
-
-    table: pd.DataFrame
-    notes: list[str]
-    records: tuple[Recording, Recording]
-
-
 # ---- records
 
 
@@ -132,10 +124,11 @@ def _tone_rms(tone: Recording) -> float:
 
 def compare(
     run: Run, path: Path, calibration: str | None = None, background: Path | None = None
-) -> Comparison:
+) -> tuple[pd.DataFrame, list[str], dict[str, Recording]]:
     """Compare a run with a recording; raise FolderError where nothing can be compared.
 
-    Differences are the run less the recording. Without a calibration the LAeq is made equal.
+    Returns the table, sentences on it, and both records. Differences are the run less the
+    recording. Without a calibration the LAeq is made equal.
     """
     own, recording = of_run(run), read(path)
     computed, recorded = _bands(own), _bands(recording)
@@ -144,7 +137,7 @@ def compare(
         recorded = _without(_bands(read(background)), recorded)
     common = known & np.isfinite(recorded[1])
     if not common.any():
-        raise FolderError(f"{path}: no third octave in which both the run and the recording sound")
+        raise FolderError(f"{path}: no third octave in which this and the run are not silent")
     computed, recorded = (np.where(common, bands, np.nan) for bands in (computed, recorded))
     loudest, laeq = int(np.nanargmax(computed[1])), len(common)  # place of LAeq, behind the bands
     octave = EDGES_HZ[max(loudest - 1, 0)], EDGES_HZ[min(loudest + 2, laeq)]
@@ -169,7 +162,7 @@ def compare(
         notes.append(f"not {CLEAR_DB:g} dB above the background, left out: {', '.join(hidden)} Hz")
     if recording.is_clipped:
         notes.append("the recording is clipped: repeat it with less gain")
-    return Comparison(table.dropna(subset="difference_db"), notes, (own, recording))
+    return table.dropna(subset="difference_db"), notes, {"run": own, "recording": recording}
 
 
 def _bands(record: Recording) -> Array:
@@ -206,7 +199,9 @@ def _levels(record: Recording, bands: Array, octave: tuple[float, float]) -> Arr
     """Return third octaves, their LAeq, and modulation, (2, 40), with their uncertainty [dB]."""
     power = 10 ** (bands[1] / 10)
     total, spread = np.nansum(power), np.sqrt(np.nansum(np.square(power * bands[2])))
-    laeq = [[10 * np.log10(total)], [spread / total]]
+    # The bands of impacts rise and fall together.
+    scatter = uncertainty.record_scatter_db(record.samples, record.rate) or 0.0
+    laeq = [[10 * np.log10(total)], [max(spread / total, scatter)]]
     return np.hstack([bands[::2], laeq, _modulation(record, octave)])
 
 
@@ -234,23 +229,22 @@ def words(table: pd.DataFrame) -> pd.DataFrame:
     return frame.replace({"Hz": {"nan": ""}})
 
 
-def page(run: Run, comparison: Comparison) -> bytes:
+def page(run: Run, table: pd.DataFrame, notes: list[str], both: dict[str, Recording]) -> bytes:
     """Write a page with the third octaves, all numbers, and both sounds at equal loudness."""
-    both = dict(zip(("run", "recording"), comparison.records, strict=True))
-    bands = comparison.table.query("quantity == 'third octave'").set_index("frequency_hz")
+    bands = table.query("quantity == 'third octave'").set_index("frequency_hz")
     bands = bands.reindex(NOMINAL_HZ).set_axis(BAND_NAMES)
 
     def draw(ax: Axes) -> Axes:
         curves = [(name, bands[f"{name}_db"], bands[f"{name}_uncertainty_db"]) for name in both]
         plots.third_octaves(ax, curves, min(record.seconds for record in both.values()))
-        return finish(ax, f"Third octaves: {run.title}", comparison.notes[1:2])
+        return finish(ax, f"Third octaves: {run.title}", notes[1:2])
 
     heard = {name: _heard(record) for name, record in both.items()}
     gain = wav.PEAK / max(FAINTEST, *(np.abs(samples).max() for samples in heard.values()))
     content = {
         "title": run.title,
-        "notes": comparison.notes,
-        "table": Markup(words(comparison.table).to_html(index=False, border=0)),
+        "notes": notes,
+        "table": Markup(words(table).to_html(index=False, border=0)),
         "picture": maps.uri("image/svg+xml", picture("third_octaves", draw).file("svg") or b""),
         "sounds": {name: records.compressed(gain * samples) for name, samples in heard.items()},
         "css": Markup(text.asset("report.css")),
