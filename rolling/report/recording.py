@@ -17,11 +17,13 @@ import soundfile
 from markupsafe import Markup
 from matplotlib.axes import Axes
 
-from acoustics import level, plots, resampling, spectrum, uncertainty, wav
+from acoustics import level, plots, resampling, spectrum, uncertainty
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, NOMINAL_HZ
 from acoustics.modulation import envelope_spectrum
 from acoustics.radiation import P_REF_PA
+from acoustics.wav import PEAK
+from acoustics.wav import SAMPLE_RATE_HZ as RATE
 from rolling import __version__
 from rolling.figures.picture import finish, picture
 from rolling.report import maps, records, text
@@ -45,14 +47,13 @@ _DB = 10.0 / math.log(10.0)
 
 
 class Recording(NamedTuple):
-    """Samples that are recorded [full scale] or computed [Pa], closed or faded at both ends.
+    """Samples at 48 kHz, recorded [full scale] or computed [Pa], closed or faded at both ends.
 
     `highest` [Hz] is the highest frequency that they resolve, `seconds` [s] the length of a lap.
     """
 
     name: str
     samples: Array
-    rate: int
     highest: float
     seconds: float
     is_clipped: bool = False
@@ -76,21 +77,20 @@ def read(path: Path) -> Recording:
     if not FAINTEST < np.ptp(heard) < LARGEST:
         raise FolderError(f"{path}: its first channel is silent, or holds no finite numbers")
     window = resampling.fade(np.ones(len(heard)), round(FADE_S * rate))
-    samples = window * (heard - heard.mean()) / math.sqrt(np.mean(np.square(window)))
+    faded = window * (heard - heard.mean()) / math.sqrt(np.mean(np.square(window)))
+    samples = resampling.resample_closed(faded, round(len(faded) * RATE / rate))
     flat = np.convolve(np.isin(heard, (heard.min(), heard.max())), np.ones(FLAT), "valid")
     is_clipped = bool(np.abs(heard).max() >= FULL_SCALE and flat.max() == FLAT)
-    return Recording(labels.printable(path.name), samples, rate, rate / 2.0, seconds, is_clipped)
+    return Recording(labels.printable(path.name), samples, rate / 2.0, seconds, is_clipped)
 
 
 def of_run(run: Run) -> Recording:
     """Return the long record of a run if its scene asks for one, otherwise its signal."""
-    sound = run.sound
     if long := listening.recorded(run):
-        highest = min(sound.highest, long.numbers["highest_frequency_hz"])
-        seconds = long.numbers["seconds"]
-        return Recording("long record", long.pressure, long.sample_rate, highest, seconds)
-    seconds = sound.duration / run.laps
-    return Recording("signal", sound.pressure, sound.sample_rate, sound.highest, seconds)
+        seconds = len(long.pressure) / RATE
+        return Recording("long record", long.pressure, run.sound.highest, seconds)
+    seconds = run.sound.duration / run.laps
+    return Recording("signal", run.sound.pressure, run.sound.highest, seconds)
 
 
 def pascals(calibration: str) -> float:
@@ -110,10 +110,10 @@ def pascals(calibration: str) -> float:
 
 def _tone_rms(tone: Recording) -> float:
     """Return the rms of a steady tone without the noise beyond half an octave from it."""
-    frequency, square = spectrum.line_spectrum(tone.samples, tone.rate)
+    frequency, square = spectrum.line_spectrum(tone.samples, RATE)
     octave = frequency[np.argmax(square)] * np.array([0.5, 2]) ** 0.5
     power = float(square[slice(*np.searchsorted(frequency, octave))].sum())
-    scatter = uncertainty.record_scatter_db(tone.samples, tone.rate) or 0.0
+    scatter = uncertainty.record_scatter_db(tone.samples, RATE) or 0.0
     if tone.is_clipped or power < 0.5 * square.sum() or scatter > STEADY_DB:
         raise FolderError(f"{tone.name}: no steady tone, or it is clipped or lost in noise")
     return math.sqrt(power)
@@ -153,8 +153,9 @@ def compare(
     quantities = ["third octave"] * laeq + ["LAeq"] + ["modulation"] * len(MODULATION_HZ)
     table.insert(0, "quantity", quantities)
     table.insert(1, "frequency_hz", [*NOMINAL_HZ, math.nan, *MODULATION_HZ])
+    verdict = run.summary.get("verdict") or {}
     notes = [
-        f"run: {own.name}, {own.seconds:.3g} s; its level: {run.summary['verdict']['word']}",
+        f"run: {own.name}, {own.seconds:.3g} s; its level: {verdict.get('word', '-')}",
         f"recording: {recording.name}, first channel, {recording.seconds:.3g} s; {scale}",
         f"modulation: from {octave[0]:.0f} to {octave[1]:.0f} Hz, where the run is loudest",
     ]
@@ -170,13 +171,12 @@ def _bands(record: Recording) -> Array:
 
     The uncertainty is that of Gaussian noise, or that between segments if it is larger.
     """
-    samples, rate = record.samples, record.rate
-    levels = level.sound_levels(samples, rate, record.highest, closed=False)
-    laps = len(samples) / rate / record.seconds
-    noise = uncertainty.level_uncertainty(samples, rate, levels, False, laps)
+    samples, laps = record.samples, len(record.samples) / RATE / record.seconds
+    levels = level.sound_levels(samples, RATE, record.highest, closed=False)
+    noise = uncertainty.level_uncertainty(samples, RATE, levels, False, laps)
     parts = levels.third_octave_db, levels.third_octave_a_db, noise.third_octave_db
     bands = np.array([[part[name] for name in BAND_NAMES] for part in parts], dtype=float)
-    lines, frequency = np.fft.rfft(samples), np.fft.rfftfreq(len(samples), 1 / rate)
+    lines, frequency = np.fft.rfft(samples), np.fft.rfftfreq(len(samples), 1 / RATE)
     for band, (first, last) in enumerate(pairwise(np.searchsorted(frequency, EDGES_HZ))):
         if last - first >= SEGMENTS and lines[first:last].any():
             # The transform of the lines of a band is its complex envelope.
@@ -200,7 +200,7 @@ def _levels(record: Recording, bands: Array, octave: tuple[float, float]) -> Arr
     power = 10 ** (bands[1] / 10)
     total, spread = np.nansum(power), np.sqrt(np.nansum(np.square(power * bands[2])))
     # The bands of impacts rise and fall together.
-    scatter = uncertainty.record_scatter_db(record.samples, record.rate) or 0.0
+    scatter = uncertainty.record_scatter_db(record.samples, RATE) or 0.0
     laeq = [[10 * np.log10(total)], [max(spread / total, scatter)]]
     return np.hstack([bands[::2], laeq, _modulation(record, octave)])
 
@@ -210,7 +210,7 @@ def _modulation(record: Recording, band: tuple[float, float]) -> Array:
 
     They are NaN where the record is too short, or the band too narrow.
     """
-    found, low = envelope_spectrum(record.samples, record.rate, band), MODULATION_HZ / 2**0.5
+    found, low = envelope_spectrum(record.samples, RATE, band), MODULATION_HZ / 2**0.5
     octaves = np.searchsorted(low, found.frequency_hz)  # 0 below the first
     squares = np.bincount(octaves, np.square(found.modulation), len(low) + 1)[1:] / _HANN
     levels = 10 * np.log10(np.maximum(squares, FAINTEST)), _DB / np.sqrt(low * record.seconds)
@@ -239,8 +239,11 @@ def page(run: Run, table: pd.DataFrame, notes: list[str], both: dict[str, Record
         plots.third_octaves(ax, curves, min(record.seconds for record in both.values()))
         return finish(ax, f"Third octaves: {run.title}", notes[1:2])
 
-    heard = {name: _heard(record) for name, record in both.items()}
-    gain = wav.PEAK / max(FAINTEST, *(np.abs(samples).max() for samples in heard.values()))
+    heard = {
+        name: record.samples[: round(HEARD_S * RATE)] / level.a_weighted_rms(record.samples, RATE)
+        for name, record in both.items()
+    }
+    gain = PEAK / max(FAINTEST, *(np.abs(samples).max() for samples in heard.values()))
     content = {
         "title": run.title,
         "notes": notes,
@@ -251,10 +254,3 @@ def page(run: Run, table: pd.DataFrame, notes: list[str], both: dict[str, Record
     }
     template = environment().get_template("recording.html")
     return template.render(version=__version__, seconds=HEARD_S, **content).encode()
-
-
-def _heard(record: Recording) -> Array:
-    """Return the beginning of a record at 48 kHz, over the A-weighted rms of the record."""
-    rate, part = wav.SAMPLE_RATE_HZ, record.samples[: round(HEARD_S * record.rate)]
-    samples = resampling.resample_closed(part, round(len(part) * rate / record.rate))
-    return np.asarray(samples / level.a_weighted_rms(record.samples, record.rate))
