@@ -284,6 +284,41 @@ def listen(
     return [path]
 
 
+def compare(
+    folder: Path, recording: Path, calibration: str | None = None, background: Path | None = None
+) -> list[Path]:
+    """Compare a run with a recording: print a table, write it and a page, and return its path.
+
+    Parameters
+    ----------
+    folder : Path. The folder of one run, which gets compare-NAME.html and compare-NAME.csv.
+    recording : Path. Sound file of the real thing, whose name is NAME.
+    calibration : str. TONE.wav=LEVEL, a recorded tone of known level in dB re 20 uPa, or the
+        pressure of full scale in Pa. Default: none; the recording gets the LAeq of the run.
+    background : Path. Recording of the background alone, which is subtracted. Default: none.
+
+    Raises
+    ------
+    FolderError : the folder holds no single run that is done, or a sound cannot be compared.
+        Nothing is written.
+    """
+    from rolling.figures.picture import csv_bytes, slug
+    from rolling.report import recording as recordings
+
+    stored = folders.done_run(folder, "compare")
+    with progress.step("reading the run, making its sound"):
+        (run,) = open_runs([stored])
+    with progress.step("comparing it with the recording"):
+        table, notes, both = recordings.compare(run, recording, calibration, background)
+        content = recordings.page(run, table, notes, both)
+    page = folder / f"compare-{slug(recording.name)[:80]}.html"
+    files.write_bytes(page.with_suffix(".csv"), csv_bytes(table))
+    files.write_bytes(page, content)
+    if not progress.is_quiet():
+        print(recordings.words(table).to_string(index=False), "", *notes, "", sep="\n")
+    return [page]
+
+
 def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None) -> list[Path]:
     """Draw figures of the runs of a folder, and return their files.
 

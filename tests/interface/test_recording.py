@@ -1,0 +1,252 @@
+"""`rolling compare` on recordings that are made from runs, so that every difference is known."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import soundfile
+from finished import VIBRATING, marched
+
+from acoustics import BAND_NAMES, resampling
+from rolling import cli, open_run, save_run
+from rolling.results.run_result import Run
+
+RATE, SECONDS = 44100, 6.0
+FULL_SCALE_PA = 0.02
+TEXT = VIBRATING.replace("sound: {", f"sound: {{listen_s: {SECONDS}, ")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Store a run with a long record."""
+    out = tmp_path_factory.mktemp("compared") / "run"
+    return save_run(replace(marched(TEXT), writer=save_run), out, report=False)
+
+
+@pytest.fixture(scope="module")
+def run(folder: Path) -> Run:
+    return open_run(folder)
+
+
+def at_rate(pressure: np.ndarray, rate: int = RATE) -> np.ndarray:
+    """Resample a record of 48 kHz."""
+    return resampling.resample_closed(pressure, round(len(pressure) * rate / 48000))
+
+
+def filtered(samples: np.ndarray, rate: int) -> tuple[np.ndarray, np.ndarray]:
+    """Play a record through a filter that falls by 9 dB between two frequencies.
+
+    Return also the filter in third octaves [dB].
+    """
+    frequency = np.fft.rfftfreq(len(samples), 1 / rate)
+    lines, bands = np.fft.rfft(samples), 10 ** (np.arange(13, 44) / 10)
+    gains = [np.interp(np.log(x + 1e-9), np.log([800, 2500]), [2, -7]) for x in (frequency, bands)]
+    return np.fft.irfft(lines * 10 ** (gains[0] / 20), len(samples)), gains[1]
+
+
+def compared(folder: Path, recording: Path, *words: object) -> pd.DataFrame:
+    """Compare a run with a recording and read the table."""
+    assert cli.main(["compare", str(folder), str(recording), *map(str, words)]) == 0
+    return pd.read_csv(folder / f"compare-{recording.name.replace('.wav', '')}.wav.csv")
+
+
+def bands(table: pd.DataFrame) -> pd.DataFrame:
+    return table[table["quantity"] == "third octave"].astype({"frequency_hz": float})
+
+
+def tone(path: Path, pascal: float, rate: int = RATE) -> str:
+    """Write a tone of 1 kHz with a rms [Pa] and the hiss of a phone; return its calibration."""
+    sound = np.sqrt(2) * pascal * np.sin(2 * np.pi * 1000.3 * np.arange(2 * rate) / rate)
+    sound += 0.02 * pascal * np.random.default_rng(1).standard_normal(2 * rate)
+    soundfile.write(path, sound / FULL_SCALE_PA, rate, subtype="PCM_16")
+    return f"{path}={20 * np.log10(pascal / 2e-5):.6f}"
+
+
+def test_the_difference_is_the_filter_within_the_stated_uncertainty(
+    folder: Path, run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Another continuation of the run, filtered, in noise, whose second channel is quieter.
+
+    Of the bands, those beyond two standard uncertainties are few (5 % of Gaussian errors),
+    and the rms is about 1: between 0.4 (stated values are upper bounds) and 1.3.
+    """
+    other = at_rate(run.listen(SECONDS, seed=5).pressure)
+    sound, gain = filtered(other, RATE)
+    rng, full = np.random.default_rng(2), np.abs(sound).max() / 0.5
+    noise = 0.002 * sound.std() * rng.standard_normal((2, len(sound)))
+    wav, hush = tmp_path / "phone.wav", tmp_path / "hush.wav"
+    soundfile.write(wav, np.stack([sound + noise[0], 0.1 * sound], 1) / full, RATE, "PCM_24")
+    soundfile.write(hush, np.stack([noise[1], 0 * sound], 1) / full, RATE, "PCM_24")
+    words = (wav, "--calibration", full, "--background", hush)
+    table = bands(compared(folder, *words))
+    assert len(table) >= 15
+    wanted = table["frequency_hz"].map(dict(zip(map(float, BAND_NAMES), gain, strict=True)))
+    error = (table["difference_db"] + wanted) / table["difference_uncertainty_db"]
+    assert (error.abs() > 2).sum() <= 2
+    assert 0.4 < np.sqrt(np.square(error).mean()) < 1.3
+    said = capsys.readouterr().out
+    assert "3 dB above the background, left out: 20, 25," in said
+    assert "run: long record, 6 s" in said
+
+
+def test_a_tone_gives_the_level_back(folder: Path, run: Run, tmp_path: Path) -> None:
+    """The run as its own recording has no difference: 0.1 dB of the tone, 0.01 dB of rounding."""
+    wav = tmp_path / "self.wav"
+    long = run.long.pressure
+    scale = np.abs(long).max() * 1.1
+    soundfile.write(wav, long / scale, 48000, subtype="PCM_24")
+    level = tone(tmp_path / "tone.wav", 0.3 * FULL_SCALE_PA)
+    words = wav, "--calibration", level
+    table = compared(folder, *words)
+    offset = 20 * np.log10(scale / FULL_SCALE_PA)
+    laeq = table[table["quantity"] == "LAeq"].iloc[0]
+    assert laeq["difference_db"] == pytest.approx(offset, abs=0.1)
+    loud = bands(table)["run_db"] > bands(table)["run_db"].max() - 40
+    assert bands(table)["difference_db"][loud].to_numpy() == pytest.approx(offset, abs=0.1)
+    modulation = table[table["quantity"].str.startswith("modulation")]
+    assert len(modulation) >= 5
+    assert modulation["difference_db"].abs().max() < 0.2  # the fades of the recording
+
+
+def test_without_calibration_shapes_are_compared(
+    folder: Path, run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The page is one file with both sounds at the same level; it stands in the run folder."""
+    before = {path.name for path in folder.iterdir()}
+    wav = tmp_path / "a <b> & c.ogg"
+    soundfile.write(
+        wav, at_rate(run.long.pressure, 16000) / np.abs(run.long.pressure).max() / 3, 16000
+    )
+    assert cli.main(["compare", str(folder), str(wav)]) == 0
+    out = folder / "compare-a_b_c.ogg.html"
+    assert {path.name for path in folder.iterdir()} - before == {out.name, "compare-a_b_c.ogg.csv"}
+    said, html = capsys.readouterr().out, out.read_text(encoding="utf-8")
+    assert said.splitlines()[-1] == str(out) and "LAeq is made equal" in said
+    assert "<b>" not in html and html.count("<audio") == 2
+    assert re.findall(r'(?:src|href)="(?!data:)', html) == []
+    table = pd.read_csv(out.with_suffix(".csv"))
+    laeq = table[table["quantity"] == "LAeq"].iloc[0]
+    assert laeq["difference_db"] == pytest.approx(0, abs=1e-9)
+    assert bands(table)["frequency_hz"].astype(float).max() == 6300  # the band of 8 kHz ends beyond
+
+
+def write_odd(path: Path) -> None:
+    """Write recordings that are none, by the name of the file."""
+    rate, sound = 16000, 0.1 * np.random.default_rng(3).standard_normal(16000)
+    if path.name == "silent.wav":
+        sound[:] = 0.25
+    if path.name == "nan.wav":
+        sound[77] = np.nan
+    if path.name == "huge.wav":
+        sound[77] = 1e30
+    if path.name == "short.wav":
+        sound = sound[:7999]
+    if path.name == "empty.wav":
+        sound = sound[:0]
+    if path.name == "slow.wav":
+        rate = 8000
+    soundfile.write(path, sound, rate, subtype="FLOAT")
+    if path.name == "text.wav":
+        path.write_text("no sound")
+    if path.name == "cut.wav":
+        path.write_bytes(path.read_bytes()[:40])
+    if path.name == "folder.wav":
+        path.unlink()
+        path.mkdir()
+    if path.name == "missing.wav":
+        path.unlink()
+
+
+ODD = {
+    "silent.wav": "first channel is silent",
+    "nan.wav": "or holds no finite numbers",
+    "huge.wav": "or holds no finite numbers",
+    "short.wav": "got 0.5 s at 16000 Hz, allowed: 0.5 to 120 s",
+    "empty.wav": "got 0 s",
+    "slow.wav": "8000 Hz, allowed: 0.5 to 120 s at 16000 Hz or more",
+    "text.wav": "no sound that can be read",
+    "cut.wav": "no sound that can be read",
+    "folder.wav": "no sound that can be read",
+    "missing.wav": "no sound that can be read",
+}
+
+
+@pytest.mark.parametrize(("name", "message"), ODD.items(), ids=ODD)
+def test_what_is_no_recording_is_refused(
+    name: str, message: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_odd(tmp_path / name)
+    assert cli.main(["compare", str(folder), str(tmp_path / name)]) == 2
+    said = capsys.readouterr().err
+    assert message in said and len(said.splitlines()) == 1
+    assert not [*folder.glob(f"compare-{name}*")]
+
+
+def test_calibrations_that_are_none_are_refused(
+    folder: Path, run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rng = np.random.default_rng(4)
+    sound = 0.1 * rng.standard_normal(RATE)
+    t = np.arange(RATE) / RATE
+    files = {
+        "ok": sound,
+        "noise": sound,
+        "clipped": np.clip(3 * np.sin(2 * np.pi * 1000 * t), -1, 1),
+        "stops": np.sin(2 * np.pi * 1000 * t) * (t < 0.5),
+    }
+    for name, samples in files.items():
+        soundfile.write(tmp_path / f"{name}.wav", samples, RATE)
+    command = ["compare", str(folder), str(tmp_path / "ok.wav")]
+    for word in ("noise", "clipped", "stops"):
+        assert cli.main([*command, "--calibration", f"{tmp_path / word}.wav=94"]) == 2
+        assert "no steady tone" in capsys.readouterr().err
+    for word in (
+        "",
+        "nan",
+        "inf",
+        "0",
+        "-1",
+        "1e300",
+        "=94",
+        "tone.wav=",
+        "tone.wav=nan",
+        "tone.wav=1e9",
+    ):
+        assert cli.main([*command, f"--calibration={word}"]) == 2
+        assert "--calibration: got" in capsys.readouterr().err
+    assert cli.main([*command, "--background", str(tmp_path / "ok.wav")]) == 2
+    assert "no third octave in which" in capsys.readouterr().err
+    assert not [*folder.glob("compare-ok*")]
+
+
+def test_clipping_is_named(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sound = np.random.default_rng(6).standard_normal(48000)
+    for clip, name in ((1.0, "hard"), (9.0, "soft")):
+        smooth = np.cumsum(sound - sound.mean())
+        smooth = 3 * smooth / np.abs(smooth).max() if clip == 1.0 else smooth / np.abs(smooth).max()
+        soundfile.write(tmp_path / f"{name}.wav", np.clip(smooth, -clip, clip), 48000)
+        compared(folder, tmp_path / f"{name}.wav")
+        assert ("is clipped" in capsys.readouterr().out) == (name == "hard")
+
+
+def test_a_damaged_recording_is_read_or_refused(folder: Path, tmp_path: Path) -> None:
+    """Flipped bytes of a header end in a page or in a refusal, never in a traceback."""
+    rng = np.random.default_rng(7)
+    whole, codes = tmp_path / "whole.wav", set()
+    soundfile.write(whole, 0.1 * rng.standard_normal((16000, 2)), 16000, "PCM_16")
+    content = whole.read_bytes()
+    for number in range(25):
+        damaged = bytearray(content)
+        for place in rng.integers(0, 64, 3):
+            damaged[place] = rng.integers(0, 256)
+        path = tmp_path / f"{number}.wav"
+        path.write_bytes(damaged)
+        codes.add(cli.main(["compare", str(folder), str(path)]))
+    assert codes <= {0, 2}
