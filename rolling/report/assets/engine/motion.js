@@ -19,7 +19,7 @@ const [FALL, ROUGH] = [1, 1e-4]; // speed [m/s] and height [m] that a ball on a 
 const HIGHER = 1.1; // height that a ball does not reach over the height of its fall
 const STRONGEST = 1e9; // force over the load that a ball on a track does not reach
 export const RATE = 48000; // samples per second
-export const MOST_STEPS = 32; // per sample
+const MOST_STEPS = 32; // per sample
 
 /**
  * Return the number of time steps per sample: they resolve the period of the resonance, the impact
@@ -98,7 +98,7 @@ export class Motion {
     }));
   }
 
-  /** Height [m] of the ball above the place where it would touch. */
+  /** Return the height [m] of the ball above the place where it would touch. */
   get height() {
     return Math.max(this.law.liftOff - this.approach, 0);
   }

@@ -11,7 +11,7 @@ import { ballPressure, halfSpacePressure, platePressure } from "./radiation.js";
 import { prepareRelease } from "./release.js";
 import { impulseResponses } from "./response.js";
 
-export const LIVE_MODES = 100; // that move in real time
+const LIVE_MODES = 100; // that move in real time
 const MOST_WORK = 18; // area^1.5 [m3] times the root of the modes: 5 s
 let latestPlate = { key: "", plate: null };
 
