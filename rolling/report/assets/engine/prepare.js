@@ -60,7 +60,7 @@ function edgedPlate(run, settings) {
   return latestPlate.plate;
 }
 
-/** Return bodies and radiation that each listener hears, and the way [m] of the sound from the contact to the first. */
+/** Return bodies and radiation for each listener, and the path [m] from the contact to the first. */
 function listenersOf(run, settings, plate) {
   const { distance, plateDensity, ballDensity, thickness } = settings;
   const { radius, compression } = run.fixed;

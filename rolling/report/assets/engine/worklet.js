@@ -30,7 +30,7 @@ class Travel {
   }
 }
 
-/** Ball and track of a run, from a hand's moves to the contact force [N], or to the pressure [Pa] of a release. */
+/** Ball and track of a run: source of contact force [N], or of pressure [Pa] for a release. */
 export class Instrument {
   constructor({ run, settings, prepared, from }) {
     const { kind, start, length } = prepared;

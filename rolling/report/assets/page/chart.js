@@ -37,7 +37,7 @@ export function openCharts(charts, labels) {
 
 /** Make a chart in its figure; it is drawn when it comes near the screen. */
 export function openChart(figure, chart) {
-  const viewOf = (axis) => ({ ...axis, whole: axis.limits }); // `limits` are those of the zoom
+  const viewOf = (axis) => ({ ...axis, whole: axis.limits }); // `limits` belong to the zoom
   const plot = { figure, chart, points: pointsOf(chart), places: null, reading: null };
   plot.view = { x: viewOf(chart.x), y: chart.y.map(viewOf), hidden: new Set() };
   chart.offsets = offsetsOf(chart);
@@ -101,7 +101,7 @@ function makeLegend(plot) {
   }));
 }
 
-/** Let the buttons below a chart show the whole of it and save it, and make those of its scales. */
+/** Connect the buttons that reset and save a chart, and make the buttons of its scales. */
 function makeTools(plot) {
   const { chart, view, figure, points } = plot, image = chart.parts.some((part) => part.kind === "image");
   figure.querySelector(".whole").onclick = () => resetZoom(plot);

@@ -18,7 +18,7 @@ export function readAt(plot, pixel) {
   const read = !inside ? [] : image ? imageAt(plot, pixel) : curvesAt(plot, pixel), [first] = read;
   plot.reading = inside ? pixel : null;
   for (const group of svg.querySelectorAll("[data-curve]")) group.classList.toggle("top", Number(group.dataset.curve) === first?.curve);
-  svg.querySelector(".parts").append(...svg.querySelectorAll(".top")); // no other curve hides the one that is read
+  svg.querySelector(".parts").append(...svg.querySelectorAll(".top")); // no other curve hides the curve that is read
   over.replaceChildren();
   output.hidden = !first;
   if (!first) return;

@@ -8,7 +8,7 @@ const FILM_WORDS = "The contact from above: the surface (grey), the pressure on 
 
 /** Draw the layers of a map about the sphere's centre at (x, y); call `again` when more are loaded. */
 export function drawSolved(pen, { sheets }, at, { x, y, perUm }, again) {
-  pen.imageSmoothingEnabled = false; // a cell is what was computed, nothing between cells was
+  pen.imageSmoothingEnabled = false; // cells are computed values, with nothing between them
   pen.fillStyle = "#000";
   pen.fillRect(0, 0, pen.canvas.width, pen.canvas.height);
   for (const sheet of sheets) {
@@ -31,7 +31,7 @@ function frameOf({ size_um: size, sheets: [{ boxes }] }, at, aspect) {
   return { width, x: inside(-boxes[at][0], along, width), y: inside(boxes[at][1], across, width / aspect) };
 }
 
-/** Draw a map or a moment of a film, with the ellipse of Hertz's contact and a scale of length above it. */
+/** Draw a map or a moment of a film, with the ellipse of Hertz's contact and a scale bar. */
 export function drawContact(canvas, solved, at, again) {
   const { width, height } = canvas, frame = frameOf(solved, at, width / height), perUm = width / frame.width;
   drawSolved(canvas.getContext("2d"), solved, at, { x: frame.x * perUm, y: frame.y * perUm, perUm }, again);

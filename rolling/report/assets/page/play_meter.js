@@ -7,7 +7,7 @@ import { SPECTRUM, live, liveOf } from "./play_sound.js";
 const COLUMNS = 125; // of the strip, one per report: 4 s
 const SHOWN_MS = 120; // between changes of numbers and curves
 const SLOW_MS = 1000; // between them where motion is unwanted
-const SMOOTHED = 0.5; // share of the latest spectrum in the one that is shown
+const SMOOTHED = 0.5; // weight of the latest spectrum in the shown average
 const LEVELS_DB = 70; // that the spectrum shows
 const QUIETEST_DB = -20; // level that is shown
 const TIGHT_DB = -0.5; // gain below which the page mentions the limiter

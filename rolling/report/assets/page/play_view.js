@@ -8,7 +8,7 @@ import { drawSolved } from "./contact.js";
 const CENTRING_S = 0.35; // in which a ball that is let go comes back to the middle
 const HAND_PX_S = 500; // speed of a hand that rolls the ball as fast as its run
 const MARKS_PX = 100; // distance of marks on the plate, as the style has it
-const BLURRED_PX = 35; // that the plate moves in a frame, from which its marks and those of the ball cannot be seen
+const BLURRED_PX = 35; // travel of the plate in a frame beyond which all marks are invisible
 const LENS_MS = 120; // that a map stays under the lens at least
 
 // Lengths in metres, `scale` along the track in pixels per metre; the ball has a scale of its own. `camera` is in the middle of the picture, `ball` is where the ball is drawn, `goal` where the hand is, `grip` away from the middle of the ball.
