@@ -28,8 +28,8 @@ from rolling.sound.vibration_sound import Vibration
 
 LARGEST = 300_000  # bytes of a law or a release on the page, in base64
 FAITHFUL = 1e-3  # error of the force that a stored law leaves, over its fluctuation
-LEAST_ROWS = 8  # of a track that the engine can play
-SEAM = 20  # a part of one over this is cross-faded where a track does not close
+LEAST_ROWS = 8  # of a track on which the engine can roll
+SEAM = 20  # an open track is cross-faded over its length divided by this
 RESOLVED = 1e-5  # share of the roughness in waves that time steps need not resolve
 FASTEST_STEPS = 8  # time steps per sample that the highest speed takes
 FALL_M_S = 1.0  # speed that a ball which is lifted may reach in its fall
@@ -65,7 +65,6 @@ def live_of(run: Run) -> Data | None:
     peak = float(np.abs(run.sound.channels).max())
     data: Data = {
         "label": run.label,
-        "rate": SAMPLE_RATE_HZ,
         "settings": settings,
         "limits": limits,
         "fixed": _fixed(scene),
@@ -82,7 +81,7 @@ def live_of(run: Run) -> Data | None:
 
 
 def _sliders(settings: Data, vibrates: bool) -> list[str]:
-    """Return the settings that a run answers, of those with a fixed range."""
+    """Return the settings with a fixed range that change the sound of a run."""
     if not vibrates:
         return ["distance", "q"]
     deaf = {"q"} if settings["length"] else {"q", "lossFactor"}
@@ -276,9 +275,8 @@ def _add_release(run: Run, data: Data, _: Vibration | None) -> Data:
     data["limits"]["speed"] = [0.0, max(10.0, data["settings"]["speed"])]
     data["fixed"]["silent"] = not run.sound.pressure.any()
     part = {"start": start, "closed": closes, "part": min(most / length, 1.0)}
-    stored = release_lines(rows[:, 0], result.step) | {"q": scene.sound.q}
-    heard = {"distance": scene.sound.distance_m, "gain": scene.sound.gain_pa_per_w_m2}
-    return data | {"kind": "release", "energy": part | stored | heard}
+    stored = release_lines(rows[:, 0], result.step) | {"gain": scene.sound.gain_pa_per_w_m2}
+    return data | {"kind": "release", "energy": part | stored}
 
 
 def release_lines(energy: Array, step: float) -> Data:

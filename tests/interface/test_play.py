@@ -69,12 +69,15 @@ def overrides(page) -> list[str]:
 
 
 def test_the_ball_sounds_as_its_run_and_a_slider_changes_it(playing) -> None:
-    """The level is that of the run within 1 dB, and 6 dB lower at twice the distance."""
+    """The level is that of the run within 0.5 dB, and falls with the distance r by 20 lg r.
+
+    The record repeats every 6 ms, so that the Fast level is steady, 0.2 dB off.
+    """
     run = runs_of("flying")[0]
     with playing("flying") as page:
         roll(page)
         near = level(page)
-        assert near == pytest.approx(run.sound.levels.laeq_db, abs=1)
+        assert near == pytest.approx(run.sound.levels.laeq_db, abs=0.5)
         assert page.evaluate(SPEED) == pytest.approx(0.1, rel=0.02)
         page.locator("#play-distance").evaluate(
             "(s) => { const [low, high] = JSON.parse(document.querySelector('#data').textContent)"
@@ -142,7 +145,7 @@ def test_keys_play_the_ball(playing) -> None:
         page.keyboard.press("Space")
         until(page, f"{SPEED} > 0.09")
         page.keyboard.press("d")
-        until(page, "document.querySelector('#play-flight').textContent !== 'in contact'")
+        until(page, "document.querySelector('#play-flight').textContent.includes('mm high')")
         page.keyboard.press("Home")
         assert keys(page) == {"rolling": {"speed_m_s": 0.1}, "sweep": {}}
         assert "rolls at 0.1 m/s" in page.get_attribute("#play-stage", "aria-valuetext")

@@ -19,7 +19,7 @@ function halfSpaceMobility(coefficient, young, poisson, density, frequency) {
   return (coefficient * frequency ** 2) / (density * shear ** 3);
 }
 
-/** Return the chain of a ball [kg], a plate of modes or of a mobility [s/kg], a spring [N/m], and its viscosity over it [s]. */
+/** Return the chain of a ball [kg], a plate of modes or mobility [s/kg], and a spring [N/m] with viscosity. */
 export function chainOf(mass, plate, stiffness, contactTime = 0) {
   const poles = plate.mobility ? plainPoles(mass, plate.mobility, stiffness) : modalPoles(mass, plate, stiffness);
   return { mass, stiffness, contactTime, poles };

@@ -1,11 +1,11 @@
-// Nodes of the browser between the instrument and the ear: a convolver makes sound of the contact force.
+// Audio nodes behind the instrument: convolvers turn the contact force into sound pressure.
 
 const SETTLE_S = 0.03; // in which a ball that begins at rest takes the motion of the track
 const FEED_S = 0.01; // time constant in which the force then goes over from one body to the next
 const HIGH_PASS = { order: 8, frequency: 15.5 }; // Butterworth: -0.5 dB at 17.8 Hz, -0.07 dB at 20 Hz
 const RUN_IN_S = 1; // before a record of rolling, for the high-pass and the modes of the plate
 
-/** Make the node of the instrument in a context that has its module, and its output without the parts below hearing. */
+/** Make the node of the instrument in a context with its module, and its high-passed output. */
 export function instrumentNode(context, processorOptions) {
   const node = new AudioWorkletNode(context, "instrument", { numberOfInputs: 0, outputChannelCount: [1], processorOptions });
   const { order, frequency } = HIGH_PASS;
@@ -17,7 +17,7 @@ export function instrumentNode(context, processorOptions) {
   return { node, output };
 }
 
-/** Let a source sound through responses [Pa/N] of up to two listeners, at once or faded in. */
+/** Connect a source through responses [Pa/N] of up to two listeners, at once or faded in. */
 export function throughBody(source, responses, output, atOnce = false) {
   const { context } = source, heard = responses.slice(0, 2);
   const length = Math.max(...heard.map((response) => response.length));
@@ -30,7 +30,7 @@ export function throughBody(source, responses, output, atOnce = false) {
   return { source, feed, convolver };
 }
 
-/** Take the force from a body, which rings out. */
+/** Fade out the force on a body, which rings out. */
 export function leaveBody({ source, feed, convolver }) {
   feed.gain.setTargetAtTime(0, feed.context.currentTime + SETTLE_S, FEED_S);
   setTimeout(() => {

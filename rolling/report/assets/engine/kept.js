@@ -1,4 +1,4 @@
-// Cost of modes that do not move in real time, by the linear chain: a part of the level.
+// Change of the level by the modes that do not move in real time, from the linear chain.
 
 import { linesOfRecord } from "./fft.js";
 import { RATE } from "./motion.js";

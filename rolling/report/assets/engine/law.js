@@ -10,8 +10,8 @@ export function numbersOf({ type, base64, scale, offset }) {
   return Float64Array.from(stored, (value) => offset + scale * value);
 }
 
-const BACK = 2 - Math.sqrt(3); // ratio by which rows count less and less in the slope of a cubic spline
-const REACH = 28; // rows after which they count nothing: BACK^28 = 1e-16
+const BACK = 2 - Math.sqrt(3); // ratio of the weights of successive rows in the slope of a cubic spline
+const REACH = 28; // rows with a weight: BACK^28 = 1e-16
 
 /** Return the derivatives per row of the periodic cubic spline through a column. */
 function splineSlopes(column) {

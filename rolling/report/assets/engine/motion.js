@@ -19,12 +19,10 @@ const [FALL, ROUGH] = [1, 1e-4]; // speed [m/s] and height [m] that a ball on a 
 const HIGHER = 1.1; // height that a ball does not reach over the height of its fall
 const STRONGEST = 1e9; // force over the load that a ball on a track does not reach
 export const RATE = 48000; // samples per second
-export const MOST_STEPS = 32; // per sample
+const MOST_STEPS = 32; // per sample
 
-/**
- * Return the number of time steps per sample: they resolve the period of the resonance, the impact
- * from a height [m], and the shortest waves of the law at a speed [m/s].
- */
+// The steps resolve the period of the resonance, the impact from the height, and the shortest waves of the law.
+/** Return the number of time steps per sample at settings and a height [m] of fall. */
 export function stepsPerSample(run, settings, chain, height = settings.dropHeight ?? 0) {
   const { impactRadius, modulus, shortestWave } = run.fixed;
   const [mass, load] = [ballMass(run, settings), loadOf(run, settings)];
@@ -47,10 +45,9 @@ function moments(z) {
   return [plus([1, 0], times(second, z)), second, third];
 }
 
-/**
- * Return the weights on a pole: `turn` of its state, and times its residue `start` and `end` of a source
- * that is linear within the step [s], `bend` of the second difference of a parabola, `late` a step later.
- */
+// `turn` is the weight of the state. Times the residue, `start` and `end` are the weights of a source that is linear
+// within the step, `bend` is the weight of the second difference of a parabola, and `late` the same a step later.
+/** Return the weights of a pole over a step [s]. */
 function heldPole(pole, residue, step) {
   const z = [pole[0] * step, pole[1] * step];
   const fast = z[1] > FASTEST && -z[0] < SHARP * z[1]; // then the pole follows the source at once
@@ -98,7 +95,7 @@ export class Motion {
     }));
   }
 
-  /** Height [m] of the ball above the place where it would touch. */
+  /** Return the height [m] of the ball above the place where it would touch. */
   get height() {
     return Math.max(this.law.liftOff - this.approach, 0);
   }

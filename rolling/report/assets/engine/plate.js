@@ -41,10 +41,8 @@ export class EdgedPlate {
     return Math.sin((Math.PI * m * x) / this.edges[0]) * Math.sin((Math.PI * n * y) / this.edges[1]);
   }
 
-  /**
-   * Return frequencies [rad/s], damping ratios and reach [m/J^0.5] at a point [m] of the lowest modes,
-   * of bands with the static compliance of those that are not kept, and of a tail with that of all others.
-   */
+  // Bands have the static compliance of the audible modes beyond `most`, and a tail that of all higher modes.
+  /** Return frequencies [rad/s], damping ratios and reach [m/J^0.5] at a point [m] of modes, bands and tail. */
   moving(point, most = Infinity) {
     const reachOf = (mode) => this.shape(mode, point) / (mode.w * Math.sqrt(this.modalMass));
     const [kept, rest] = [this.modes.slice(0, most), this.modes.slice(most)];
@@ -66,7 +64,7 @@ export class EdgedPlate {
     return moving;
   }
 
-  /** Return the modes, their distances [m] and their pressure per stiffness force at a listener for a force at a point [m]. */
+  /** Return modes, their distances [m] to a listener and their pressures per stiffness force for a contact [m]. */
   radiation(contact, listener) {
     const { edges } = this;
     const size = (Math.sign(listener[2]) * AIR) / (2 * Math.PI * this.modalMass);

@@ -63,7 +63,7 @@ function stepOf(elements, k, poles, j) {
   return over([-balance[0], -balance[1]], plus(times(balance, away), slope, k));
 }
 
-/** Return [pole, residue] of the approach of a ball [kg] on a spring [N/m] and modes, for each pair of poles. */
+/** Return [pole, residue] of each pole pair of a ball [kg] on a spring [N/m] and modes. */
 export function modalPoles(mass, modes, k) {
   const elements = elementsOf(mass, modes);
   const poles = firstPoles(elements, k);

@@ -11,7 +11,7 @@ import { ballPressure, halfSpacePressure, platePressure } from "./radiation.js";
 import { prepareRelease } from "./release.js";
 import { impulseResponses } from "./response.js";
 
-export const LIVE_MODES = 100; // that move in real time
+const LIVE_MODES = 100; // that move in real time
 const MOST_WORK = 18; // area^1.5 [m3] times the root of the modes: 5 s
 let latestPlate = { key: "", plate: null };
 
@@ -60,7 +60,7 @@ function edgedPlate(run, settings) {
   return latestPlate.plate;
 }
 
-/** Return bodies and radiation that each listener hears, and the way [m] of the sound from the contact to the first. */
+/** Return bodies and radiation for each listener, and the path [m] from the contact to the first. */
 function listenersOf(run, settings, plate) {
   const { distance, plateDensity, ballDensity, thickness } = settings;
   const { radius, compression } = run.fixed;

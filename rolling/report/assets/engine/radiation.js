@@ -26,7 +26,7 @@ export function halfSpacePressure(density, modulus, distance) {
   return (frequency) => [0, (-AIR * frequency) / (distance * Math.sqrt(density * modulus))];
 }
 
-/** Return the pressure of a ball and its image, off the axis by a cosine, and later by a way [m]. */
+/** Return the pressure of a ball and its image at a cosine off the axis, later by a path [m]. */
 export function ballPressure(radius, density, distance, cosine, further) {
   return (frequency) => {
     const k = (2 * Math.PI * frequency) / SOUND;

@@ -56,7 +56,7 @@ export function distances(edges, [x, y, z]) {
   return [Math.hypot(...beside, z), Math.hypot(...beyond, z)];
 }
 
-/** Return the integrals of exp(-i k (R - path)) / R [m] over modes (m, n, share) at a frequency [Hz]: pairs of re and im. */
+/** Return integrals of exp(-i k (R - path)) / R [m] over modes (m, n, share) at a frequency [Hz]. */
 export function rayleighIntegrals(edges, modes, listener, path, frequency) {
   const k = (2 * Math.PI * frequency) / SOUND;
   const [near] = distances(edges, listener);

@@ -70,10 +70,8 @@ function ended(samples) {
   return samples.slice(0, count).map((sample, i) => (i < begin ? sample : sample * Math.cos((Math.PI / 2) * ((i - begin) / (count - begin))) ** 2));
 }
 
-/**
- * Return responses [Pa/N] of listeners, and their common lead in samples. A listener has bodies, as
- * functions of frequency, and the radiation of the modes of a plate or none.
- */
+// A listener has bodies, as functions of frequency, and the radiation of the modes of a plate or none.
+/** Return responses [Pa/N] of listeners, and their common lead in samples. */
 export function impulseResponses(listeners, path) {
   const samplesTo = (distance) => Math.ceil((Math.abs(distance - path) / SOUND) * RATE);
   const ends = listeners.flatMap(({ radiation }) => radiation?.distances ?? [path]);

@@ -27,7 +27,7 @@ export class ForceSource {
     this.decimator.process(forces, samples);
   }
 
-  /** Lowest and highest force [N] of the latest block, and the share of it that the ball flew. */
+  /** Return the lowest and highest force [N] of the latest block, and its share of flight. */
   get extremes() {
     const { forces, rest } = this;
     let [lowest, highest, flown] = [Infinity, -Infinity, 0];

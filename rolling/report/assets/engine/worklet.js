@@ -12,7 +12,7 @@ const ASLEEP = 375; // blocks without motion, a second, after which nothing is c
 const STILL = 1e-7; // speed [m/s] below which a ball is at rest
 const UNHEARD = 1e-6; // range of the force [N] or pressure [Pa] below which a block is silent
 
-/** Way of the ball along the track: its speed [m/s] glides to a target, or its position [m] follows a hand. */
+/** Travel of the ball along the track: its speed [m/s] glides, or its position [m] follows a hand. */
 class Travel {
   constructor(position, speed, fastest) {
     Object.assign(this, { position, speed, fastest: Math.max(speed, fastest), target: speed, hand: null });
@@ -30,7 +30,7 @@ class Travel {
   }
 }
 
-/** Ball and track of a run, from a hand's moves to the contact force [N], or to the pressure [Pa] of a release. */
+/** Ball and track of a run: source of contact force [N], or of pressure [Pa] for a release. */
 export class Instrument {
   constructor({ run, settings, prepared, from }) {
     const { kind, start, length } = prepared;

@@ -7,7 +7,7 @@ import { pair } from "./compare.js";
 const test = { x: null, trials: 0, right: 0 };
 const sides = () => ({ a: pair()[0], b: pair()[1], x: test.x });
 
-/** Returns the probability to have at least so many right by chance. */
+/** Return the probability of at least so many right answers by chance. */
 function byChance(right, trials) {
   let [sum, term] = [0, 0.5 ** trials];
   for (let k = 0; k <= trials; k++) {
@@ -17,7 +17,7 @@ function byChance(right, trials) {
   return sum;
 }
 
-/** Lets a side through, a, b or x, and marks its button; without a side the chosen run is heard. */
+/** Play a side, a, b or x, and mark its button; without a side, the chosen run. */
 function hearSide(side = null) {
   state.blind = sides()[side] ?? null;
   for (const button of $$("[data-abx][aria-pressed]")) button.ariaPressed = String(button.dataset.abx === side);
@@ -25,7 +25,7 @@ function hearSide(side = null) {
   else if (side) play();
 }
 
-/** Makes X one of both runs in random order. */
+/** Make X one of both runs in random order. */
 function chooseX() {
   const [a, b] = pair();
   test.x = Math.random() < 0.5 ? a : b;
@@ -57,5 +57,5 @@ function answer(side) {
   if ($("[data-abx=x]").ariaPressed === "true") hearSide("x"); // the new one
 }
 
-/** Acts on a button: a, b and x are heard, is-a and is-b are answers. */
+/** Act on a button: a, b and x are heard, is-a and is-b are answers. */
 export const pressTest = ({ dataset: { abx } }) => (abx in sides() ? hearSide(abx) : answer(abx.slice(-1)));

@@ -1,4 +1,4 @@
-// ---- the beginning, and the hand of the user ----
+// ---- start of the page, and its events ----
 
 import { $, $$, data, lengthOf, ownTime, runs, say, state } from "./core.js";
 import { glide, mix, pause, play, render, seek, soundAlone } from "./player.js";
@@ -25,7 +25,7 @@ function begin() {
   roundOf(state.run); // so that Play sounds at once
 }
 
-/** Lets a run be heard, and shows its parts of the page. */
+/** Choose the run to hear, and show its parts of the page. */
 export function choose(number) {
   if (!(number in runs)) return;
   stopFilm();
@@ -46,7 +46,7 @@ const toggle = () => (state.wanted ? pause() : play());
 const step = (share) => seek(ownTime(state.run) + share * lengthOf(state.run));
 const KEYS = { " ": toggle, ArrowLeft: () => step(-0.05), ArrowRight: () => step(0.05) };
 
-/** Acts on a key that the focused control has no use of its own for. */
+/** Act on a key that the focused control does not use. */
 function onKey(event) {
   const { key, target } = event;
   if (event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented) return;
@@ -59,7 +59,7 @@ function onKey(event) {
   event.preventDefault();
 }
 
-/** Moves the playhead to a time that is clicked in a chart, of the slow motion or of a run. */
+/** Move the playhead, or the slow motion, to a time clicked in a chart. */
 function onChartSeek({ target, detail: { run, time } }) {
   if (target.closest(".film")) return seekFilmTo(time);
   if (run !== state.run) choose(run);

@@ -7,18 +7,18 @@ import { listenTo, readAt, resetZoom, setPlayhead } from "./chart_touch.js";
 
 const PALETTE = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
-/** A colour for light ground, and as much lighter as it is dark for dark ground. */
-export const shadesOf = (colour) => `light-dark(${colour}, oklch(from ${colour} calc(1 - 0.45 * l) c h))`;
+/** Return a colour for light ground, with a lighter one for dark ground. */
+const shadesOf = (colour) => `light-dark(${colour}, oklch(from ${colour} calc(1 - 0.45 * l) c h))`;
 
-/** Give every run of the page its colour, the one of its curve where runs are compared. */
-export function colourRuns(charts, labels) {
+/** Give each run its colour, if possible the colour of its curve among compared runs. */
+function colourRuns(charts, labels) {
   const compared = charts.find((chart) => chart.run === undefined && labels.every((label) => chart.curves.some((curve) => curve.name === label)));
   const colours = labels.map((label, k) => compared?.curves.find((curve) => curve.name === label).colour ?? PALETTE[k % PALETTE.length]);
   colours.forEach((colour, k) => document.documentElement.style.setProperty(`--run-${k}`, shadesOf(colour)));
   for (const chart of charts) chart.paints = paintsOf(chart, labels, colours);
 }
 
-/** Colours of curves: those of compared runs; in a chart of one run the first colour and that of the run are exchanged. */
+/** Return the colours of curves; in a chart of one run, its colour and the first are exchanged. */
 function paintsOf({ curves, run }, labels, colours) {
   const compared = run === undefined && curves.some((curve) => labels.includes(curve.name));
   const first = curves.find(({ colour }) => !isGrey(colour))?.colour;
@@ -37,7 +37,7 @@ export function openCharts(charts, labels) {
 
 /** Make a chart in its figure; it is drawn when it comes near the screen. */
 export function openChart(figure, chart) {
-  const viewOf = (axis) => ({ ...axis, whole: axis.limits }); // `limits` are those of the zoom
+  const viewOf = (axis) => ({ ...axis, whole: axis.limits }); // `limits` belong to the zoom
   const plot = { figure, chart, points: pointsOf(chart), places: null, reading: null };
   plot.view = { x: viewOf(chart.x), y: chart.y.map(viewOf), hidden: new Set() };
   chart.offsets = offsetsOf(chart);
@@ -53,7 +53,7 @@ export function openChart(figure, chart) {
   comingNear.observe(figure);
 }
 
-/** Offsets along x of the marks of curves with error bars, so that none hides another. */
+/** Return offsets along x of marks with error bars, so that none hides another. */
 function offsetsOf({ parts, curves }) {
   const barred = [...new Set(parts.filter((part) => part.kind === "errors").map((part) => part.of))];
   const wide = barred.length > 1 && parts.some((part) => part.kind === "steps" || part.kind === "bar");
@@ -101,7 +101,7 @@ function makeLegend(plot) {
   }));
 }
 
-/** Let the buttons below a chart show the whole of it and save it, and make those of its scales. */
+/** Connect the buttons that reset and save a chart, and make the buttons of its scales. */
 function makeTools(plot) {
   const { chart, view, figure, points } = plot, image = chart.parts.some((part) => part.kind === "image");
   figure.querySelector(".whole").onclick = () => resetZoom(plot);

@@ -22,16 +22,16 @@ const making = (space) => (name, attributes = {}, ...children) => {
 export const drawn = making("2000/svg"), make = making("1999/xhtml");
 export const isGrey = (colour) => new Set(colour.slice(1).match(/../g)).size === 1 && colour !== "#000000";
 
-export const markOf = (part, chart) => MARKS[part.size > 6 ? "D" : chart.curves[part.of]?.marker] ?? MARKS.o;
+const markOf = (part, chart) => MARKS[part.size > 6 ? "D" : chart.curves[part.of]?.marker] ?? MARKS.o;
 
-/** Dashes of a curve, different from those of the curves before it. */
-export function dashesOf(curves, number) {
+/** Return the dashes of a curve, which differ from the curves before it. */
+function dashesOf(curves, number) {
   const { dash } = curves[number];
   if (dash !== "--") return DASHES[dash] ?? null;
   return BROKEN[curves.slice(0, number).filter((curve) => curve.dash === "--").length % BROKEN.length];
 }
 
-/** Names of the curves of a chart, each once. */
+/** Return the names of the curves of a chart, each once. */
 export const namesOf = ({ curves }) => [...new Set(curves.map((curve) => curve.name))].filter(Boolean);
 
 /** Draw the key of the curves of a name, 30 by 12 pixels, for a legend. */
@@ -48,9 +48,9 @@ export function keyOf(chart, name) {
 /** Break a text into rows of at most so many letters, longer words on rows of their own. */
 export const rowsOf = (text, letters) => text.match(new RegExp(`\\S.{0,${letters - 1}}(?=\\s|$)|\\S+`, "g")) ?? [""];
 
-export const labelOf = ({ label, unit }) => (unit ? `${label} [${unit}]` : label);
+const labelOf = ({ label, unit }) => (unit ? `${label} [${unit}]` : label);
 
-/** Places of axes, plot and labels for a width in pixels. */
+/** Return the places of axes, plot and labels for a width in pixels. */
 export function layoutOf(chart, view, width) {
   const image = chart.parts.find((part) => part.kind === "image"), bar = image?.scale, second = bar ?? view.y[1];
   const sides = [view.y[0], second].map((axis) => (axis ? ticksOf(axis, axis === bar ? 5 : 7) : []));

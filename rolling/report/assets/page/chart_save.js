@@ -20,14 +20,14 @@ export function saveChart(plot, kind) {
   return kind === "svg" ? download(text, "image/svg+xml", name) : savePixels(text, name);
 }
 
-/** Curves as they are drawn, as CSV; names in quotes. */
+/** Return the drawn curves as CSV, with names in quotes. */
 function csvOf({ chart, points }) {
   const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
   const rows = chart.curves.flatMap(({ name }, k) => points[k].map((point) => [quoted(name), point.x, point.low ?? point.y, point.high ?? point.y, point.spread ?? ""].join()));
   return ["curve", quoted(`${chart.x.label} [${chart.x.unit}]`), "minimum", "maximum", "standard uncertainty"].join().concat("\n", rows.join("\n"), "\n");
 }
 
-/** A chart as it is zoomed, with title and legend, as a file in the colours of paper. */
+/** Return the zoomed chart with title and legend as SVG in the colours of paper. */
 function savedChart({ figure, chart, view }) {
   const svg = drawn("svg", { xmlns: "http://www.w3.org/2000/svg", class: "saved" }), texts = [];
   figure.querySelector(".plot").append(svg);

@@ -3,7 +3,7 @@
 const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const THIN = "\u202f"; // narrow no-break space before a unit or a prefix
 
-/** Transform between values within limits and pixels between two ends. */
+/** Return the transforms between values within limits and pixels between two ends. */
 export function scaleOf(limits, log, from, to) {
   const onto = log ? Math.log10 : Number, back = log ? (value) => 10 ** value : Number;
   const [low, high] = limits.map(onto), span = high - low || 1;
@@ -34,7 +34,7 @@ export function quantity(value, unit) {
   return `${worded(value)}${short === "%" ? THIN : " "}${short}`.trim();
 }
 
-/** Ticks of an axis of which so many labels fit, as pairs of value and text. */
+/** Return ticks of an axis with room for some labels, as pairs of value and text. */
 export function ticksOf({ limits, log, names = [], unit }, room) {
   const [low, high] = [Math.min(...limits), Math.max(...limits)], slack = 1e-9 * (high - low);
   const within = (value) => value >= low - slack && value <= high + slack;
@@ -66,20 +66,20 @@ function logarithmic(low, high, room) {
   return values.filter((value) => value >= low * (1 - 1e-9));
 }
 
-/** The point of a curve that is nearest to a pixel along x. */
+/** Return the point of a curve that is nearest to a pixel along x. */
 export function nearest(points, pixelOf, pixel) {
   const away = (point) => Math.abs(pixelOf(point.x) - pixel);
   return points.reduce((best, point) => (away(point) < away(best) ? point : best), points[0]);
 }
 
-/** Limits between two pixels of an axis, within the whole of it and no narrower than 1e-5 of it. */
+/** Return limits between two pixels of an axis, within its whole and no narrower than 1e-5 of it. */
 export function zoomed({ limits, whole }, { pixel, value }, from, to) {
   const [first, last] = whole.map(pixel);
   if (from <= first && to >= last) return whole;
   return to - from < 1e-5 * (last - first) ? limits : [from <= first ? whole[0] : value(from), to >= last ? whole[1] : value(to)];
 }
 
-/** Points of each curve with their uncertainty, for reading; steps and bars count in their middle. */
+/** Return the readable points of each curve with their uncertainty, for steps and bars their middles. */
 export function pointsOf({ xs, parts, curves, x: axis }) {
   const points = curves.map(() => []), middle = (a, b) => (axis.log ? Math.sqrt(a * b) : (a + b) / 2);
   const lined = new Set(parts.filter((part) => part.kind === "line" && part.y.length).map((part) => part.of));
@@ -104,7 +104,7 @@ export function pointsOf({ xs, parts, curves, x: axis }) {
   return points.map((own) => own.filter((point, k) => !k || point.x !== own[k - 1].x || point.y !== own[k - 1].y));
 }
 
-/** Extremes of the positive numbers along x or y, for a logarithmic scale. */
+/** Return the extremes of the positive numbers along x or y, for a logarithmic scale. */
 export function positive(points, name) {
   const values = points.flat().map((point) => point[name] ?? point.low).filter((value) => value > 0);
   return values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, 0]);

@@ -18,7 +18,7 @@ export function readAt(plot, pixel) {
   const read = !inside ? [] : image ? imageAt(plot, pixel) : curvesAt(plot, pixel), [first] = read;
   plot.reading = inside ? pixel : null;
   for (const group of svg.querySelectorAll("[data-curve]")) group.classList.toggle("top", Number(group.dataset.curve) === first?.curve);
-  svg.querySelector(".parts").append(...svg.querySelectorAll(".top")); // no other curve hides the one that is read
+  svg.querySelector(".parts").append(...svg.querySelectorAll(".top")); // no other curve hides the curve that is read
   over.replaceChildren();
   output.hidden = !first;
   if (!first) return;
@@ -63,7 +63,7 @@ function imageAt(plot, pixel) {
   return [{ x: pixel.x, place, text: `${{ 0: "≤ ", [count - 1]: "≥ " }[shade] ?? ""}${value}` }];
 }
 
-/** The place of a point along x: the name of its tick or band, or a number with its unit. */
+/** Return the place of a point along x by its tick or band, or as a number with its unit. */
 function placeText({ names, unit }, point) {
   const near = names.find(([value]) => [point.from, point.x].some((place) => Math.abs(value - place) <= 2e-3 * Math.abs(value)));
   return near ? `${near[1]} ${unit}`.replace(/^([\d.]+)k Hz$/, "$1 kHz").trim() : quantity(point.x, unit);
@@ -74,7 +74,7 @@ function valueText(unit, { y, low, high, spread }) {
   return spread === undefined ? quantity(y, unit) : quantity(y, unit).replace(/^\S+/, `$& ± ${quantity(spread, unit).split(" ")[0]}`);
 }
 
-/** Name of a curve, with the one of its colour if others have its name. */
+/** Return the name of a curve, with the first name of its colour if others share it. */
 function nameOf({ curves, y }, number) {
   const { name, colour } = curves[number], first = curves.find((curve) => curve.colour === colour);
   return curves.filter((curve) => curve.name === name).length > 1 ? `${first.name}, ${name}` : name || y[0].label;
@@ -121,7 +121,7 @@ export function listenTo(plot) {
   });
 }
 
-/** The pixel of a chart at a pointer. */
+/** Return the pixel of a chart at a pointer. */
 function pixelOf({ svg, places: { width } }, { clientX, clientY }) {
   const rect = svg.getBoundingClientRect(), factor = width / rect.width;
   return { x: (clientX - rect.left) * factor, y: (clientY - rect.top) * factor };
@@ -132,7 +132,7 @@ function showDragged({ svg, output, places: { box } }, from, to) {
   svg.querySelector(".over").append(drawn("rect", { x: Math.min(from, to), y: box.top, width: Math.abs(to - from), height: box.bottom - box.top, class: "dragged" }));
 }
 
-/** Act on a key, and tell whether there is an act: arrows read the next place, + and - zoom, Escape shows the whole. */
+/** Act on a key and tell whether it acts: arrows read, + and - zoom, Escape shows the whole. */
 function byKey(plot, key) {
   const { places: { box, x }, points, view, chart, reading } = plot, { x: at, y } = reading ?? { x: (box.left + box.right) / 2, y: box.top };
   const factor = { "+": 0.5, "=": 0.5, "-": 2 }[key];

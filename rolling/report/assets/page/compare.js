@@ -5,8 +5,8 @@ import { openChart } from "./chart.js";
 
 export const pair = () => ["#compare-a", "#compare-b"].map((selector) => Number($(selector).value));
 
-/** Differences of the band levels of two runs in dB with their standard uncertainty; null where a level is missing. */
-export function differences(a, b) {
+/** Return the band differences [dB] of two runs with standard uncertainties, null without a level. */
+function differences(a, b) {
   return data.bands.map((_, band) => {
     const [one, other] = [runs[a], runs[b]].map(({ bands, spreads }) => [bands[band], spreads[band]]);
     if (one[0] === null || other[0] === null) return null;
@@ -14,7 +14,7 @@ export function differences(a, b) {
   });
 }
 
-/** Draw the difference of the chosen runs, B less A, in the colours of their levels. */
+/** Draw the difference B - A of the chosen runs. */
 export function showDifference() {
   const figure = $("#difference");
   if (!figure) return;

@@ -6,9 +6,9 @@ const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, w
 const MAP_WORDS = "The contact from above: the pressure on the asperities.";
 const FILM_WORDS = "The contact from above: the surface (grey), the pressure on its asperities (warm), and the energy that they release (blue).";
 
-/** Draws the layers of a map about the sphere's centre at (x, y), so many pixels per um; `again` is called when more of them are read. */
+/** Draw the layers of a map about the sphere's centre at (x, y); call `again` when more are loaded. */
 export function drawSolved(pen, { sheets }, at, { x, y, perUm }, again) {
-  pen.imageSmoothingEnabled = false; // a cell is what was computed, nothing between cells was
+  pen.imageSmoothingEnabled = false; // cells are computed values, with nothing between them
   pen.fillStyle = "#000";
   pen.fillRect(0, 0, pen.canvas.width, pen.canvas.height);
   for (const sheet of sheets) {
@@ -22,7 +22,7 @@ export function drawSolved(pen, { sheets }, at, { x, y, perUm }, again) {
   }
 }
 
-/** Returns width of a picture, and sphere's centre in it [um]: in the middle of a map, or over the fixed surface of a film. */
+/** Return the width of a picture and the sphere's centre in it [um]; the surface of a film stays fixed. */
 function frameOf({ size_um: size, sheets: [{ boxes }] }, at, aspect) {
   const { half_um: half } = data.view;
   if (!size) return { width: 2 * half * aspect, x: half * aspect, y: half };
@@ -31,7 +31,7 @@ function frameOf({ size_um: size, sheets: [{ boxes }] }, at, aspect) {
   return { width, x: inside(-boxes[at][0], along, width), y: inside(boxes[at][1], across, width / aspect) };
 }
 
-/** Draws a map or a moment of a film, with the ellipse of Hertz's contact and a scale of length above it. */
+/** Draw a map or a moment of a film, with the ellipse of Hertz's contact and a scale bar. */
 export function drawContact(canvas, solved, at, again) {
   const { width, height } = canvas, frame = frameOf(solved, at, width / height), perUm = width / frame.width;
   drawSolved(canvas.getContext("2d"), solved, at, { x: frame.x * perUm, y: frame.y * perUm, perUm }, again);
@@ -45,7 +45,7 @@ export function drawContact(canvas, solved, at, again) {
   scale.textContent = `${Number(length.toPrecision(1))} µm`;
 }
 
-/** Shows the chosen run where its contact presses hardest, or in the middle of its maps. */
+/** Show the chosen run where its contact presses hardest, or in the middle of its maps. */
 export function showStill() {
   const canvas = $("#still");
   if (!canvas) return;
@@ -61,7 +61,7 @@ export function showStill() {
 
 const last = { run: -1, map: -1, at: 0 }; // map that is shown, and when it was drawn
 
-/** Shows the map of the time that is heard; while it plays, a map stays long enough to be seen. */
+/** Show the map of the time that is heard; while it plays, a map stays long enough to be seen. */
 export function showMap() {
   if (!data.view || (state.voices && motionUnwanted.matches)) return;
   const { maps, label } = runs[state.run], time = solvedTime(state.run), now = performance.now();
@@ -84,7 +84,7 @@ export function showMap() {
   });
 }
 
-/** Returns the time at which a map of the chosen run is first shown. */
+/** Return the time at which a map of the chosen run is first shown. */
 export function timeOfMap(map) {
   const { begins, order } = runs[state.run].maps;
   return begins[order.indexOf(map)];

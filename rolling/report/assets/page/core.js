@@ -1,4 +1,4 @@
-// ---- the page: its data, its elements, and the state of the player ----
+// ---- data and elements of the page, and state of the player ----
 
 export const RATE = 48000;
 export const FADE_S = 0.01; // short enough to switch at once, long enough not to click
@@ -11,7 +11,7 @@ export const motionUnwanted = matchMedia("(prefers-reduced-motion: reduce)");
 export const modulo = (value, period) => ((value % period) + period) % period;
 export const signed = (value) => (Math.abs(value) < 0.05 ? "0.0" : `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(1)}`);
 
-/** Says something to a screen reader. */
+/** Announce a text to a screen reader. */
 export function say(text) {
   $("#said").textContent = text;
 }
@@ -19,21 +19,21 @@ export function say(text) {
 // The playhead of all runs rests at `at`, or moves with the audio clock from zero at `origin` as long as there are `voices`. `wanted`: Play is pressed. `blind`: the run of a blind test.
 export const state = { run: 0, blind: null, wanted: false, at: 0, origin: 0, voices: null, context: null, master: null };
 
-/** Returns the time of the audio clock that is heard now. */
+/** Return the time of the audio clock that is heard now. */
 export const heardNow = () => state.context.currentTime - (state.context.outputLatency || 0);
 
 export const position = () => (state.voices ? Math.max(state.at, heardNow() - state.origin) : state.at);
 
-/** Returns the length in seconds after which a record goes round. */
+/** Return the length in seconds after which a record goes round. */
 export const lengthOf = (number) => runs[number].lap.end / RATE;
 
-/** Returns the time in seconds within a run's record, which goes round in its own time. */
+/** Return the time in seconds within a run's record, which goes round in its own time. */
 export function ownTime(number, at = position()) {
   const { begin, overlap } = runs[number].lap, end = lengthOf(number), again = (begin + overlap) / RATE;
   return at < end ? at : again + modulo(at - again, end - again);
 }
 
-/** Returns the time within the solved track, at whose end it stays while a long record goes on. */
+/** Return the time within the solved track, at whose end it stays while a long record goes on. */
 export const solvedTime = (number) => Math.min(ownTime(number), runs[number].solved);
 
 export const seconds = (time) => `${time.toFixed(lengthOf(state.run) < 1 ? 3 : 2)} s`;

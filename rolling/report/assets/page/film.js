@@ -15,7 +15,7 @@ const filmOf = () => runs[state.run].film;
 const filmRate = () => Number($("#film-rate").value);
 const twoDigits = (value) => Number(value.toPrecision(2));
 
-/** Shows the film of the chosen run. */
+/** Show the film of the chosen run. */
 export function showFilm() {
   if (!$("#film")) return;
   const shown = filmOf();
@@ -28,7 +28,7 @@ export function showFilm() {
   showRate();
 }
 
-/** Says by which factor the film is slowed, and how much of its sound is then heard, at its loudest moment. */
+/** State the rate, the length, and the audible share of the sound; show the loudest moment. */
 export function showRate() {
   stopFilm();
   const { times, heard, loudest } = filmOf(), rate = filmRate(), lasts = times.at(-1) - times[0];
@@ -39,7 +39,7 @@ export function showRate() {
   film.begun = false;
 }
 
-/** Shows a map of the film, from which the film goes on. */
+/** Show a map of the film, from which the film goes on. */
 export function seekFilm(number) {
   const { times, said } = filmOf();
   Object.assign(film, { at: number, time: times[number], begun: true });
@@ -50,7 +50,7 @@ export function seekFilm(number) {
   drawFilm();
 }
 
-/** Draws the map, or only the surface in a flight, unless the picture would then flash. */
+/** Draw the map; in a flight only the surface, unless the picture would flash. */
 function drawFilm() {
   const shown = filmOf(), flight = shown?.flight_s[film.at];
   if (!shown) return;
@@ -62,13 +62,13 @@ function drawFilm() {
 
 const mapAt = (time) => Math.max(0, filmOf().times.findLastIndex((start) => start <= time));
 
-/** Stops at the map of a time [s]. */
+/** Stop at the map of a time [s]. */
 export function seekFilmTo(time) {
   stopFilm();
   seekFilm(mapAt(time));
 }
 
-/** Plays the film once: it never begins again by itself, so that nothing flashes. */
+/** Play the film once: it never begins again by itself, so that nothing flashes. */
 export async function playFilm() {
   if (film.voice) return stopFilm();
   const shown = filmOf(), rate = filmRate(), lead = LEAD_S / rate, context = audioContext();
@@ -83,7 +83,7 @@ export async function playFilm() {
   tickFilm(film.voice, rate, end);
 }
 
-/** Starts the record from one time to another, slowed like the picture, at a time of the audio clock. */
+/** Start a part of the record, slowed like the picture, at a time of the audio clock. */
 function slowedVoice(buffer, when, from, to, rate) {
   const { context } = state;
   const source = new AudioBufferSourceNode(context, { buffer, playbackRate: 1 / rate });
@@ -96,7 +96,7 @@ function slowedVoice(buffer, when, from, to, rate) {
   return { source, gain };
 }
 
-/** Shows the map of the time that is heard. */
+/** Show the map of the time that is heard. */
 function tickFilm(voice, rate, end) {
   if (film.voice !== voice) return;
   const time = (heardNow() - film.origin) / rate, next = mapAt(time);
@@ -106,7 +106,7 @@ function tickFilm(voice, rate, end) {
   else requestAnimationFrame(() => tickFilm(voice, rate, end));
 }
 
-/** Pauses picture and sound. */
+/** Pause picture and sound. */
 export function stopFilm() {
   if (!film.voice) return;
   stopVoice(film.voice);
@@ -114,7 +114,7 @@ export function stopFilm() {
   $("#film-play").textContent = `Play ${filmRate()} times slower`;
 }
 
-/** Plays the event at its own pace: the record from a quarter of a second before it. */
+/** Play the event at its own pace: the record from a quarter of a second before it. */
 export function realTime() {
   seek(filmOf().times[film.at] - 0.25);
   play();

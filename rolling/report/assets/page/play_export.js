@@ -1,4 +1,4 @@
-// ---- taking settings and sound away ----
+// ---- export: settings as YAML, and a record as WAV ----
 
 import { $, runs } from "./core.js";
 import { download } from "./chart_save.js";
@@ -10,8 +10,8 @@ import { renderedRecord } from "../engine/graph.js";
 const RECORD_S = 60;
 const PEAK = 10 ** (-1 / 20); // of full scale
 
-/** Returns the keys of a scene that differ from the run, with their values. */
-export function changedKeys(run, settings, dropped = false) {
+/** Return the keys of a scene that differ from the run, with their values. */
+function changedKeys(run, settings, dropped = false) {
   const differs = (name) => settings[name] !== run.settings[name];
   const changed = SETTINGS.filter(({ name }) => isLive(name, run) && differs(name) && (name !== "dropHeight" || dropped))
     .map(({ name, si, key }) => [key, keyValue(name, settings[name] / si)]);
@@ -22,21 +22,21 @@ export function changedKeys(run, settings, dropped = false) {
   return placed;
 }
 
-/** Returns a setting as the value of its key: a scene without a fall has null. */
+/** Return a setting as the value of its key: a scene without a fall has null. */
 const keyValue = (name, value) => (name === "dropHeight" && value === 0 ? null : Number(value.toPrecision(6)));
 
 const inMm = (length) => Number((1e3 * length).toPrecision(6));
 
-/** Returns the listeners [mm] as the engine moves them, away from the middle of the path. */
+/** Return the places of the listeners [mm], scaled from the middle of the path as in the engine. */
 function movedListeners({ middle, listeners, settings: own }, { distance }) {
   return listeners.map((place) => place.map((value, i) => inMm(middle[i] + (distance / own.distance) * (value - middle[i]))));
 }
 
-/** Returns the settings as keys of a scene file, with the commands that reproduce them. */
-export function yamlOf(run, swept, settings, dropped = false) {
-  if (settings.speed === 0) return "# no scene has a ball at rest\n";
+/** Return the settings as keys of a scene file, with a command that reproduces them. */
+function yamlOf(run, swept, settings, dropped = false) {
+  if (settings.speed === 0) return "# a scene needs a speed above 0\n";
   const changed = changedKeys(run, settings, dropped);
-  if (changed.length === 0 && Object.keys(swept).length === 0) return "# as the scene has it\n";
+  if (changed.length === 0 && Object.keys(swept).length === 0) return "# unchanged from the scene\n";
   const sections = {};
   for (const [key, value] of [...Object.entries(swept), ...changed]) {
     const [section, name] = key.split(".");
@@ -50,7 +50,7 @@ export function yamlOf(run, swept, settings, dropped = false) {
   return [`# ${run.label}${words ? `, changed: ${command}${words}` : ""}`, ...lines, ""].join("\n");
 }
 
-/** Tells whether a key changes the contact or the track, so that stored marches do not serve. */
+/** Tell whether a key requires another march of the contact. */
 function isSolvedAgain(key, { fixed: { weight, rollsOut } }) {
   if (key === "sphere.density_kg_m3") return weight || rollsOut;
   return key === "rolling.load_n" || (key === "rolling.speed_m_s" && rollsOut);
@@ -62,7 +62,7 @@ export function showExport() {
 
 export const copyYaml = (button) => copy($("#play-yaml").textContent, button);
 
-/** Renders a record of the present settings once they are prepared, with its peak at -1 dB. */
+/** Render a record of the present settings once they are prepared, with its peak at -1 dB. */
 export async function saveWav() {
   const button = $("#play-wav");
   button.disabled = true;

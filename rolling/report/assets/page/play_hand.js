@@ -19,7 +19,7 @@ const STAGE_KEYS = {
   d: dropBall,
 };
 
-/** Prepares the instrument of the first run that can be played, once its picture is in sight. */
+/** Prepare the instrument of the first run that can be played, once its picture is in sight. */
 export function beginPlaying() {
   const first = runs.findIndex((run) => run.live), stage = $("#play-stage");
   if (first < 0) return;
@@ -62,7 +62,7 @@ function pull(event) {
   wakeStage();
 }
 
-/** Lets the ball roll on at its speed, or rest; at that of the run where a first touch has only opened the sound. */
+/** Let the ball roll on at its present speed, or rest; before the first report, at the set speed. */
 function letGo() {
   if (!live.held) return;
   const speed = live.report ? live.report.state.speed : live.settings.speed;
@@ -91,7 +91,7 @@ function stepSpeed(by) {
   giveSpeed(valueAt(shareAt(live.settings.speed, range) + by, range));
 }
 
-/** Lifts the ball and lets it fall, once it sounds with the present settings. */
+/** Lift and drop the ball once the present settings are prepared. */
 async function dropBall() {
   if ($("#play-drop").hidden) return;
   live.dropped = true;

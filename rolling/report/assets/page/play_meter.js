@@ -1,4 +1,4 @@
-// ---- what the ear hears, in numbers and curves ----
+// ---- meters: level, spectrum, and force ----
 
 import { $, RATE, data, motionUnwanted, runs, signed } from "./core.js";
 import { aWeight } from "../engine/radiation.js";
@@ -7,10 +7,10 @@ import { SPECTRUM, live, liveOf } from "./play_sound.js";
 const COLUMNS = 125; // of the strip, one per report: 4 s
 const SHOWN_MS = 120; // between changes of numbers and curves
 const SLOW_MS = 1000; // between them where motion is unwanted
-const SMOOTHED = 0.5; // share of the latest spectrum in the one that is shown
+const SMOOTHED = 0.5; // weight of the latest spectrum in the shown average
 const LEVELS_DB = 70; // that the spectrum shows
 const QUIETEST_DB = -20; // level that is shown
-const TIGHT_DB = -0.5; // gain of the limiter from which it is named
+const TIGHT_DB = -0.5; // gain below which the page mentions the limiter
 const FAST_S = 0.125; // time constant of the level
 const WINDOW = 0.3046; // mean square of the window of an AnalyserNode, after Blackman
 const BANDS = data.bands.map(Number);
@@ -19,12 +19,12 @@ const heard = { strip: [], powers: BANDS.map(() => 0), fast: 0, fastAt: 0, top: 
 
 const newtons = (force) => (force < 1 ? `${Number((1e3 * force).toPrecision(3))} mN` : `${Number(force.toPrecision(3))} N`);
 
-/** Takes a report of the processor into the meters. */
+/** Show a report of the processor on the meters. */
 export function showReport(report) {
   const { low, high, flies } = report, now = performance.now();
   const column = { low: Math.min(...low), high: Math.max(...high), flies: flies.reduce((sum, share) => sum + share, 0) / flies.length };
   heard.strip = [...heard.strip, column].slice(-COLUMNS);
-  heard.gain = Math.min(0.95 * heard.gain, live.limiter.reduction); // it is named for some seconds
+  heard.gain = Math.min(0.95 * heard.gain, live.limiter.reduction); // so that its note stays for some seconds
   takeLevel(now);
   if (now - heard.shownAt < (motionUnwanted.matches ? SLOW_MS : SHOWN_MS)) return;
   heard.shownAt = now;
@@ -33,14 +33,14 @@ export function showReport(report) {
   showStrip();
 }
 
-/** Returns the mean squares of lines that an analyser hears now, in parts of (20 µPa)². */
+/** Return the mean square pressure in each line of an analyser, over (20 µPa)². */
 function linesOf(analyser) {
   const levels = new Float32Array(analyser.frequencyBinCount);
   analyser.getFloatFrequencyData(levels);
   return levels.map((level) => (2 * 10 ** (level / 10)) / WINDOW / 20e-6 ** 2);
 }
 
-/** Follows the A-weighted mean square by the time constant of the Fast level. */
+/** Update the A-weighted mean square with the time constant of the Fast level. */
 function takeLevel(now) {
   const [meter] = live.meters;
   const square = linesOf(meter).reduce((sum, power, line) => sum + power * aWeight((line * RATE) / meter.fftSize) ** 2, 0);
@@ -66,7 +66,7 @@ function showNumbers({ state, asleep }) {
 
 const draw = (selector, steps) => $(selector).setAttribute("d", steps.join(" "));
 
-/** Draws the range of the force, or of the pressure of a release, in each report, and the share of flight as a shade. */
+/** Draw the range of force, or of pressure for a release, of each report, and shade flights. */
 export function showStrip() {
   const release = liveOf().kind === "release", middle = release ? 0 : live.settings.load;
   const reach = Math.max(1e-3 * middle, ...heard.strip.flatMap(({ low, high }) => [high - middle, middle - low])) || 1;
@@ -78,7 +78,7 @@ export function showStrip() {
   $("#play-scale").textContent = `${scale}, last 4 s`;
 }
 
-/** Sums the spectrum of the latest samples in third octaves, in parts of (20 µPa)². */
+/** Sum the lines of the latest samples to third octaves, over (20 µPa)². */
 function showSpectrum() {
   const powers = BANDS.map(() => 0);
   linesOf(live.meters[1]).forEach((power, line) => {
@@ -89,7 +89,7 @@ function showSpectrum() {
   drawSpectrum();
 }
 
-/** Draws third octaves of what sounds as bars, and those of the run's record as a line of steps. */
+/** Draw the third octaves of the played sound as bars, and of the run's record as steps. */
 export function drawSpectrum() {
   const own = runs[live.number].bands, sounding = heard.powers.map((power) => 10 * Math.log10(power));
   const wanted = 10 * Math.ceil((Math.max(...sounding, ...own.map((level) => level ?? -Infinity)) + 3) / 10);

@@ -1,4 +1,4 @@
-// ---- what can be set while the ball rolls ----
+// ---- sliders of the settings ----
 
 import { $, $$, runs } from "./core.js";
 import { askSettings, live, liveOf, rollOn, sendVolume } from "./play_sound.js";
@@ -9,21 +9,21 @@ import { wakeStage } from "./play_view.js";
 /** The sliders: name in the engine, unit and its number in SI units, and key of a scene. */
 export const SETTINGS = $$(".slider input").map((input) => ({ ...input.dataset, name: input.name, si: Number(input.dataset.si), input }));
 
-/** Tells whether a setting means something for a run. */
+/** Tell whether a run has a slider for a setting. */
 export const isLive = (name, { limits }) => Boolean(limits[name]) && limits[name][0] < limits[name][1];
 
-/** Returns the value at a share of a slider: by even ratios, or from zero by growing steps. */
+/** Return the value at a share of a slider: by even ratios, or from zero by growing steps. */
 export const valueAt = (share, [low, high]) => (low > 0 ? low * (high / low) ** share : (high * (1000 ** share - 1)) / 999);
 
-/** Returns the share of a slider at a value: the inverse of `valueAt`. */
+/** Return the share of a slider at a value: the inverse of `valueAt`. */
 export const shareAt = (value, [low, high]) =>
   low > 0 ? Math.log(value / low) / Math.log(high / low) : Math.log1p((999 * value) / high) / Math.log(1000);
 
-/** Rounds a value to three digits in its unit, as slider, engine and scene share it. */
+/** Round a value to three digits in its unit, as slider, engine and scene share it. */
 const roundedIn = (value, si) => Number((Number((value / si).toPrecision(3)) * si).toPrecision(12));
 const textOf = ({ unit, si }, value) => `${Number((value / si).toPrecision(4))} ${unit}`.trim();
 
-/** Lets sliders change their settings. */
+/** Connect the sliders with their settings. */
 export function listenToSliders() {
   for (const { name, si, input } of SETTINGS) {
     input.addEventListener("input", () => changeSetting(name, roundedIn(valueAt(Number(input.value), liveOf().limits[name]), si)));
@@ -31,7 +31,7 @@ export function listenToSliders() {
   $("#play-volume").addEventListener("input", showVolume);
 }
 
-/** Shows the chosen run with the settings of its scene. */
+/** Show the chosen run with the settings of its scene. */
 export function showRun() {
   const run = liveOf(), { settings, limits } = run;
   Object.assign(live, { settings: { ...settings }, dropped: settings.dropHeight !== null });
@@ -48,7 +48,7 @@ export function showRun() {
   takeSettings();
 }
 
-/** Shows the settings as they are and lets them sound: a speed is a glide, everything else another instrument. */
+/** Show the settings and apply them: the speed glides, and other settings are prepared again. */
 function takeSettings() {
   SETTINGS.filter(({ name }) => isLive(name, liveOf())).forEach(showSetting);
   rollOn();
@@ -72,7 +72,7 @@ function changeSetting(name, value) {
   takeSettings();
 }
 
-/** Sets the speed [m/s] of the ball, within the limits of the run. */
+/** Set the speed [m/s] of the ball, within the limits of the run. */
 export function giveSpeed(speed) {
   const [low, high] = liveOf().limits.speed;
   changeSetting("speed", roundedIn(Math.min(Math.max(speed, low), high), 1));
@@ -85,14 +85,14 @@ function showVolume() {
   sendVolume();
 }
 
-/** Says how many modes of a plate with edges move, and what the others cost. */
+/** State how many modes of a plate with edges move, and the change of level by the others. */
 export function showModes({ modes, of, costDb } = { modes: 0, of: 0, costDb: 0 }) {
   const kept = `The lowest ${modes} of ${of} modes of the plate move, the others in bands`;
   const cost = costDb < 0.1 ? "less than 0.1" : `about ${costDb.toFixed(1)}`;
   $("#play-modes").textContent = modes < of ? `${kept}: the level changes by ${cost} dB.` : "";
 }
 
-/** Says in a sentence what the engine cannot do. */
+/** Show a message of the engine; an empty one hides the note. */
 export function sayPlayed(text) {
   $("#play-note").textContent = text;
   $("#play-note").hidden = !text;

@@ -26,7 +26,7 @@ export const liveOf = () => runs[live.number].live;
 
 export const engineUrl = () => `data:text/javascript;charset=utf-8,${encodeURIComponent($("#engine").textContent)}`;
 
-/** Chooses the run that is played, with its own settings. */
+/** Choose the run that is played, with its own settings. */
 export function takeRun(number) {
   if (number === live.number || !runs[number].live) return;
   Object.assign(live, { number, fastest: 0 });
@@ -35,14 +35,14 @@ export function takeRun(number) {
 
 // ---- prepared settings ----
 
-/** Starts the worker, which prepares the settings before anything is to be heard. */
+/** Start the worker and prepare the settings, before a sound is wanted. */
 export function openWorker() {
   if (live.worker) return;
   live.worker = new Worker(engineUrl());
   askSettings();
 }
 
-/** Prepares the present settings; while the worker prepares others, only the last ones wait. */
+/** Prepare the present settings; while the worker prepares others, only the last ones wait. */
 export function askSettings() {
   live.behind = true;
   if (live.worker) live.preparing ??= prepareSettings();
@@ -50,11 +50,12 @@ export function askSettings() {
 
 async function prepareSettings() {
   $(".stage").setAttribute("aria-busy", "true");
-  while (live.behind) {
+  while (live.behind && live.worker) {
     live.behind = false;
     const { number, failed, settings, prepared } = await answerTo({ number: live.number, run: liveOf(), settings: preparedSettings() });
     if (failed) sayPlayed(`The engine cannot play these settings: ${failed}.`);
     else if (live.refused) sayPlayed("");
+    if (failed && number === undefined) live.worker = null; // so that the next use starts another
     live.refused = Boolean(failed);
     if (failed || number !== live.number) continue;
     live.latest = { number, settings, prepared };
@@ -71,14 +72,14 @@ const answerTo = (question) => new Promise((answered) => {
   live.worker.postMessage(question);
 });
 
-/** Returns the settings with the speed of the hand, and a height only where the ball is dropped. */
+/** Return the settings at the speed of the hand, with a drop height only after a drop. */
 function preparedSettings() {
   const { settings, fastest, dropped } = live;
   const least = 0.01 * liveOf().limits.speed[1]; // for the choice of modes, which a ball at rest does not make
   return { ...settings, speed: Math.max(settings.speed, fastest, least), dropHeight: dropped ? settings.dropHeight : null };
 }
 
-/** Lets the time steps follow a hand that has become faster. */
+/** Let the time steps follow a hand that has become faster. */
 function followHand(speed) {
   if (speed <= Math.max(live.fastest, live.settings.speed)) return;
   live.fastest = Math.min(2 * speed, liveOf().limits.speed[1]);
@@ -87,24 +88,24 @@ function followHand(speed) {
 
 // ---- sound ----
 
-/** Fades into an instrument and a body of the latest settings, where the ball rolls on, or is lifted and falls. */
+/** Cross-fade to the instrument and responses of the latest settings; the ball rolls on or falls. */
 export function soundOn(falls = false) {
   const { bus, latest, node, body } = live;
-  if (!bus || !latest) return;
+  if (latest?.number !== live.number || !bus) return;
   live.body = throughBody(openNode(latest, falls), latest.prepared.responses, bus);
   if (body) leaveBody(body);
   setTimeout(() => node?.port.postMessage({ task: "end" }), 200); // it has faded by then
   sendVolume();
 }
 
-/** Returns the position of the ball [m] now: the latest report is carried on by its speed. */
+/** Return the position of the ball [m] now: the latest report is carried on by its speed. */
 export function heardPosition(unheard) {
   if (!live.report) return unheard;
   const { position, speed } = live.report.state;
   return position + speed * Math.min((performance.now() - live.heardAt) / 1000, 0.1);
 }
 
-/** Makes the instrument of prepared settings, and returns its output. */
+/** Make the instrument of prepared settings, and return its output. */
 function openNode({ number, settings, prepared }, falls) {
   const from = { position: heardPosition(prepared.start), speed: live.report?.state.speed ?? 0, hold: HOLD_S };
   const begun = { ...settings, dropHeight: falls ? settings.dropHeight : null };
@@ -123,7 +124,7 @@ function openNode({ number, settings, prepared }, falls) {
   return output;
 }
 
-/** Starts the sound by a gesture of the user, and silences all other sound of the page. */
+/** Start the sound by a gesture of the user, and silence all other sound of the page. */
 export async function startInstrument() {
   soundAlone(restBall);
   const context = audioContext(), started = context.resume();
@@ -132,7 +133,7 @@ export async function startInstrument() {
   await started;
 }
 
-/** Connects the pressure [Pa] with meters, and by its volume and a limiter with the output. */
+/** Connect the pressure [Pa] with the meters, and through volume and limiter with the output. */
 async function openGraph(context) {
   if (!context.audioWorklet) {
     return sayPlayed("This browser has no AudioWorklet here (it takes a file, https or localhost), so the ball cannot be played.");
@@ -149,19 +150,19 @@ async function openGraph(context) {
   soundOn();
 }
 
-/** Sends a message to the processor; it is lost before the sound has started. */
+/** Send a message to the processor; it is lost before the sound has started. */
 export const tellInstrument = (message) => live.node?.port.postMessage(message);
 
-/** Lets the volume glide to that of its slider, and to the scale of the run that is played. */
+/** Let the gain glide to the volume of the slider and the scale of the chosen run. */
 export function sendVolume() {
   const scale = runs[live.number].playback.calibrated_pa ?? liveOf().fullScale;
   live.volume?.gain.setTargetAtTime(10 ** ($("#play-volume").value / 20) / scale, state.context.currentTime, FADE_S);
 }
 
-/** Lets the ball roll at the speed of the settings, or rest. */
+/** Let the ball roll at the speed of the settings, or rest. */
 export const rollOn = () => tellInstrument({ task: "roll", speed: live.rolling * live.settings.speed });
 
-/** Rolls to one side (1, -1) or stops (0). */
+/** Roll the ball to one side (1, -1), or stop it (0). */
 export async function rollBall(direction) {
   live.rolling = direction;
   $("#play-roll span").textContent = direction ? "Stop" : "Roll";
@@ -170,7 +171,7 @@ export async function rollBall(direction) {
   rollOn();
 }
 
-/** Lets the ball come to rest because another sound of the page starts. */
+/** Stop the ball, because another sound of the page starts. */
 export function restBall() {
   if (live.rolling || live.held) rollBall(0);
 }

@@ -8,13 +8,13 @@ import { drawSolved } from "./contact.js";
 const CENTRING_S = 0.35; // in which a ball that is let go comes back to the middle
 const HAND_PX_S = 500; // speed of a hand that rolls the ball as fast as its run
 const MARKS_PX = 100; // distance of marks on the plate, as the style has it
-const BLURRED_PX = 35; // that the plate moves in a frame, from which its marks and those of the ball cannot be seen
+const BLURRED_PX = 35; // travel of the plate in a frame beyond which all marks are invisible
 const LENS_MS = 120; // that a map stays under the lens at least
 
 // Lengths in metres, `scale` along the track in pixels per metre; the ball has a scale of its own. `camera` is in the middle of the picture, `ball` is where the ball is drawn, `goal` where the hand is, `grip` away from the middle of the ball.
 export const view = { camera: 0, ball: 0, goal: 0, grip: 0, asked: false, seen: false, drawnAt: 0, map: "", mapAt: 0, scale: 1, radius: 1 };
 
-/** Draws the next frame soon, if the picture is in sight. */
+/** Draw the next frame soon, if the picture is in sight. */
 export function wakeStage() {
   if (view.asked || !view.seen) return;
   view.asked = true;
@@ -28,7 +28,7 @@ export function wakeStage() {
   });
 }
 
-/** Moves ball and camera: the ball under a hand is where the hand is, and comes back to the middle without it. */
+/** Move ball and camera: the ball follows a hand, and the camera follows a free ball. */
 function moveBall(passed) {
   const before = view.ball;
   view.ball = live.held ? view.goal : heardPosition(view.ball);
@@ -37,7 +37,7 @@ function moveBall(passed) {
   view.camera += (view.ball - view.camera) * (motionUnwanted.matches ? 1 : 1 - Math.exp(-passed / CENTRING_S));
 }
 
-/** Moves plate and ball by the lengths of their styles. */
+/** Set the lengths that place plate and ball by their styles. */
 function drawStage() {
   const stage = $("#play-stage"), ball = $("#play-ball"), run = liveOf();
   const { height = 0, speed = 0 } = live.report?.state ?? {};
@@ -62,7 +62,7 @@ function drawStage() {
   stage.setAttribute("aria-valuetext", `${place} mm along the track, ${motion}`);
 }
 
-/** Draws the solved contact nearest to the place of the ball, where the run has maps; its area is too small to flash. */
+/** Draw the solved contact nearest to the ball if the run has maps; its area is too small to flash. */
 function drawLens() {
   const { maps } = runs[live.number];
   if (!maps) return;
@@ -76,7 +76,7 @@ function drawLens() {
   });
 }
 
-/** Returns the map nearest to the place of the ball on the track, which closes. */
+/** Return the map nearest to the place of the ball on the track, which closes. */
 function nearestMap({ position_mm: places }) {
   if (!live.report) return 0;
   const { length } = live.report.state;

@@ -1,4 +1,4 @@
-// ---- the player: records that go round in step, one of which is let through ----
+// ---- player: records loop in step, and one of them is heard ----
 
 import { $, $$, FADE_S, RATE, lengthOf, ownTime, position, runs, seconds, solvedTime, state } from "./core.js";
 import { roundOf } from "./records.js";
@@ -12,15 +12,15 @@ const STILL_MS = 2000; // without a sound after which the page says so
 const heardRun = () => state.blind ?? state.run;
 const gainOf = (number) => (number === heardRun() ? runs[number].playback[$("#equal")?.checked ? "equal" : "calibrated"] : 0);
 
-/** Moves a gain to its target within the time of a fade. */
+/** Move a gain to its target within the time of a fade. */
 export const glide = ({ gain }, target, when = state.context.currentTime) => gain.setTargetAtTime(target, when, FADE_S / 4);
 
-/** Lets one run through: switching moves gains and nothing else. */
+/** Make one run audible; only gains change. */
 export function mix() {
   state.voices?.forEach((voice, number) => voice && glide(voice.gain, gainOf(number)));
 }
 
-/** Starts the records of all runs in step, each as soon as it is decoded. */
+/** Start the records of all runs in step, each as soon as it is decoded. */
 function startVoices() {
   const { context } = state, voices = runs.map(() => null);
   Object.assign(state, { voices, origin: context.currentTime - state.at });
@@ -56,13 +56,13 @@ export function audioContext() {
   return state.context;
 }
 
-/** Stops every sound of the page but one: the records, the slow motion, the ball, or a single player. */
+/** Stop every sound of the page but one: the records, the slow motion, the ball, or a single player. */
 export function soundAlone(own) {
   for (const stop of [pause, stopFilm, restBall]) if (stop !== own) stop();
   for (const player of $$("audio")) if (player !== own) player.pause();
 }
 
-/** A browser without a sound device may wait for one without a word. */
+/** Show a note while the browser waits for a sound device. */
 function sayIfStill() {
   $("#no-sound").hidden = !state.wanted || state.context.state === "running";
 }
@@ -88,7 +88,7 @@ export function pause() {
   render();
 }
 
-/** Moves the playhead to a time in the record of the chosen run. */
+/** Move the playhead to a time in the record of the chosen run. */
 export function seek(time) {
   const goesOn = state.voices !== null;
   stopVoices();
@@ -97,7 +97,7 @@ export function seek(time) {
   render();
 }
 
-// ---- what moves with it ----
+// ---- playhead ----
 
 function tick() {
   if (!state.voices) return;
@@ -121,7 +121,7 @@ export function render() {
   showMap();
 }
 
-/** Moves the playheads of charts over time; those of the slow motion stand at its map. */
+/** Move the playheads of charts over time, in the slow motion to its map. */
 export function showPlayheads() {
   for (const figure of $$("figure.timeline")) {
     if (figure.plot) setPlayhead(figure.plot, figure.closest(".film") ? film.time : solvedTime(figure.plot.chart.run));

@@ -1,4 +1,4 @@
-// ---- records: decoded, made to go round, and taken away ----
+// ---- records: decoding, looping, and saving ----
 
 import { $, RATE, runs, say } from "./core.js";
 import { download } from "./chart_save.js";
@@ -6,19 +6,19 @@ import { download } from "./chart_save.js";
 const rounds = new Map(); // promises of buffers by number of the run
 const COPIED_MS = 2000;
 
-/** Decodes the samples of a player, without a click of the user. */
+/** Decode the samples of a player, without a click of the user. */
 export function samplesOf(player) {
   const bytes = Uint8Array.from(atob(player.src.slice(player.src.indexOf(",") + 1)), (letter) => letter.charCodeAt(0));
   return new OfflineAudioContext(1, 1, RATE).decodeAudioData(bytes.buffer);
 }
 
-/** Returns a promise of the record that a run is heard by; its end leads back to its lap. */
+/** Return a promise of the looping record of a run. */
 export function roundOf(number) {
   if (!rounds.has(number)) rounds.set(number, samplesOf($(`audio[data-heard="${number}"]`)).then((record) => crossFade(record, runs[number].lap)));
   return rounds.get(number);
 }
 
-/** Cross-fades the end of a record with the beginning of its lap as in listen.wav. */
+/** Cross-fade the end of a record with the beginning of its lap as in listen.wav. */
 function crossFade(record, { begin, end, overlap, correlation }) {
   for (let channel = 0; channel < record.numberOfChannels; channel++) {
     const samples = record.getChannelData(channel);
@@ -30,14 +30,14 @@ function crossFade(record, { begin, end, overlap, correlation }) {
   return record;
 }
 
-/** Saves the record of the player beside a button as a WAV. */
+/** Save the record of the player beside a button as a WAV. */
 export async function saveRecord(button) {
   const line = button.parentElement, record = await samplesOf(line.querySelector("audio"));
   const channels = Array.from({ length: record.numberOfChannels }, (_, c) => record.getChannelData(c));
   download(wavOf(channels, line.querySelector("span").textContent), "audio/wav", `${button.dataset.wav}.wav`);
 }
 
-/** Writes channels of samples within full scale as a WAV of 16 bits with a comment. */
+/** Write channels of samples within full scale as a WAV of 16 bits with a comment. */
 export function wavOf(channels, comment, rate = RATE) {
   const text = new TextEncoder().encode(`${comment}\0`), note = text.length + (text.length % 2);
   const count = channels.length, frames = channels[0].length, size = 2 * count * frames;
@@ -54,7 +54,7 @@ export function wavOf(channels, comment, rate = RATE) {
   return file.buffer;
 }
 
-/** Copies a text, and says so on its button for a while. */
+/** Copy a text, and confirm it on its button for a while. */
 export async function copy(text, button) {
   try {
     await navigator.clipboard.writeText(text);
