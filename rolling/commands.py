@@ -185,8 +185,8 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
 
     if out is None and len(run_folders) > 1:
         raise FolderError("--out: give the file of a page of several run folders")
-    if out is not None and out.exists():
-        raise FolderError(f"{out}: exists; take another --out, or remove it")
+    if out is not None:
+        _refuse_page(out)
     done, unsolved = _stored(run_folders)
     with progress.step("reading the runs, making their sound"):
         finished = open_runs(done)
@@ -198,6 +198,14 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return [out]
+
+
+def _refuse_page(out: Path) -> None:
+    """Refuse a page that exists, or whose ending no browser opens."""
+    if out.exists():
+        raise FolderError(f"{out}: exists; take another --out, or remove it")
+    if out.suffix.lower() not in (".html", ".htm"):
+        raise FolderError(f"{out}: a page ends in .html, such as --out {out.name}.html")
 
 
 def _stored(run_folders: Sequence[Path]) -> tuple[list[RunFolder], list[RunFolder]]:
@@ -226,8 +234,7 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     from rolling.report import gallery as cards
 
     out = out or GALLERY
-    if out.exists():
-        raise FolderError(f"{out}: exists; take another --out, or remove it")
+    _refuse_page(out)
     done, unsolved = _stored(run_folders)
     if len(done) > cards.MOST_CARDS:
         raise FolderError(

@@ -27,6 +27,7 @@ from rolling.terminal import defaults
 
 LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
 MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
+MOST_BESIDE = 3  # runs whose own pictures stand below each other
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
 
@@ -55,6 +56,8 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     templates = environment()
     templates.globals["numbered"] = partial(_number, shown_charts)
     templates.globals["is_known"] = partial(_is_known, shown_charts)
+    templates.globals["sharing"] = partial(_sharing, views)
+    templates.globals["crowded"] = len(views) > MOST_BESIDE
     template = templates.get_template("report.html")
     html = template.render(
         version=__version__,
@@ -182,7 +185,19 @@ def _number(charts: list[dict[str, Any]], chart: dict[str, Any]) -> int:
 
 def _is_known(charts: list[dict[str, Any]], chart: dict[str, Any]) -> bool:
     """Tell whether the page shows the curves of a chart already, as for runs of equal bodies."""
-    return any(chart["xs"] == x["xs"] and chart["parts"] == x["parts"] for x in charts)
+    return any(_is_same(chart, other) for other in charts)
+
+
+def _is_same(chart: dict[str, Any], other: dict[str, Any]) -> bool:
+    """Tell whether two charts have the same curves."""
+    return bool(chart["xs"] == other["xs"] and chart["parts"] == other["parts"])
+
+
+def _sharing(views: Sequence[dict[str, Any]], chart: dict[str, Any]) -> str:
+    """Return the numbers of the runs that have the chart of a run."""
+    others = [view["pictures"].get(chart["name"], {"xs": None}) for view in views]
+    numbers = [k for k, x in enumerate(others) if k == chart["run"] or _is_same(chart, x)]
+    return " ".join(map(str, numbers))
 
 
 def seconds(unit: str) -> float:
@@ -201,6 +216,7 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
     return [
         {
             "labels": [run.label for run in members],
+            "numbers": [number for number, run in enumerate(runs) if run in members],
             "words": assumed.surface_words(members[0].scene),
             "statistics": members[0].summary["surface"],
             "parts": runs_table.surface_parts(members[0].summary),

@@ -50,8 +50,7 @@ def sentence(runs: Sequence[Run]) -> str:
     levels = ((run.sound.levels.laeq_db, run) for run in runs)
     sounding = sorted(((db, run) for db, run in levels if db is not None), key=itemgetter(0))
     if not sounding:
-        sources = " or ".join(dict.fromkeys(run.sound.source for run in runs))
-        return f"No sound: the {sources} does not fluctuate within hearing."
+        return f"No sound: {'; '.join(dict.fromkeys(map(silence, runs)))}."
     (low_db, quietest), (high_db, loudest) = sounding[0], sounding[-1]
     distances = {run.scene.listener_place for run in runs}
     at = f" at {distances.pop()}" if len(distances) == 1 else ""
@@ -68,6 +67,13 @@ def sentence(runs: Sequence[Run]) -> str:
         f"{name}{at} lies between {low_db:.1f} dB(A) ({quietest.label}) and {high_db:.1f} dB(A)"
         f" ({loudest.label}), {high_db - low_db:.1f} dB apart.{also}"
     )
+
+
+def silence(run: Run) -> str:
+    """State the reason of the silence of a run."""
+    if run.summary.get("flight_share") == 1 and not run.summary["impacts"]:
+        return f"the record of {rounded(run.sound.duration)} s ends before the ball hits the plate"
+    return f"the {run.sound.source} does not fluctuate within hearing"
 
 
 def level_head(runs: Sequence[Run]) -> str:

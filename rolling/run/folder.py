@@ -127,6 +127,8 @@ def stored_scene(folder: Path) -> Scene:
     SceneError : its scene cannot be read.
     """
     if not _is_marked(folder):
+        if (folder / RESULT).is_file() and _is_marked(above := folder.absolute().parent):
+            raise FolderError(f"{folder}: a single run of a sweep; name the folder of it, {above}")
         raise FolderError(
             f"{folder}: {_foreign(folder) or 'no run folder, there is no scene.yaml'}"
         )

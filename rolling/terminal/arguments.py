@@ -82,9 +82,10 @@ _TYPES = {
 
 def add(parser: argparse.ArgumentParser, command: str) -> None:
     """Add the arguments of a command to its parser."""
-    texts = COMMANDS[command].get("texts", {})
+    texts, places = (COMMANDS[command].get(key, {}) for key in ("texts", "metavars"))
     for name in COMMANDS[command]["arguments"]:
         settings = _ARGUMENTS[name] | ({"help": texts[name]} if name in texts else {})
+        settings |= {"metavar": places[name]} if name in places else {}
         for key, value in settings.items():
             if isinstance(value, str):
                 settings[key] = value.format_map(vars(defaults))

@@ -118,3 +118,5 @@ def test_without_scripts_it_plays_and_without_folders_it_says_what_to_give(
     assert done.returncode == 2 and "required: RUN" in done.stderr
     done = rolling(["gallery", "nothing"], tmp_path)
     assert done.returncode == 2 and not [*tmp_path.iterdir()]
+    done = rolling(["gallery", "nothing", "--out", "cards"], tmp_path)
+    assert done.returncode == 2 and "cards.html" in done.stderr

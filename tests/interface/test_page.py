@@ -270,4 +270,17 @@ def test_a_silent_run_is_named_and_not_chosen_first(pages, opened) -> None:
         assert "(silent)" in page.text_content("#choose option:first-child")
         page.keyboard.press("1")
         assert page.locator("aside [data-only='0']").is_visible()
-        assert "nothing to hear" in page.text_content("aside [data-only='0']")
+        assert "does not fluctuate within hearing" in page.text_content("aside [data-only='0']")
+
+
+def test_many_runs_share_one_place_for_their_pictures(pages, opened) -> None:
+    """Each kind of picture of a single run of six is there once, and is that of the chosen run."""
+    with opened(pages("seeds")) as page:
+        shown = "[...document.querySelectorAll('figure[data-run]')].filter(f => f.offsetParent)"
+        names = page.evaluate(f"{shown}.map(f => f.dataset.name)")
+        assert len(names) == len(set(names)) > 1
+        page.keyboard.press("5")
+        assert set(page.evaluate(f"{shown}.map(f => f.dataset.run)")) == {"4"}
+        until(page, f"{shown}.every(f => f.plot.svg.childElementCount || f.offsetTop > 2000)")
+        chips = page.locator(".choices b").all_text_contents()
+        assert all(re.fullmatch(r"-?\d+\.\d dB\(A\)", chip) for chip in chips)

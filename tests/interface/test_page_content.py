@@ -7,6 +7,7 @@ import io
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -251,3 +252,11 @@ def test_levels_that_are_missing_are_gaps_in_the_data_of_the_page(tmp_path) -> N
     path = tmp_path / "page.html"
     path.write_bytes(page([lap, gaps]))
     assert data_of(path)["runs"][1]["bands"] == [None] * 31
+
+
+def test_a_fall_without_an_impact_is_silent_for_a_reason() -> None:
+    (run,) = runs_of("edged")
+    levels = replace(run.sound.levels, laeq_db=None)
+    summary = {**run.summary, "flight_share": 1.0, "impacts": 0}
+    silent = SimpleNamespace(summary=summary, sound=replace(run.sound, levels=levels))
+    assert "ends before the ball hits the plate" in text.sentence([silent])

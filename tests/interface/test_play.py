@@ -220,6 +220,7 @@ def test_the_limiter_leaves_quiet_sound_and_holds_the_loudest(playing) -> None:
         roll(page)
         level(page)
         rms, _ = page.evaluate(OUTPUT)
+        assert page.locator("#play-limit").is_hidden()
         quiet = 20 * np.log10(rms / volume * scale / 20e-6)
         assert quiet == pytest.approx(run.sound.levels.level_db, abs=0.5)
         set_slider(page, "volume", 30)

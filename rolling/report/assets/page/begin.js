@@ -34,7 +34,7 @@ export function choose(number) {
   mix();
   for (const radio of $$("input[name=run], input[name=play-run]")) radio.checked = Number(radio.value) === number;
   if ($("#choose")) $("#choose").value = number;
-  for (const element of $$("[data-only]")) element.hidden = Number(element.dataset.only) !== number;
+  for (const element of $$("[data-only]")) element.hidden = !element.dataset.only.split(" ").includes(String(number));
   say(runs[number].label);
   takeRun(number);
   showStill();

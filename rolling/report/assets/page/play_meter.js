@@ -1,6 +1,6 @@
 // ---- meters: level, spectrum, and force ----
 
-import { $, RATE, data, motionUnwanted, runs, signed } from "./core.js";
+import { $, RATE, data, motionUnwanted, runs, signed, state } from "./core.js";
 import { aWeight } from "../engine/radiation.js";
 import { SPECTRUM, live, liveOf } from "./play_sound.js";
 
@@ -11,6 +11,7 @@ const SMOOTHED = 0.5; // weight of the latest spectrum in the shown average
 const LEVELS_DB = 70; // that the spectrum shows
 const QUIETEST_DB = -20; // level that is shown
 const TIGHT_DB = -0.5; // gain below which the page mentions the limiter
+const SETTLING_S = 2; // in which the limiter of Chromium opens, which is closed at first
 const FAST_S = 0.125; // time constant of the level
 const WINDOW = 0.3046; // mean square of the window of an AnalyserNode, after Blackman
 const BANDS = data.bands.map(Number);
@@ -24,7 +25,8 @@ export function showReport(report) {
   const { low, high, flies } = report, now = performance.now();
   const column = { low: Math.min(...low), high: Math.max(...high), flies: flies.reduce((sum, share) => sum + share, 0) / flies.length };
   heard.strip = [...heard.strip, column].slice(-COLUMNS);
-  heard.gain = Math.min(0.95 * heard.gain, live.limiter.reduction); // so that its note stays for some seconds
+  const settled = state.context.currentTime > live.openedAt + SETTLING_S;
+  heard.gain = settled ? Math.min(0.95 * heard.gain, live.limiter.reduction) : 0; // its note stays for some seconds
   takeLevel(now);
   if (now - heard.shownAt < (motionUnwanted.matches ? SLOW_MS : SHOWN_MS)) return;
   heard.shownAt = now;
@@ -50,16 +52,16 @@ function takeLevel(now) {
 
 export const digits = (value, count) => Number(value.toPrecision(count));
 
-function showNumbers({ state, asleep }) {
+function showNumbers({ state: { speed, force, height }, asleep }) {
   const level = 10 * Math.log10(heard.fast), own = liveOf().level, isHeard = !asleep && level >= QUIETEST_DB;
   $("#play-level").textContent = isHeard ? level.toFixed(1) : "–";
   $("#play-against").textContent = isHeard && own !== null ? `${signed(level - own)} dB against the run` : "";
-  $("#play-speed-now").textContent = `${digits(Math.abs(state.speed) < 1e-5 ? 0 : state.speed, 2)} m/s`.replace("-", "−");
-  const presses = state.force !== null; // a release has no force
+  $("#play-speed-now").textContent = `${digits(Math.abs(speed) < 1e-5 ? 0 : speed, 2)} m/s`.replace("-", "−");
+  const presses = force !== null; // a release has no force
   const flown = Math.round((100 * heard.strip.reduce((sum, { flies }) => sum + flies, 0)) / heard.strip.length);
   $("#play-force-now").parentElement.hidden = !presses;
-  $("#play-force-now").textContent = presses ? newtons(state.force) : "";
-  const motion = state.height > 1e-4 ? `${digits(1e3 * state.height, 2)} mm high` : flown ? `flies ${flown} % of the time` : "in contact";
+  $("#play-force-now").textContent = presses ? newtons(force) : "";
+  const motion = height > 1e-4 ? `${digits(1e3 * height, 2)} mm high` : flown ? `flies ${flown} % of the time` : "in contact";
   $("#play-flight").textContent = presses ? motion : "";
   $("#play-limit").hidden = heard.gain > TIGHT_DB;
 }

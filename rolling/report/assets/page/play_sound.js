@@ -146,7 +146,7 @@ async function openGraph(context) {
   const first = { smoothingTimeConstant: 0, channelCount: 1, channelCountMode: "explicit", channelInterpretation: "discrete" }; // channel
   const meters = [METER, SPECTRUM].map((fftSize) => new AnalyserNode(context, { fftSize, ...first }));
   for (const meter of meters) bus.connect(meter);
-  Object.assign(live, { bus, volume, limiter, meters });
+  Object.assign(live, { bus, volume, limiter, meters, openedAt: context.currentTime });
   soundOn();
 }
 
