@@ -25,7 +25,7 @@ TEXT = VIBRATING.replace("sound: {", f"sound: {{listen_s: {SECONDS}, ")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Store a run with a long record."""
     out = tmp_path_factory.mktemp("compared") / "run"
-    return save_run(replace(marched(TEXT), writer=save_run), out, report=False)
+    return save_run(marched(TEXT), out, report=False)
 
 
 @pytest.fixture(scope="module")
