@@ -238,6 +238,9 @@ def test_a_blind_test_counts_and_states_the_chance(pages, opened) -> None:
         assert page.input_value("#choose") == shown
         page.keyboard.press("2")
         assert page.input_value("#choose") == "1" and page.text_content("#abx-result") == ""
+        page.select_option("#compare-b", "0")
+        page.click("#abx-begin")
+        assert "same run" in page.text_content("#abx-result")
 
 
 def test_the_difference_of_two_spectra_has_its_uncertainty(pages, opened) -> None:

@@ -37,7 +37,7 @@ export function beginTest() {
   $("#equal").checked = true; // otherwise the level alone would tell the runs apart
   mix();
   chooseX();
-  $("#abx-result").textContent = "Listen, then say what X is.";
+  $("#abx-result").textContent = $("#abx").disabled ? "A and B are the same run." : "Listen, then say what X is.";
 }
 
 export function endTest() {
