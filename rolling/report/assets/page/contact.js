@@ -36,8 +36,7 @@ export function drawContact(canvas, solved, at, again) {
   const { width, height } = canvas, frame = frameOf(solved, at, width / height), perUm = width / frame.width;
   drawSolved(canvas.getContext("2d"), solved, at, { x: frame.x * perUm, y: frame.y * perUm, perUm }, again);
   const [ellipse, scale] = canvas.parentElement.querySelectorAll(".hertz, .scale"), percent = (um, whole) => `${(100 * um) / whole}%`;
-  const left = percent(frame.x, frame.width), top = percent(frame.y * perUm, height);
-  const [along, across] = solved.hertz_um;
+  const [along, across] = solved.hertz_um, left = percent(frame.x, frame.width), top = percent(frame.y * perUm, height);
   Object.assign(ellipse.style, { left, top, width: percent(2 * along, frame.width), aspectRatio: along / across });
   const longest = frame.width / 5, decade = 10 ** Math.floor(Math.log10(longest));
   const length = [5, 2, 1].find((digit) => digit * decade <= longest) * decade;
