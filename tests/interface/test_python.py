@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import doctest
 import inspect
 import shutil
 import subprocess
@@ -196,11 +195,6 @@ def test_compilation_is_said_once_unless_silence_is_asked_for(
     rc.simulate(rc.read_scene(folder / "scene.yaml"), workers=1, progress=progress)
     told = capsys.readouterr().err.count(terminal_progress.COMPILING)
     assert told == (0 if progress is False else 1)
-
-
-@pytest.mark.parametrize("module", [interface], ids=["interface"])
-def test_examples_of_docstrings(module) -> None:
-    assert doctest.testmod(module).failed == 0
 
 
 def test_levels_and_caveats_for_a_notebook(run: Run) -> None:
