@@ -155,6 +155,10 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
     SceneError : the scene does not sweep, or as in `simulate`.
     SweepError : a run failed; the error holds the other runs. It is a ContactError.
     KeyboardInterrupt : Ctrl-C was pressed.
+
+    Examples
+    --------
+    As for `Runs`.
     """
     instance("scene", scene, Scene)
     if not scene.sweep:

@@ -142,6 +142,16 @@ class WarmStart:
     sharp : bool
         If true, try sharp edges before blended edges. Use it when the previous position hardly
         yields. Default: false.
+
+    Examples
+    --------
+    >>> import numpy as np, rolling
+    >>> x = np.arange(-12, 13) * 2e-6
+    >>> steel, gap = rolling.HalfSpace(2e-6, 230e9), (x[:, None] ** 2 + x**2) / 0.01
+    >>> cold = rolling.solve_contact(steel, gap, 0.02)
+    >>> start = rolling.WarmStart(cold.pressure, cold.deflection, close=True)
+    >>> rolling.solve_contact(steel, gap, 0.02, start).iterations <= cold.iterations
+    True
     """
 
     pressure: Array
