@@ -41,7 +41,7 @@ class Listening:
     Examples
     --------
     >>> import rolling
-    >>> words = ["rolling.load_n=0.1", "rolling.duration_s=0.02", "numerics.error_estimate=false"]
+    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.01", "numerics.error_estimate=false"]
     >>> run = rolling.simulate(rolling.read_scene("quickstart", words), workers=1, progress=False)
     >>> run.listen(2.0, speed=(0.05, 0.1))
     Listening(2 s at 48000 Hz, ... dB(A))

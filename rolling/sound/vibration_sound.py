@@ -72,8 +72,9 @@ class Vibration:
     Examples
     --------
     >>> import rolling
-    >>> words = ["sphere.density_kg_m3=7850", "dynamics={}", "numerics.error_estimate=false"]
-    >>> scene = rolling.read_scene("quickstart", words).with_(load_n=1, duration_s=0.005)
+    >>> words = ["dynamics={}", "sphere.density_kg_m3=7850", "plate.density_kg_m3=7850"]
+    >>> scene = rolling.read_scene("quickstart", [*words, "plate.thickness_mm=10"])
+    >>> scene = scene.with_(load_n=1, duration_s=0.005, error_estimate=False)
     >>> run = rolling.simulate(scene, workers=1, progress=False)
     >>> run.vibration
     Vibration(0.005 s under 1 N, ... dB(A), rms of the force ... of the load)
