@@ -44,6 +44,14 @@ class SoundLevels:
     lz_peak_db : float or None, dB. LZpeak, the level of the maximum |p| at and between the samples.
     third_octave_db, third_octave_a_db : dict, dB. Z and A levels by nominal mid frequency, "20" to
         "20000"; all 31 bands are always present.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import sound_levels
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 100 * np.arange(48000) / 48000)  # 1 Pa rms, 100 Hz
+    >>> round(sound_levels(tone, 48000).third_octave_a_db["100"], 2)
+    74.84
     """
 
     __repr__ = short_repr

@@ -29,6 +29,7 @@ Curve = tuple[str, Lines]  # label and spectrum
 # Errors of band levels [dB] and their standard uncertainty, by nominal frequency.
 BandErrors = tuple[Mapping[str, float | None], Mapping[str, float | None]]
 # Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
+_SMALL_IN = 2.4  # height of axes that takes a name for each octave
 _SHADES = 36
 _HATCHES = ("////", "\\\\\\\\", "xxxx")  # marks of bands with large errors, one for each curve
 
@@ -213,7 +214,7 @@ def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limi
 
     Parameters
     ----------
-    ax : axes to draw on; the colour bar takes its room from them.
+    ax : axes to draw on; the colour bar stands beside them.
     shown : Spectrogram. Its rows have equal width on a logarithmic scale.
     duration_s : float, s. Duration of the record, the whole width of the axes.
     limits_db : pair of float, dB. Levels of the first and the last colour.
@@ -243,8 +244,10 @@ def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limi
     image = ax.imshow(shown.level_db, origin="lower", interpolation="none", **shape, **shades)
     style.say_if_silent(ax, bool(np.isfinite(shown.level_db).any()))
     ax.set(xlim=(0.0, duration_s / factor), ylim=(low, high))
-    names = map(style.short_name, BAND_NAMES[2::3])
-    ax.set_yticks(np.log10(MID_HZ[2::3]), [*names])
+    named = slice(2, None, 3 if ax.bbox.height > _SMALL_IN * ax.figure.dpi else 9)
+    ax.set_yticks(np.log10(MID_HZ[named]), [*map(style.short_name, BAND_NAMES[named])])
     ax.set(xlabel=f"time [{prefix}s]", ylabel="frequency [Hz]")
-    ax.figure.colorbar(image, ax=ax, label="density level [dB re (20 µPa)²/Hz]", extend="both")
+    beside = ax.inset_axes((1.03, 0.0, 0.04, 1.0))
+    label = "density level [dB re (20 µPa)²/Hz]"
+    ax.figure.colorbar(image, cax=beside, label=label, extend="both")
     return ax

@@ -13,8 +13,10 @@ Scenes
 Runs
     simulate, simulate_sweep, open_run, save_run, live, plot (module), ContactError, SweepError,
     FolderError
+Objects that functions return
+    Run, Runs, ContactSound, Vibration, Listening; Findings, Finding; Contact, ContactState
 Contact
-    HalfSpace, solve_contact, march, closed_forms (module)
+    HalfSpace, solve_contact, WarmStart, march, RollingContact, closed_forms (module)
 """
 
 import ast

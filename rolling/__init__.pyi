@@ -2,17 +2,25 @@
 
 from rolling import check as check
 from rolling import plot as plot
+from rolling.check.finding import Finding as Finding
+from rolling.check.findings import Findings as Findings
 from rolling.contact import closed_forms as closed_forms
 from rolling.contact.half_space import HalfSpace as HalfSpace
 from rolling.contact.march import march as march
+from rolling.contact.solver import Contact as Contact
 from rolling.contact.solver import ContactError as ContactError
+from rolling.contact.solver import WarmStart as WarmStart
 from rolling.contact.solver import solve_contact as solve_contact
+from rolling.contact.state import ContactState as ContactState
+from rolling.contact.state import RollingContact as RollingContact
+from rolling.interface import Runs as Runs
 from rolling.interface import SweepError as SweepError
 from rolling.interface import live as live
 from rolling.interface import open_run as open_run
 from rolling.interface import save_run as save_run
 from rolling.interface import simulate as simulate
 from rolling.interface import simulate_sweep as simulate_sweep
+from rolling.results.run_result import Run as Run
 from rolling.scene.bodies import Plate as Plate
 from rolling.scene.bodies import Sphere as Sphere
 from rolling.scene.file import read_scene as read_scene
@@ -32,6 +40,9 @@ from rolling.scene.surfaces import HeightFile as HeightFile
 from rolling.scene.surfaces import SelfAffine as SelfAffine
 from rolling.scene.surfaces import Smooth as Smooth
 from rolling.scene.surfaces import SmoothBall as SmoothBall
+from rolling.sound.contact_sound import ContactSound as ContactSound
+from rolling.sound.long_listening import Listening as Listening
+from rolling.sound.vibration_sound import Vibration as Vibration
 from rolling.surface.measured import HeightArray as HeightArray
 from rolling.surface.parameters import surface_parameters as surface_parameters
 from rolling.terminal.files import FolderError as FolderError

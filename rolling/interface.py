@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from acoustics.arrays import instance
 from rolling.check import refusals
@@ -20,6 +20,7 @@ from rolling.marches.result import Result
 from rolling.results import labels
 from rolling.results.run_files import write_run
 from rolling.results.run_result import Run, hear
+from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders
 from rolling.run.executor import RunLoop
 from rolling.run.folder import RunFolder
@@ -34,20 +35,49 @@ from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
 from rolling.terminal.files import FolderError
 
-__all__ = ["SweepError", "live", "open_run", "save_run", "simulate", "simulate_sweep"]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Runs", "SweepError", "live", "open_run", "save_run", "simulate", "simulate_sweep"]
 
 Values = Value | tuple[Value, ...]
 PLAY_IT = "play-it"  # the section of the page where the ball is rolled by hand
+
+
+class Runs(dict[Values, Run]):
+    """Runs of a sweep by their swept value, or by a tuple of values if several keys are swept.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["sweep.rolling.load_n=[1, 2]", "rolling.duration_s=0.002"]
+    >>> scene = rolling.read_scene("quickstart", words)
+    >>> runs = rolling.simulate_sweep(scene, workers=1, progress=False)
+    >>> runs[2.0].label
+    'load 2 N'
+    >>> runs.table().index.get_level_values("rolling.load_n").to_list()
+    [1, 2]
+    """
+
+    def table(self) -> pd.DataFrame:
+        """Tabulate the numbers of the runs, one row per run, as `rolling run` writes runs.csv.
+
+        Returns
+        -------
+        table : pandas.DataFrame
+            Numbers of summary.json by label, folder and swept keys. Names end in their units.
+        """
+        return runs_table([*self.values()])
 
 
 class SweepError(ContactError):
     """Runs of a sweep that failed, beside the successful runs.
 
     failures : dict. Reasons by the label of the run.
-    runs : dict. The successful runs, as `simulate_sweep` returns them.
+    runs : Runs. The successful runs, as `simulate_sweep` returns them.
     """
 
-    def __init__(self, failures: dict[str, str], runs: dict[Values, Run]) -> None:
+    def __init__(self, failures: dict[str, str], runs: Runs) -> None:
         super().__init__("\n".join(f"{label}: {reason}" for label, reason in failures.items()))
         self.failures, self.runs = failures, runs
 
@@ -108,9 +138,7 @@ def simulate(
     return run
 
 
-def simulate_sweep(
-    scene: Scene, workers: int = 0, progress: bool | None = None
-) -> dict[Values, Run]:
+def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None) -> Runs:
     """Simulate every run of a scene that sweeps, in memory.
 
     Parameters
@@ -120,13 +148,17 @@ def simulate_sweep(
 
     Returns
     -------
-    runs : dict. Runs by their swept value, or by a tuple of values if several keys are swept.
+    runs : Runs. Dictionary of runs by their swept value, with a table of their numbers.
 
     Raises
     ------
     SceneError : the scene does not sweep, or as in `simulate`.
     SweepError : a run failed; the error holds the other runs. It is a ContactError.
     KeyboardInterrupt : Ctrl-C was pressed.
+
+    Examples
+    --------
+    As for `Runs`.
     """
     instance("scene", scene, Scene)
     if not scene.sweep:
@@ -137,9 +169,7 @@ def simulate_sweep(
     return runs
 
 
-def _simulated(
-    scene: Scene, workers: int, shown: bool | None
-) -> tuple[dict[Values, Run], dict[str, str]]:
+def _simulated(scene: Scene, workers: int, shown: bool | None) -> tuple[Runs, dict[str, str]]:
     """Simulate the runs of a scene; return them by swept values, and failures by label."""
     if type(workers) is not int or workers < 0:
         raise ValueError(f"workers: got {workers!r}, allowed: a whole number >= 0")
@@ -160,7 +190,7 @@ def _simulated(
         loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)
         with local_pool(workers, scenes) as pool:
             loop.run(pool)
-    swept: dict[Values, Run] = {}
+    swept = Runs()
     for number, run in sorted(heard.items()):
         values = tuple(runs[number].values.values())
         swept[values[0] if len(values) == 1 else values] = run

@@ -21,16 +21,6 @@ PAGES = {
 }
 PICTURES = "scenarios/pictures/"
 PACKAGES = ("rolling", "acoustics")
-# Objects that a user receives without an import.
-RECEIVED = {
-    "Run": "rolling.results.run_result.Run",
-    "Run.sound": "rolling.sound.contact_sound.ContactSound",
-    "Run.sound.levels": "acoustics.level.SoundLevels",
-    "Run.vibration": "rolling.sound.vibration_sound.Vibration",
-    "Scene, in SI": "rolling.scene.quantities.SceneQuantities",
-    "Scene.check()": "rolling.check.findings.Findings",
-}
-
 LINK = re.compile(r"(!?)\[([^\]]*)\]\((?:\.\./)+([^)#\s]+)(#[^)\s]*)?\)")
 OWN_LINK = re.compile(r"\]\(docs/([^)\s]+)\)")
 
@@ -63,38 +53,30 @@ def _within_site(match):
 
 
 def exported_names(package):
-    """List the names that a package exports, with their full paths.
+    """List the names that a package exports, in the order of their modules.
 
-    Public names are imported lazily at run time; for editors the same imports stand under
-    `TYPE_CHECKING`.
+    Public names are imported lazily at run time; for editors the same imports stand in a stub, or
+    under `TYPE_CHECKING`.
     """
-    module = ast.parse((ROOT / package / "__init__.py").read_text(encoding="utf-8"))
-    names = {}
-    for node in ast.walk(module):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == package:
-            names |= {
-                alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names
-            }
-    return {name: path for name, path in names.items() if not name.startswith("_")}
+    sources = (ROOT / package / f"__init__.{ending}" for ending in ("pyi", "py"))
+    source = next(path for path in sources if path.exists())
+    return [
+        alias.name
+        for node in ast.walk(ast.parse(source.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == package
+        for alias in node.names
+    ]
 
 
 def api_page():
-    """Return the Markdown of the API page: the exported names, and objects that a user receives."""
+    """Return the Markdown of the API page: every exported name under the name one imports."""
     lines = [
         "# API",
         "",
         "All arguments and results are in SI units unless a name carries its unit.",
         "",
     ]
-    tables = {package: exported_names(package) for package in PACKAGES}
-    shown = dict.fromkeys(path for names in tables.values() for path in names.values())
-    tables["Objects that functions return"] = RECEIVED
-    for heading, names in tables.items():
-        prefix = f"{heading}." if heading in PACKAGES else ""
-        lines += [f"## {heading}", "", "| name | is |", "|---|---|"]
-        lines += [f"| `{prefix}{name}` | [`{path}`][{path}] |" for name, path in names.items()]
-        lines += [""]
-        for path in names.values():
-            if heading in PACKAGES or path not in shown:
-                lines += [f"::: {path}", ""]
+    for package in PACKAGES:
+        lines += [f"## {package}", ""]
+        lines += [f"::: {package}.{name}\n" for name in exported_names(package)]
     return "\n".join(lines)

@@ -41,6 +41,13 @@ class Finding:
         Doubtful number, and the advice to change it.
     seconds : float, s
         Time of computing on one core, which the runs of a sweep add up.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> steps = rolling.read_scene("quickstart").with_(load_n=20).check()[0]
+    >>> steps.quantity, steps.value
+    ('steps', '25000 of 2 um')
     """
 
     key: str

@@ -55,6 +55,13 @@ class Findings(Sequence[Finding]):
         Warnings where all runs together need too much memory or disk.
     seconds : float, s
         Time of all runs on one core.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> findings = rolling.read_scene("quickstart").check()
+    >>> [*findings.runs], len(findings) > 30
+    (['load_n=5', 'load_n=20', 'load_n=100'], True)
     """
 
     runs: dict[str, list[Finding]]

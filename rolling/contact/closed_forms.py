@@ -13,6 +13,46 @@ import numpy as np
 from acoustics.arrays import positive
 
 
+def contact_modulus(
+    youngs_modulus: float,
+    poissons_ratio: float,
+    other_modulus: float = math.inf,
+    other_ratio: float = 0.5,
+) -> float:
+    """Return the contact modulus of two bodies: 1/E* = (1 - nu1^2) / E1 + (1 - nu2^2) / E2.
+
+    Parameters
+    ----------
+    youngs_modulus, other_modulus : float, Pa
+        Young's modulus of both bodies. Default of the other: infinite, a rigid body.
+    poissons_ratio, other_ratio : float
+        Poisson's ratio of both bodies, from 0 to 0.5. Default of the other: 0.5, which a rigid
+        body does not need.
+
+    Returns
+    -------
+    float, Pa
+        Contact modulus E*.
+
+    Examples
+    --------
+    >>> f"{contact_modulus(210e9, 0.3) * 1e-9:.1f} GPa"  # a rigid ball on steel
+    '230.8 GPa'
+    >>> f"{contact_modulus(210e9, 0.3, 70e9, 0.22) * 1e-9:.1f} GPa"  # a marble on steel
+    '55.8 GPa'
+    """
+    bodies = (
+        ("youngs_modulus", youngs_modulus, "poissons_ratio", poissons_ratio),
+        ("other_modulus", other_modulus, "other_ratio", other_ratio),
+    )
+    compliance = 0.0
+    for modulus_name, modulus, ratio_name, ratio in bodies:
+        if type(ratio) not in (int, float) or ratio:
+            ratio = positive(ratio_name, ratio, 0.5)
+        compliance += (1 - ratio**2) / positive(modulus_name, modulus)
+    return 1 / compliance
+
+
 def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     """Return the contact radius of a smooth elastic sphere: a^3 = 3 W R / (4 E*).
 

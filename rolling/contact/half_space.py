@@ -65,7 +65,7 @@ def padded_length(reach: int, across: bool = False) -> int:
     lengths = _ACROSS if across else _ALONG
     if 2 * reach > lengths[-1]:
         raise ValueError(
-            f"a window of {reach + 1} nodes is more than the {MOST_NODES} there is room for"
+            f"window: got {reach + 1} nodes along a side, allowed: {MOST_NODES} there is room for"
         )
     return lengths[bisect_left(lengths, 2 * reach)]
 
@@ -174,8 +174,8 @@ class HalfSpace:
         self.subcells = 1
 
     def __repr__(self) -> str:
-        modulus = f"contact_modulus={self.contact_modulus:g}"
-        return f"{type(self).__name__}(spacing={self.spacing:g}, {modulus})"
+        modulus = f"contact_modulus={self.contact_modulus:g} Pa"
+        return f"{type(self).__name__}(spacing={self.spacing:g} m, {modulus})"
 
     def deflection(self, pressure: Array) -> Array:
         """Compute the deflection of the nodes of a window by the pressure on them.

@@ -58,6 +58,8 @@ class Contact:
         Contact pressure.
     deflection : (m, n) array, m
         Deflection of both bodies.
+    spacing : float, m
+        Node spacing.
     approach : float, m
         Approach of sphere and plate.
     max_deflection : float, m
@@ -72,17 +74,44 @@ class Contact:
     edge_share : float
         Share of the range of gaps over each cell that its edge takes: 1 where the contact yields in
         full, less where it hardly yields, and 0 where all edges are sharp.
+
+    Examples
+    --------
+    A rigid flat of 20 by 20 um is pressed into steel:
+
+    >>> import numpy as np, rolling
+    >>> gap = np.full((30, 30), 1e-6)
+    >>> gap[5:25, 5:25] = 0.0
+    >>> contact = rolling.solve_contact(rolling.HalfSpace(1e-6, 230e9), gap, load=0.1)
+    >>> print(f"{contact.area * 1e12:.0f} um2, {contact.load:.3f} N, {contact.spacing:g} m")
+    400 um2, 0.100 N, 1e-06 m
     """
 
     pressure: Array
     deflection: Array
+    spacing: float
     approach: float
     max_deflection: float
     residual: float
     iterations: int
     edge: Array | None = None
     edge_share: float = 0.0
-    __repr__ = short_repr
+
+    @property
+    def area(self) -> float:
+        """Area of the nodes under pressure [m2]."""
+        return float(np.count_nonzero(self.pressure) * self.spacing**2)
+
+    @property
+    def load(self) -> float:
+        """Normal load [N], the sum of the pressure over the window."""
+        return float(self.pressure.sum() * self.spacing**2)
+
+    def __repr__(self) -> str:
+        return (
+            f"Contact({self.load:.4g} N on {self.area:.4g} m2, approach {self.approach:.4g} m,"
+            f" maximum pressure {self.pressure.max():.4g} Pa, residual {self.residual:.1e})"
+        )
 
 
 @dataclass(frozen=True)
@@ -113,6 +142,16 @@ class WarmStart:
     sharp : bool
         If true, try sharp edges before blended edges. Use it when the previous position hardly
         yields. Default: false.
+
+    Examples
+    --------
+    >>> import numpy as np, rolling
+    >>> x = np.arange(-12, 13) * 2e-6
+    >>> steel, gap = rolling.HalfSpace(2e-6, 230e9), (x[:, None] ** 2 + x**2) / 0.01
+    >>> cold = rolling.solve_contact(steel, gap, 0.02)
+    >>> start = rolling.WarmStart(cold.pressure, cold.deflection, close=True)
+    >>> rolling.solve_contact(steel, gap, 0.02, start).iterations <= cold.iterations
+    True
     """
 
     pressure: Array
@@ -239,9 +278,10 @@ def solve_contact(
     hardness, tolerance = positive("hardness", hardness), positive("tolerance", tolerance, 1.0)
     shape = None if shape is None else real_array("shape", shape, 2)
     pressure = None if start is None else start.pressure
-    for words, array in (("start has pressures", pressure), ("shape is an array", shape)):
+    for name, array in (("start.pressure", pressure), ("shape", shape)):
         if array is not None and array.shape != gap.shape:
-            raise ValueError(f"the {words} of shape {array.shape}, the gap has shape {gap.shape}")
+            allowed = f"allowed: the shape of gap, {gap.shape}"
+            raise ValueError(f"{name}: got an array of shape {array.shape}, {allowed}")
     return solve(half_space, gap, load, start, hardness, shape, tolerance, single)
 
 
@@ -332,7 +372,7 @@ class _Solve:
             if accurate and (carried or abs(p.sum() / limits.total - 1) <= 1e-12):
                 edge, share = (None, 0.0) if edges is None else (edges.edge, edges.share)
                 measures = float(approach), float(u_max), float(worst / u_max)
-                return Contact(p, u, *measures, effort.iterations, edge, share)
+                return Contact(p, u, half_space.spacing, *measures, effort.iterations, edge, share)
             if effort.is_spent:
                 raise self._not_converged(effort, u_max, worst)
             highest = approach + near * u_max

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from acoustics.arrays import Array, positive, real_array, short_repr
+from acoustics.arrays import Array, positive, real_array
 from rolling.contact import _window_kernels
 
 
@@ -143,6 +143,15 @@ class RollingContact:
         Load at each position of a lap, instead of the same load at all. Default: None.
     radius_across : float, m, or None
         Radius of the sphere across the track. Default: the radius along it.
+
+    Examples
+    --------
+    >>> import numpy as np, rolling
+    >>> rolling.RollingContact(
+    ...     heights=np.zeros((128, 128)), spacing=4e-6, radius=5e-3, contact_modulus=230e9,
+    ...     hardness=2.1e9, load=5.0, step=4e-6, start=0.0, tolerance=1e-5,
+    ... )
+    RollingContact(128 x 128 nodes of 4e-06 m, sphere of 0.005 m under 5 N, E* 2.3e+11 Pa, ...)
     """
 
     heights: Array
@@ -160,7 +169,14 @@ class RollingContact:
     slopes: bool = True
     loads: Array | None = None
     radius_across: float | None = None
-    __repr__ = short_repr
+
+    def __repr__(self) -> str:
+        along, across = self.heights.shape
+        return (
+            f"RollingContact({along} x {across} nodes of {self.spacing:g} m, sphere of"
+            f" {self.radius:g} m under {self.load:g} N, E* {self.contact_modulus:g} Pa, hardness"
+            f" {self.hardness:g} Pa)"
+        )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "heights", real_array("heights", self.heights, 2))
@@ -299,9 +315,24 @@ class ContactState:
         Share of the range of gaps over each cell that its edge takes: 0 where all are sharp.
     sphere_share : float
         Share of the initial pressures that moved with the sphere; the rest stayed with the plate.
+
+    Examples
+    --------
+    >>> import numpy as np, rolling
+    >>> contact = rolling.RollingContact(
+    ...     heights=np.zeros((128, 128)), spacing=4e-6, radius=5e-3, contact_modulus=230e9,
+    ...     hardness=np.inf, load=5.0, step=4e-6, start=0.0, tolerance=1e-5,
+    ... )
+    >>> (state,) = rolling.march(contact, 0, 0, rolling.HalfSpace(4e-6, 230e9))
+    >>> print(f"{state.approach * 1e9:.0f} nm, {state.stored_energy * 1e9:.0f} nJ")
+    376 nm, 752 nJ
     """
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        return (
+            f"ContactState(position {self.position}: area {self.contact_area:.4g} m2, approach"
+            f" {self.approach:.4g} m, maximum pressure {self.max_pressure:.4g} Pa)"
+        )
 
     position: int
     window: Window

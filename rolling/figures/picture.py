@@ -30,6 +30,8 @@ MOST_NAMED = 24  # curves; a legend of more takes more room than they do
 _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 _ROW_IN = 0.19  # height of a row in a legend
 _LETTERS_PER_IN = 12  # of a title on axes
+_SMALL_IN, _SMALL_PT = 2.4, 7  # side of small axes, as in a grid, and the size of their letters
+_DENSE: dict[str, Any] = {"labelspacing": 0.15, "borderpad": 0.2, "handlelength": 1.5}
 _TITLE_LETTERS, _NOTE_LETTERS = 88, 125  # of a line across a figure
 
 
@@ -59,22 +61,37 @@ def listed(runs: Run | Iterable[Run]) -> list[Run]:
 
 
 def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
-    """Set title, note and legend of axes; their label holds title and note in two lines."""
+    """Set title, note and legend of axes; their label holds title and note in two lines.
+
+    Axes of a grid have small letters, and a legend only where it leaves room for the curves.
+    """
     handles, names = ax.get_legend_handles_labels()
+    is_small = min(ax.bbox.size) < _SMALL_IN * ax.figure.dpi
     note = "; ".join(facts)
     if len(names) > MOST_NAMED:
         note += f"; {len(names)} curves"
     ax.set_label(f"{title}\n{note}")
-    letters = [max(12, int(_LETTERS_PER_IN * side / ax.figure.dpi)) for side in ax.bbox.size]
+    per_in = _LETTERS_PER_IN / (_SMALL_PT / 10 if is_small else 1)
+    letters = [max(12, int(per_in * side / ax.figure.dpi)) for side in ax.bbox.size]
     heading, below = (textwrap.wrap(text, letters[0]) for text in (title, note))
-    roomy = len(heading + below) < letters[1] / 10
-    _plain([ax.set_title("\n".join(heading + below * roomy), loc="left", fontsize="medium")])
+    roomy = not is_small and len(heading + below) < letters[1] / 10
+    size: Any = _SMALL_PT if is_small else "medium"
+    _plain([ax.set_title("\n".join(heading + below * roomy), loc="left", fontsize=size)])
     ax.set_xlabel(_broken(ax.get_xlabel(), letters[0]))
-    for side in (ax, *(image.colorbar.ax for image in ax.images if image.colorbar)):
+    beside = (other for other in ax.figure.axes if (*other.bbox.bounds,) == (*ax.bbox.bounds,))
+    bars = (image.colorbar.ax for image in ax.images if image.colorbar)
+    for side in dict.fromkeys((ax, *beside, *bars)):
         side.set_ylabel(_broken(side.get_ylabel(), letters[1]))
+        if is_small:
+            side.tick_params(which="both", labelsize=_SMALL_PT)
+            for axis in (side.xaxis, side.yaxis):
+                axis.label.set_fontsize(_SMALL_PT)
     if 0 < len(names) <= MOST_NAMED:
         names = [textwrap.fill(drawable(name), letters[0] - 6) for name in names]
-        _plain(ax.legend(handles, names, fontsize="small", framealpha=0.6).get_texts())
+        rows = sum(name.count("\n") + 1 for name in names)
+        look = {"fontsize": _SMALL_PT - 1, **_DENSE} if is_small else {"fontsize": "small"}
+        if not is_small or rows * _SMALL_PT / 72 < 0.6 * ax.bbox.height / ax.figure.dpi:
+            _plain(ax.legend(handles, names, framealpha=0.6, **look).get_texts())
     return ax
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from acoustics import wav
 from rolling.results import listening, result_file
 from rolling.results.run_result import Run, hear
 from rolling.results.running_in import passes_wav
@@ -26,17 +25,12 @@ def write_run(run: Run) -> None:
     ------
     OSError : a file cannot be written. An earlier file of this name is kept.
     """
-    sound = run.sound
-    comment, title = f"1.0 = 1 Pa; {listening.facts(run)}", listening.wav_title(run)
     listen_wav, listen = listening.listen_wav(run)
-    contents = {
-        SIGNAL: wav.calibrated(sound.channels, comment, title, sound.loops),
-        LISTEN: listen_wav,
-        RESULT: result_file.write_result(run),
-    }
+    contents = {LISTEN: listen_wav, RESULT: result_file.write_result(run)}
     if run.result.passes is not None:
         contents[PASSES], _ = passes_wav(run)
     make_below(run.home, run.folder)
+    run.sound.write_wav(run.folder / SIGNAL, listening.facts(run), listening.wav_title(run))
     for name, content in contents.items():
         write_bytes(run.folder / name, content)
     facts = {"listen": listen, "provenance": provenance(run.scene, run.label)}

@@ -23,6 +23,7 @@ from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.listening import listen, reason_against, released
+from rolling.results.result_arrays import TABLE
 from rolling.results.running_in import pass_numbers
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
@@ -35,6 +36,7 @@ from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import progress
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
 
 
@@ -42,14 +44,35 @@ if TYPE_CHECKING:
 class Run:
     """A run with its sound. It equals no other run, so it can be the key of a dictionary.
 
-    label : str. The label that distinguishes the run from the other runs, such as `load 5 N`.
-    values : dict. The swept values of the run, by dotted key.
-    folder : Path. The run folder; the working directory for a run that is in memory only.
-    scene : Scene. The scene without a sweep.
-    result : Result. Series of the solved lap, pressure maps, snapshot and recovery events.
-    sound : ContactSound. Sound pressure, levels and their uncertainty.
-    summary : dict. The numbers of summary.json; a run that was opened has the stored ones.
-    vibration : Vibration. Vibration of sphere and plate; None unless the scene has dynamics.
+    Attributes
+    ----------
+    label : str
+        Label that distinguishes the run from the other runs, such as `load 5 N`.
+    values : dict
+        Swept values of the run, by dotted key.
+    folder : Path
+        Run folder; the working directory for a run that is in memory only.
+    scene : Scene
+        Scene without a sweep.
+    result : Result
+        Series of the solved lap, pressure maps, snapshot and recovery events.
+    sound : ContactSound
+        Sound pressure, levels and their uncertainty.
+    summary : dict
+        Numbers of summary.json; a run that was opened has the stored ones.
+    vibration : Vibration or None
+        Vibration of sphere and plate; None unless the scene has dynamics.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> scene = rolling.read_scene("quickstart", ["rolling.load_n=1", "rolling.duration_s=0.005"])
+    >>> run = rolling.simulate(scene, workers=1, progress=False)
+    >>> run
+    <run quickstart, load 1 N: level of the released power (q = 1) ... dB(A)..., 250 steps>
+    >>> frame = run.to_dataframe()
+    >>> frame.shape[0], frame.attrs["contact_area"], frame.attrs["release_power"]
+    (251, 'm2', 'W')
     """
 
     label: str
@@ -223,6 +246,25 @@ class Run:
         print(f"listen: {path}   {listening.heard(self)[1]}")
         listening.open_player(path)
         return None
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Tabulate the series along the track, one row per position.
+
+        Energies, powers and speed of a row belong to the step that begins at its position; the
+        last position has none.
+
+        Returns
+        -------
+        table : pandas.DataFrame
+            Series by position, m. `attrs` has the unit of each column by its name.
+        """
+        import pandas as pd  # slow to import, for tables only
+
+        series = {"position_time": self.position_time, **self.series}
+        columns = {name: pd.Series(x) for name, x in series.items() if name in TABLE}
+        table = pd.DataFrame(columns).set_index(pd.Index(self.position, name="position"))
+        table.attrs = {name: TABLE[name][1] for name in ("position", *table)}
+        return table
 
     def to_xarray(self) -> xarray.DataTree:
         """Return the content of result.h5 as a tree.

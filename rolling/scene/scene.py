@@ -114,6 +114,12 @@ class Scene(SceneQuantities):
             section = rule(section, info.data) or section
         return section
 
+    def __repr__(self) -> str:
+        load, speed = f"{self.load:.4g} N", self.rolling.speed_m_s
+        sphere = f"sphere of {self.radius:g} m under {load}"
+        swept = f", sweep of {', '.join(self.sweep)}" if self.sweep else ""
+        return f"Scene({self.name}: {sphere}, speed {speed} m/s, {self.duration:g} s{swept})"
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scene) and self.model_dump() == other.model_dump()
 

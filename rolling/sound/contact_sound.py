@@ -10,16 +10,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from acoustics import level, radiation, resampling, uncertainty, wav
-from acoustics.arrays import Array, short_repr
-from acoustics.bands import AUDIBLE_HZ
+from acoustics.arrays import Array
+from acoustics.bands import AUDIBLE_HZ, NOMINAL_HZ
 from acoustics.laps import Lap, crossfaded_lap
-from acoustics.numbers import rounded
+from acoustics.numbers import decibels_a, rounded
 from rolling.scene.scene import Scene
 from rolling.scene.track import Motion
+from rolling.terminal.files import write_bytes
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 FADE_S = 0.01  # [s], at either end of an open record; at most a tenth of its duration
 COVERAGE = 3.0  # standard uncertainties beyond which a record is not Gaussian noise
@@ -74,9 +80,23 @@ class ContactSound:
         Sound pressure at the second listener, the right channel; None for a single listener.
     once : bool
         If true, the record is one event, which is faded at its end only and heard once.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> scene = rolling.read_scene("quickstart", ["rolling.load_n=1", "rolling.duration_s=0.005"])
+    >>> sound = rolling.simulate(scene, workers=1, progress=False).sound
+    >>> sound
+    ContactSound(0.005 s at 48000 Hz, ... dB(A), loops)
+    >>> sound.third_octaves().loc[8000.0].index.to_list()
+    ['third_octave_db', 'third_octave_a_db', 'third_octave_uncertainty_db']
+    >>> sound.write_wav("sound.wav").name
+    'sound.wav'
     """
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        level = decibels_a(self.levels.laeq_db)
+        return f"ContactSound({self.duration:g} s at {self.sample_rate} Hz, {level}, {self.ends})"
 
     pressure: Array
     factor: float | None
@@ -98,6 +118,48 @@ class ContactSound:
     source: str = "release"
     right: Array | None = None
     once: bool = False
+
+    def write_wav(self, path: Path | str, comment: str = "", title: str = "") -> Path:
+        """Write the record as a 32-bit float WAV in which 1.0 is 1 Pa.
+
+        Parameters
+        ----------
+        path : Path or str
+            File to write; an earlier file is replaced.
+        comment, title : str
+            Metadata of the file. Default: the meaning of its samples alone.
+
+        Returns
+        -------
+        path : Path
+            The file.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written. An earlier file is kept.
+        """
+        comment = "; ".join(filter(None, ("1.0 = 1 Pa", comment)))
+        write_bytes(Path(path), wav.calibrated(self.channels, comment, title, self.loops))
+        return Path(path)
+
+    def third_octaves(self) -> pd.DataFrame:
+        """Tabulate the third octaves by their nominal mid frequency [Hz].
+
+        Returns
+        -------
+        table : pandas.DataFrame
+            Z and A levels, dB re 20 uPa, and their standard uncertainty from the length of the
+            record, dB; NaN in a band without sound.
+        """
+        import pandas as pd  # slow to import, for tables only
+
+        levels = {
+            "third_octave_db": self.levels.third_octave_db,
+            "third_octave_a_db": self.levels.third_octave_a_db,
+            "third_octave_uncertainty_db": self.uncertainty.third_octave_db,
+        }
+        return pd.DataFrame(levels, dtype=float).set_index(pd.Index(NOMINAL_HZ, name="band_hz"))
 
     @property
     def channels(self) -> Array:

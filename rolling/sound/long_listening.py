@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from acoustics import level, radiation, resampling, wav
-from acoustics.arrays import Array, short_repr
+from acoustics.arrays import Array
 from acoustics.continued_rows import ContinuedRows
+from acoustics.numbers import decibels_a
 from acoustics.uncertainty import kurtosis
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion, turn_m
@@ -26,13 +27,29 @@ _MOST_POINTS = 2**18  # at once
 class Listening:
     """Long record of a run: the solved track first, then a random continuation of the contact.
 
-    pressure : (samples,) array, Pa. Sound pressure at the first listener.
-    sample_rate : int, Hz. Sample rate.
-    numbers : dict. Facts and levels, as `listening` in summary.json has them.
-    right : (samples,) array or None, Pa. Sound pressure at a second listener.
+    Attributes
+    ----------
+    pressure : (samples,) array, Pa
+        Sound pressure at the first listener.
+    sample_rate : int, Hz
+        Sample rate.
+    numbers : dict
+        Facts and levels, as `listening` in summary.json has them.
+    right : (samples,) array, Pa, or None
+        Sound pressure at a second listener.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["rolling.load_n=1", "rolling.duration_s=0.01", "numerics.error_estimate=false"]
+    >>> run = rolling.simulate(rolling.read_scene("quickstart", words), workers=1, progress=False)
+    >>> run.listen(2.0, speed=(0.05, 0.1))
+    Listening(2 s at 48000 Hz, ... dB(A))
     """
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        seconds, level = len(self.pressure) / self.sample_rate, decibels_a(self.numbers["laeq_db"])
+        return f"Listening({seconds:g} s at {self.sample_rate} Hz, {level})"
 
     pressure: Array
     sample_rate: int

@@ -14,8 +14,9 @@ from functools import cached_property
 import numpy as np
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
-from acoustics.arrays import Array, short_repr
+from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
+from acoustics.numbers import decibels_a
 from acoustics.radiation import RHO_C, pressure_on_axis
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
@@ -36,25 +37,72 @@ class Vibration:
 
     Sound power is NaN where it is unknown: above the coincidence of a plate without a loss factor,
     for a half-space, and in bands that the steps do not resolve.
+
+    Attributes
+    ----------
+    motion : BodyMotion
+        Motion of sphere and plate on a fine grid of time.
+    law : ForceLaw
+        Contact force over approach and place.
+    chain : Chain
+        Linear mobilities of sphere, contact and plate.
+    load : float, N
+        Constant load that presses the sphere.
+    closed : bool
+        If true, the record repeats without a click; otherwise it is faded.
+    highest : float, Hz
+        Nyquist frequency of the steps at the maximum speed.
+    force : (samples,) array, N
+        Fluctuation of the contact force at the samples of the sound.
+    pressures : (listeners, samples) array, Pa
+        Sound pressure of sphere and plate.
+    levels : SoundLevels, dB
+        Levels at the first listener.
+    uncertainty : LevelUncertainty, dB
+        Uncertainty of the levels from all parts in `spreads`.
+    spreads : dict, dB
+        Known parts of the uncertainty of LAeq: record, comb and time_step.
+    mean_laeq : float or None, dB
+        Mean level over speeds within 3 %; None without a comb.
+    plate_power, ball_power : (31,) arrays, W
+        Sound power by third octave.
+    once : bool
+        If true, the record is one event, the fall of the sphere.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["dynamics={}", "sphere.density_kg_m3=7850", "plate.density_kg_m3=7850"]
+    >>> scene = rolling.read_scene("quickstart", [*words, "plate.thickness_mm=10"])
+    >>> scene = scene.with_(load_n=1, duration_s=0.005, error_estimate=False)
+    >>> run = rolling.simulate(scene, workers=1, progress=False)
+    >>> run.vibration
+    Vibration(0.005 s under 1 N, ... dB(A), rms of the force ... of the load)
     """
 
-    __repr__ = short_repr
-
-    motion: BodyMotion  # on a fine grid of time
+    motion: BodyMotion
     law: ForceLaw
     chain: Chain
-    load: float  # [N] constant load that presses the sphere
-    closed: bool  # whether the record repeats without a click; otherwise it is faded
-    highest: float  # [Hz] Nyquist frequency of the steps at the maximum speed
-    force: Array  # [N] fluctuation of the contact force at the samples of the sound
-    pressures: Array  # (listeners, samples) [Pa] sound pressure of sphere and plate
+    load: float
+    closed: bool
+    highest: float
+    force: Array
+    pressures: Array
     levels: level.SoundLevels
-    uncertainty: uncertainty.LevelUncertainty  # from all parts in `spreads`
-    spreads: dict[str, float]  # [dB] known parts of LAeq's: record, comb, time_step
-    mean_laeq: float | None  # [dB] mean level over speeds within 3 %; None: no comb
-    plate_power: Array  # (31,) [W]
-    ball_power: Array  # (31,) [W]
-    once: bool = False  # whether the record is one event, the fall of the sphere
+    uncertainty: uncertainty.LevelUncertainty
+    spreads: dict[str, float]
+    mean_laeq: float | None
+    plate_power: Array
+    ball_power: Array
+    once: bool = False
+
+    def __repr__(self) -> str:
+        seconds, laeq = (
+            self.pressures.shape[1] / wav.SAMPLE_RATE_HZ,
+            decibels_a(self.levels.laeq_db),
+        )
+        rms = f"rms of the force {self.rms_ratio:.3g} of the load"
+        return f"Vibration({seconds:g} s under {self.load:g} N, {laeq}, {rms})"
 
     @property
     def pressure(self) -> Array:

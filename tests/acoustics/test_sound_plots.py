@@ -143,7 +143,7 @@ def test_spectrogram_places_a_tone(ax):
     time = np.arange(24000) / 48000
     shown = spectrogram(np.where(time > 0.25, np.sin(2e3 * np.pi * time), 0.0), 48000.0)
     plots.spectrogram(ax, shown, 0.5, (20.0, 90.0))
-    bar = drawn(ax).figure.axes[1]
+    (bar,) = drawn(ax).child_axes
     (image,) = ax.get_images()
     assert ax.get_xlim() == (0.0, 500.0) and ax.get_xlabel() == "time [ms]"
     assert bar.get_ylabel() == "density level [dB re (20 µPa)²/Hz]" and image.get_clim() == (

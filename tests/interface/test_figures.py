@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from report_runs import runs_of
@@ -77,8 +78,8 @@ def words(picture: Picture) -> str:
     return picture.figure.axes[0].get_label()
 
 
-@pytest.mark.parametrize("name", plot.__all__)
-def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
+def drawing(name: str) -> Callable[[Axes], Axes]:
+    """Return a public plot of runs that have all it needs."""
     sweep = name in ("levels", "contact_areas")
     vibrates = name in ("sources", "contact_force", "contact_filter", "mobilities")
     runs = runs_of({"running_in": "memory"}.get(name, "flying" if vibrates else "seeds"))
@@ -87,10 +88,16 @@ def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
         turns = {"turn_band_hz": [562.0, 1122.0], "turn_hz": 300.0, "turn_prominence": 2.0}
         one = replace(runs[0], summary=runs[0].summary | turns)
     arguments = ("rolling.load_n",) if sweep else ()
+    return lambda ax: getattr(plot, name)(one, *arguments, ax=ax)
+
+
+@pytest.mark.parametrize("name", plot.__all__)
+def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
+    draw = drawing(name)
     for size, columns in (((6.4, 4.8), 2), ((3.5, 2.6), 1)):
         figure = Figure(size)  # without a layout, as `plt.subplots()` makes it
         ax = figure.subplots(1, columns, squeeze=False)[0, 0]
-        assert getattr(plot, name)(one, *arguments, ax=ax) is ax
+        assert draw(ax) is ax
         assert ax.get_title("left") and ax.get_xlabel() and ax.get_ylabel()
         figure.savefig(io.BytesIO(), format="png", dpi=50)
         figure.draw_without_rendering()  # at the figure's own dots per inch
@@ -100,6 +107,30 @@ def test_each_plot_draws_on_the_axes_that_it_is_given(name: str) -> None:
         assert all(a.x1 <= b.x0 + 1 or b.x1 <= a.x0 + 1 for a, b in pairwise(places))
         drawn = ax.get_tightbbox()
         assert drawn.y0 >= -1 and drawn.x0 >= -0.02 * figure.bbox.width
+
+
+@pytest.mark.parametrize("sides", [1, 2], ids=["alone", "grid"])
+@pytest.mark.parametrize("name", plot.__all__)
+def test_texts_stay_in_the_figure_and_off_other_axes(name: str, sides: int) -> None:
+    """The figure has matplotlib's default size; 2 dots allow for the rounding of letters."""
+    figure = Figure((6.4, 4.8))
+    grid = figure.subplots(sides, sides, squeeze=False).ravel()
+    for ax in grid:
+        drawing(name)(ax)
+    for _ in range(2):  # letters that were laid out once
+        figure.draw_without_rendering()
+    boxes = [ax.get_tightbbox() for ax in grid]
+    twins = [ax for ax in figure.axes if ax not in grid]  # colour bars and second axes
+    everything = [*boxes, *(ax.get_tightbbox() for ax in twins)]
+    assert min(min(box.x0, box.y0) for box in everything) >= -2
+    assert max(box.x1 - figure.bbox.x1 for box in everything) <= 2
+    assert max(box.y1 - figure.bbox.y1 for box in everything) <= 2
+    for box, other in combinations([box.padded(-1) for box in boxes], 2):
+        assert not box.overlaps(other)
+    for ax in grid:
+        if legend := ax.get_legend():
+            inside, frame = legend.get_window_extent(), ax.get_window_extent()
+            assert inside.height < frame.height and inside.width < frame.width
 
 
 def test_the_mark_of_a_run_shows_inside_its_diamond_and_hatches_name_their_run() -> None:
