@@ -235,6 +235,14 @@ def _reproduce(given: argparse.Namespace) -> int:
     return reproduce.reproduce(given.readings, given.out, given.quick, given.workers)
 
 
+def _validate(given: argparse.Namespace) -> int:
+    """Compare the program with published results."""
+    with progress.step(LOADING):
+        from rolling import interface, validate
+    simulators = validate.Simulators(interface.simulate, interface.simulate_sweep)
+    return validate.validate(given.cases, given.out, simulators)
+
+
 def _scenes(given: argparse.Namespace) -> int:
     """List the scenes of the library."""
     from rolling.scene import library
@@ -272,7 +280,7 @@ _ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
     act.__name__.removeprefix("_"): act
     for act in (
         *(_run, _check, _status, _table, _plot, _resound, _report, _gallery, _listen, _surface),
-        *(_accuracy, _reproduce, _scenes, _init, _schema),
+        *(_accuracy, _reproduce, _validate, _scenes, _init, _schema),
     )
 }
 
