@@ -239,8 +239,8 @@ def _validate(given: argparse.Namespace) -> int:
     """Compare the program with published results."""
     with progress.step(LOADING):
         from rolling import interface, validate
-    simulators = validate.Simulators(interface.simulate, interface.simulate_sweep)
-    return validate.validate(given.cases, given.out, simulators)
+    simulate, sweep = interface.simulate, interface.simulate_sweep
+    return validate.validate(given.cases, given.out, simulate, sweep)
 
 
 def _scenes(given: argparse.Namespace) -> int:
