@@ -238,9 +238,8 @@ def _reproduce(given: argparse.Namespace) -> int:
 def _validate(given: argparse.Namespace) -> int:
     """Compare the program with published results."""
     with progress.step(LOADING):
-        from rolling import interface, validate
-    simulate, sweep = interface.simulate, interface.simulate_sweep
-    return validate.validate(given.cases, given.out, simulate, sweep)
+        from rolling import validate
+    return validate.validate(given.cases, given.out)
 
 
 def _scenes(given: argparse.Namespace) -> int:

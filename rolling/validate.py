@@ -23,15 +23,17 @@ from acoustics.baffled_modes import own_resistance
 from acoustics.loudness import loudness
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.solver import solve_contact
+from rolling.contact.solver import ContactError, solve_contact
 from rolling.dynamics import drop, of_scene
 from rolling.results.run_result import Run
+from rolling.run.in_memory import Values, simulated
 from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.scene import Scene
 from rolling.sound.wavelengths import wavelength_bands
 from rolling.surface.heights import statistics
+from rolling.surface.measured import HeightArray
 from rolling.surface.scene_surface import heights
 from rolling.terminal import progress
 from rolling.terminal.files import write_bytes
@@ -67,20 +69,19 @@ class ValidationRow:
         return bool(self.least <= self.difference <= self.largest)
 
 
-def validate(names: Sequence[str], out: Path | None, simulate: Simulate, sweep: Simulate) -> int:
+def validate(names: Sequence[str], out: Path | None) -> int:
     """Run cases, write their page, and return 1 if a difference is not allowed, else 0.
 
     Parameters
     ----------
     names : sequence of str. Names of cases; "all" among them: every case.
     out : Path or None. Page to write. Default: validation.md.
-    simulate, sweep : callable. `rolling.simulate` and `rolling.simulate_sweep`.
     """
     cases = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
     tables = {}
     for name in cases if ALL in names else names:
         with progress.step(f"validating {name}"):
-            tables[name] = rows_of(cases[name], CASES[name](simulate, sweep))
+            tables[name] = rows_of(cases[name], CASES[name]())
         beyond = [row.quantity for row in tables[name] if not row.holds]
         words = f", {len(beyond)} beyond their bounds: {'; '.join(beyond)}" if beyond else ""
         progress.line(f"{name}: {len(tables[name])} rows{words}")
@@ -113,12 +114,29 @@ def _scene(name: str) -> Scene:
     return read_scene(FOLDER / f"{name}.yaml")
 
 
+def _runs(scene: Scene) -> dict[Values, Run]:
+    """Simulate all runs of a scene in memory."""
+    runs, failures = simulated(scene, 0, False)
+    if failures:
+        raise ContactError("; ".join(failures.values()))
+    return runs
+
+
+def _run(scene: Scene, progress: bool = False, heights: Array | None = None) -> Run:
+    """Simulate a scene without a sweep in memory, on given heights [m] in place of its own."""
+    if heights is not None:
+        scene = scene.with_(surface=HeightArray(heights, spacing_um=scene.spacing_um))
+    (run,) = _runs(scene).values()
+    return run
+
+
 # ---- impact of balls
 
 
-def impact(simulate: Simulate, sweep: Simulate) -> Figures:
+def impact() -> Figures:
     """Compare time, force and pulse of an impact with Hertz, and restitution with Zener."""
-    run = simulate(_scene("ball-impact"), progress=False)
+    run = _run(_scene("ball-impact"))
+    assert run.vibration is not None  # it has dynamics
     scene, motion = run.scene, run.vibration.motion
     first = int(np.argmax(motion.force_n > 0))
     pulse = motion.force_n[first : first + int(np.argmin(motion.force_n[first:] > 0))]
@@ -132,7 +150,7 @@ def impact(simulate: Simulate, sweep: Simulate) -> Figures:
     phase = np.pi * (middles - middles @ pulse / pulse.sum()) * step / lasts
     error = np.abs(pulse / largest - np.maximum(np.cos(phase), 0.0) ** 1.5).max()
     yield "pulse less F sin^1.5, maximum over F", "", math.nan, float(error)
-    for run in sweep(_scene("restitution"), progress=False).values():
+    for run in _runs(_scene("restitution")).values():
         scene = run.scene
         hertz = 4 / 3 * scene.contact_modulus * scene.radius**0.5
         mobility = of_scene.smooth_chain(scene).mobility_s_kg
@@ -157,13 +175,14 @@ def restitution(inelasticity: float) -> float:
 RATE_HZ = 48000
 
 
-def against_phonometry(_simulate: Simulate, _sweep: Simulate) -> Figures:
+def against_phonometry() -> Figures:
     """Compare plates, levels and loudness with the stored figures of phonometry."""
     ours = _plate_figures() | _sound_figures()
-    stored = pd.read_csv(FOLDER / "phonometry.csv", comment="#")
+    stored = pd.read_csv(FOLDER / "phonometry.csv", comment="#", index_col=["quantity", "item"])
     known = {quantity for quantity, _ in ours}  # without mosqito no loudness
-    for quantity, item, value in stored[stored["quantity"].isin(known)].itertuples(index=False):
-        yield quantity, item, value, ours[quantity, item]
+    for (quantity, item), value in stored["value"].items():
+        if quantity in known:
+            yield quantity, item, value, ours[quantity, item]
 
 
 def _plate_figures() -> dict[tuple[str, str], float]:
@@ -206,7 +225,7 @@ def _sound_figures() -> dict[tuple[str, str], float]:
 LOADS_N, COARSE = (10.0, 20.0, 50.0), 2
 
 
-def rough_contact(_simulate: Simulate, _sweep: Simulate) -> Figures:
+def rough_contact() -> Figures:
     """Compare the area of contact at small loads with two theories and another solver."""
     scene = _scene("rough-contact")
     tamaas = pd.read_csv(FOLDER / "tamaas.csv", comment="#", index_col="load_n")
@@ -242,9 +261,9 @@ def _area(scene: Scene, stride: int, load: float) -> tuple[float, float]:
 # ---- slopes of level
 
 
-def speed_and_roughness(_simulate: Simulate, sweep: Simulate) -> Figures:
+def speed_and_roughness() -> Figures:
     """Return exponents of the sound pressure against roughness and speed."""
-    runs = sweep(_scene("speed-and-roughness"), progress=False)
+    runs = _runs(_scene("speed-and-roughness"))
     levels = pd.Series({values: run.sound.levels.laeq_db for values, run in runs.items()}).unstack()
     for speed in levels:
         yield "exponent of Ra, linear chain", f"{speed:g} m/s", math.nan, _exponent(levels[speed])
@@ -345,10 +364,10 @@ def _beside(published: pd.Series, ours: pd.Series) -> pd.DataFrame:
     return rows.sort_index().assign(wavelength_mm=lambda part: 10 ** (part.index / 10))
 
 
-def wheel_figures(simulate: Simulate, _sweep: Simulate) -> Figures:
+def wheel_figures() -> Figures:
     """Compare the contact filter of wheel and rail with the table of CNOSSOS-EU."""
     table = published_filters(str(FOLDER / "contact_filter.csv"))
-    rows = wheel_on_rail(_scene("wheel-rail"), table, simulate)
+    rows = wheel_on_rail(_scene("wheel-rail"), table, _run)
     shown = rows["wavelength_mm"].round().isin(SHOWN_MM) & rows["contact"].eq("elliptic")
     for row in rows[shown].sort_values(["load_n", "wavelength_mm"]).itertuples():
         item = f"{row.load_n / 1e3:g} kN, {row.wavelength_mm:.0f} mm"
@@ -357,7 +376,7 @@ def wheel_figures(simulate: Simulate, _sweep: Simulate) -> Figures:
         yield f"rms difference, {row.contact}", f"{row.load_n / 1e3:g} kN", math.nan, row.rms_db
 
 
-CASES: dict[str, Callable[[Simulate, Simulate], Figures]] = {
+CASES: dict[str, Callable[[], Figures]] = {
     "contact-filter": wheel_figures,
     "impact": impact,
     "phonometry": against_phonometry,

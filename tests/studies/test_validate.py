@@ -29,11 +29,11 @@ CASE = {
 FIGURES = [("share", "a", 10.0, 10.9), ("shown", "", math.nan, 7.0), ("side", "b", 1.0, 0.8)]
 
 
-def figures(*_: Any, **__: Any) -> Iterator[tuple[str, str, float, float]]:
+def figures() -> Iterator[tuple[str, str, float, float]]:
     yield from FIGURES
 
 
-def wrong(*_: Any, **__: Any) -> Iterator[tuple[str, str, float, float]]:
+def wrong() -> Iterator[tuple[str, str, float, float]]:
     yield from [*FIGURES, ("side", "above", 1.0, 1.001)]
 
 
@@ -96,7 +96,7 @@ def test_cases_have_texts_scenes_and_a_place_on_the_command_line() -> None:
 
 def test_plates_and_levels_are_near_phonometry() -> None:
     """Three plates, five bands of radiation, four weightings, levels, and loudness."""
-    rows = validate.rows_of(TABLE["phonometry"], validate.against_phonometry(None, None))
+    rows = validate.rows_of(TABLE["phonometry"], validate.against_phonometry())
     assert len(rows) >= 19 and all(row.holds for row in rows)
 
 
@@ -110,7 +110,7 @@ def test_a_wrong_plate_is_beyond_its_bound(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(validate.of_scene, "rectangular_plate", thicker)
     monkeypatch.setattr(validate, "_sound_figures", dict)
-    rows = validate.rows_of(TABLE["phonometry"], validate.against_phonometry(None, None))
+    rows = validate.rows_of(TABLE["phonometry"], validate.against_phonometry())
     beyond = {row.quantity.partition(",")[0] for row in rows if not row.holds}
     assert {"mobility", "critical frequency"} <= beyond
 
