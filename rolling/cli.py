@@ -197,6 +197,13 @@ def _reproduce(given: argparse.Namespace) -> int:
     return reproduce.reproduce(given.readings, given.out, given.quick, given.workers)
 
 
+def _validate(given: argparse.Namespace) -> int:
+    """Compare the program with published results."""
+    with progress.step(LOADING):
+        from rolling import validate
+    return validate.validate(given.cases, given.out)
+
+
 def _scenes(given: argparse.Namespace) -> int:
     """List the scenes of the library."""
     from rolling.scene import library
@@ -232,7 +239,7 @@ def _schema(given: argparse.Namespace) -> int:
 
 _ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
     act.__name__.removeprefix("_"): act
-    for act in (_run, _check, _status, _accuracy, _reproduce, _scenes, _init, _schema)
+    for act in (_run, _check, _status, _accuracy, _reproduce, _validate, _scenes, _init, _schema)
 }
 
 

@@ -7,29 +7,23 @@ import sys
 import tempfile
 import webbrowser
 from collections.abc import Sequence
-from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.arrays import instance
-from rolling.check import refusals
 from rolling.commands import PAGE, derive
 from rolling.contact.solver import ContactError
-from rolling.marches.result import Result
 from rolling.results import labels
 from rolling.results.run_files import write_run
-from rolling.results.run_result import Run, hear
+from rolling.results.run_result import Run
 from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders
-from rolling.run.executor import RunLoop
-from rolling.run.folder import RunFolder
-from rolling.run.pools import local_pool
+from rolling.run.in_memory import Values, simulated
 from rolling.run.solving import open_runs
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
-from rolling.scene.sweep import Value
 from rolling.surface.measured import HeightArray, with_copy
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
@@ -40,7 +34,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Runs", "SweepError", "live", "open_run", "save_run", "simulate", "simulate_sweep"]
 
-Values = Value | tuple[Value, ...]
 PLAY_IT = "play-it"  # the section of the page where the ball is rolled by hand
 
 
@@ -131,7 +124,7 @@ def simulate(
         raise SceneError(
             [f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"]
         )
-    runs, failures = _simulated(scene, workers, progress)
+    runs, failures = simulated(scene, workers, progress)
     if failures:
         raise ContactError(next(iter(failures.values())))
     (run,) = runs.values()
@@ -163,38 +156,10 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
     instance("scene", scene, Scene)
     if not scene.sweep:
         raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
-    runs, failures = _simulated(scene, workers, progress)
+    runs, failures = simulated(scene, workers, progress)
     if failures:
-        raise SweepError(failures, runs)
-    return runs
-
-
-def _simulated(scene: Scene, workers: int, shown: bool | None) -> tuple[Runs, dict[str, str]]:
-    """Simulate the runs of a scene; return them by swept values, and failures by label."""
-    if type(workers) is not int or workers < 0:
-        raise ValueError(f"workers: got {workers!r}, allowed: a whole number >= 0")
-    refusals.refuse(scene, workers)
-    runs = [RunFolder(values, single, Path()) for values, single in scene.runs()]
-    names, heard = labels.labels(runs), dict[int, Run]()
-
-    def finish(number: int, result: Result) -> None:
-        run = runs[number]
-        heard[number] = hear(names[number], run.values, run.folder, run.scene, result)
-
-    def start(number: int) -> Result:
-        return Result.empty(runs[number].scene)
-
-    scenes = [run.scene for run in runs]
-    silence = terminal.begin(terminal.Level.QUIET) if shown is False else nullcontext()
-    with silence, terminal.Bar(0.0, scene.name, shown) as bar:
-        loop = RunLoop(scenes, start, finish, lambda number: None, None, False, bar)
-        with local_pool(workers, scenes) as pool:
-            loop.run(pool)
-    swept = Runs()
-    for number, run in sorted(heard.items()):
-        values = tuple(runs[number].values.values())
-        swept[values[0] if len(values) == 1 else values] = run
-    return swept, {names[number]: reason for number, reason in loop.failures.items()}
+        raise SweepError(failures, Runs(runs))
+    return Runs(runs)
 
 
 def open_run(folder: Path | str) -> Run:

@@ -1,22 +1,285 @@
-"""Results of the program beside published ones: the contact filter of wheel and rail."""
+"""Results of the program beside published ones, case by case, and their page.
+
+The table scenarios/validation/cases.toml describes the cases and the rules of their rows.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from jinja2 import Template
 
+from acoustics import BAND_NAMES, MID_HZ, a_weighting_db, sound_levels
 from acoustics.arrays import Array
+from acoustics.baffled_modes import own_resistance
+from acoustics.loudness import loudness
+from acoustics.radiation import AIR_KG_M3, SOUND_M_S
+from rolling.contact.half_space import HalfSpace
+from rolling.contact.solver import ContactError, solve_contact
+from rolling.dynamics import drop, of_scene
 from rolling.results.run_result import Run
+from rolling.run.in_memory import Values, simulated
+from rolling.scene import library
+from rolling.scene.file import read_scene
 from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.scene import Scene
 from rolling.sound.wavelengths import wavelength_bands
+from rolling.surface.heights import statistics
+from rolling.surface.measured import HeightArray
 from rolling.surface.scene_surface import heights
+from rolling.terminal import progress
+from rolling.terminal.files import write_bytes
+from rolling.terminal.program import identity
 
-LONGEST_MM, LEAST_MM = 100.0, 7.9  # wavelengths whose differences are summed up
+PAGE, ALL = Path("validation.md"), "all"
+FOLDER = library.folder() / "validation"
 Simulate = Callable[..., Any]
+Figures = Iterator[tuple[str, str, float, float]]  # rule, item, published number, ours
+Case = dict[str, Any]  # a table of cases.toml
+
+
+@dataclass(frozen=True)
+class ValidationRow:
+    """A published number beside that of the program, and the least and largest difference."""
+
+    quantity: str
+    unit: str
+    published: float
+    ours: float
+    least: float
+    largest: float
+    truth: str
+
+    @property
+    def difference(self) -> float:
+        """Difference ours - published."""
+        return self.ours - self.published
+
+    @property
+    def holds(self) -> bool:
+        """Whether the difference lies within its bounds."""
+        return bool(self.least <= self.difference <= self.largest)
+
+
+def validate(names: Sequence[str], out: Path | None) -> int:
+    """Run cases, write their page, and return 1 if a difference is not allowed, else 0.
+
+    Parameters
+    ----------
+    names : sequence of str. Names of cases; "all" among them: every case.
+    out : Path or None. Page to write. Default: validation.md.
+    """
+    cases = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
+    tables = {}
+    for name in cases if ALL in names else names:
+        with progress.step(f"validating {name}"):
+            tables[name] = rows_of(cases[name], CASES[name]())
+        beyond = [row.quantity for row in tables[name] if not row.holds]
+        words = f", {len(beyond)} beyond their bounds: {'; '.join(beyond)}" if beyond else ""
+        progress.line(f"{name}: {len(tables[name])} rows{words}")
+    write_bytes(out or PAGE, page(tables, cases).encode())
+    print(out or PAGE)
+    return int(not all(row.holds for table in tables.values() for row in table))
+
+
+def rows_of(case: Case, figures: Figures) -> list[ValidationRow]:
+    """Return the rows of a case by the rules of its quantities."""
+    rows = []
+    for quantity, item, number, ours in figures:
+        rule = case["rows"][quantity]
+        published = float(rule.get("published", number))
+        bound = abs(published) * rule["relative"] if "relative" in rule else math.inf
+        least, largest = rule.get("allowed", (-bound, bound))
+        words = f"{quantity}, {item}" if item else quantity
+        numbers = published, float(ours), least, largest
+        rows.append(ValidationRow(words, rule["unit"], *numbers, rule["truth"]))
+    return rows
+
+
+def page(tables: Mapping[str, Sequence[ValidationRow]], cases: Mapping[str, Case]) -> str:
+    """Write the rows of cases as a page in Markdown."""
+    template = Template((FOLDER / "page.md.jinja").read_text(encoding="utf-8"))
+    return str(template.render(tables=tables, cases=cases, program=identity(), inf=math.inf))
+
+
+def _scene(name: str) -> Scene:
+    return read_scene(FOLDER / f"{name}.yaml")
+
+
+def _runs(scene: Scene) -> dict[Values, Run]:
+    """Simulate all runs of a scene in memory."""
+    runs, failures = simulated(scene, 0, False)
+    if failures:
+        raise ContactError("; ".join(failures.values()))
+    return runs
+
+
+def _run(scene: Scene, progress: bool = False, heights: Array | None = None) -> Run:
+    """Simulate a scene without a sweep in memory, on given heights [m] in place of its own."""
+    if heights is not None:
+        scene = scene.with_(surface=HeightArray(heights, spacing_um=scene.spacing_um))
+    (run,) = _runs(scene).values()
+    return run
+
+
+# ---- impact of balls
+
+
+def impact() -> Figures:
+    """Compare time, force and pulse of an impact with Hertz, and restitution with Zener."""
+    run = _run(_scene("ball-impact"))
+    assert run.vibration is not None  # it has dynamics
+    scene, motion = run.scene, run.vibration.motion
+    first = int(np.argmax(motion.force_n > 0))
+    pulse = motion.force_n[first : first + int(np.argmin(motion.force_n[first:] > 0))]
+    step, lasts, largest = motion.time_step_s, drop.impact_s(scene), drop.largest_force_n(scene)
+    yield "contact time, measured", "", math.nan, 1e6 * len(pulse) * step
+    yield "contact time, Hertz", "", 1e6 * lasts, 1e6 * len(pulse) * step
+    yield "largest force", "", largest, float(pulse.max())
+    impulse = 2e6 * scene.mass * drop.speed_m_s(scene)
+    yield "impulse 2 M v", "", impulse, 1e6 * float(pulse.sum()) * step
+    middles = np.arange(len(pulse)) + 0.5
+    phase = np.pi * (middles - middles @ pulse / pulse.sum()) * step / lasts
+    error = np.abs(pulse / largest - np.maximum(np.cos(phase), 0.0) ** 1.5).max()
+    yield "pulse less F sin^1.5, maximum over F", "", math.nan, float(error)
+    for run in _runs(_scene("restitution")).values():
+        scene = run.scene
+        hertz = 4 / 3 * scene.contact_modulus * scene.radius**0.5
+        mobility = of_scene.smooth_chain(scene).mobility_s_kg
+        inelasticity = mobility * scene.mass**0.6 * hertz**0.4 * drop.speed_m_s(scene) ** 0.2
+        plate = f"plate of {scene.plate.thickness_mm:g} mm"
+        yield "restitution", plate, restitution(inelasticity), run.summary["restitution"]
+
+
+def restitution(inelasticity: float) -> float:
+    """Return the restitution of Zener's equation s'' + (1 + l d/dt) s^(3/2) = 0."""
+    from scipy.integrate import solve_ivp  # slow to import
+
+    def rate(_: float, state: Array) -> list[float]:
+        root, speed = math.sqrt(max(state[0], 0.0)), state[1]  # no force once they are apart
+        return [speed, -(root**3) - 1.5 * inelasticity * root * speed]
+
+    return -float(solve_ivp(rate, (0, 100), [0.0, 1.0], rtol=1e-8, atol=1e-10).y[1, -1])
+
+
+# ---- plates, weighting, third octaves and loudness
+
+RATE_HZ = 48000
+
+
+def against_phonometry() -> Figures:
+    """Compare plates, levels and loudness with the stored figures of phonometry."""
+    ours = _plate_figures() | _sound_figures()
+    stored = pd.read_csv(FOLDER / "phonometry.csv", comment="#", index_col=["quantity", "item"])
+    known = {quantity for quantity, _ in ours}  # without mosqito no loudness
+    for (quantity, item), value in stored["value"].items():
+        if quantity in known:
+            yield quantity, item, value, ours[quantity, item]
+
+
+def _plate_figures() -> dict[tuple[str, str], float]:
+    """Return mobility, critical frequency and radiation efficiency of plates."""
+    figures: dict[tuple[str, str], float] = {}
+    for _, scene in _scene("plates").runs():
+        plate, item = of_scene.rectangular_plate(scene), f"{scene.plate.thickness_mm:g} mm"
+        assert plate is not None  # it has edges
+        figures["mobility", item] = 1e3 * plate.mobility_s_kg
+        figures["critical frequency", item] = plate.critical_hz
+        modes_hz, edges = plate.angular_frequency / (2 * np.pi), (plate.length_m, plate.width_m)
+        resistance = own_resistance(edges, plate.orders, modes_hz)
+        efficiency = resistance / (AIR_KG_M3 * SOUND_M_S * math.prod(edges) / 4)
+        for name, middle in zip(BAND_NAMES, MID_HZ, strict=True):
+            inside = np.abs(np.log10(modes_hz / middle)) < 0.05
+            if inside.any():
+                level = 10 * np.log10(efficiency[inside].mean())
+                figures["radiation efficiency", f"{item}, {name} Hz"] = level
+    return figures
+
+
+def _sound_figures() -> dict[tuple[str, str], float]:
+    """Return weightings, and levels and loudness of white noise and of a tone."""
+    noise = 0.1 * np.random.default_rng(1).standard_normal(4 * RATE_HZ)
+    tone = 0.02 * math.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(4 * RATE_HZ) / RATE_HZ)
+    levels = sound_levels(noise, RATE_HZ)
+    figures: dict[tuple[str, str], Any] = {("LAeq", "noise"): levels.laeq_db}
+    for name, level in levels.third_octave_db.items():
+        figures["third octave", f"{name} Hz"] = level
+        figures["A-weighting", f"{name} Hz"] = float(a_weighting_db(float(name)))
+    with suppress(ModuleNotFoundError):  # loudness is an extra
+        for name, signal in (("tone of 1 kHz", tone), ("noise", noise)):
+            heard = loudness(signal, RATE_HZ, closed=True)
+            figures |= {("loudness", name): heard.sone, ("sharpness", name): heard.acum}
+    return figures
+
+
+# ---- area of a rough elastic contact
+
+LOADS_N, COARSE = (10.0, 20.0, 50.0), 2
+
+
+def rough_contact() -> Figures:
+    """Compare the area of contact at small loads with two theories and another solver."""
+    scene = _scene("rough-contact")
+    tamaas = pd.read_csv(FOLDER / "tamaas.csv", comment="#", index_col="load_n")
+    rms_slope = statistics(heights(scene), scene.spacing).rms_slope
+    for load in LOADS_N:
+        (fine, _), (coarse, pressure) = (_area(scene, stride, load) for stride in (1, COARSE))
+        area = (COARSE * fine - coarse) / (COARSE - 1)  # at zero spacing
+        kappa = area * scene.contact_modulus * rms_slope / load
+        for theory in ("Persson", "Bush"):
+            yield f"kappa, {theory}", f"{load:g} N", math.nan, kappa
+        stored = tamaas.loc[load]
+        yield "area", f"{load:g} N", stored["area_um2"], 1e12 * coarse
+        yield "maximum pressure", f"{load:g} N", stored["max_pressure_gpa"], 1e-9 * pressure
+
+
+def rough_gap(scene: Scene, stride: int) -> tuple[Array, float]:
+    """Return the gap [m] of ball and surface at every `stride`-th node, and the spacing [m]."""
+    surface = heights(scene)
+    spacing, side = stride * scene.spacing, min(surface.shape)
+    surface = surface[:side:stride, :side:stride]
+    x = (np.arange(len(surface)) - len(surface) // 2) * spacing
+    return (x[:, None] ** 2 + x**2) / (2 * scene.radius) - surface, spacing
+
+
+def _area(scene: Scene, stride: int, load: float) -> tuple[float, float]:
+    """Return area of contact [m2] and maximum pressure [Pa] of a window."""
+    gap, spacing = rough_gap(scene, stride)
+    contact = solve_contact(HalfSpace(spacing, scene.contact_modulus), gap, load)
+    area = np.count_nonzero(contact.pressure) * spacing**2
+    return float(area), float(contact.pressure.max())
+
+
+# ---- slopes of level
+
+
+def speed_and_roughness() -> Figures:
+    """Return exponents of the sound pressure against roughness and speed."""
+    runs = _runs(_scene("speed-and-roughness"))
+    levels = pd.Series({values: run.sound.levels.laeq_db for values, run in runs.items()}).unstack()
+    for speed in levels:
+        yield "exponent of Ra, linear chain", f"{speed:g} m/s", math.nan, _exponent(levels[speed])
+    yield "exponent of Ra, sliding", "", math.nan, _exponent(levels[speed])
+    yield "exponent of speed, sliding", "", math.nan, _exponent(levels.iloc[0])
+
+
+def _exponent(levels: pd.Series) -> float:
+    """Return the exponent of the sound pressure by the levels [dB] at two or more values."""
+    return float(np.polyfit(20 * np.log10(levels.index.to_numpy(float)), levels, 1)[0])
+
+
+# ---- contact filter of wheel and rail
+
+SHOWN_MM = (10, 20, 40)
+LONGEST_MM, LEAST_MM = 100.0, 7.9  # wavelengths whose differences are summed up
 
 
 def wheel_on_rail(
@@ -61,15 +324,10 @@ def wheel_on_rail(
 
 
 def differences(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return rms and maximum difference [dB] by load and contact, from 7.9 to 100 mm."""
+    """Return the rms difference [dB] by load and contact, from 7.9 to 100 mm."""
     within = rows[rows["wavelength_mm"].between(LEAST_MM, LONGEST_MM)]
     grouped = within.groupby(["load_n", "contact"], sort=False)["difference_db"]
-    return pd.DataFrame(
-        {
-            "rms_db": grouped.apply(lambda error: float(np.sqrt(np.mean(error**2)))),
-            "worst_db": grouped.apply(lambda error: float(np.abs(error).max())),
-        }
-    ).reset_index()
+    return grouped.agg(lambda error: np.sqrt(np.mean(error**2))).rename("rms_db").reset_index()
 
 
 def published_filters(path: str) -> dict[float, pd.Series]:
@@ -104,3 +362,24 @@ def _beside(published: pd.Series, ours: pd.Series) -> pd.DataFrame:
     rows = pd.concat(bands, axis=1, join="inner", keys=["published_db", "ours_db"])
     rows["difference_db"] = rows["ours_db"] - rows["published_db"]
     return rows.sort_index().assign(wavelength_mm=lambda part: 10 ** (part.index / 10))
+
+
+def wheel_figures() -> Figures:
+    """Compare the contact filter of wheel and rail with the table of CNOSSOS-EU."""
+    table = published_filters(str(FOLDER / "contact_filter.csv"))
+    rows = wheel_on_rail(_scene("wheel-rail"), table, _run)
+    shown = rows["wavelength_mm"].round().isin(SHOWN_MM) & rows["contact"].eq("elliptic")
+    for row in rows[shown].sort_values(["load_n", "wavelength_mm"]).itertuples():
+        item = f"{row.load_n / 1e3:g} kN, {row.wavelength_mm:.0f} mm"
+        yield "filter", item, row.published_db, row.ours_db
+    for row in differences(rows).itertuples():
+        yield f"rms difference, {row.contact}", f"{row.load_n / 1e3:g} kN", math.nan, row.rms_db
+
+
+CASES: dict[str, Callable[[], Figures]] = {
+    "contact-filter": wheel_figures,
+    "impact": impact,
+    "phonometry": against_phonometry,
+    "rough-contact": rough_contact,
+    "speed-and-roughness": speed_and_roughness,
+}

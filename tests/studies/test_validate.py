@@ -1,0 +1,128 @@
+"""`rolling validate` judges each row by its bound and writes one table form for all cases."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import rolling
+from rolling import cli, validate
+from rolling.terminal.arguments import _ARGUMENTS
+
+TABLE = tomllib.loads((validate.FOLDER / "cases.toml").read_text(encoding="utf-8"))
+CASE = {
+    "title": "Numbers",
+    "source": "here",
+    "scenes": ["plates"],
+    "text": "A text.",
+    "rows": {
+        "share": {"unit": "N", "truth": "norm", "relative": 0.1},
+        "shown": {"unit": "m", "truth": "measurement", "published": 2.0},
+        "side": {"unit": "1", "truth": "closed form", "allowed": [-0.5, 0.0]},
+    },
+}
+FIGURES = [("share", "a", 10.0, 10.9), ("shown", "", math.nan, 7.0), ("side", "b", 1.0, 0.8)]
+
+
+def figures() -> Iterator[tuple[str, str, float, float]]:
+    yield from FIGURES
+
+
+def wrong() -> Iterator[tuple[str, str, float, float]]:
+    yield from [*FIGURES, ("side", "above", 1.0, 1.001)]
+
+
+def test_rows_are_judged_by_their_rules() -> None:
+    """A share of the published number, no bound, and a bound that is 0 on one side."""
+    rows = validate.rows_of(CASE, iter(FIGURES))
+    assert [(row.quantity, row.holds) for row in rows] == [
+        ("share, a", True),
+        ("shown", True),
+        ("side, b", True),
+    ]
+    assert rows[0].least == -1.0 and rows[0].largest == 1.0
+    assert rows[1].published == 2.0 and rows[1].difference == 5.0
+    for ours in (0.49, 1.001, math.nan):
+        assert not validate.rows_of(CASE, iter([("side", "", 1.0, ours)]))[0].holds
+
+
+def test_form_of_the_page() -> None:
+    """A heading, source and table for each case; all lines of a table have seven cells."""
+    page = validate.page({"numbers": validate.rows_of(CASE, wrong())}, {"numbers": CASE})
+    table = [line for line in page.splitlines() if line.startswith("|")]
+    assert len(table) == 2 + 4 and {line.count("|") for line in table} == {8}
+    assert table[2] == "|share, a|N|10|10.9|+0.9|±1|norm|"
+    assert table[3] == "|shown|m|2|7|+5|-|measurement|"
+    assert table[5] == "|side, above|1|1|1.001|+0.001 **beyond**|-0.5 to 0|closed form|"
+    assert "## Numbers" in page and "Source: here." in page and page.endswith("|\n")
+
+
+@pytest.mark.parametrize(("case", "code"), [(figures, 0), (wrong, 1)])
+def test_exit_code(
+    case: Any, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Any
+) -> None:
+    """A single row beyond its bound fails the command, which names it."""
+    monkeypatch.setitem(validate.CASES, "impact", case)
+    table = (validate.FOLDER / "cases.toml").read_text(encoding="utf-8")
+    rules = "".join(
+        f"{name} = {{{', '.join(f'{key} = {value!r}' for key, value in rule.items())}}}\n"
+        for name, rule in CASE["rows"].items()
+    )
+    (tmp_path / "cases.toml").write_text(
+        table.replace("[impact.rows]\n", f"[impact.rows]\n{rules}"), encoding="utf-8"
+    )
+    template = "page.md.jinja"
+    (tmp_path / template).write_text((validate.FOLDER / template).read_text(encoding="utf-8"))
+    monkeypatch.setattr(validate, "FOLDER", tmp_path)
+    page = tmp_path / "page.md"
+    assert cli.main(["validate", "impact", "--out", str(page)]) == code
+    shown = capfd.readouterr()
+    assert str(page) in shown.out and ("side, above" in shown.err + shown.out) == bool(code)
+    assert page.read_text(encoding="utf-8").startswith("# Validation\n")
+
+
+def test_cases_have_texts_scenes_and_a_place_on_the_command_line() -> None:
+    assert [*TABLE] == [*validate.CASES] == _ARGUMENTS["cases"]["choices"][1:]
+    for case in TABLE.values():
+        assert case["title"] and case["source"] and case["text"] and case["rows"]
+        for scene in case["scenes"]:
+            assert rolling.read_scene(validate.FOLDER / f"{scene}.yaml").name == scene
+
+
+def test_plates_and_levels_are_near_phonometry() -> None:
+    """Three plates, five bands of radiation, four weightings, levels, and loudness."""
+    rows = validate.rows_of(TABLE["phonometry"], validate.against_phonometry())
+    assert len(rows) >= 19 and all(row.holds for row in rows)
+
+
+def test_a_wrong_plate_is_beyond_its_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A plate that is 1 % thicker has a mobility that is 2 % lower."""
+    right = validate.of_scene.rectangular_plate
+
+    def thicker(scene: Any) -> Any:
+        thickness = 1.01 * scene.plate.thickness_mm
+        return right(scene.with_({"plate.thickness_mm": thickness}))
+
+    monkeypatch.setattr(validate.of_scene, "rectangular_plate", thicker)
+    monkeypatch.setattr(validate, "_sound_figures", dict)
+    rows = validate.rows_of(TABLE["phonometry"], validate.against_phonometry())
+    beyond = {row.quantity.partition(",")[0] for row in rows if not row.holds}
+    assert {"mobility", "critical frequency"} <= beyond
+
+
+def test_zener_without_and_with_loss() -> None:
+    """A rigid plate keeps all speed; for little loss the restitution is exp(-1.719 l)."""
+    assert validate.restitution(0.0) == pytest.approx(1.0, abs=1e-6)
+    assert validate.restitution(0.02) == pytest.approx(math.exp(-1.719 * 0.02), abs=2e-4)
+
+
+def test_restitution_on_plates() -> None:
+    """The scene of the page, against Zener's equation; its plates share one march."""
+    runs = rolling.simulate_sweep(validate._scene("restitution"), workers=1, progress=False)
+    kept = [run.summary["restitution"] for run in runs.values()]
+    assert kept == pytest.approx([0.9894, 0.9585, 0.8455, 0.6328], abs=0.003)
