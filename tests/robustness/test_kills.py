@@ -95,6 +95,8 @@ def test_an_interruption_ends_with_130_and_keeps_pieces(
     scene: Path, tmp_path: Path, workers: str, number: int
 ) -> None:
     out = tmp_path / "out"
+    # Six loads last several seconds after the first piece, also where this process has to wait.
+    scene.write_text(SWEEP.replace("[1, 2]", "[1, 1.2, 1.4, 1.6, 1.8, 2]"))
     with started(words_of(scene, out, "--workers", workers), tmp_path) as command:
         wait_for(lambda: pieces(out))
         below = psutil.Process(command.pid).children(recursive=True)
