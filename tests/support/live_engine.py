@@ -48,7 +48,7 @@ def node(script: str, data: Any = None) -> Any:
         "law",
         "chain",
         "motion",
-        "fft",
+        "complex",
         "plate",
         "radiation",
         "response",

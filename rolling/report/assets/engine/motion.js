@@ -6,7 +6,7 @@
 // three sources departs from the line. A line alone keeps the energy of impacts, for some steps after a flight.
 
 import { ballMass, loadOf } from "./chain.js";
-import { over, plus, times } from "./poles.js";
+import { over, plus, times } from "./complex.js";
 
 const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
 const SHARP = 0.1; // if its damping over its frequency is less

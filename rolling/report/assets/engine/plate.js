@@ -1,7 +1,10 @@
 // Simply supported rectangular plate in a baffle, after acoustics/rectangular_plate.py and
-// rolling/dynamics/modes.py: its modes, as they move the contact and as a listener hears them.
+// rolling/dynamics/modes.py: its modes, as they move the contact and as a listener hears them, and the
+// change of the level by those that do not move in real time.
 
-import { AIR } from "./radiation.js";
+import { linesOfRecord, over, plus } from "./complex.js";
+import { RATE } from "./motion.js";
+import { AIR, AUDIBLE, aWeight } from "./radiation.js";
 import { distances, radiationResistance, rayleighIntegrals } from "./rayleigh.js";
 
 export const MODES_HZ = 30e3; // highest natural frequency of the modes that move
@@ -9,6 +12,8 @@ const BEYOND = 100; // times this: modes up to there are summed for their static
 const TAIL_RATIO = 1.5; // of the edges of the bands of the tail
 const TAIL_DAMPING = (TAIL_RATIO ** 0.5 - TAIL_RATIO ** -0.5) / Math.PI; // its damping ratio
 const TAIL_BANDS = 6;
+const HEARD_LINES = 8192; // samples of the response
+const MOST_LINES = 1200; // of the force
 
 /** A thin plate by mass per area [kg/m2], bending stiffness [N m], loss factor and edges [m]. */
 export class EdgedPlate {
@@ -72,4 +77,35 @@ export class EdgedPlate {
     const at = (frequency, path) => rayleighIntegrals(edges, modes, listener, path, frequency);
     return { modes, distances: distances(edges, listener), at };
   }
+}
+
+/** Return the square of the receptance [m2/N2] of ball, contact and modes at a frequency [Hz]. */
+function squaredReceptance({ mass, stiffness, contactTime }, { frequency, damping, reach }, hertz) {
+  const w = 2 * Math.PI * hertz;
+  let sum = plus([-1 / (mass * w * w), 0], over([1 / stiffness, 0], [1, contactTime * w]));
+  for (let i = 0; i < frequency.length; i++) {
+    const ratio = w / frequency[i];
+    sum = plus(sum, over([reach[i] ** 2, 0], [1 - ratio * ratio, 2 * damping[i] * ratio]));
+  }
+  return sum[0] ** 2 + sum[1] ** 2;
+}
+
+/** Return the change of LAeq [dB] between two sets of modes over a law, by the linear chain. */
+export function costOfModes(law, { chain, load, speed }, response, sets) {
+  const rows = 2 ** Math.ceil(Math.log2(law.rows));
+  const approach = Float64Array.from({ length: rows }, (_, i) => {
+    law.moveTo(law.start + (i * law.length) / rows);
+    return law.approach(load);
+  });
+  const [track, heard] = [linesOfRecord(approach, rows), linesOfRecord(response, HEARD_LINES)];
+  const square = ({ re, im }, line) => (line > 0 && 2 * line < re.length ? re[line] ** 2 + im[line] ** 2 : 0);
+  const powers = [0, 0];
+  const lowest = speed / law.length;
+  const stride = Math.max(1, Math.ceil(AUDIBLE[1] / lowest / MOST_LINES));
+  for (let k = Math.ceil(AUDIBLE[0] / lowest); k * lowest < AUDIBLE[1]; k += stride) {
+    const f = k * lowest;
+    const power = square(track, k) * square(heard, Math.round((f * HEARD_LINES) / RATE)) * aWeight(f) ** 2;
+    if (power > 0) sets.forEach((modes, i) => (powers[i] += power / squaredReceptance(chain, modes, f)));
+  }
+  return powers[0] > 0 ? Math.abs(10 * Math.log10(powers[0] / powers[1])) : 0;
 }

@@ -2,11 +2,10 @@
 // at settings, all as plain numbers and arrays.
 
 import { chainAt, loadOf } from "./chain.js";
-import { DECIMATION_DELAY } from "./decimate.js";
-import { costOfModes } from "./kept.js";
+import { DECIMATION_DELAY } from "./vibration.js";
 import { ForceLaw, lawTable } from "./law.js";
 import { RATE, stepsPerSample } from "./motion.js";
-import { EdgedPlate, MODES_HZ } from "./plate.js";
+import { costOfModes, EdgedPlate, MODES_HZ } from "./plate.js";
 import { ballPressure, halfSpacePressure, platePressure } from "./radiation.js";
 import { prepareRelease } from "./release.js";
 import { impulseResponses } from "./response.js";

@@ -1,7 +1,7 @@
 // Sound of bodies that a force moves: pressure per force [Pa/N] on the axis above the contact as a
 // function of frequency [Hz], after acoustics/radiation.py. The delay from the contact is left out.
 
-import { over } from "./poles.js";
+import { over } from "./complex.js";
 
 export const AIR = 1.204; // [kg/m3]
 export const SOUND = 343.2; // [m/s]

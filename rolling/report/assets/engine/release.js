@@ -1,8 +1,8 @@
 // Sound of a run without dynamics, after rolling/sound/contact_sound.py: the energy that each step
 // releases becomes power by the speed, and its fluctuation within hearing becomes sound pressure.
 
-import { BLOCK, cubic, Decimator } from "./decimate.js";
-import { recordOfLines } from "./fft.js";
+import { BLOCK, cubic, Decimator } from "./vibration.js";
+import { recordOfLines } from "./complex.js";
 import { numbersOf } from "./law.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, IMPEDANCE } from "./radiation.js";

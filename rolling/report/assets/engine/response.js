@@ -4,8 +4,7 @@
 // A mode answers with -p^2 / (p^2 + loss w p + w^2) = (loss w p + w^2) / (p^2 + loss w p + w^2) - 1. The
 // fraction is a resonator with two poles at 48 kHz behind a short filter, which has all of the rest.
 
-import { recordOfLines } from "./fft.js";
-import { over, plus, times } from "./poles.js";
+import { over, plus, recordOfLines, times } from "./complex.js";
 import { RATE } from "./motion.js";
 import { AUDIBLE, SOUND } from "./radiation.js";
 

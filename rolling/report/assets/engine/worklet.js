@@ -1,10 +1,9 @@
 // Entry of the engine: the instrument as an audio processor, whose output goes through the convolvers
 // of the page, and the preparation of its slow parts in a Worker.
 
-import { BLOCK } from "./decimate.js";
+import { BLOCK, ForceSource } from "./vibration.js";
 import { prepare } from "./prepare.js";
 import { ReleaseSource } from "./release.js";
-import { ForceSource } from "./vibration.js";
 
 const FOLLOW_S = 0.06; // time constant of the ball that follows a hand; it takes another speed in half of it
 const BLOCKS = 12; // of a report: 31 a second

@@ -6,8 +6,7 @@ import { copy, roundOf, saveRecord } from "./records.js";
 import { showStill, timeOfMap } from "./contact.js";
 import { playFilm, realTime, seekFilm, seekFilmTo, showFilm, showRate, stopFilm } from "./film.js";
 import { openCharts } from "./chart.js";
-import { showDifference } from "./compare.js";
-import { beginTest, endTest, pressTest } from "./abx.js";
+import { beginTest, endTest, pressTest, showDifference } from "./compare.js";
 import { takeRun } from "./play_sound.js";
 import { beginPlaying } from "./play_hand.js";
 

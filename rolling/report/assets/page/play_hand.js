@@ -99,6 +99,7 @@ async function dropBall() {
   askSettings();
   await startInstrument();
   await live.preparing;
+  if (live.refused || !live.bus) return;
   soundOn(true);
   say("lifted");
 }

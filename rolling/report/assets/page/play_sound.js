@@ -138,7 +138,12 @@ async function openGraph(context) {
   if (!context.audioWorklet) {
     return sayPlayed("This browser has no AudioWorklet here (it takes a file, https or localhost), so the ball cannot be played.");
   }
-  await context.audioWorklet.addModule(engineUrl());
+  try {
+    await context.audioWorklet.addModule(engineUrl());
+  } catch (error) {
+    live.opening = null; // the next touch tries again
+    return sayPlayed(`The engine cannot be loaded: ${error.message}.`);
+  }
   const bus = new GainNode(context), volume = new GainNode(context, { gain: 0 });
   const limiter = new DynamicsCompressorNode(context, { threshold: LIMIT_DB, knee: 0, ratio: 20, attack: 0, release: 0.25 });
   const clip = new WaveShaperNode(context, { curve: [-1, 0, 1] }); // of short peaks, which the limiter lets pass

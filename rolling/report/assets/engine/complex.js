@@ -1,4 +1,14 @@
-// Discrete Fourier transforms of lengths that are powers of two.
+// Complex arithmetic, and discrete Fourier transforms of lengths that are powers of two.
+
+// Complex numbers are pairs [re, im].
+export const plus = ([a, b], [c, d], share = 1) => [a + share * c, b + share * d];
+export const times = ([a, b], [c, d]) => [a * c - b * d, a * d + b * c];
+
+/** Return the quotient of two complex numbers. */
+export function over(u, [c, d]) {
+  const square = c * c + d * d || 1e-300;
+  return times(u, [c / square, -d / square]);
+}
 
 /** Return the sums of x[i] exp(-2 pi i j k / n), after Stockham: every stage also sorts its values. */
 function transform(re, im) {
