@@ -9,7 +9,6 @@ import math
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -36,37 +35,13 @@ from rolling.surface.heights import statistics
 from rolling.surface.measured import HeightArray
 from rolling.surface.scene_surface import heights
 from rolling.terminal import progress
-from rolling.terminal.files import write_bytes
+from rolling.terminal.files import FolderError, write_bytes
 from rolling.terminal.program import identity
 
-PAGE, ALL = Path("validation.md"), "all"
+PAGE, ALL, TITLE = Path("validation.md"), "all", "# Validation\n"
 FOLDER = library.folder() / "validation"
-Simulate = Callable[..., Any]
 Figures = Iterator[tuple[str, str, float, float]]  # rule, item, published number, ours
 Case = dict[str, Any]  # a table of cases.toml
-
-
-@dataclass(frozen=True)
-class ValidationRow:
-    """A published number beside that of the program, and the least and largest difference."""
-
-    quantity: str
-    unit: str
-    published: float
-    ours: float
-    least: float
-    largest: float
-    truth: str
-
-    @property
-    def difference(self) -> float:
-        """Difference ours - published."""
-        return self.ours - self.published
-
-    @property
-    def holds(self) -> bool:
-        """Whether the difference lies within its bounds."""
-        return bool(self.least <= self.difference <= self.largest)
 
 
 def validate(names: Sequence[str], out: Path | None) -> int:
@@ -75,36 +50,46 @@ def validate(names: Sequence[str], out: Path | None) -> int:
     Parameters
     ----------
     names : sequence of str. Names of cases; "all" among them: every case.
-    out : Path or None. Page to write. Default: validation.md.
+    out : Path or None. Page to write; an earlier page of validation is replaced. Default:
+        validation.md.
+
+    Raises
+    ------
+    FolderError : `out` is another file.
     """
     cases = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
+    out = out or PAGE
+    if out.exists() and TITLE not in out.read_text(encoding="utf-8", errors="replace"):
+        raise FolderError(f"{out}: exists and is no page of validation; take another --out")
     tables = {}
     for name in cases if ALL in names else names:
         with progress.step(f"validating {name}"):
-            tables[name] = rows_of(cases[name], CASES[name]())
-        beyond = [row.quantity for row in tables[name] if not row.holds]
+            tables[name] = rows = rows_of(cases[name], CASES[name]())
+        beyond = [*rows["quantity"][~rows["holds"]]]
         words = f", {len(beyond)} beyond their bounds: {'; '.join(beyond)}" if beyond else ""
-        progress.line(f"{name}: {len(tables[name])} rows{words}")
-    write_bytes(out or PAGE, page(tables, cases).encode())
-    print(out or PAGE)
-    return int(not all(row.holds for table in tables.values() for row in table))
+        progress.line(f"{name}: {len(rows)} rows{words}")
+    write_bytes(out, page(tables, cases).encode())
+    print(out)
+    return int(not all(rows["holds"].all() for rows in tables.values()))
 
 
-def rows_of(case: Case, figures: Figures) -> list[ValidationRow]:
-    """Return the rows of a case by the rules of its quantities."""
+def rows_of(case: Case, figures: Figures) -> pd.DataFrame:
+    """Return the rows of a case, their differences, and the bounds by its rules."""
     rows = []
     for quantity, item, number, ours in figures:
         rule = case["rows"][quantity]
         published = float(rule.get("published", number))
         bound = abs(published) * rule["relative"] if "relative" in rule else math.inf
-        least, largest = rule.get("allowed", (-bound, bound))
+        bounds = rule.get("allowed", (-bound, bound))
         words = f"{quantity}, {item}" if item else quantity
-        numbers = published, float(ours), least, largest
-        rows.append(ValidationRow(words, rule["unit"], *numbers, rule["truth"]))
-    return rows
+        rows.append((words, rule["unit"], published, float(ours), *bounds, rule["truth"]))
+    names = ["quantity", "unit", "published", "ours", "least", "largest", "truth"]
+    frame = pd.DataFrame(rows, columns=names)
+    frame["difference"] = frame["ours"] - frame["published"]
+    return frame.assign(holds=frame["difference"].between(frame["least"], frame["largest"]))
 
 
-def page(tables: Mapping[str, Sequence[ValidationRow]], cases: Mapping[str, Case]) -> str:
+def page(tables: Mapping[str, pd.DataFrame], cases: Mapping[str, Case]) -> str:
     """Write the rows of cases as a page in Markdown."""
     template = Template((FOLDER / "page.md.jinja").read_text(encoding="utf-8"))
     return str(template.render(tables=tables, cases=cases, program=identity(), inf=math.inf))
@@ -122,7 +107,7 @@ def _runs(scene: Scene) -> dict[Values, Run]:
     return runs
 
 
-def _run(scene: Scene, progress: bool = False, heights: Array | None = None) -> Run:
+def _run(scene: Scene, heights: Array | None = None) -> Run:
     """Simulate a scene without a sweep in memory, on given heights [m] in place of its own."""
     if heights is not None:
         scene = scene.with_(surface=HeightArray(heights, spacing_um=scene.spacing_um))
@@ -267,7 +252,7 @@ def speed_and_roughness() -> Figures:
     levels = pd.Series({values: run.sound.levels.laeq_db for values, run in runs.items()}).unstack()
     for speed in levels:
         yield "exponent of Ra, linear chain", f"{speed:g} m/s", math.nan, _exponent(levels[speed])
-    yield "exponent of Ra, sliding", "", math.nan, _exponent(levels[speed])
+    yield "exponent of Ra, sliding", "", math.nan, _exponent(levels[levels.columns[-1]])
     yield "exponent of speed, sliding", "", math.nan, _exponent(levels.iloc[0])
 
 
@@ -282,9 +267,7 @@ SHOWN_MM = (10, 20, 40)
 LONGEST_MM, LEAST_MM = 100.0, 7.9  # wavelengths whose differences are summed up
 
 
-def wheel_on_rail(
-    scene: Scene, published: Mapping[float, pd.Series], simulate: Simulate
-) -> pd.DataFrame:
+def wheel_on_rail(scene: Scene, published: Mapping[float, pd.Series]) -> pd.DataFrame:
     """Compare the contact filter of an elliptic, a round and a ridged contact with a table.
 
     The filter is the level of the approach under a constant load over the level of the heights
@@ -296,8 +279,6 @@ def wheel_on_rail(
         Wheel and rail, with a self-affine surface whose track closes.
     published : dict of Series
         Published filters [dB] by nominal wavelength [mm], by load [N].
-    simulate : callable
-        `rolling.simulate`.
 
     Returns
     -------
@@ -317,7 +298,7 @@ def wheel_on_rail(
             ("round", sphere, None),
             ("elliptic, full-width ridges", {}, ridges),
         ):
-            run = simulate(loaded.with_(changes), progress=False, heights=surface)
+            run = _run(loaded.with_(changes), surface)
             rows.append(_beside(table, contact_filter(run)).assign(load_n=load, contact=contact))
     order = ["load_n", "contact", "wavelength_mm", "published_db", "ours_db", "difference_db"]
     return pd.concat(rows, ignore_index=True)[order]
@@ -367,7 +348,7 @@ def _beside(published: pd.Series, ours: pd.Series) -> pd.DataFrame:
 def wheel_figures() -> Figures:
     """Compare the contact filter of wheel and rail with the table of CNOSSOS-EU."""
     table = published_filters(str(FOLDER / "contact_filter.csv"))
-    rows = wheel_on_rail(_scene("wheel-rail"), table, _run)
+    rows = wheel_on_rail(_scene("wheel-rail"), table)
     shown = rows["wavelength_mm"].round().isin(SHOWN_MM) & rows["contact"].eq("elliptic")
     for row in rows[shown].sort_values(["load_n", "wavelength_mm"]).itertuples():
         item = f"{row.load_n / 1e3:g} kN, {row.wavelength_mm:.0f} mm"
