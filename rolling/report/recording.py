@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import io
 import math
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,7 +36,6 @@ LEAST_S, MOST_S, LEAST_RATE_HZ, MOST_BYTES = 0.5, 120.0, 16_000, 200_000_000
 FAINTEST, LARGEST = 1e-9, 1e6  # of full scale; less is silence, more is no sound
 FULL_SCALE, FLAT = 0.99, 3  # equal extreme samples in a row, at full scale, are clipped
 FADE_S, HEARD_S = 0.02, 20.0
-SEGMENTS = 8  # of a record, whose mean squares show the spread of its bands
 STEADY_DB = 0.3  # largest uncertainty of the level of a tone
 CLEAR_DB = 3.0  # least level of a recording above its background
 MODULATION_HZ = 2.0 ** np.arange(8)  # mid frequencies of octaves of modulation
@@ -169,22 +167,14 @@ def compare(
 def _bands(record: Recording) -> Array:
     """Return Z and A levels of third octaves and their uncertainty [dB], (3, 31), NaN if silent.
 
-    The uncertainty is that of Gaussian noise, or that between segments if it is larger.
+    The uncertainty is that of Gaussian noise, widened if thirds of the record differ more in LAeq.
     """
     samples, laps = record.samples, len(record.samples) / RATE / record.seconds
     levels = level.sound_levels(samples, RATE, record.highest, closed=False)
     noise = uncertainty.level_uncertainty(samples, RATE, levels, False, laps)
+    noise = uncertainty.widened(noise, uncertainty.record_scatter_db(samples, RATE))
     parts = levels.third_octave_db, levels.third_octave_a_db, noise.third_octave_db
-    bands = np.array([[part[name] for name in BAND_NAMES] for part in parts], dtype=float)
-    lines, frequency = np.fft.rfft(samples), np.fft.rfftfreq(len(samples), 1 / RATE)
-    for band, (first, last) in enumerate(pairwise(np.searchsorted(frequency, EDGES_HZ))):
-        if last - first >= SEGMENTS and lines[first:last].any():
-            # The transform of the lines of a band is its complex envelope.
-            envelope = np.square(np.abs(np.fft.ifft(lines[first:last])))
-            means = np.array([part.mean() for part in np.array_split(envelope, SEGMENTS)])
-            scatter = _DB * means.std(ddof=1) / math.sqrt(SEGMENTS) / means.mean()
-            bands[2, band] = np.maximum(bands[2, band], scatter)
-    return bands
+    return np.array([[part[name] for name in BAND_NAMES] for part in parts], dtype=float)
 
 
 def _without(noise: Array, recorded: Array) -> Array:
