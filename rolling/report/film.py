@@ -27,7 +27,6 @@ LIT = np.tile(np.array((0, 225, 255), np.uint8), (256, 1))  # colour of releases
 BRIGHTEST = 0.999  # share of the releases that are less than fully lit
 DIMMED, VEIL = 0.7, 225  # brightness of pressures, and their opacity above the surface, of 255
 SPREAD = 4.0  # standard deviations of the heights from grey to black and to white
-MOST_VALUES = 1500  # of a curve, more than the page has pixels
 CURVES_PX = 130  # height of the curves, so that the picture stays in sight above them
 RATES = (20, 50, 100, 200, 1000, 2000)  # by which the film is slowed
 AUDIBLE_RATES = RATES[:3]  # of which one is the first choice
@@ -55,7 +54,8 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     if slow is None or not slow.pressure.size:
         return None
     times, side = run.position_time[slow.positions], slow.cell * 1e6
-    flights = _flights(run, times)
+    ends = flights(run, times)
+    flown = [next((b - a for a, b in ends if a <= time <= b), 0.0) for time in times]
     pressed = maps.shades(slow.pressure * slow.pressure_unit, max_gpa * 1e9)
     centres, (along, across) = _centres(run, slow), slow.pressure.shape[1:]
     pixels = _ground(run, slow)
@@ -76,8 +76,8 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
         "size_um": [along * side, across * side],
         "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
         "times": np.round(times, 8).tolist(),
-        "said": _said(run, slow, flights),
-        "flight_s": _short(flights),
+        "said": _said(run, slow, flown),
+        "flight_s": np.round(flown, 9).tolist(),
         "loudest": loudest(run, slow),
         "heard": {rate: round(share, 3) for rate, share in heard.items()},
         "rate": max((x for x in AUDIBLE_RATES if heard[x] >= MOSTLY), default=AUDIBLE_RATES[0]),
@@ -185,7 +185,7 @@ def _power(run: Run, slow: SlowMotion) -> Array:
     return np.concatenate([[0.0], np.diff(energy[slow.positions]) / steps])
 
 
-def _said(run: Run, slow: SlowMotion, flights: Sequence[float]) -> list[str]:
+def _said(run: Run, slow: SlowMotion, flown: Sequence[float]) -> list[str]:
     """Describe each map: time, release power and, where it is known, the motion of the ball."""
     times, power = run.position_time[slow.positions], _power(run, slow)
     texts = [f"{t * 1e3:.3f} ms, {_quantity(p, 'W')}" for t, p in zip(times, power, strict=True)]
@@ -196,7 +196,7 @@ def _said(run: Run, slow: SlowMotion, flights: Sequence[float]) -> list[str]:
     forces = np.interp(times, motion.time_s, motion.force_n)
     presses = [
         "flies" if flight > 0 else f"presses with {_quantity(force, 'N')}"
-        for flight, force in zip(flights, forces, strict=True)
+        for flight, force in zip(flown, forces, strict=True)
     ]
     return [
         f"{text}; the ball is {_quantity(height, 'm')} high and {does}"
@@ -220,15 +220,17 @@ def curves(run: Run) -> list[dict[str, Any]]:
     ax = _axes(figures["film_power"], "Release power", run, times)
     ax.plot(1e3 * times[1:], 1e6 * _power(run, slow)[1:], color=COLOURS[0], linewidth=1)
     ax.set_ylabel("release power [µW]")
-    if motion := motion_between(run, float(times[0]), float(times[-1])):
+    if vibration := run.vibration:
         ax = _axes(figures["film_motion"], "Motion of the ball", run, times)
-        right, count = ax.twinx(), len(motion["force_n"])
-        ms = 1e3 * (motion["begin"] + motion["step"] * np.arange(count))
-        for k, (start, landing) in enumerate(motion["flights"]):
-            ax.axvspan(1e3 * start, 1e3 * landing, color="0.93", label=f"{'_' * (k > 0)}flight")
-        ax.plot(ms, motion["height_nm"], color=COLOURS[0], linewidth=1, label="height")
-        right.plot(ms, motion["force_n"], color=COLOURS[1], linewidth=1)
-        right.axhline(motion["load_n"], color=COLOURS[1])
+        right, motion = ax.twinx(), vibration.motion
+        first, last = np.searchsorted(motion.time_s, times[[0, -1]])
+        shown, mean = slice(max(0, first - 1), last + 1), motion.displacement_m.mean()
+        ms, height = 1e3 * motion.time_s[shown], 1e9 * (mean - motion.displacement_m[shown])
+        for k, (start, end) in enumerate(flights(run, times)):
+            ax.axvspan(1e3 * start, 1e3 * end, color="0.93", label=f"{'_' * (k > 0)}flight")
+        ax.plot(ms, height, color=COLOURS[0], linewidth=1, label="height")
+        right.plot(ms, motion.force_n[shown], color=COLOURS[1], linewidth=1)
+        right.axhline(vibration.load, color=COLOURS[1])
         ax.plot([], [], color=COLOURS[1], label="contact force; dotted: load")
         ax.set_ylabel("height [nm]")
         right.set_ylabel("contact force [N]")
@@ -246,41 +248,12 @@ def _axes(figure: Figure, title: str, run: Run, times: Array) -> Axes:
     return ax
 
 
-def _flights(run: Run, times: Array) -> list[float]:
-    """Return the durations [s] of the flights in which times lie; 0 in contact."""
-    motion = motion_between(run, float(times[0]), float(times[-1]))
-    flights = motion["flights"] if motion else []
-    return [next((end - start for start, end in flights if start <= t <= end), 0.0) for t in times]
-
-
-def motion_between(run: Run, begin: float, end: float) -> dict[str, Any] | None:
-    """Return height [nm] and contact force [N] between two times [s]; None without dynamics.
-
-    The height is that over its mean in the record; `flights` are the times without contact.
-    """
+def flights(run: Run, times: Array) -> list[tuple[float, float]]:
+    """Return begin and end [s] of the flights within the times of a film; none without dynamics."""
     if run.vibration is None:
-        return None
+        return []
     motion = run.vibration.motion
-    first, last = np.searchsorted(motion.time_s, (begin, end))
-    within = slice(max(0, first - 1), last + 1)
-    times, step, force = motion.time_s[within], motion.time_step_s, motion.force_n[within]
-    if len(times) < 2:
-        return None
-    stride = -(-len(times) // MOST_VALUES)
-    height = (motion.displacement_m.mean() - motion.displacement_m[within]) * 1e9
-    edges = np.clip(np.append(times, times[-1] + step) - step / 2, begin, end)
-    turns = np.flatnonzero(np.diff(np.concatenate([[0], force == 0, [0]])))
-    flights = edges[turns].round(9).reshape(-1, 2).tolist()
-    return {
-        "begin": round(float(times[0]), 9),
-        "step": stride * step,
-        "height_nm": _short(height[::stride]),
-        "force_n": _short(force[::stride]),
-        "load_n": run.vibration.load,
-        "flights": [(start, landing) for start, landing in flights if start < landing],
-    }
-
-
-def _short(values: Sequence[float] | Array) -> list[float]:
-    """Return values with four digits."""
-    return [float(f"{value:.4g}") for value in values]
+    edges = np.append(motion.time_s, motion.time_s[-1] + motion.time_step_s)
+    edges = np.clip(edges - motion.time_step_s / 2, times[0], times[-1])
+    turns = np.flatnonzero(np.diff(np.concatenate([[0], motion.force_n == 0, [0]])))
+    return [(start, end) for start, end in edges[turns].reshape(-1, 2).tolist() if start < end]

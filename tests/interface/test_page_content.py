@@ -165,23 +165,30 @@ def test_units_of_time_are_read_with_their_prefix(unit: str, value: float) -> No
 
 
 def test_the_curves_of_a_film_are_the_motion_of_the_run() -> None:
+    """Values of a chart have nine digits, its times too: 1 mN of 2 N, 0.1 nm of 500 nm."""
+    _, fast = runs_of("flying")
+    motion, slow = fast.vibration.motion, fast.result.slow_motion
+    times = fast.position_time[slow.positions]
+    _, chart = film.curves(fast)
+    assert chart["title"] == "Motion of the ball"
+    height, force = (part["y"] for part in chart["parts"] if part["kind"] == "line")
+    ms, (rule,) = chart["xs"][0], [part for part in chart["parts"] if part["kind"] == "rule"]
+    assert rule["at"] == fast.vibration.load == 0.3
+    assert ms[0] <= 1e3 * times[0] and ms[-1] >= 1e3 * (times[-1] - motion.time_step_s)
+    assert force == pytest.approx(np.interp(ms, 1e3 * motion.time_s, motion.force_n), abs=1e-3)
+    above = 1e9 * (motion.displacement_m.mean() - motion.displacement_m)
+    assert height == pytest.approx(np.interp(ms, 1e3 * motion.time_s, above), abs=0.1)
+
+
+def test_the_flights_of_a_film_are_the_times_without_force() -> None:
     _, fast = runs_of("flying")
     motion = fast.vibration.motion
     begin, end = motion.time_s[40] + 1e-9, motion.time_s[-40]
-    shown = film.motion_between(fast, begin, end)
-    assert shown is not None and shown["load_n"] == 0.3
-    times = shown["begin"] + shown["step"] * np.arange(len(shown["force_n"]))
-    assert times[0] <= begin and times[-1] >= end - shown["step"]
-    nearest = np.rint(times / motion.time_step_s - 0.5).astype(int)
-    assert shown["force_n"] == pytest.approx(motion.force_n[nearest], rel=1e-3)
-    height = motion.displacement_m.mean() - motion.displacement_m[nearest]
-    assert shown["height_nm"] == pytest.approx(1e9 * height, rel=1e-3, abs=0.1)
-    # The flights are the times without force, rounded to a nanosecond, and there are some.
-    assert shown["flights"] and all(begin - 1e-9 < a < b < end + 1e-9 for a, b in shown["flights"])
+    flown = film.flights(fast, np.array([begin, end]))
+    assert flown and all(begin <= a < b <= end for a, b in flown)
     within = (motion.time_s >= begin) & (motion.time_s <= end)
     share = float(np.mean(motion.force_n[within] == 0))
-    flown = sum(b - a for a, b in shown["flights"])
-    assert flown / (end - begin) == pytest.approx(share, abs=0.01)
+    assert sum(b - a for a, b in flown) / (end - begin) == pytest.approx(share, abs=0.01)
 
 
 # ---- words and tables
