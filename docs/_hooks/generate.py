@@ -73,7 +73,7 @@ def _table(head: list[str], rows: list[list[str]]) -> str:
     """Return a Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join(
-        "| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines
+        "|" + "|".join(cell.replace("|", "\\|") for cell in line) + "|" for line in lines
     )
 
 
