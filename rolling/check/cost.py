@@ -160,8 +160,7 @@ def bounce_hz(scene: Scene) -> float:
     The mass belongs to a free ball, and the stiffness 2 E* a to the smooth elastic contact with the
     Hertz radius a, whether the plate yields or not.
     """
-    stiffness = 2 * scene.contact_modulus * of_scene.hertz_radius(scene)
-    return math.sqrt(stiffness / scene.mass) / (2 * math.pi)
+    return math.sqrt(of_scene.smooth_stiffness(scene) / scene.mass) / (2 * math.pi)
 
 
 def shortest_period(scene: Scene) -> float:

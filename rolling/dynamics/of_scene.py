@@ -109,14 +109,14 @@ def points_between(ends_mm: tuple[tuple[float, float], ...], count: int) -> Arra
 
 
 def smooth_chain(scene: Scene) -> Chain:
-    """Return sphere, contact and plate with the stiffness 2 E* a of a smooth contact."""
-    return chain(scene, 2 * scene.contact_modulus * hertz_radius(scene))
+    """Return sphere, contact and plate with the stiffness of a smooth contact."""
+    return chain(scene, smooth_stiffness(scene))
 
 
-def hertz_radius(scene: Scene) -> float:
-    """Return the radius [m] of the smooth elastic contact of the equivalent sphere."""
-    radius = equivalent_radius(scene)
-    return closed_forms.hertz_radius(scene.load, radius, scene.contact_modulus)
+def smooth_stiffness(scene: Scene) -> float:
+    """Return the stiffness [N/m] of the smooth elastic contact, 2 E* a of the equivalent sphere."""
+    radius = closed_forms.hertz_radius(scene.load, equivalent_radius(scene), scene.contact_modulus)
+    return 2 * scene.contact_modulus * radius
 
 
 def chain_over(scene: Scene, law: ForceLaw) -> Chain:

@@ -185,7 +185,7 @@ def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> rolling.plot.contact_filter(run)  # doctest: +SKIP
     """
-    table, ax, radius = contact_filter_table(run), axes_of(ax), 1e6 * hertz_radius(run)
+    table, ax, radius = contact_filter_table(run), axes_of(ax), 1e6 * semi_axes(run.scene)[0]
     names = {
         "surface_level_db": "surface, lines under the contact",
         "approach_level_db": "approach under the load",
@@ -225,11 +225,6 @@ def contact_filter_table(run: Run) -> pd.DataFrame:
             "contact_filter_db": np.where(rough, level_db - surface_db, np.nan),
         }
     )
-
-
-def hertz_radius(run: Run) -> float:
-    """Return the reach [m] of the smooth elastic contact along the track."""
-    return semi_axes(run.scene)[0]
 
 
 # ---- mobilities

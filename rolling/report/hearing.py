@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rolling.figures.vibration import hertz_radius
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.report.text import asset, sentence
 from rolling.results.run_result import Run
 from rolling.results.sentences import say
@@ -87,7 +87,7 @@ def _reason(run: Run) -> str:
     """Give the rates at which the sphere passes its own contact width and the asperities."""
     scene = run.scene
     speed = mean_speed(scene, run.sound)
-    width = 2 * hertz_radius(run)
+    width = 2 * semi_axes(scene)[0]
     width_words = say("heard.width", rate=_rate(width, speed))
     if run.sound.source == "vibration":
         return " ".join([f"{width_words}.", *_shaken(run)])

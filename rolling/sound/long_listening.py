@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from acoustics import level, radiation, resampling, wav
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from acoustics.continued_rows import ContinuedRows
-from acoustics.numbers import decibels_a
 from acoustics.uncertainty import kurtosis
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion, turn_m
@@ -43,13 +42,11 @@ class Listening:
     >>> import rolling
     >>> words = ["rolling.load_n=1", "rolling.duration_s=0.01", "numerics.error_estimate=false"]
     >>> run = rolling.simulate(rolling.read_scene("quickstart", words), workers=1, progress=False)
-    >>> run.listen(2.0, speed=(0.05, 0.1))
-    Listening(2 s at 48000 Hz, ... dB(A))
+    >>> run.listen(2.0, speed=(0.05, 0.1)).pressure.shape
+    (96000,)
     """
 
-    def __repr__(self) -> str:
-        seconds, level = len(self.pressure) / self.sample_rate, decibels_a(self.numbers["laeq_db"])
-        return f"Listening({seconds:g} s at {self.sample_rate} Hz, {level})"
+    __repr__ = short_repr
 
     pressure: Array
     sample_rate: int

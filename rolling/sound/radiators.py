@@ -197,9 +197,8 @@ def vibration_estimate(
     frequency, mean_square = audible_lines(signal - signal.mean(), rate)
     if not len(frequency):
         return None, 0.0
-    stiffness = 2 * scene.contact_modulus * of_scene.hertz_radius(scene)
     bodies = with_bodies(scene)
-    chain = of_scene.chain(bodies, stiffness)
+    chain = of_scene.chain(bodies, of_scene.smooth_stiffness(scene))
     offsets = ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5) / duration
     points = np.maximum(frequency[:, None] + offsets, 1.0).ravel()
     weighted = roughness_gain(bodies, chain)(points) * 10 ** (a_weighting_db(points) / 10)

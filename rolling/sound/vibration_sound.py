@@ -14,9 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from acoustics import level, resampling, spectrum, uncertainty, wav
-from acoustics.arrays import Array
+from acoustics.arrays import Array, short_repr
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
-from acoustics.numbers import decibels_a
 from acoustics.radiation import RHO_C, pressure_on_axis
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
@@ -76,8 +75,8 @@ class Vibration:
     >>> scene = rolling.read_scene("quickstart", [*words, "plate.thickness_mm=10"])
     >>> scene = scene.with_(load_n=1, duration_s=0.005, error_estimate=False)
     >>> run = rolling.simulate(scene, workers=1, progress=False)
-    >>> run.vibration
-    Vibration(0.005 s under 1 N, ... dB(A), rms of the force ... of the load)
+    >>> run.vibration.pressures.shape, f"{run.vibration.load:g} N"
+    ((1, 240), '1 N')
     """
 
     motion: BodyMotion
@@ -96,13 +95,7 @@ class Vibration:
     ball_power: Array
     once: bool = False
 
-    def __repr__(self) -> str:
-        seconds, laeq = (
-            self.pressures.shape[1] / wav.SAMPLE_RATE_HZ,
-            decibels_a(self.levels.laeq_db),
-        )
-        rms = f"rms of the force {self.rms_ratio:.3g} of the load"
-        return f"Vibration({seconds:g} s under {self.load:g} N, {laeq}, {rms})"
+    __repr__ = short_repr
 
     @property
     def pressure(self) -> Array:

@@ -7,7 +7,7 @@ import pytest
 from report_browser import PIXELS, data_of, hear, map_of, play, seek, time_of, until
 from report_runs import runs_of
 
-from rolling.figures.vibration import hertz_radius
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.report.maps import palette
 from rolling.results.run_result import Run
 
@@ -86,7 +86,7 @@ def test_the_map_follows_the_playhead_and_shows_the_stored_pressure(pages, opene
                 x = width / 2 + (shown.along + (i + 0.5) * shown.cell - shown.distance) * per_m
                 y = width / 2 - (shown.across + (j + 0.5) * shown.cell - middle) * per_m
                 radius = np.hypot(x - width / 2, y - width / 2)
-                if abs(radius - hertz_radius(run) * per_m) > 4:  # not under the dashed circle
+                if abs(radius - semi_axes(run.scene)[0] * per_m) > 4:  # not under the dashed circle
                     cells.append((i, j))
                     places.append((x, y))
             assert len(cells) > 5
