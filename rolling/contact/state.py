@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from acoustics.arrays import Array, positive, real_array, short_repr
+from acoustics.arrays import Array, positive, real_array
 from rolling.contact import _window_kernels
 
 
@@ -151,7 +151,7 @@ class RollingContact:
     ...     heights=np.zeros((128, 128)), spacing=4e-6, radius=5e-3, contact_modulus=230e9,
     ...     hardness=2.1e9, load=5.0, step=4e-6, start=0.0, tolerance=1e-5,
     ... )
-    RollingContact(heights=array of shape (128, 128), spacing=4e-06, radius=0.005, ...)
+    RollingContact(128 x 128 nodes of 4e-06 m, sphere of 0.005 m under 5 N, E* 2.3e+11 Pa, ...)
     """
 
     heights: Array
@@ -170,7 +170,13 @@ class RollingContact:
     loads: Array | None = None
     radius_across: float | None = None
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        along, across = self.heights.shape
+        return (
+            f"RollingContact({along} x {across} nodes of {self.spacing:g} m, sphere of"
+            f" {self.radius:g} m under {self.load:g} N, E* {self.contact_modulus:g} Pa, hardness"
+            f" {self.hardness:g} Pa)"
+        )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "heights", real_array("heights", self.heights, 2))
@@ -322,7 +328,11 @@ class ContactState:
     376 nm, 752 nJ
     """
 
-    __repr__ = short_repr
+    def __repr__(self) -> str:
+        return (
+            f"ContactState(position {self.position}: area {self.contact_area:.4g} m2, approach"
+            f" {self.approach:.4g} m, maximum pressure {self.max_pressure:.4g} Pa)"
+        )
 
     position: int
     window: Window
