@@ -43,7 +43,7 @@ def _checked(draw: Callable[..., Any]) -> Callable[..., Any]:
         given = takes.bind(*values, **named).arguments
         shown = listed(given[first]) if first == "runs" else [given[first]]
         for run in shown:
-            instance(first, run, *((Run, Scene) if draw is surface else (Run,)))
+            instance(first, run, *((Run,) if first in ("run", "runs") else (Run, Scene)))
         if not shown:
             raise ValueError("runs: got none, allowed: at least one run")
         return draw(**given | {first: shown if first == "runs" else shown[0]})

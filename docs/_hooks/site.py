@@ -40,7 +40,7 @@ def on_files(files, config):
 
 def on_page_markdown(markdown, page, config, files):
     """Turn links to files of the repository into links within the site."""
-    return LINK.sub(_within_site, markdown)
+    return LINK.sub(_within_site, markdown.replace(".ipynb)", ".md)"))
 
 
 def _within_site(match):
