@@ -3,15 +3,13 @@
 With --check, only name the stale ones.
 
 Generated are the reference of scene files with their JSON Schema (from the models), the list of
-laws (from the tests), the tables of materials and finishes (from their data), and the list of
-rooms (from the imports).
+laws (from the tests), and the tables of materials and finishes (from their data).
 """
 
 from __future__ import annotations
 
 import ast
 import json
-import re
 import sys
 from collections import defaultdict
 from collections.abc import Iterator
@@ -56,7 +54,6 @@ def generated() -> dict[Path, str]:
         },
         docs / "materials.md": _between(docs / "materials.md", "names", name_tables()),
         docs / "verification.md": _between(docs / "verification.md", "laws", law_list()),
-        docs / "architecture.md": _between(docs / "architecture.md", "rooms", room_list()),
     }
 
 
@@ -117,7 +114,7 @@ def _reference(sections: dict[str, Json], schema: Json) -> str:
         if shared:
             parts += [f"It also has {_shared(shared)}.", ""]
         new = [row for text, row in rows.items() if text not in earlier]
-        parts += [*(f"- {key} ({values}): {text}" for key, values, text in new), ""] if new else []
+        parts += [_table(["key", "value", "meaning"], new), ""] if new else []
         earlier |= {text: title for text in rows if text not in earlier}
     return "\n".join(parts).rstrip()
 
@@ -189,7 +186,7 @@ def _values(field: Json) -> str:
     least, above, most = (field.get(key) for key in ("minimum", "exclusiveMinimum", "maximum"))
     kind = WORDS.get(field.get("type", ""), field.get("type", ""))
     if above is not None:
-        return f"> {above:g}" + (f", <= {most:g}" if most is not None else "")
+        return "positive" if (above, most) == (0, None) else f"> {above:g}, <= {most:g}"
     if least is None:
         return kind
     return f"{least:g} to {most:g}" if most is not None else f"{kind} >= {least:g}"
@@ -255,62 +252,6 @@ def _laws(module: ast.Module) -> Iterator[str]:
     for call in ast.walk(module):
         if isinstance(call, ast.Call) and ast.unparse(call.func).endswith("mark.law"):
             yield from (ast.literal_eval(argument) for argument in call.args)
-
-
-# ---- rooms
-
-
-def room_list() -> str:
-    """Return the list of rooms with floor and purpose, lowest floor first.
-
-    A room is a folder or file at the top of `rolling`; the package `acoustics` is one room.
-    """
-    modules = {"acoustics": sorted((ROOT / "acoustics").rglob("*.py"))}
-    for path in sorted((ROOT / "rolling").iterdir()):
-        if (path / "__init__.py").exists():
-            modules[f"rolling.{path.name}"] = sorted(path.rglob("*.py"))
-        elif path.suffix == ".py" and path.stem not in ("__init__", "__main__"):
-            modules[f"rolling.{path.stem}"] = [path]
-    imports = {room: _imports(paths, modules) - {room} for room, paths in modules.items()}
-    floors = _floors(imports)
-    rows = sorted(modules, key=lambda room: (floors[room], room))
-    return "\n".join(f"- `{room}` ({floors[room]}): {_purpose(modules[room])}" for room in rows)
-
-
-def _imports(paths: list[Path], rooms: dict[str, list[Path]]) -> set[str]:
-    """Return the rooms that modules import, within functions too."""
-    names: set[str] = set()
-    for path in paths:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                names |= {f"{node.module}.{alias.name}" for alias in node.names}
-            elif isinstance(node, ast.Import):
-                names |= {alias.name for alias in node.names}
-    parts = [name.split(".") for name in names]
-    return {"acoustics" if part[0] == "acoustics" else ".".join(part[:2]) for part in parts} & {
-        *rooms
-    }
-
-
-def _floors(imports: dict[str, set[str]]) -> dict[str, int]:
-    """Return the floor of each room: one above the highest room that it imports.
-
-    Rooms in a circle share the highest.
-    """
-    floors = dict.fromkeys(imports, 1)
-    for _ in imports:
-        for room, others in imports.items():
-            floors[room] = max([1, *(min(floors[other] + 1, len(imports)) for other in others)])
-    return floors
-
-
-def _purpose(paths: list[Path]) -> str:
-    """Return the first sentence of the docstring of a room, or the names of its modules."""
-    first = next((path for path in paths if path.name == "__init__.py"), paths[0])
-    text = ast.get_docstring(ast.parse(first.read_text(encoding="utf-8")))
-    if text:
-        return re.split(r"(?<=[.])\s", " ".join(text.split("\n\n")[0].split()))[0]
-    return ", ".join(path.stem for path in paths if not path.stem.startswith("_"))
 
 
 if __name__ == "__main__":

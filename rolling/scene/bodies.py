@@ -45,7 +45,7 @@ class Sphere(Section):
     Attributes
     ----------
     radius_mm : float
-        Radius [mm], along the track; mass, circumference and sound are those of a sphere of it
+        Radius along the track [mm]; mass, circumference and sound follow from it
     radius_across_mm : float, optional
         Radius across the track [mm], as of a wheel or a crowned roller; absent: radius_mm
     material : str, optional
@@ -57,7 +57,7 @@ class Sphere(Section):
     poissons_ratio : float, optional
         Poisson's ratio [-]; absent: a rigid sphere
     surface : section, optional
-        Surface of the sphere, wrapped around its circumference; absent: smooth
+        Surface around the circumference; absent: smooth
     """
 
     NAMED: ClassVar[str] = "sphere"
@@ -113,13 +113,13 @@ class Plate(Section):
     poissons_ratio : float
         Poisson's ratio [-]
     hardness_gpa : float or "none", optional
-        Hardness [GPa], the maximum pressure that the plate bears, below a fifth of its modulus;
-        none or absent: purely elastic
+        Hardness [GPa], the maximum pressure, below a fifth of the modulus; none or absent: purely
+        elastic
     yield_strength_gpa : float, optional
         Yield strength [GPa], a third of the hardness, in place of it
     plasticity : str, optional
         Memory of yielding: memoryless (default) meets the virgin surface everywhere, permanent
-        leaves the plastic overlap in it and needs a hardness
+        keeps the plastic overlap and needs a hardness
     density_kg_m3 : float, optional
         Density [kg/m3]; dynamics needs it
     thickness_mm : float, optional
@@ -136,8 +136,8 @@ class Plate(Section):
         Contact point (x, y) [mm] from a corner of a rectangular plate; absent: 0.43 of the length,
         0.37 of the width
     contact_path : str, optional
-        Path of the contact on a rectangular plate: fixed (default) at contact_mm, or to-and-fro
-        between contact_mm and contact_end_mm
+        Path of the contact: fixed (default) at contact_mm, or to-and-fro between contact_mm and
+        contact_end_mm
     contact_end_mm : pair of float, optional
         Other end (x, y) [mm] of a path to-and-fro
     contact_loss_factor : float, optional

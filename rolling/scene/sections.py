@@ -206,8 +206,7 @@ class Rolling(Section):
         Coefficient of rolling resistance c [-] of a free solid sphere, which slows down by 5/7 c
         load/mass; absent: the speed is kept
     drop_mm : float, optional
-        Height [mm] above the surface from which the sphere falls at the start; needs dynamics and
-        the sound of the vibration
+        Height of the fall [mm] at the start; needs dynamics and the sound of the vibration
     duration_s : float, optional
         Time rolled [s]; absent with distance_mm, with resistance (until the sphere rests) and with
         a height file (once round it)
@@ -216,8 +215,8 @@ class Rolling(Section):
     start_um : float
         Start position along the track [um]
     passes : int, optional
-        Passes [-] over the whole track, each on the surface that the pass before left; the record
-        is the last; more than 1 needs plate.plasticity: permanent
+        Passes [-] over the track, each on the surface that the pass before left; the record is the
+        last; more than 1 needs plate.plasticity: permanent
     """
 
     load_n: Load = WEIGHT
@@ -274,8 +273,8 @@ class Numerics(Section):
         Nodes at the edge of yielding patches: sharp loads them in full or not at all, blended by
         the share of their cell in contact
     subcells : int or "auto"
-        Sub-cells along the side of each node's cell, with heights and pressures of their own; auto
-        takes 2 on steep surfaces that yield, with blended edges
+        Sub-cells along a cell's side, with heights and pressures of their own; auto takes 2 on
+        steep surfaces that yield, with blended edges
     precision : str
         Precision of the transforms in the iteration; the check of a solution is in double precision
     error_estimate : bool
@@ -326,8 +325,8 @@ class Dynamics(Section):
     span : float
         Ratio of a marched load to the next lower one [-]
     release : bool, optional
-        Release under the moving load, by one more march of each run, in place of the constant load;
-        absent: true for sound.source: release
+        Release under the moving load, by one more march, in place of the constant load; absent:
+        true for sound.source: release
     """
 
     loads: Annotated[int, AfterValidator(_odd)] = Field(default=3, ge=3, le=15)
@@ -370,12 +369,12 @@ class Sound(Section):
     ball : bool
         Hear the vibration of the sphere beside the plate's
     distance_m : float
-        Distance of the listener [m], more than the radius of the sphere; beside listener_mm it is
-        the radius of the half sphere of the mean level
+        Distance of the listener [m], more than the sphere's radius; beside listener_mm the radius
+        of the half sphere of the mean level
     listener_mm : three floats, or a list of them, optional
-        Listeners (x, y, z) [mm] of a plate with edges, from the corner of contact_mm, z above the
-        plate on the ball's side; the first has the main levels, two make the WAVs stereo; absent:
-        above the contact, or the middle of its path, at distance_m
+        Listeners (x, y, z) [mm] of a plate with edges, from the corner of contact_mm, z on the
+        ball's side; the first has the main levels, two make stereo; absent: at distance_m above the
+        contact, or the middle of its path
     q : float
         Share of the released energy that is radiated [-]
     gain_pa_per_w_m2 : float, optional

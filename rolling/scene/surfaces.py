@@ -137,8 +137,8 @@ class HeightFile(SurfaceKind):
         Node spacing [um], to which a file with its own spacings is resampled; absent: the file's
         finer spacing
     outliers : float, optional
-        Threshold, in robust standard deviations of the heights about their plane, beyond which a
-        node that differs from the median of its 5 x 5 neighbours counts as unmeasured
+        Difference from the median of 5 x 5 neighbours, in robust standard deviations of the heights
+        about their plane, beyond which a node counts as unmeasured
     unmeasured : str, optional
         Unmeasured points: refuse (default), or fill from their surroundings
     s_filter_um : float, optional
@@ -317,9 +317,9 @@ class GradedBall(RoundSurface):
     kind : "graded"
         Roughness and form at the limits of a grade of ISO 3290-1
     grade : str
-        Grade; its limits of Ra and of the deviation from spherical form [um] are G3 0.010, 0.08; G5
-        0.014, 0.13; G10 0.020, 0.25; G16 0.025, 0.4; G20 0.032, 0.5; G24 0.040, 0.6; G28 0.050,
-        0.7; G40 0.060, 1; G60 0.080, 1.5; G100 0.100, 2.5; G200 0.150, 5
+        Grade, with its limits of Ra/deviation from spherical form [um]: G3 0.010/0.08, G5
+        0.014/0.13, G10 0.020/0.25, G16 0.025/0.4, G20 0.032/0.5, G24 0.040/0.6, G28 0.050/0.7, G40
+        0.060/1, G60 0.080/1.5, G100 0.100/2.5, G200 0.150/5
     correlation_length_um : float
         Correlation length of the roughness [um], which no grade states
     seed : int
@@ -350,7 +350,7 @@ class BallHeightFile(RoundSurface):
         Heights from a file of one turn; their mean and the wave of order 1 are removed
     path : str
         File of heights, .npy, .npz, .csv or .txt, relative to the scene file: (along the
-        circumference, across), or one line that is laid across the width
+        circumference, across), or one line that is repeated across the width
     height_unit : str
         Unit of the heights in the file
     spacing_um : float
