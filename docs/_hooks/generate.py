@@ -2,13 +2,12 @@
 
 With --check, only name the stale ones.
 
-Generated are the reference of scene files with their JSON Schema (from the models), the list of
-laws (from the tests), and the tables of materials and finishes (from their data).
+Generated are the reference of scene files with their JSON Schema (from the models), and the tables
+of materials and finishes (from their data).
 """
 
 from __future__ import annotations
 
-import ast
 import json
 import sys
 from collections import defaultdict
@@ -53,7 +52,6 @@ def generated() -> dict[Path, str]:
             for page, text in scene_reference(schema).items()
         },
         docs / "materials.md": _between(docs / "materials.md", "names", name_tables()),
-        docs / "verification.md": _between(docs / "verification.md", "laws", law_list()),
     }
 
 
@@ -221,37 +219,10 @@ def name_tables() -> str:
             words = entry["words"] + (f"; **sound only**: {reason}" if reason else "")
             rows.append([f"`{name}`", *cells, words])
         shown = (text.partition(":")[0] + " *" * (QUOTED in text) for text in sources.values())
-        listed = [f"{n}. {text}" for n, text in enumerate(shown, 1)]
+        listed = _table(["", "source"], [[str(n), text] for n, text in enumerate(shown, 1)])
         heads = ["name", *(f"`{key}`" for key in keys), ""]
-        parts += [f"## {table.capitalize()}", "", _table(heads, rows), "", *listed, ""]
+        parts += [f"## {table.capitalize()}", "", _table(heads, rows), "", listed, ""]
     return "\n".join(parts).rstrip()
-
-
-# ---- laws
-
-
-def law_list() -> str:
-    """Return the number of laws and of their subjects by the folder of their tests.
-
-    The markers `@pytest.mark.law("subject: sentence")` are read from the source, without running a
-    test.
-    """
-    laws = defaultdict(lambda: defaultdict(set))
-    for path in sorted((ROOT / "tests").rglob("test_*.py")):
-        for law in _laws(ast.parse(path.read_text(encoding="utf-8"))):
-            laws[path.parent.name][law.partition(":")[0]].add(law)
-    lines = [
-        f"- `tests/{folder}`: {sum(map(len, subjects.values()))} laws of {len(subjects)} subjects"
-        for folder, subjects in sorted(laws.items())
-    ]
-    return "\n".join(lines)
-
-
-def _laws(module: ast.Module) -> Iterator[str]:
-    """Yield the texts of all `....mark.law("text")` in a module."""
-    for call in ast.walk(module):
-        if isinstance(call, ast.Call) and ast.unparse(call.func).endswith("mark.law"):
-            yield from (ast.literal_eval(argument) for argument in call.args)
 
 
 if __name__ == "__main__":
