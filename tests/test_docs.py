@@ -4,19 +4,29 @@ from __future__ import annotations
 
 import ast
 import importlib.util
+import json
 import os
 import re
+import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+import rolling
+from rolling import cli, read_scene
+from rolling.scene import file as scene_file
+from rolling.scene import library as scene_library
+from rolling.terminal.arguments import COMMANDS
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
 DOCS = ROOT / "docs"
 PAGES = sorted([*ROOT.glob("*.md"), *DOCS.glob("*.md")])
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
-WITHOUT_PAGE = {"api.md"}  # made when the site is built
+COMMANDED = [page for page in PAGES if page.name != "CHANGELOG.md"]  # which names former commands
+COMMANDED += sorted((DOCS / "tutorials").glob("*.ipynb"))
 
 
 def _name(path: Path) -> str:
@@ -42,10 +52,25 @@ def test_readme_has_at_most_600_words():
     assert len((ROOT / "README.md").read_text(encoding="utf-8").split()) <= 600
 
 
+def _prose(page: Path) -> str:
+    """Return the text of a page, of a notebook that of its cells of Markdown."""
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".ipynb":
+        cells = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "markdown"]
+        text = "\n\n".join("".join(cell["source"]) for cell in cells)
+    return text
+
+
 def test_docs_have_at_most_20000_words_and_a_page_2500():
-    """The count is that of `wc -w`, with tables and code."""
-    words = [len(page.read_text(encoding="utf-8").split()) for page in DOCS.glob("*.md")]
-    assert max(words) <= 2500 and sum(words) <= 20_000
+    """The count is that of `wc -w`, with tables and code, and with the prose of the tutorials."""
+    pages = [*DOCS.glob("*.md"), *(DOCS / "tutorials").glob("*.ipynb")]
+    words = {_name(page): len(_prose(page).split()) for page in pages}
+    assert max(words.values()) <= 2500 and sum(words.values()) <= 20_000, words
+
+
+@pytest.mark.parametrize("page", sorted(DOCS.glob("for-*.md")), ids=_name)
+def test_pages_for_an_audience_have_about_300_words(page: Path):
+    assert 280 <= len(_prose(page).split()) <= 320
 
 
 @pytest.mark.parametrize("page", PAGES, ids=_name)
@@ -58,6 +83,47 @@ def test_links_lead_to_files_and_headings(page: Path):
         assert target.exists(), f"{_name(page)} links to {link}"
         if anchor and target.suffix == ".md":
             assert anchor in _anchors(target), f"{_name(page)} links to {link}"
+
+
+def _commands(text: str) -> Iterator[list[str]]:
+    """Yield the words after `rolling` of the commands in blocks of the shell and within lines."""
+    blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+    lines = [part for block in blocks for line in block.splitlines() for part in line.split("&&")]
+    lines += re.findall(r"`([^`\n]+)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
+    for line in lines:
+        if command := re.fullmatch(r"(?:\.venv/bin/)?rolling ([^>]*?)(?: >.*)?", line.strip()):
+            yield shlex.split(command[1], comments=True)
+
+
+@pytest.mark.parametrize("page", COMMANDED, ids=_name)
+def test_commands_have_options_scenes_and_keys_of_the_program(page: Path):
+    """A word of the usage, such as SCENE or RUN, stands for a scene, a file or a folder."""
+    library, parser = scene_library.scenes(), cli._parser()
+    text = _prose(page)
+    for words in _commands(text):
+        if words == ["COMMAND", "--help"] or (len(words) == 1 and words[0] in COMMANDS):
+            continue
+        given = vars(parser.parse_args(words))
+        named = str(given.get("scene") or given.get("source") or given.get("name") or "SCENE")
+        known = named.removesuffix(".yaml").removeprefix("scenarios/")
+        if known.islower() and (named.endswith(".yaml") or "." not in named):
+            assert known in library, words
+        if overrides := given.get("overrides"):
+            if "folder" in given:
+                scene_file.resound(read_scene("steel-sheet"), overrides)
+            else:
+                read_scene(library.get(known, library["quickstart"]), overrides)
+    for options in re.findall(r"`(--set [^`]*)`", text):
+        settings = [word for word in shlex.split(options) if word != "--set"]
+        read_scene("ball-on-plate", ["sweep=", *settings])
+
+
+@pytest.mark.parametrize("page", COMMANDED, ids=_name)
+def test_scenes_in_python_are_read_and_changed(page: Path):
+    """`read_scene` and `with_` refuse unknown names, keys and values."""
+    found = re.findall(r"rc\.read_scene\([^()]*\)(?:\.with_\([^()]*\))?", _prose(page))
+    for expression in found:
+        assert eval(expression, {"rc": rolling})
 
 
 def test_every_page_is_in_the_navigation():
