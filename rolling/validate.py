@@ -1,19 +1,22 @@
 """Results of the program beside published ones, case by case, and their page.
 
-The table scenarios/validation/cases.toml describes the cases and the rules of their rows.
+The table scenarios/validation/cases.toml describes the cases, the rules of their rows, the kinds of
+truth and the origins of bounds. The function of a case has its name.
 """
 
 from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import soundfile
 from jinja2 import Template
 
 from acoustics import BAND_NAMES, MID_HZ, a_weighting_db, sound_levels
@@ -21,14 +24,17 @@ from acoustics.arrays import Array
 from acoustics.baffled_modes import own_resistance
 from acoustics.loudness import loudness
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S
+from acoustics.wav import SAMPLE_RATE_HZ as RATE_HZ
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.solver import ContactError, solve_contact
 from rolling.dynamics import drop, of_scene
+from rolling.report import recording
 from rolling.results.run_result import Run
 from rolling.run.in_memory import Values, simulated
 from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.laws import SelfAffineLaw
+from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.sound.wavelengths import wavelength_bands
 from rolling.surface.heights import statistics
@@ -40,8 +46,23 @@ from rolling.terminal.program import identity
 
 PAGE, ALL, TITLE = Path("validation.md"), "all", "# Validation\n"
 FOLDER = library.folder() / "validation"
-Figures = Iterator[tuple[str, str, float, float]]  # rule, item, published number, ours
 Case = dict[str, Any]  # a table of cases.toml
+
+
+class Figure(NamedTuple):
+    """Published number and ours; several numbers of ours are of independent surfaces or records.
+
+    `rule` names the rule of the row, `item` the condition; `bound` replaces the bound of the rule.
+    """
+
+    rule: str
+    item: str
+    published: float
+    ours: float | Array
+    bound: float | None = None
+
+
+Figures = Iterator[Figure]
 
 
 def validate(names: Sequence[str], out: Path | None) -> int:
@@ -55,20 +76,26 @@ def validate(names: Sequence[str], out: Path | None) -> int:
 
     Raises
     ------
-    FolderError : `out` is another file.
+    FolderError : there is no such case, `out` is another file, or its folder is missing.
     """
-    cases = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
-    out = out or PAGE
+    content = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
+    cases, out = content["cases"], out or PAGE
+    for name in names if ALL not in names else ():
+        if name not in cases:
+            near, listed = nearest(name, [*cases]), ", ".join([ALL, *cases])
+            raise FolderError(f"CASE: got {name}{near}, allowed: {listed}")
+    if not out.parent.is_dir() or out.is_dir():
+        raise FolderError(f"--out: got {out}, allowed: a file in a folder that exists")
     if out.exists() and TITLE not in out.read_text(encoding="utf-8", errors="replace"):
         raise FolderError(f"{out}: exists and is no page of validation; take another --out")
     tables = {}
     for name in cases if ALL in names else names:
         with progress.step(f"validating {name}"):
-            tables[name] = rows = rows_of(cases[name], CASES[name]())
+            tables[name] = rows = rows_of(cases[name], globals()[name.replace("-", "_")]())
         beyond = [*rows["quantity"][~rows["holds"]]]
         words = f", {len(beyond)} beyond their bounds: {'; '.join(beyond)}" if beyond else ""
         progress.line(f"{name}: {len(rows)} rows{words}")
-    write_bytes(out, page(tables, cases).encode())
+    write_bytes(out, page(tables, content).encode())
     print(out)
     return int(not all(rows["holds"].all() for rows in tables.values()))
 
@@ -76,23 +103,41 @@ def validate(names: Sequence[str], out: Path | None) -> int:
 def rows_of(case: Case, figures: Figures) -> pd.DataFrame:
     """Return the rows of a case, their differences, and the bounds by its rules."""
     rows = []
-    for quantity, item, number, ours in figures:
-        rule = case["rows"][quantity]
+    for quantity, item, number, ours, own in figures:
+        rule, samples = case["rows"][quantity], np.atleast_1d(ours)
         published = float(rule.get("published", number))
         bound = abs(published) * rule["relative"] if "relative" in rule else math.inf
-        bounds = rule.get("allowed", (-bound, bound))
+        bounds = rule.get("allowed", (-bound, bound)) if own is None else (-own, own)
         words = f"{quantity}, {item}" if item else quantity
-        rows.append((words, rule["unit"], published, float(ours), *bounds, rule["truth"]))
-    names = ["quantity", "unit", "published", "ours", "least", "largest", "truth"]
+        spread = samples.std(ddof=1) if len(samples) > 1 else math.nan
+        values = words, rule["unit"], published, samples.mean(), spread, *bounds
+        rows.append((*values, rule.get("origin", "-"), rule["truth"]))
+    names = [
+        "quantity",
+        "unit",
+        "published",
+        "ours",
+        "spread",
+        "least",
+        "largest",
+        "origin",
+        "truth",
+    ]
     frame = pd.DataFrame(rows, columns=names)
     frame["difference"] = frame["ours"] - frame["published"]
+    side = frame["largest"].where(frame["difference"] > 0, -frame["least"])
+    frame["share"] = frame["difference"].abs() / side
     return frame.assign(holds=frame["difference"].between(frame["least"], frame["largest"]))
 
 
-def page(tables: Mapping[str, pd.DataFrame], cases: Mapping[str, Case]) -> str:
-    """Write the rows of cases as a page in Markdown."""
+def page(tables: Mapping[str, pd.DataFrame], content: Mapping[str, Any]) -> str:
+    """Write the rows of cases, and a table of the kinds of truth, as a page in Markdown."""
     template = Template((FOLDER / "page.md.jinja").read_text(encoding="utf-8"))
-    return str(template.render(tables=tables, cases=cases, program=identity(), inf=math.inf))
+    rows = pd.concat(tables.values(), ignore_index=True)
+    kinds = [(kind, text, rows[rows["truth"] == kind]) for kind, text in content["kinds"].items()]
+    return str(
+        template.render(content, tables=tables, found=kinds, program=identity(), inf=math.inf)
+    )
 
 
 def _scene(name: str) -> Scene:
@@ -126,22 +171,23 @@ def impact() -> Figures:
     first = int(np.argmax(motion.force_n > 0))
     pulse = motion.force_n[first : first + int(np.argmin(motion.force_n[first:] > 0))]
     step, lasts, largest = motion.time_step_s, drop.impact_s(scene), drop.largest_force_n(scene)
-    yield "contact time, measured", "", math.nan, 1e6 * len(pulse) * step
-    yield "contact time, Hertz", "", 1e6 * lasts, 1e6 * len(pulse) * step
-    yield "largest force", "", largest, float(pulse.max())
+    time_us, two_us = 1e6 * len(pulse) * step, 2e6 * step
+    yield Figure("contact time, measured", "", math.nan, time_us, 0.5 + two_us)  # rounded to 1 us
+    yield Figure("contact time, Hertz", "", 1e6 * lasts, time_us, two_us)
+    yield Figure("largest force", "", largest, float(pulse.max()))
     impulse = 2e6 * scene.mass * drop.speed_m_s(scene)
-    yield "impulse 2 M v", "", impulse, 1e6 * float(pulse.sum()) * step
+    yield Figure("impulse 2 M v", "", impulse, 1e6 * float(pulse.sum()) * step)
     middles = np.arange(len(pulse)) + 0.5
     phase = np.pi * (middles - middles @ pulse / pulse.sum()) * step / lasts
     error = np.abs(pulse / largest - np.maximum(np.cos(phase), 0.0) ** 1.5).max()
-    yield "pulse less F sin^1.5, maximum over F", "", math.nan, float(error)
+    yield Figure("pulse less F sin^1.5, over F", "", math.nan, float(error))
     for run in _runs(_scene("restitution")).values():
         scene = run.scene
         hertz = 4 / 3 * scene.contact_modulus * scene.radius**0.5
         mobility = of_scene.smooth_chain(scene).mobility_s_kg
         inelasticity = mobility * scene.mass**0.6 * hertz**0.4 * drop.speed_m_s(scene) ** 0.2
-        plate = f"plate of {scene.plate.thickness_mm:g} mm"
-        yield "restitution", plate, restitution(inelasticity), run.summary["restitution"]
+        plate, kept = f"{scene.plate.thickness_mm:g} mm", run.summary["restitution"]
+        yield Figure("restitution", plate, restitution(inelasticity), kept)
 
 
 def restitution(inelasticity: float) -> float:
@@ -157,17 +203,16 @@ def restitution(inelasticity: float) -> float:
 
 # ---- plates, weighting, third octaves and loudness
 
-RATE_HZ = 48000
 
-
-def against_phonometry() -> Figures:
-    """Compare plates, levels and loudness with the stored figures of phonometry."""
+def phonometry() -> Figures:
+    """Compare plates, levels and loudness with stored figures of phonometry and of norms."""
     ours = _plate_figures() | _sound_figures()
-    stored = pd.read_csv(FOLDER / "phonometry.csv", comment="#", index_col=["quantity", "item"])
     known = {quantity for quantity, _ in ours}  # without mosqito no loudness
-    for (quantity, item), value in stored["value"].items():
-        if quantity in known:
-            yield quantity, item, value, ours[quantity, item]
+    for file in ("phonometry", "norms"):
+        stored = pd.read_csv(FOLDER / f"{file}.csv", comment="#", index_col=["quantity", "item"])
+        for (quantity, item), value in stored["value"].items():
+            if quantity in known:
+                yield Figure(quantity, item, value, ours[quantity, item])
 
 
 def _plate_figures() -> dict[tuple[str, str], float]:
@@ -195,9 +240,10 @@ def _sound_figures() -> dict[tuple[str, str], float]:
     tone = 0.02 * math.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(4 * RATE_HZ) / RATE_HZ)
     levels = sound_levels(noise, RATE_HZ)
     figures: dict[tuple[str, str], Any] = {("LAeq", "noise"): levels.laeq_db}
-    for name, level in levels.third_octave_db.items():
+    for (name, level), middle in zip(levels.third_octave_db.items(), MID_HZ, strict=True):
         figures["third octave", f"{name} Hz"] = level
         figures["A-weighting", f"{name} Hz"] = float(a_weighting_db(float(name)))
+        figures["A-weighting of bands", f"{name} Hz"] = float(a_weighting_db(middle))
     with suppress(ModuleNotFoundError):  # loudness is an extra
         for name, signal in (("tone of 1 kHz", tone), ("noise", noise)):
             heard = loudness(signal, RATE_HZ, closed=True)
@@ -207,23 +253,39 @@ def _sound_figures() -> dict[tuple[str, str], float]:
 
 # ---- area of a rough elastic contact
 
-LOADS_N, COARSE = (10.0, 20.0, 50.0), 2
+LOADS_N, LARGE_N, COARSE = (10.0, 20.0, 50.0), (200.0, 500.0, 2000.0), 2
 
 
 def rough_contact() -> Figures:
-    """Compare the area of contact at small loads with two theories and another solver."""
-    scene = _scene("rough-contact")
+    """Compare the area of contact with two theories and another solver."""
+    from scipy.special import erf  # slow to import
+
+    scenes = [scene for _, scene in _scene("rough-contact").runs()]
     tamaas = pd.read_csv(FOLDER / "tamaas.csv", comment="#", index_col="load_n")
-    rms_slope = statistics(heights(scene), scene.spacing).rms_slope
+    modulus = scenes[0].contact_modulus
+    slopes = np.array([statistics(heights(scene), scene.spacing).rms_slope for scene in scenes])
     for load in LOADS_N:
-        (fine, _), (coarse, pressure) = (_area(scene, stride, load) for stride in (1, COARSE))
-        area = (COARSE * fine - coarse) / (COARSE - 1)  # at zero spacing
-        kappa = area * scene.contact_modulus * rms_slope / load
+        areas, coarse, pressure = zip(*(_areas(scene, load) for scene in scenes), strict=True)
+        kappa = np.array(areas) * modulus * slopes / load
         for theory in ("Persson", "Bush"):
-            yield f"kappa, {theory}", f"{load:g} N", math.nan, kappa
-        stored = tamaas.loc[load]
-        yield "area", f"{load:g} N", stored["area_um2"], 1e12 * coarse
-        yield "maximum pressure", f"{load:g} N", stored["max_pressure_gpa"], 1e-9 * pressure
+            yield Figure(f"kappa, {theory}", f"{load:g} N", math.nan, kappa)
+        stored = tamaas.loc[load]  # of the first surface
+        yield Figure("area", f"{load:g} N", stored["area_um2"], 1e12 * coarse[0])
+        yield Figure("pressure", f"{load:g} N", stored["max_pressure_gpa"], 1e-9 * pressure[0])
+    scenes = [scene.with_({"sphere.radius_mm": scene.sphere.radius_mm / 10}) for scene in scenes]
+    for load in LARGE_N:
+        disc = math.pi * (0.75 * load * scenes[0].radius / modulus) ** (2 / 3)
+        # Persson's law of a flat contact, erf(c) with the pressure, averaged over that of Hertz
+        c = math.sqrt(2) * 1.5 * load / disc / (modulus * slopes)
+        share = erf(c) * (1 - 0.5 / c**2) + np.exp(-(c**2)) / (math.sqrt(math.pi) * c)
+        ratio = np.array([_areas(scene, load)[0] for scene in scenes]) / disc / share
+        yield Figure("area over Persson's", f"{share.mean():.0%}", math.nan, ratio)
+
+
+def _areas(scene: Scene, load: float) -> tuple[float, float, float]:
+    """Return the area [m2] at zero spacing and on the coarse grid, and the pressure there [Pa]."""
+    (fine, _), (coarse, pressure) = (_area(scene, stride, load) for stride in (1, COARSE))
+    return (COARSE * fine - coarse) / (COARSE - 1), coarse, pressure
 
 
 def rough_gap(scene: Scene, stride: int) -> tuple[Array, float]:
@@ -247,74 +309,83 @@ def _area(scene: Scene, stride: int, load: float) -> tuple[float, float]:
 
 
 def speed_and_roughness() -> Figures:
-    """Return exponents of the sound pressure against roughness and speed."""
+    """Compare exponents of the sound pressure against roughness and speed over several surfaces."""
     runs = _runs(_scene("speed-and-roughness"))
-    levels = pd.Series({values: run.sound.levels.laeq_db for values, run in runs.items()}).unstack()
-    for speed in levels:
-        yield "exponent of Ra, linear chain", f"{speed:g} m/s", math.nan, _exponent(levels[speed])
-    yield "exponent of Ra, sliding", "", math.nan, _exponent(levels[levels.columns[-1]])
-    yield "exponent of speed, sliding", "", math.nan, _exponent(levels.iloc[0])
+    levels = pd.Series({values: run.sound.levels.laeq_db for values, run in runs.items()})
+    _, roughness, speeds = levels.index.levels  # of the seed, of Ra, of the speed
+    exponents = [_exponent(levels.xs(speed, level=2).unstack(0)) for speed in speeds]
+    for speed, exponent in zip(speeds, exponents, strict=True):
+        yield Figure("exponent of Ra, linear chain", f"{speed:g} m/s", math.nan, exponent)
+    yield Figure("exponent of Ra, sliding", "", math.nan, exponents[-1])
+    by_speed = _exponent(levels.xs(roughness[0], level=1).unstack(0))
+    yield Figure("exponent of speed, sliding", "", math.nan, by_speed)
 
 
-def _exponent(levels: pd.Series) -> float:
-    """Return the exponent of the sound pressure by the levels [dB] at two or more values."""
-    return float(np.polyfit(20 * np.log10(levels.index.to_numpy(float)), levels, 1)[0])
+def _exponent(levels: pd.DataFrame) -> Array:
+    """Return the exponents of the sound pressure by levels [dB], by column."""
+    exponents: Array = np.polyfit(20 * np.log10(levels.index.to_numpy(float)), levels, 1)[0]
+    return exponents
 
 
 # ---- contact filter of wheel and rail
 
-SHOWN_MM = (10, 20, 40)
+SHOWN_KN, SHOWN_MM = 50, (10, 20, 40)
 LONGEST_MM, LEAST_MM = 100.0, 7.9  # wavelengths whose differences are summed up
 
 
-def wheel_on_rail(scene: Scene, published: Mapping[float, pd.Series]) -> pd.DataFrame:
-    """Compare the contact filter of an elliptic, a round and a ridged contact with a table.
+def wheel_on_rail(scene: Scene, published: pd.DataFrame) -> pd.DataFrame:
+    """Compare the contact filter on isotropic and on ridged surfaces with a table.
 
     The filter is the level of the approach under a constant load over the level of the heights
-    under the centre of the contact, in third octaves of wavelength. Nothing is fitted.
+    under the centre of the contact, in third octaves of wavelength. Nothing is fitted. Another
+    wheel, rail, roughness or set of surfaces is another scene; another load is a column.
 
     Parameters
     ----------
     scene : Scene
-        Wheel and rail, with a self-affine surface whose track closes.
-    published : dict of Series
-        Published filters [dB] by nominal wavelength [mm], by load [N].
+        Wheel and rail, with a self-affine surface whose track closes, swept over its seeds.
+    published : DataFrame
+        Published filters [dB] by nominal wavelength [mm]; the columns are pairs of load [kN] and
+        diameter of the wheel [mm], as `published_filters` reads them.
 
     Returns
     -------
     DataFrame
-        A row for each load, contact and third octave: load_n, contact, wavelength_mm, published_db,
-        ours_db and difference_db.
+        A row for each load, wheel, run of the sweep, surface and third octave: load_kn, wheel_mm,
+        sample, surface, wavelength_mm, published_db, ours_db and difference_db.
+
+    Examples
+    --------
+    `rows = wheel_on_rail(read_scene("wheel-rail.yaml"), published_filters("mine.csv"))`, then
+    `differences(rows)`
     """
-    radius = 1e3 * np.sqrt(scene.radius * scene.radius_across)
-    sphere = {"sphere.radius_mm": radius, "sphere.radius_across_mm": None}
-    profile = centre_lines(heights(scene))[:, :1]
-    ridges = np.repeat(profile, scene.track.n_across, axis=1)
     rows = []
-    for load, table in published.items():
-        loaded = scene.with_({"rolling.load_n": load})
-        for contact, changes, surface in (
-            ("elliptic", {}, None),
-            ("round", sphere, None),
-            ("elliptic, full-width ridges", {}, ridges),
-        ):
-            run = _run(loaded.with_(changes), surface)
-            rows.append(_beside(table, contact_filter(run)).assign(load_n=load, contact=contact))
-    order = ["load_n", "contact", "wavelength_mm", "published_db", "ours_db", "difference_db"]
-    return pd.concat(rows, ignore_index=True)[order]
+    for (load, wheel), table in published.items():
+        loaded = scene.with_({"rolling.load_n": 1e3 * load, "sphere.radius_mm": wheel / 2})
+        for sample, (_, single) in enumerate(loaded.runs()):
+            profile = centre_lines(heights(single))[:, :1]
+            ridges = np.repeat(profile, single.track.n_across, axis=1)
+            for surface, given in (("isotropic", None), ("ridges", ridges)):
+                part = _beside(table, filter_db(_run(single, given)))
+                condition = {"load_kn": load, "wheel_mm": wheel, "surface": surface}
+                rows.append(part.assign(sample=sample, **condition))
+    return pd.concat(rows, ignore_index=True)
 
 
 def differences(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the rms difference [dB] by load and contact, from 7.9 to 100 mm."""
+    """Return rms and mean difference [dB] by load, wheel, surface and run, from 7.9 to 100 mm."""
     within = rows[rows["wavelength_mm"].between(LEAST_MM, LONGEST_MM)]
-    grouped = within.groupby(["load_n", "contact"], sort=False)["difference_db"]
-    return grouped.agg(lambda error: np.sqrt(np.mean(error**2))).rename("rms_db").reset_index()
+    keys = ["load_kn", "wheel_mm", "surface", "sample"]
+    return within.groupby(keys)["difference_db"].agg(
+        rms_db=lambda error: np.sqrt(np.mean(error**2)), mean_db="mean"
+    )
 
 
-def published_filters(path: str) -> dict[float, pd.Series]:
-    """Read filters [dB] by wavelength [mm] from a table with a column for each load [kN]."""
-    table = pd.read_csv(path, comment="#", index_col="wavelength_mm")
-    return {1e3 * float(load): table[load] for load in table}
+def published_filters(path: str) -> pd.DataFrame:
+    """Read filters [dB] by wavelength [mm]; the first two lines hold loads [kN] and wheels [mm]."""
+    table = pd.read_csv(path, comment="#", index_col=0, header=[0, 1])
+    table.columns = table.columns.map(lambda pair: (float(pair[0]), float(pair[1])))
+    return table
 
 
 def centre_lines(surface: Array) -> Array:
@@ -323,7 +394,7 @@ def centre_lines(surface: Array) -> Array:
     return surface[:, (across - 1) // 2 : across // 2 + 1]
 
 
-def contact_filter(run: Run) -> pd.Series:
+def filter_db(run: Run) -> pd.Series:
     """Return the level of the approach re the heights under the centre [dB] by wavelength [mm]."""
     scene = run.scene
     wavelength, surface = wavelength_bands(centre_lines(heights(scene)), scene.spacing, True)
@@ -345,22 +416,80 @@ def _beside(published: pd.Series, ours: pd.Series) -> pd.DataFrame:
     return rows.sort_index().assign(wavelength_mm=lambda part: 10 ** (part.index / 10))
 
 
-def wheel_figures() -> Figures:
+def contact_filter() -> Figures:
     """Compare the contact filter of wheel and rail with the table of CNOSSOS-EU."""
     table = published_filters(str(FOLDER / "contact_filter.csv"))
     rows = wheel_on_rail(_scene("wheel-rail"), table)
-    shown = rows["wavelength_mm"].round().isin(SHOWN_MM) & rows["contact"].eq("elliptic")
-    for row in rows[shown].sort_values(["load_n", "wavelength_mm"]).itertuples():
-        item = f"{row.load_n / 1e3:g} kN, {row.wavelength_mm:.0f} mm"
-        yield "filter", item, row.published_db, row.ours_db
-    for row in differences(rows).itertuples():
-        yield f"rms difference, {row.contact}", f"{row.load_n / 1e3:g} kN", math.nan, row.rms_db
+    summary = differences(rows)
+    for load, wheel in table:
+        item, column = f"{load:g}/{wheel:g}", table[load, wheel].loc[LONGEST_MM:LEAST_MM]
+        band = float(np.sqrt(np.mean(column.diff() ** 2)))  # between the table and its shift
+        isotropic, ridges = (summary.loc[load, wheel, kind] for kind in ("isotropic", "ridges"))
+        yield Figure("rms difference", item, math.nan, isotropic["rms_db"].to_numpy(), band)
+        yield Figure("mean difference", item, math.nan, isotropic["mean_db"].to_numpy())
+        yield Figure("rms difference, ridges", item, math.nan, ridges["rms_db"].to_numpy())
+    shown = rows[(rows["load_kn"] == SHOWN_KN) & (rows["surface"] == "isotropic")]
+    for (wheel, length), part in shown.groupby(["wheel_mm", shown["wavelength_mm"].round()]):
+        if length in SHOWN_MM:
+            item = f"{SHOWN_KN:g}/{wheel:g}, {length:g} mm"
+            yield Figure("filter", item, part["published_db"].iloc[0], part["ours_db"].to_numpy())
 
 
-CASES: dict[str, Callable[[], Figures]] = {
-    "contact-filter": wheel_figures,
-    "impact": impact,
-    "phonometry": against_phonometry,
-    "rough-contact": rough_contact,
-    "speed-and-roughness": speed_and_roughness,
-}
+# ---- synthetic recording
+
+RECORDED_S, NOISE_DB = 6.0, -30.0  # duration, and background re the sound
+SHOWN_HZ = (250, 500, 1000, 2000, 5000)
+
+
+def synthetic_recording() -> Figures:
+    """Find a known filter by `rolling compare` in recordings that are made from other runs.
+
+    The recording beside a run holds the sound of all other runs, so that its surface is another.
+    """
+    runs = [*_runs(_scene("synthetic-recording")).values()]
+    pieces = [run.listen(RECORDED_S / (len(runs) - 1), seed=1).pressure for run in runs]
+    bands, totals = [], []
+    for number, run in enumerate(runs):
+        others = [piece for place, piece in enumerate(pieces) if place != number]
+        table = _compared(run, _played(np.concatenate(others)), np.random.default_rng(number))
+        band = table[table["quantity"] == "third octave"].astype({"frequency_hz": float})
+        gain = _gain_db(band["frequency_hz"])
+        bands.append(band.assign(gain=gain, error=band["difference_db"] + gain, run=number))
+        own = run.listen(RECORDED_S).pressure
+        change = _laeq_db(_played(own)) - _laeq_db(own)
+        total = table[table["quantity"] == "LAeq"].iloc[0]
+        totals.append((total["difference_db"] + change, total["difference_uncertainty_db"]))
+    found = pd.concat(bands)
+    for frequency, part in found[found["frequency_hz"].isin(SHOWN_HZ)].groupby("frequency_hz"):
+        gains, spread = part["gain"] - part["error"], 2 * part["difference_uncertainty_db"].mean()
+        yield Figure("filter", f"{frequency:g} Hz", part["gain"].mean(), gains.to_numpy(), spread)
+    error, spread = np.transpose(totals)
+    yield Figure("LAeq error", "", math.nan, error, 2 * spread.mean())
+    within = found["error"].abs() <= 2 * found["difference_uncertainty_db"]
+    yield Figure("bands within 2 u", "", math.nan, within.groupby(found["run"]).mean().to_numpy())
+
+
+def _compared(run: Run, sound: Array, rng: np.random.Generator) -> pd.DataFrame:
+    """Compare a run with a sound [Pa] in white noise, whose background was recorded alone."""
+    noise = 10 ** (NOISE_DB / 20) * sound.std() * rng.standard_normal((2, len(sound)))
+    full_scale = 2 * np.abs(sound).max()
+    with TemporaryDirectory() as folder:
+        heard, background = Path(folder, "sound.wav"), Path(folder, "background.wav")
+        soundfile.write(heard, (sound + noise[0]) / full_scale, RATE_HZ, "PCM_24")
+        soundfile.write(background, noise[1] / full_scale, RATE_HZ, "PCM_24")
+        return recording.compare(run, heard, f"{full_scale:.9g}", background)[0]
+
+
+def _played(pressure: Array) -> Array:
+    """Return a sound [Pa] behind the filter."""
+    gain_db = _gain_db(np.fft.rfftfreq(len(pressure), 1 / RATE_HZ).astype(float))
+    return np.fft.irfft(10 ** (gain_db / 20) * np.fft.rfft(pressure), len(pressure))
+
+
+def _gain_db(frequency_hz: Array) -> Array:
+    """Return the filter [dB]: -6 dB up to 800 Hz, then falling to -15 dB at 2500 Hz."""
+    return np.interp(np.log(np.maximum(frequency_hz, 1.0)), np.log([800, 2500]), [-6, -15])
+
+
+def _laeq_db(pressure: Array) -> float:
+    return float(sound_levels(pressure, RATE_HZ).laeq_db or math.nan)

@@ -129,7 +129,8 @@ def compare(
     recording. Without a calibration the LAeq is made equal.
     """
     own, recording = of_run(run), read(path)
-    computed, recorded = _bands(own), _bands(recording)
+    # A long record tells no more about its bands than the solved track that it continues.
+    computed, recorded = _bands(own, run.sound.duration / run.laps), _bands(recording)
     known = np.isfinite(computed[1] + recorded[1])
     if background is not None:
         recorded = _without(_bands(read(background)), recorded)
@@ -164,12 +165,13 @@ def compare(
     return table.dropna(subset="difference_db"), notes, {"run": own, "recording": recording}
 
 
-def _bands(record: Recording) -> Array:
+def _bands(record: Recording, seconds: float | None = None) -> Array:
     """Return Z and A levels of third octaves and their uncertainty [dB], (3, 31), NaN if silent.
 
-    The uncertainty is that of Gaussian noise, widened if thirds of the record differ more in LAeq.
+    The uncertainty is that of Gaussian noise of a duration [s], by default of a lap, widened if
+    thirds of the record differ more in LAeq.
     """
-    samples, laps = record.samples, len(record.samples) / RATE / record.seconds
+    samples, laps = record.samples, len(record.samples) / RATE / (seconds or record.seconds)
     levels = level.sound_levels(samples, RATE, record.highest, closed=False)
     noise = uncertainty.level_uncertainty(samples, RATE, levels, False, laps)
     noise = uncertainty.widened(noise, uncertainty.record_scatter_db(samples, RATE))

@@ -19,7 +19,7 @@ TOLERANCE = 1e-8
 
 
 def main() -> None:
-    scene = read_scene(folder() / "validation" / "rough-contact.yaml")
+    _, scene = next(iter(read_scene(folder() / "validation" / "rough-contact.yaml").runs()))
     gap, spacing = validate.rough_gap(scene, validate.COARSE)
     side = len(gap) * spacing
     tm.set_log_level(tm.LogLevel.error)

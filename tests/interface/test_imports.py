@@ -23,8 +23,8 @@ FLOORS = {
         ("marches",),
         ("results",),
         ("figures", "run"),
-        ("accuracy", "lee2025", "plot", "report", "validate"),
-        ("commands",),
+        ("accuracy", "lee2025", "plot", "report"),
+        ("commands", "validate"),
         ("cli", "interface"),
     ),
     "acoustics": (

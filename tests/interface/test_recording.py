@@ -71,8 +71,7 @@ def test_the_difference_is_the_filter_within_the_stated_uncertainty(
 ) -> None:
     """Another continuation of the run, filtered, in noise, whose second channel is quieter.
 
-    Of the bands, those beyond two standard uncertainties are few (5 % of Gaussian errors),
-    and the rms is about 1: between 0.4 (stated values are upper bounds) and 1.3.
+    Few bands are beyond two standard uncertainties, which hold for recordings of other surfaces.
     """
     other = at_rate(run.listen(SECONDS, seed=5).pressure)
     sound, gain = filtered(other, RATE)
@@ -87,7 +86,8 @@ def test_the_difference_is_the_filter_within_the_stated_uncertainty(
     wanted = table["frequency_hz"].map(dict(zip(map(float, BAND_NAMES), gain, strict=True)))
     error = (table["difference_db"] + wanted) / table["difference_uncertainty_db"]
     assert (error.abs() > 2).sum() <= 2
-    assert 0.4 < np.sqrt(np.square(error).mean()) < 1.3
+    longest = table["run_uncertainty_db"] - table["recording_uncertainty_db"]
+    assert longest.min() > 0  # the solved track is shorter than the recording
     said = capsys.readouterr().out
     assert "3 dB above the background, left out: 20, 25," in said
     assert "run: long record, 6 s" in said

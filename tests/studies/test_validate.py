@@ -8,13 +8,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import rolling
 from rolling import cli, validate
-from rolling.terminal.arguments import _ARGUMENTS
+from rolling.validate import Figure
 
-TABLE = tomllib.loads((validate.FOLDER / "cases.toml").read_text(encoding="utf-8"))
+CONTENT = tomllib.loads((validate.FOLDER / "cases.toml").read_text(encoding="utf-8"))
+TABLE = CONTENT["cases"]
 CASE = {
     "title": "Numbers",
     "source": "here",
@@ -22,19 +24,23 @@ CASE = {
     "text": "A text.",
     "rows": {
         "share": {"unit": "N", "truth": "norm", "relative": 0.1},
-        "shown": {"unit": "m", "truth": "measurement", "published": 2.0},
-        "side": {"unit": "1", "truth": "closed form", "allowed": [-0.5, 0.0]},
+        "shown": {"unit": "m", "truth": "measurement", "published": 2.0, "origin": "choice"},
+        "side": {"unit": "1", "truth": "formula", "allowed": [-0.5, 0.0]},
     },
 }
-FIGURES = [("share", "a", 10.0, 10.9), ("shown", "", math.nan, 7.0), ("side", "b", 1.0, 0.8)]
+FIGURES = [
+    Figure("share", "a", 10.0, 10.9),
+    Figure("shown", "", math.nan, np.array([6.0, 8.0])),
+    Figure("side", "b", 1.0, 0.8),
+]
 
 
-def figures() -> Iterator[tuple[str, str, float, float]]:
+def figures() -> Iterator[Figure]:
     yield from FIGURES
 
 
-def wrong() -> Iterator[tuple[str, str, float, float]]:
-    yield from [*FIGURES, ("side", "above", 1.0, 1.001)]
+def wrong() -> Iterator[Figure]:
+    yield from [*FIGURES, Figure("side", "above", 1.0, 1.001)]
 
 
 def test_rows_are_judged_by_their_rules() -> None:
@@ -47,18 +53,29 @@ def test_rows_are_judged_by_their_rules() -> None:
     ]
     assert (rows.least[0], rows.largest[0]) == (-1.0, 1.0)
     assert (rows.published[1], rows.difference[1]) == (2.0, 5.0)
+    assert rows.spread[1] == pytest.approx(2**0.5) and math.isnan(rows.spread[0])
+    assert rows.share.tolist() == pytest.approx([0.9, 0.0, 0.4])
     for ours in (0.49, 1.001, math.nan):
-        assert not validate.rows_of(CASE, iter([("side", "", 1.0, ours)])).holds.any()
+        assert not validate.rows_of(CASE, iter([Figure("side", "", 1.0, ours)])).holds.any()
+    for ours, holds in ((1.19, True), (1.21, False), (0.79, False)):
+        rows = validate.rows_of(CASE, iter([Figure("side", "", 1.0, ours, bound=0.2)]))
+        assert rows.holds[0] == holds
 
 
 def test_form_of_the_page() -> None:
-    """A heading, source and table for each case; all lines of a table have seven cells."""
-    page = validate.page({"numbers": validate.rows_of(CASE, wrong())}, {"numbers": CASE})
+    """A table of kinds; a heading, source and table of eight cells a line for each case."""
+    rows = validate.rows_of(CASE, wrong())
+    page = validate.page({"numbers": rows}, CONTENT | {"cases": {"numbers": CASE}})
     table = [line for line in page.splitlines() if line.startswith("|")]
-    assert len(table) == 2 + 4 and {line.count("|") for line in table} == {8}
-    assert table[2] == "|share, a|N|10|10.9|+0.9|±1|norm|"
-    assert table[3] == "|shown|m|2|7|+5|-|measurement|"
-    assert table[5] == "|side, above|1|1|1.001|+0.001 **beyond**|-0.5 to 0|closed form|"
+    kinds, table = table[:5], table[5:]
+    assert kinds[3:] == [
+        "|norm|a norm's table|1|1|0.90|yes|",
+        "|formula|closed form|2|2|inf|**no**|",
+    ]
+    assert len(table) == 2 + 4 and {line.count("|") for line in table} == {9}
+    assert table[2] == "|share, a|N|10|10.9|+0.9|±1|-|norm|"
+    assert table[3] == "|shown|m|2|7±1.4|+5|-|choice|measurement|"
+    assert table[5] == "|side, above|1|1|1.001|+0.001 **beyond**|-0.5 to 0|-|formula|"
     assert "## Numbers" in page and "Source: here." in page and page.endswith("|\n")
 
 
@@ -67,14 +84,14 @@ def test_exit_code(
     case: Any, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Any
 ) -> None:
     """A single row beyond its bound fails the command, which names it."""
-    monkeypatch.setitem(validate.CASES, "impact", case)
+    monkeypatch.setattr(validate, "impact", case)
     table = (validate.FOLDER / "cases.toml").read_text(encoding="utf-8")
     rules = "".join(
         f"{name} = {{{', '.join(f'{key} = {value!r}' for key, value in rule.items())}}}\n"
         for name, rule in CASE["rows"].items()
     )
     (tmp_path / "cases.toml").write_text(
-        table.replace("[impact.rows]\n", f"[impact.rows]\n{rules}"), encoding="utf-8"
+        table.replace("[cases.impact.rows]\n", f"[cases.impact.rows]\n{rules}"), encoding="utf-8"
     )
     template = "page.md.jinja"
     (tmp_path / template).write_text((validate.FOLDER / template).read_text(encoding="utf-8"))
@@ -90,17 +107,37 @@ def test_exit_code(
     assert page.read_text() == "my notes"
 
 
-def test_cases_have_texts_scenes_and_a_place_on_the_command_line() -> None:
-    assert [*TABLE] == [*validate.CASES] == _ARGUMENTS["cases"]["choices"][1:]
-    for case in TABLE.values():
-        assert case["title"] and case["source"] and case["text"] and case["rows"]
+def test_cases_have_texts_scenes_and_functions() -> None:
+    """Kinds of truth and origins of bounds are closed sets; a bound has an origin."""
+    for name, case in TABLE.items():
+        assert callable(getattr(validate, name.replace("-", "_")))
+        assert case["title"] and case["source"] and case["text"]
+        for rule in case["rows"].values():
+            assert rule["truth"] in CONTENT["kinds"]
+            assert rule.get("origin", "choice") in CONTENT["origins"]
+            assert "origin" in rule or not {"allowed", "relative"} & {*rule}
         for scene in case["scenes"]:
             assert rolling.read_scene(validate.FOLDER / f"{scene}.yaml").name == scene
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["impakt"], "CASE: got impakt, nearest: impact, allowed: all, contact-filter, impact, "),
+        (["impact", "--out", "no/where.md"], "--out: got no/where.md, allowed: a file in a folder"),
+        (["impact", "--out", "."], "--out: got ., allowed: a file in a folder"),
+    ],
+)
+def test_refusals(words: list[str], message: str, capfd: Any) -> None:
+    """Wrong names are refused at once, in one line."""
+    assert cli.main(["validate", *words]) == 2
+    refusal = capfd.readouterr().err.splitlines()[-1]
+    assert message in refusal
+
+
 def test_plates_and_levels_are_near_phonometry() -> None:
     """Three plates, five bands of radiation, four weightings, levels, and loudness."""
-    rows = validate.rows_of(TABLE["phonometry"], validate.against_phonometry())
+    rows = validate.rows_of(TABLE["phonometry"], validate.phonometry())
     assert len(rows) >= 19 and rows["holds"].all()
 
 
@@ -114,7 +151,7 @@ def test_a_wrong_plate_is_beyond_its_bound(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(validate.of_scene, "rectangular_plate", thicker)
     monkeypatch.setattr(validate, "_sound_figures", dict)
-    rows = validate.rows_of(TABLE["phonometry"], validate.against_phonometry())
+    rows = validate.rows_of(TABLE["phonometry"], validate.phonometry())
     beyond = {*rows["quantity"][~rows["holds"]].str.partition(",")[0]}
     assert {"mobility", "critical frequency"} <= beyond
 
@@ -130,3 +167,14 @@ def test_restitution_on_plates() -> None:
     runs = rolling.simulate_sweep(validate._scene("restitution"), workers=1, progress=False)
     kept = [run.summary["restitution"] for run in runs.values()]
     assert kept == pytest.approx([0.9894, 0.9585, 0.8455, 0.6328], abs=0.003)
+
+
+@pytest.mark.slow
+def test_a_filter_is_found_and_a_wrong_one_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bands stay within the stated uncertainty, but not with a gain that is 6 dB higher."""
+    rows = validate.rows_of(TABLE["synthetic-recording"], validate.synthetic_recording())
+    assert rows["holds"].all()
+    played = validate._played
+    monkeypatch.setattr(validate, "_played", lambda pressure: 2 * played(pressure))
+    gained = validate.rows_of(TABLE["synthetic-recording"], validate.synthetic_recording())
+    assert not gained.set_index("quantity")["holds"]["bands within 2 u"]
