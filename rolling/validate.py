@@ -7,6 +7,7 @@ truth and the origins of bounds. The function of a case has its name.
 from __future__ import annotations
 
 import math
+import os
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -76,7 +77,7 @@ def validate(names: Sequence[str], out: Path | None) -> int:
 
     Raises
     ------
-    FolderError : there is no such case, `out` is another file, or its folder is missing.
+    FolderError : there is no such case, `out` is another file, or its folder cannot be written.
     """
     content = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
     cases, out = content["cases"], out or PAGE
@@ -84,8 +85,8 @@ def validate(names: Sequence[str], out: Path | None) -> int:
         if name not in cases:
             near, listed = nearest(name, [*cases]), ", ".join([ALL, *cases])
             raise FolderError(f"CASE: got {name}{near}, allowed: {listed}")
-    if not out.parent.is_dir() or out.is_dir():
-        raise FolderError(f"--out: got {out}, allowed: a file in a folder that exists")
+    if out.is_dir() or not os.access(out.parent, os.W_OK):
+        raise FolderError(f"--out: got {out}, allowed: a file in a folder that can be written")
     if out.exists() and TITLE not in out.read_text(encoding="utf-8", errors="replace"):
         raise FolderError(f"{out}: exists and is no page of validation; take another --out")
     tables = {}
