@@ -13,31 +13,49 @@ Array = NDArray[np.float64]
 _LONGEST = 60  # letters of a value in words
 
 
-def real_array(name: str, values: Any, dimensions: int, gaps: bool = False) -> Array:
-    """Return values as an array of floats, finite but for gaps; raise ValueError for all else."""
-    allowed = f"allowed: an array of finite numbers in {dimensions} dimensions"
+def real_array(name: str, values: Any, dimensions: int | None, gaps: bool = False) -> Array:
+    """Return values as an array of floats, finite but for gaps; raise ValueError for all else.
+
+    Any number of dimensions is allowed where it is None.
+    """
+    allowed = "allowed: an array of finite numbers"
+    allowed += "" if dimensions is None else f" in {dimensions} dimensions"
     try:
-        if np.iscomplexobj(values):
-            raise TypeError
         if gaps and np.ma.isMaskedArray(values):
             values = np.ma.filled(values.astype(float), np.nan)
+        if np.asarray(values).dtype.kind not in "biuf":
+            raise TypeError
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: got {_short(values)}, {allowed}") from None
-    if array.ndim != dimensions or array.size == 0:
+    if dimensions not in (None, array.ndim) or array.size == 0:
         raise ValueError(f"{name}: got an array of shape {array.shape}, {allowed}")
-    if not (np.isfinite(array).any() if gaps else math.isfinite(float(np.sum(array)))):
-        raise ValueError(f"{name}: holds numbers that are not finite, {allowed}")
+    with np.errstate(all="ignore"):
+        total = float(np.sum(array))
+    if not (np.isfinite(array).any() if gaps else math.isfinite(total)):
+        raise ValueError(f"{name}: got numbers that are not finite, {allowed}")
     return array
 
 
 def positive(name: str, value: Any, most: float = math.inf) -> float:
     """Return a number as a float; raise ValueError unless it is above zero, and at most `most`."""
-    is_number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-    if not is_number or np.iscomplexobj(value) or not 0 < value <= most:
+    if not _is_real(value) or not 0 < value <= most:
         limit = f" and <= {most:g}" if most < math.inf else ""
         raise ValueError(f"{name}: got {_short(value)}, allowed: a number > 0{limit}")
     return float(value)
+
+
+def finite(name: str, value: Any) -> float:
+    """Return a finite number as a float; raise ValueError for all else."""
+    if not _is_real(value) or not math.isfinite(value):
+        raise ValueError(f"{name}: got {_short(value)}, allowed: a finite number")
+    return float(value)
+
+
+def _is_real(value: Any) -> bool:
+    """Tell whether a value is a real number, not an array or a truth value."""
+    kinds = int | float | np.integer | np.floating
+    return isinstance(value, kinds) and not isinstance(value, bool)
 
 
 def instance(name: str, value: Any, *kinds: type) -> None:

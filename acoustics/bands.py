@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, positive, real_array
 
 # Nominal mid frequencies of IEC 61260-1:2014. They name the bands; they are not used to calculate.
 # fmt: off
@@ -48,6 +48,11 @@ def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Ar
     array (31,), same unit
         Mean square per band; a band without a line holds 0.
 
+    Raises
+    ------
+    ValueError
+        The frequencies are no finite numbers, or not as many as the mean squares.
+
     References
     ----------
     IEC 61260-1:2014, 5.4 and 5.6, for mid and edge frequencies.
@@ -59,10 +64,14 @@ def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Ar
     >>> float(bands[BAND_NAMES.index("1000")]), float(bands.sum())
     (3.0, 7.0)
     """
-    band = np.searchsorted(EDGES_HZ, frequency_hz, side="right") - 1
+    lines = real_array("frequency_hz", frequency_hz, 1)
+    weights = real_array("line_mean_square", line_mean_square, 1, gaps=True)
+    if weights.shape != lines.shape:
+        got = f"got an array of shape {weights.shape}"
+        raise ValueError(f"line_mean_square: {got}, allowed: that of frequency_hz, {lines.shape}")
+    band = np.searchsorted(EDGES_HZ, lines, side="right") - 1
     inside = (band >= 0) & (band < len(NOMINAL_HZ))
-    weights = np.asarray(line_mean_square)[inside]
-    sums = np.bincount(band[inside], weights=weights, minlength=len(NOMINAL_HZ))
+    sums = np.bincount(band[inside], weights=weights[inside], minlength=len(NOMINAL_HZ))
     return np.asarray(sums, dtype=float)
 
 
@@ -90,7 +99,9 @@ def band_uncertainty_db(duration_s: float) -> Array:
     >>> round(float(band_uncertainty_db(1.0)[BAND_NAMES.index("1000")]), 2)
     0.29
     """
-    return np.asarray(10.0 / np.log(10.0) / np.sqrt(BANDWIDTH_HZ * duration_s))
+    return np.asarray(
+        10.0 / np.log(10.0) / np.sqrt(BANDWIDTH_HZ * positive("duration_s", duration_s))
+    )
 
 
 def reliable(duration_s: float) -> NDArray[np.bool_]:
@@ -111,4 +122,4 @@ def reliable(duration_s: float) -> NDArray[np.bool_]:
     >>> BAND_NAMES[first]
     '50'
     """
-    return np.asarray(BANDWIDTH_HZ * duration_s >= LEAST_BT)
+    return np.asarray(BANDWIDTH_HZ * positive("duration_s", duration_s) >= LEAST_BT)

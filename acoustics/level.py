@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics.arrays import Array, short_repr
+from acoustics.arrays import Array, finite, positive, short_repr
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import resample_closed
-from acoustics.spectrum import line_spectrum
+from acoustics.spectrum import checked_record, line_spectrum
 from acoustics.weighting import a_weighting_db
 
 # A part 200 dB below the record counts as rounding. Transforms leave -300 dB, or -200 dB of a
@@ -80,8 +80,8 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
     Raises
     ------
     ValueError
-        If the mean square is not finite: a fault upstream must pass neither as silence nor as a
-        level.
+        If the mean square is not finite, or the reference not above 0: a fault upstream must pass
+        neither as silence nor as a level.
 
     References
     ----------
@@ -93,8 +93,8 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
     >>> round(level_db(1.0), 2), level_db(0.0)
     (93.98, None)
     """
-    if not math.isfinite(mean_square):
-        raise ValueError(f"the mean square is not a finite number ({mean_square})")
+    finite("mean_square", mean_square)
+    positive("reference", reference)
     return 10.0 * (math.log10(mean_square) - math.log10(reference)) if mean_square > 0.0 else None
 
 
@@ -135,6 +135,7 @@ def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
 
 def a_weighted_rms(pressure_pa: Array, sample_rate_hz: float) -> float:
     """Return the A-weighted rms of the whole record, in its unit; 0 if it is only rounding."""
+    pressure_pa = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
     frequency_hz, mean_square = line_spectrum(pressure_pa, sample_rate_hz)
     weighted = _a_weighted(frequency_hz, mean_square).sum()
     return math.sqrt(_above_rounding(weighted, mean_square.sum()))
@@ -204,8 +205,10 @@ def sound_levels(
     >>> round(levels.third_octave_db["1000"], 2)
     93.98
     """
+    pressure_pa = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
     frequency_hz, mean_square = line_spectrum(pressure_pa, sample_rate_hz)
     weighted = _a_weighted(frequency_hz, mean_square)
+    highest_hz = positive("highest_hz", highest_hz)
     whole = float(mean_square.sum())
     if whole < _SILENCE:
         nothing = dict.fromkeys(BAND_NAMES)

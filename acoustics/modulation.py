@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics.arrays import Array, short_repr
+from acoustics.arrays import Array, positive, real_array, short_repr
 from acoustics.bands import EDGES_HZ, third_octave_mean_square
 from acoustics.spectrum import checked_record, line_spectrum
 from acoustics.weighting import a_weighting_db
@@ -104,7 +105,7 @@ def modulated_octave(
     power = _octave_power(signal, sample_rate_hz)[::OCTAVE]
     bands = [(float(EDGES_HZ[k]), float(EDGES_HZ[k + OCTAVE])) for k in range(0, 30, OCTAVE)]
     least = power.max() * 10 ** (-FAINT_DB / 10)
-    wide = (MULTIPLES + 1) * frequency_hz
+    wide = (MULTIPLES + 1) * positive("frequency_hz", frequency_hz)
     loud = [band for band, own in zip(bands, power, strict=True) if own > least]
     heard = [(low, high) for low, high in loud if high - low > wide]
 
@@ -155,6 +156,14 @@ def _octave_power(signal: Array, sample_rate_hz: float) -> Array:
     return np.convolve(power, np.ones(OCTAVE), "valid")
 
 
+def _edges(band_hz: Sequence[float]) -> tuple[float, float]:
+    """Return the edges of a band [Hz]; raise ValueError unless they rise from 0 Hz."""
+    edges = real_array("band_hz", band_hz, 1)
+    if len(edges) != 2 or not 0 <= edges[0] < edges[1]:
+        raise ValueError(f"band_hz: got {band_hz}, allowed: two edges that rise from 0 Hz")
+    return float(edges[0]), float(edges[1])
+
+
 def envelope_spectrum(
     signal: Array,
     sample_rate_hz: float,
@@ -199,9 +208,7 @@ def envelope_spectrum(
     0.5
     """
     record = checked_record(signal, sample_rate_hz)
-    low, high = loudest_octave(signal, sample_rate_hz) if band_hz is None else band_hz
-    if not 0 <= low < high:
-        raise ValueError(f"band_hz: got ({low:g}, {high:g}), allowed: edges that rise from 0 Hz")
+    low, high = loudest_octave(signal, sample_rate_hz) if band_hz is None else _edges(band_hz)
     count = len(record)
     frequency = np.fft.rfftfreq(count, 1 / sample_rate_hz)
     analytic = np.zeros(count, dtype=complex)

@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, finite, positive, real_array
 
 P_REF_PA = 20e-6  # reference sound pressure in air
 I_REF_W_M2 = 1e-12  # reference intensity
 RHO_C = 413.3  # characteristic impedance of air at 20 C, Pa s/m
 AIR_KG_M3 = 1.204  # density of air at 20 C
+_MOST = 1e300  # of a factor
 SOUND_M_S = 343.2  # speed of sound in air at 20 C
 
 
@@ -45,7 +46,8 @@ def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
     >>> round(float(intensity(1.0, 1.0)), 5)
     0.07958
     """
-    return q * np.asarray(power_w, dtype=float) / (4.0 * np.pi * distance_m**2)
+    power = finite("q", q) * real_array("power_w", power_w, None)
+    return np.asarray(power / (4.0 * np.pi * positive("distance_m", distance_m) ** 2))
 
 
 def sound_pressure(
@@ -72,7 +74,7 @@ def sound_pressure(
     Raises
     ------
     ValueError
-        If the gain is not a positive number.
+        If the gain is not a positive number, or the fluctuation no array of finite numbers.
 
     References
     ----------
@@ -85,11 +87,9 @@ def sound_pressure(
     >>> [round(float(value), 4) for value in pressure]
     [0.0203, -0.0203]
     """
-    fluctuation = np.asarray(intensity_fluctuation, dtype=float)
+    fluctuation = real_array("intensity_fluctuation", intensity_fluctuation, 1)
     if gain_pa_per_w_m2 is not None:
-        if not 0.0 < gain_pa_per_w_m2 < np.inf:
-            raise ValueError(f"gain_pa_per_w_m2 must be a positive number, got {gain_pa_per_w_m2}")
-        factor = float(gain_pa_per_w_m2)
+        factor = positive("gain_pa_per_w_m2", gain_pa_per_w_m2, _MOST)
     else:
         rms = float(np.sqrt(np.mean(np.square(fluctuation))))
         factor = float(np.sqrt(RHO_C / rms)) if rms > 0.0 else 0.0

@@ -55,7 +55,7 @@ class Psd:
     enbw_hz: float
 
 
-def checked_record(record: ArrayLike, sample_rate_hz: float) -> Array:
+def checked_record(record: ArrayLike, sample_rate_hz: float, name: str = "signal") -> Array:
     """Return a record (n,) as an array of floats; refuse others, and rates that are not positive.
 
     Raises
@@ -65,7 +65,7 @@ def checked_record(record: ArrayLike, sample_rate_hz: float) -> Array:
         sample rate is not above 0.
     """
     positive("sample_rate_hz", sample_rate_hz)
-    return real_array("record", record, 1)
+    return real_array(name, record, 1)
 
 
 def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:

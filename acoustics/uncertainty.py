@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics.arrays import Array, short_repr
+from acoustics.arrays import Array, instance, positive, real_array, short_repr
 from acoustics.bands import BANDWIDTH_HZ, third_octave_mean_square
 from acoustics.level import FAST_S, SLOW_S, SoundLevels, a_weighted
-from acoustics.spectrum import line_spectrum
+from acoustics.spectrum import checked_record, line_spectrum
 from acoustics.weighting import a_weighting_db
 
 _DB = 10.0 / math.log(10.0)
@@ -123,6 +123,9 @@ def level_uncertainty(
     >>> round(spread.level_db, 2), round(spread.third_octave_db["1000"], 2)
     (0.03, 0.29)
     """
+    pressure_pa = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
+    instance("levels", levels, SoundLevels)
+    laps = positive("laps", laps)
     if levels.level_db is None:
         return LevelUncertainty(None, None, None, None, None, dict.fromkeys(levels.third_octave_db))
     frequency_hz, z = line_spectrum(pressure_pa, sample_rate_hz)
@@ -245,10 +248,11 @@ def kurtosis(record: Array) -> float:
     >>> round(kurtosis(np.sin(2 * np.pi * np.arange(100) / 100)), 6)
     1.5
     """
-    largest = float(np.max(np.abs(record), initial=0.0))
+    record = real_array("record", record, 1)
+    largest = float(np.max(np.abs(record)))
     if largest == 0.0:
         return math.nan
-    square = np.square(np.asarray(record) / largest)  # the fourth power of a pascal may underflow
+    square = np.square(record / largest)  # the fourth power of a pascal may underflow
     return float(np.mean(np.square(square)) / np.mean(square) ** 2)
 
 
@@ -280,10 +284,11 @@ def kurtosis_uncertainty(record: Array) -> float:
     >>> round(kurtosis_uncertainty(noise), 2)  # sqrt(24/2400)
     0.1
     """
-    largest = float(np.max(np.abs(record), initial=0.0))
+    record = real_array("record", record, 1)
+    largest = float(np.max(np.abs(record)))
     if largest == 0.0:
         return math.nan
-    power = np.square(np.abs(np.fft.rfft(np.asarray(record) / largest)))
+    power = np.square(np.abs(np.fft.rfft(record / largest)))
     correlation = np.fft.irfft(power, len(record))
     fourth = np.square(np.square(correlation / correlation[0]))
     return math.sqrt(24.0 * float(np.mean(fourth)))

@@ -265,7 +265,7 @@ def live(runs: Run | Sequence[Run]) -> Any:
             file.write(page(shown))
         path = Path(file.name)
     if terminal.in_notebook():
-        from IPython.display import IFrame  # type: ignore[import-not-found, unused-ignore]
+        from IPython.display import IFrame
 
         content = base64.b64encode(path.read_bytes()).decode()
         return IFrame(f"data:text/html;base64,{content}#{PLAY_IT}", width="100%", height=900)

@@ -123,7 +123,6 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
     return hertz_radius(load, radius, contact_modulus) ** 2 / radius
 
 
-@lru_cache(maxsize=64)
 def hertz_ellipse(radius: float, radius_across: float) -> tuple[float, float, float]:
     """Return the sphere that bears a load like a body of two radii, and the shape of its contact.
 
@@ -154,7 +153,12 @@ def hertz_ellipse(radius: float, radius_across: float) -> tuple[float, float, fl
     >>> f"{equivalent:.4f} m, {along:.4f}, {across:.4f}"
     '0.3743 m, 1.1472, 0.8629'
     """
-    radius, radius_across = positive("radius", radius), positive("radius_across", radius_across)
+    return _ellipse(positive("radius", radius), positive("radius_across", radius_across))
+
+
+@lru_cache(maxsize=64)
+def _ellipse(radius: float, radius_across: float) -> tuple[float, float, float]:
+    """Return the sphere and the factors of `hertz_ellipse` for valid radii."""
     if radius == radius_across:
         return radius, 1.0, 1.0
     from scipy.optimize import brentq  # slow to import, for two radii only

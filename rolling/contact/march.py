@@ -61,7 +61,9 @@ def march(
         The load is above capacity, the contact is wider than the surface, or a solve did not
         converge; the message has the position.
     TypeError
-        The contact or the half-space is of another type.
+        The contact or the half-space is of another type, or a position is no whole number.
+    ValueError
+        The half-space has another spacing or modulus than the contact.
 
     Examples
     --------
@@ -82,6 +84,12 @@ def march(
     """
     instance("contact", contact, RollingContact)
     instance("half_space", half_space, HalfSpace)
+    for name, position in (("first", first), ("last", last)):
+        instance(name, position, int, np.integer)
+    for name in ("spacing", "contact_modulus", "subcells"):
+        got, own = getattr(half_space, name), getattr(contact, name)
+        if got != own:
+            raise ValueError(f"half_space: got {name} {got:g}, allowed: that of contact, {own:g}")
     _refuse_the_impossible(contact)
     state: ContactState | None = None
     before: ContactState | None = None

@@ -277,8 +277,13 @@ def solve_contact(
     gap, load = real_array("gap", gap, 2), positive("load", load)
     hardness, tolerance = positive("hardness", hardness), positive("tolerance", tolerance, 1.0)
     shape = None if shape is None else real_array("shape", shape, 2)
-    pressure = None if start is None else start.pressure
-    for name, array in (("start.pressure", pressure), ("shape", shape)):
+    given = {"shape": shape}
+    if start is not None:
+        given["start.pressure"] = pressure = real_array("start.pressure", start.pressure, 2)
+        if (deflection := start.deflection) is not None:
+            given["start.deflection"] = deflection = real_array("start.deflection", deflection, 2)
+        start = replace(start, pressure=pressure, deflection=deflection)
+    for name, array in given.items():
         if array is not None and array.shape != gap.shape:
             allowed = f"allowed: the shape of gap, {gap.shape}"
             raise ValueError(f"{name}: got an array of shape {array.shape}, {allowed}")

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from acoustics.arrays import Array, positive, real_array
+from acoustics.arrays import Array, finite, positive, real_array
 from rolling.contact import _window_kernels
 
 
@@ -180,10 +180,25 @@ class RollingContact:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "heights", real_array("heights", self.heights, 2))
-        for name in ("spacing", "radius", "contact_modulus", "hardness", "load", "tolerance"):
+        for name in (
+            "spacing",
+            "radius",
+            "contact_modulus",
+            "hardness",
+            "load",
+            "step",
+            "tolerance",
+        ):
             positive(name, getattr(self, name))
         if self.radius_across is not None:
             positive("radius_across", self.radius_across)
+        finite("start", self.start)
+        if type(self.subcells) is not int or self.subcells < 1:
+            raise ValueError(f"subcells: got {self.subcells!r}, allowed: a whole number > 0")
+        if self.loads is not None:
+            loads = real_array("loads", self.loads, 1)
+            positive("loads", loads.min())
+            object.__setattr__(self, "loads", loads)
 
     @cached_property
     def maxima(self) -> Maxima:

@@ -232,7 +232,7 @@ class Run:
         player : IPython.display.Audio, or None.
         """
         if progress.in_notebook():
-            from IPython.display import Audio  # type: ignore[import-not-found, unused-ignore]
+            from IPython.display import Audio
 
             record, _ = listening.heard(self)
             samples = record * wav.listening_gain(record)

@@ -177,7 +177,7 @@ class Plate(Section):
 
     @property
     def contact_ends_mm(self) -> dict[str, tuple[float, float]]:
-        """Contact point, and the other end of its path if it moves, [x, y] [mm] by key."""
+        """Contact point (x, y) by key, and the other end of its path if it moves [mm]."""
         if self.edges_mm is None:
             return {}
         default = CONTACT_AT[0] * self.edges_mm[0], CONTACT_AT[1] * self.edges_mm[1]

@@ -147,6 +147,14 @@ def test_the_mark_of_a_run_shows_inside_its_diamond_and_hatches_name_their_run()
     assert len({(x.get_hatch(), x.get_edgecolor()) for x in ax.patches if x.get_hatch()}) == 2
 
 
+def test_the_surface_of_a_scene_is_drawn_without_a_run(three) -> None:
+    """The same picture as that of a run of the scene; a path is refused."""
+    drawn = [plot.surface(source).images[0].get_array() for source in (three[0], three[0].scene)]
+    np.testing.assert_array_equal(*drawn)
+    with pytest.raises(TypeError, match="allowed: Run or Scene"):
+        plot.surface("quickstart.yaml")
+
+
 def test_plots_that_a_run_cannot_have_say_why(three) -> None:
     for draw in (plot.sources, plot.contact_force, plot.mobilities):
         with pytest.raises(ValueError, match="no dynamics"):

@@ -148,7 +148,7 @@ def test_keys_play_the_ball(playing) -> None:
         until(page, "document.querySelector('#play-flight').textContent.includes('mm high')")
         page.keyboard.press("Home")
         assert keys(page) == {"rolling": {"speed_m_s": 0.1}, "sweep": {}}
-        assert "rolls at 0.1 m/s" in page.get_attribute("#play-stage", "aria-valuetext")
+        until(page, "document.querySelector('[aria-valuetext*=\"rolls at 0.1 m/s\"]')")
         page.keyboard.press("d")
         set_slider(page, "dropHeight", 0)
         assert keys(page)["rolling"] == {"speed_m_s": 0.1, "drop_mm": None}
