@@ -97,7 +97,7 @@ def test_bands_above_what_was_simulated_are_unknown():
 
 
 def test_a_fault_is_not_silence():
-    with pytest.raises(ValueError, match="mean_square: got .* a finite number"):
+    with pytest.raises(ValueError, match=r"mean_square: got .* a finite number"):
         level_db(math.nan)
     with pytest.raises(ValueError, match="finite"):
         sound_levels(np.array([0.0, math.inf]), RATE)
@@ -130,5 +130,8 @@ def test_peak_between_the_samples_is_found_to_what_is_said():
 
 
 def test_a_size_whose_square_is_no_number_is_refused():
-    with np.errstate(all="ignore"), pytest.raises(ValueError, match="mean_square: got .* a finite number"):
+    with (
+        np.errstate(all="ignore"),
+        pytest.raises(ValueError, match=r"mean_square: got .* a finite number"),
+    ):
         sound_levels(np.array([0.0, 1e200, -1e200, 0.0]), RATE)

@@ -57,5 +57,5 @@ def test_silence():
 
 @pytest.mark.parametrize("gain", [0.0, -1.0, math.inf, math.nan])
 def test_a_gain_is_a_positive_number(gain):
-    with pytest.raises(ValueError, match="gain_pa_per_w_m2: got .* a number > 0"):
+    with pytest.raises(ValueError, match=r"gain_pa_per_w_m2: got .* a number > 0"):
         sound_pressure(NOISE, gain)
