@@ -16,7 +16,7 @@ _LONGEST = 60  # letters of a value in words
 def real_array(name: str, values: Any, dimensions: int | None, gaps: bool = False) -> Array:
     """Return values as an array of floats, finite but for gaps; raise ValueError for all else.
 
-    Any number of dimensions is allowed where it is None.
+    Any number of dimensions is allowed where it is None, and an array without numbers.
     """
     allowed = "allowed: an array of finite numbers"
     allowed += "" if dimensions is None else f" in {dimensions} dimensions"
@@ -28,7 +28,7 @@ def real_array(name: str, values: Any, dimensions: int | None, gaps: bool = Fals
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: got {_short(values)}, {allowed}") from None
-    if dimensions not in (None, array.ndim) or array.size == 0:
+    if dimensions is not None and (array.ndim != dimensions or array.size == 0):
         raise ValueError(f"{name}: got an array of shape {array.shape}, {allowed}")
     with np.errstate(all="ignore"):
         total = float(np.sum(array))

@@ -64,6 +64,8 @@ def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Ar
     >>> float(bands[BAND_NAMES.index("1000")]), float(bands.sum())
     (3.0, 7.0)
     """
+    if isinstance(frequency_hz, np.ndarray) and frequency_hz.size == 0 == np.size(line_mean_square):
+        return np.zeros(len(NOMINAL_HZ))  # no line is audible
     lines = real_array("frequency_hz", frequency_hz, 1)
     weights = real_array("line_mean_square", line_mean_square, 1, gaps=True)
     if weights.shape != lines.shape:

@@ -438,7 +438,7 @@ def synthetic_recording() -> Figures:
         table = _compared(run, _played(others), np.random.default_rng(number))
         is_band, frequency = table["quantity"] == "third octave", table["frequency_hz"]
         gain = _gain_db(frequency)
-        power = 10 ** ((table["run_db"] + a_weighting_db(frequency))[is_band] / 10)
+        power = 10 ** ((table["run_db"][is_band] + a_weighting_db(frequency[is_band])) / 10)
         change = 10 * np.log10((power * 10 ** (gain[is_band] / 10)).sum() / power.sum())  # of LAeq
         table = table.assign(run=number, gain=np.where(is_band, gain, change))
         tables.append(table[table["quantity"] != "modulation"].fillna({"frequency_hz": 0}))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import io
+import os
 import re
 from pathlib import Path
 
@@ -22,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 TUTORIALS = ROOT / "docs" / "tutorials"
 KEPT = ROOT / "build" / "tutorials"
 SOURCES = ("rolling/**/*.py", "acoustics/**/*.py", "scenarios/**/*.yaml", "constraints.txt")
+INLINE = "module://matplotlib_inline.backend_inline"  # pictures as outputs, whatever is set outside
 TIMEOUT_S = 900  # of a cell: the first one of a fresh clone compiles the solver
 SOUND = re.compile(r'src="data:audio/wav;base64,([^"]+)"')
 
@@ -57,7 +59,7 @@ def _run(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
     client = nbclient.NotebookClient(
         notebook, timeout=TIMEOUT_S, resources=place, extra_arguments=["--log-level=ERROR"]
     )
-    return client.execute()
+    return client.execute(env={**os.environ, "MPLBACKEND": INLINE})
 
 
 def page(notebook: nbformat.NotebookNode, stem: str) -> tuple[str, dict[str, bytes]]:

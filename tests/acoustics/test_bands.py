@@ -50,6 +50,11 @@ def test_bands_add_up_to_the_lines(n, rate, seed):
     )
 
 
+def test_no_lines_have_no_power():
+    """A record of a few samples may have no audible line."""
+    assert not third_octave_mean_square(np.zeros(0), np.zeros(0)).any()
+
+
 def test_a_line_on_an_edge_belongs_to_the_band_above():
     power = third_octave_mean_square(EDGES_HZ, np.arange(32.0))
     assert np.array_equal(power, np.arange(31.0))  # the last edge is outside

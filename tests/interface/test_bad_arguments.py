@@ -110,7 +110,7 @@ def acceptable(value: Any) -> bool:
     """Tell whether a value is a finite real number, or an array of such numbers."""
     try:
         array = np.asarray(value)
-        return array.dtype.kind in "fiu" and array.size > 0 and bool(np.isfinite(array).all())
+        return array.dtype.kind in "fiu" and bool(np.isfinite(array).all())
     except ValueError:
         return False
 
