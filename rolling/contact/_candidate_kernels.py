@@ -23,21 +23,21 @@ WIDE = 40_000  # nodes; smaller grids stay in the cache, where strips save nothi
 STEEPEST = 100.0
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def or_line(line, out):
     """Add the bits of a line to those of another line."""
     for k in range(out.size):
         out[k] |= line[k]
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def mark_low(p, g, highest, marks):
     """Mark the nodes that are loaded or lie lower than `highest` [m]."""
     for k in range(p.size):
         marks[k] = (p[k] > 0.0) | (g[k] < highest)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def mark_neighbours(marks, row, near):
     """Mark the marked nodes of a window with rows of `row` nodes, and the neighbours of each."""
     nodes = near.size
@@ -86,13 +86,13 @@ def candidates(p, g, highest, neighbours, subcells, node):
     return count, row, column, whole(last_row - row, subcells), whole(across[-1] - column, subcells)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def whole(last, subcells):
     """Return the number of sub-cells in the cells from the first sub-cell, 0, to the last."""
     return (last // subcells + 1) * subcells
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def list_strips(place, rows, row, strips):
     """List the nodes near the candidates as strips of a grid that is passed as one long row.
 
@@ -172,7 +172,7 @@ def take_edges(node, edge, between_nodes, numbers, vectors, place, left):
         left[place[a]] = 1.0 / (1.0 + compliance * stiffness)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def half_range(along, across, levelled):
     """Return half of the range [m] of the gap over a cell, from its differences over two cells.
 
@@ -200,7 +200,7 @@ def cell_ranges(shape, u, levelled, out):
         ranges_of_line(*before, *after, *left, *right, levelled, out[i, 1:-1])
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def ranges_of_line(
     z_before, u_before, z_after, u_after, z_left, u_left, z_right, u_right, levelled, out
 ):
@@ -213,7 +213,7 @@ def ranges_of_line(
         out[k] = half if known else 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def move_edges(system, slack):
     """Move the edges of the candidates to the place that the present gaps give them.
 

@@ -15,7 +15,7 @@ import numpy as np
 from rolling.contact.compiling import njit
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def sum_of(values):
     """Return the sum of values."""
     total = 0.0
@@ -60,7 +60,7 @@ def project(p, g, approach, trial, sets, limits, d):
     return slope_and_longest_step(p, g, approach, sets, hardness, d)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def find_shift(trial, sets, target, limits):
     """Find the shift [Pa] of the free trial pressures that makes them carry `target` [Pa].
 
@@ -101,7 +101,7 @@ def find_shift(trial, sets, target, limits):
     return shift
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def restore_load(trial, g, sets, target, limits):
     """Spread the load that rounding of the shift has lost over the free nodes.
 
@@ -133,7 +133,7 @@ def restore_load(trial, g, sets, target, limits):
             trial[nearest] = min(max(trial[nearest] + error, 0.0), hardness)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def slope_and_longest_step(p, g, approach, sets, hardness, d):
     """Return the slope of the energy along d [Pa m] and the maximum step length.
 
@@ -185,7 +185,7 @@ def settle_load(p, g, limits, trace):
 MAXIMA = 256  # maxima that are found at a time
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def sum_inside(p, values, hardness):
     """Return the number of pressures between the bounds, and the sum of their values."""
     inside, total = 0.0, 0.0
@@ -196,7 +196,7 @@ def sum_inside(p, values, hardness):
     return inside, total
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def middle_of_bounds(p, g, hardness):
     """Return the middle of the interval over which the approach is free [m].
 
@@ -224,7 +224,7 @@ def approach_of(p, g, hardness):
     return total / inside if inside else middle_of_bounds(p, g, hardness)
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def raise_maxima(p, g, approach, hardness, maxima):
     """Raise maxima to the violations [m] of the contact conditions by as many nodes."""
     for k in range(maxima.size):
@@ -245,7 +245,7 @@ def worst_and_load(p, g, approach, hardness):
     return maxima.max(), sum_of(p)
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def deform(gap, u, p, edge, hardness, g):
     """Set g to the deformed gaps; return how many of them are not a number.
 

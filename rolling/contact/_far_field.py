@@ -186,14 +186,14 @@ ENOUGH = 1e-3
 ITERATIONS = 100
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def add_line(factor, line, out):
     """Add a multiple of a line to another line."""
     for k in range(out.size):
         out[k] += factor * line[k]
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def add_four_lines(factors, line, out):
     """Add multiples of the four lines that begin at the fourth, third, second and first number."""
     a, b, c, d = factors
@@ -202,7 +202,7 @@ def add_four_lines(factors, line, out):
         out[k] += (a * line[k + three] + b * line[k + two]) + (c * line[k + one] + d * line[k])
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def share_line(share, line, here, below):
     """Add a line to two lines, a share of it to the one below."""
     for k in range(line.size):
@@ -211,7 +211,7 @@ def share_line(share, line, here, below):
         below[k] += part
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def share_sum(shares, line):
     """Return the sum of a line without its shares, and that of its shares."""
     whole, part = np.float32(0.0), np.float32(0.0)
@@ -221,20 +221,20 @@ def share_sum(shares, line):
     return whole - part, part
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def shares_of(tile):
     """Return the share of the next coarse node at each node of a tile."""
     return (np.arange(tile) / tile).astype(np.float32)
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def add_lines(first, line, second, other, out):
     """Add multiples of two lines to a third line."""
     for k in range(out.size):
         out[k] += first * line[k] + second * other[k]
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def restrict(values, tile, row_length, out):
     """Sum values of the nodes (rows, columns) on the coarse grid, with bilinear weights.
 
@@ -256,7 +256,7 @@ def restrict(values, tile, row_length, out):
         below[:] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def prolong(field, factor, tile, row_length, out):
     """Add a multiple of the bilinear interpolation of a flat coarse grid to the nodes."""
     rows, row = out.shape
@@ -273,7 +273,7 @@ def prolong(field, factor, tile, row_length, out):
         here, below = below, here
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def field_of(loads, table, out):
     """Set `out` to the far field of loads, both flat on the coarse grid.
 
@@ -292,7 +292,7 @@ def field_of(loads, table, out):
             add_four_lines(four, table[middle - k - 3 :], out)
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def mark_free(strips, change, gap, low, high, softening, out):
     """Set `out` to 1 at nodes that the model leaves between their bounds, else to 0.
 
@@ -307,7 +307,7 @@ def mark_free(strips, change, gap, low, high, softening, out):
             out[k] = share if low[k] < closing < high[k] else np.float32(0.0)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def mean_of(weights, values):
     """Return the weighted mean of values on the coarse grid."""
     total, sum_of_weights = 0.0, 0.0
@@ -317,7 +317,7 @@ def mean_of(weights, values):
     return total / sum_of_weights
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def answer(far):
     """Set the far field to that of the loads and of the answer of all free nodes [Pa].
 

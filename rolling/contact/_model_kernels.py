@@ -29,7 +29,7 @@ LAST_SWEEPS = 1
 JUMPS = 48
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def fill(model, nodes, hardness, approach):
     """Set the grid to the state of the nodes; return the maximum violation [m] and the load."""
     p, g, place, stiffness = nodes.p, nodes.g, model.node, model.stiffness
@@ -44,7 +44,7 @@ def fill(model, nodes, hardness, approach):
     return worst_and_load(p, g, approach, hardness)
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def add_changes(p, u, p_before, u_before, stiffness, changed, opened):
     """Set a line of the grid to the changes of pressure; add those of deflection to the gaps."""
     for k in range(changed.size):
@@ -91,7 +91,7 @@ def extrapolate(model, nodes, hardness, present, p, u, before, block, pressure, 
     return present + approach_of(pressure, height, hardness)
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def first_moves(strips, change, gap, low, high, softening, moved):
     """Begin the sweeps: set the moves of the gaps, and `gap` to the change that would close it."""
     for i in range(strips.shape[0]):
@@ -102,7 +102,7 @@ def first_moves(strips, change, gap, low, high, softening, moved):
             gap[k] = closing
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def sum_rows(strips, moved, row, values, middle, side, second):
     """Sum the moves along each column of the stencil: its middle, its sides, its second sides.
 
@@ -118,7 +118,7 @@ def sum_rows(strips, moved, row, values, middle, side, second):
             second[k] = d * moved[k] + e * once + f * twice
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def next_moves(strips, middle, side, second, low, high, softening, closing, moved):
     """Set the next moves of the gaps, by the sums along the columns of the stencil.
 
@@ -139,7 +139,7 @@ def next_moves(strips, middle, side, second, low, high, softening, closing, move
             moved[k] = (min(max(soft_after, low[k]), high[k]) - after) - gap_before
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def last_moves(strips, middle, side, second, low, high, softening, change, gap):
     """End the sweeps: set the changes of pressure and the gaps."""
     one, two = np.uint64(1), np.uint64(2)
@@ -190,13 +190,13 @@ def settle_model(model, sweeps):
         model.gap[i, row - 2] = model.gap[i, row - 1] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def know_far_field(model, far):
     """Take the far field of the changes so far as known: the gaps have it already."""
     restrict(model.change, far.tile, far.row_length, far.known)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def add_far_field(model, far, unit):
     """Add the far field to the gaps: that of the changes and of the answer of all free nodes.
 
@@ -211,7 +211,7 @@ def add_far_field(model, far, unit):
     prolong(far.field, np.float32(unit * model.stiffness), far.tile, far.row_length, model.gap)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def settle(system, sweeps):
     """Settle the model by so many sweeps, its far field, and the last sweeps."""
     settle_model(system.model, sweeps)
@@ -219,7 +219,7 @@ def settle(system, sweeps):
     settle_model(system.model, LAST_SWEEPS)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def sort_nodes(system):
     """List the free nodes and those that go to a bound, as the model says.
 
@@ -252,7 +252,7 @@ def sort_nodes(system):
     return free, bound
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def jump(system, free, bound):
     """Put the bound nodes on their bound at once, and add the deflection by each to the gaps.
 
@@ -274,7 +274,7 @@ def jump(system, free, bound):
             g[k] += change * coefficients[from_b + np.int64(place[k])]
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def list_inside(p, hardness, active):
     """List the nodes between the bounds in `active`; return their number."""
     free = 0
@@ -285,7 +285,7 @@ def list_inside(p, hardness, active):
     return free
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def model_direction(system, approach, last, free, bound):
     """Find the feasible direction to the targets, conjugate to the last direction.
 
@@ -322,7 +322,7 @@ def model_direction(system, approach, last, free, bound):
     return Direction(slope, longest, max(zr, 0.0), length), restarts
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def follow_model(system, approach, last, allowed, sweeps):
     """Find the next direction by the model, unless the violation is within `allowed` [m].
 

@@ -41,7 +41,7 @@ SHORTEST = 0.2
 SHARES = 0.1, 1.0
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def curvature_along(d, image, node, compliance):
     """Return the curvature of the energy along d, whose deflection is in the image [Pa m]."""
     curvature = 0.0
@@ -52,7 +52,7 @@ def curvature_along(d, image, node, compliance):
     return curvature
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def line_search(system, direction):
     """Return the step length alpha that minimizes the energy along d.
 
@@ -65,7 +65,7 @@ def line_search(system, direction):
     return -direction.slope / curvature if curvature > 0.0 else 1.0
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def take_step(system, length):
     """Add `length` times the direction to the pressures, and its deflection to the gaps.
 
@@ -83,7 +83,7 @@ def take_step(system, length):
         p[k] = v
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def find_residual(nodes, stencil, work, hardness, approach, snap):
     """Find the residual r and the nodes that may move.
 
@@ -133,7 +133,7 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
     return worst, free, bound
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def precondition(stencil, softening, work, free):
     """Set z to the inverse stencil of the half-space times the residual on the free nodes."""
     values, grid, place, row_length = stencil.values, stencil.grid, stencil.node, stencil.row_length
@@ -152,7 +152,7 @@ def precondition(stencil, softening, work, free):
         z[k] = total * softening[k] if softening.size else total
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def find_direction(nodes, stencil, work, limits, approach, free, bound, direction, plain):
     """Find the next feasible direction d by preconditioned, projected conjugate gradients.
 
@@ -205,7 +205,7 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
     return Direction(slope, longest, zr, length), restarts, plain_steps
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def scatter(transform, d):
     """Write the direction into the array of the transforms.
 
@@ -258,7 +258,7 @@ def advance(system, direction, nearly):
     return alpha
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def finish(system, approach, last, sweeps):
     """Take a last whole step by the model, which needs no convolution before the final check.
 
@@ -327,7 +327,7 @@ def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move, finish
     return (approach, worst, free, bound, restarts, plain_steps, 0.0), tuple_of(direction)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def tuple_of(direction):
     """Return the fields of a Direction, which cross to Python faster."""
     return direction.slope, direction.longest, direction.zr, direction.length

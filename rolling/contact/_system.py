@@ -170,7 +170,7 @@ class Packed(NamedTuple):
     lengths: tuple[int, int]  # tile and row length of the FarField
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def unpack(packed):
     """Return the System of the fields of a Packed, as a plain tuple."""
     vectors, indices, image, grids, model, strips, coarse = packed[:7]

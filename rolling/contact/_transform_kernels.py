@@ -24,7 +24,7 @@ from acoustics.arrays import Array
 from rolling.contact.compiling import njit
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def join(first, second, line):
     """Set the numbers of a complex line to two rows of nodes side by side."""
     for j in range(first.size):
@@ -105,13 +105,13 @@ def multiply(numbers, mean, difference, sines, cosines, halved):
                 other[k + 1], other[k] = there * c + across * a, there * d + across * b
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def place_of(frequency, length, halved):
     """Return the row of a frequency; the even ones come first where columns are halved."""
     return frequency // 2 + frequency % 2 * (length // 2) if halved else frequency
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def multiply_opposites(line, other, mean, difference, sine, cosine):
     """Multiply frequencies of a line, and the opposite ones, which `other` has from its end on.
 
@@ -132,14 +132,14 @@ def multiply_opposites(line, other, mean, difference, sine, cosine):
         other[opposite_real] = there * d + across * b
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def turn_line(line: Array, turn: complex, out: Array) -> None:
     """Set `out` to a line times a number."""
     for j in range(out.size):
         out[j] = turn * line[j]
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def turn_difference(line: Array, other: Array, turn: complex) -> None:
     """Replace two lines by their sum and by a multiple of their difference."""
     for j in range(line.size):
@@ -148,14 +148,14 @@ def turn_difference(line: Array, other: Array, turn: complex) -> None:
         other[j] = turn * difference
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def add_turned(line: Array, turn: complex, other: Array) -> None:
     """Add a multiple of another line to a line."""
     for j in range(line.size):
         line[j] += turn * other[j]
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def turn_apart(line: Array, turn: complex, other: Array) -> None:
     """Replace two lines by the sum and the difference of the first and a multiple of the second."""
     for j in range(line.size):

@@ -38,7 +38,7 @@ def undeformed_gap(heights, spacing, radius, radius_across, x, y, row, column, o
             node = 0
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def above(rise, rises, z, out):
     """Set `out` to the height of a row of the sphere above the plate."""
     for k in range(out.size):
@@ -109,7 +109,7 @@ def overlap_block(
     return first_row, last_row, columns[0], columns[1]
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def overlap_of_row(plate, sphere, i, columns):
     """Widen columns (first, last) to those of the nodes of row i whose gap is below the approach.
 
@@ -141,7 +141,7 @@ def overlap_of_row(plate, sphere, i, columns):
     return columns[0], max(last, columns[1])
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def search_row(row, rise, spacing, radius_across, y, begin, end, step):
     """Return the first node of a row from `begin` to `end` whose gap is below the approach.
 
@@ -194,7 +194,7 @@ def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
     return slope, curvature
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def shared(first, length, begin, end):
     """Return the part of a window from `first` on, so many nodes long, within `begin` to `end`."""
     low = min(max(first, begin), end)
@@ -215,7 +215,7 @@ def extrapolate(u, u_before, row, column, out):
         extrapolate_line(u[i, a:b], u_before[i - row, a - column : b - column], out[i, a:b])
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def extrapolate_line(values, before, out):
     """Set `out` to values and their change."""
     for k in range(out.size):
@@ -239,7 +239,7 @@ def copy_block(source, target, row_offset, column_offset):
 AT_ONCE = 16  # nodes whose sum tells whether any of them is loaded
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def sum_of_sizes(values):
     """Return the sum of absolute values."""
     total = 0.0
@@ -318,7 +318,7 @@ def measures(pressure, deflection, hardness, edge, levelled):
     return count, capped, maximum, work, first_row, last_row, first_column, last_column
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def measure_row(p, u, hardness):
     """Return the numbers of nodes in contact and at the hardness, max p, and the sum of p u."""
     count, capped, highest, work = 0.0, 0.0, 0.0, 0.0
@@ -330,7 +330,7 @@ def measure_row(p, u, hardness):
     return count, capped, highest, work
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def shares_of_row(p, edge, hardness, levelled):
     """Return the number of cells that edges cross, and of them in contact and at the hardness."""
     crossing, in_contact, capped = 0.0, 0.0, 0.0
@@ -378,7 +378,7 @@ def node_work(old, offset, new, left_end, cell, work):
     return release, loading
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def row_work(old, new, left_end, cell, work):
     """Set the work of a row of nodes as `node_work` does; return its sums."""
     p_old, u_old = old

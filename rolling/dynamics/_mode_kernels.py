@@ -58,7 +58,7 @@ def set_shapes(point, bodies, shape):
     shape[i:] = bodies.reach[i:]
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def free_modes(shape, bodies, elastic, kinetic):
     """Return displacement, its fall in a step without a force [m], and compliance [m/N]."""
     fall, turn = bodies.fall, bodies.turn
@@ -70,7 +70,7 @@ def free_modes(shape, bodies, elastic, kinetic):
     return start, back, compliance
 
 
-@njit(cache=True, fused=True)
+@njit(cache=True, fused=True, inner=True)
 def move_modes(force, shape, bodies, elastic, kinetic):
     """Move the modes by a step under a constant force [N]."""
     fall, turn, keep = bodies.fall, bodies.turn, bodies.keep

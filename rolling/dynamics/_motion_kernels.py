@@ -57,7 +57,7 @@ class State(NamedTuple):
     modes: Array = np.zeros((2, 0))  # Q and P of each mode [J^0.5], (2, modes)
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def law_at(position, table, law):
     """Set `law` to approach at lift-off and slopes g at a position, by cubics of Hermite."""
     intervals = table.values.shape[0] - 1
@@ -82,7 +82,7 @@ def laws_at(position, table, laws):
         law_at(position[i], table, laws[i])
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def set_pieces(law, table, pieces):
     """Set `pieces` to the polynomials of a law at a place."""
     last = pieces.shape[0] - 1
@@ -102,7 +102,7 @@ def set_pieces(law, table, pieces):
             energy += work
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def on_piece(low, high, piece):
     """Return energy [J] and approach [m] from sigma `low` to `high` on one piece.
 
@@ -117,7 +117,7 @@ def on_piece(low, high, piece):
     return energy, (high - low) * (low + high) * (piece[0] + 0.5 * piece[1] * (a + b))
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def piece_of(sigma, table):
     """Return the number of the piece that holds a sigma."""
     p = table.edges.shape[0] - 1
@@ -126,7 +126,7 @@ def piece_of(sigma, table):
     return p
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def energy_to(sigma, table, pieces):
     """Return the energy U [J] from lift-off to a sigma."""
     p = piece_of(sigma, table)
@@ -149,7 +149,7 @@ def between(low, high, table, pieces):
     return sign * energy, sign * approach
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def root_of_force(approach, table, pieces):
     """Return sigma = F^(1/3) at an approach [m]; it is zero where the surfaces are apart."""
     if approach <= pieces[0, 2]:
@@ -163,7 +163,7 @@ def root_of_force(approach, table, pieces):
     return sqrt(table.breaks[p] + 2.0 * left / (g + root))
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def stiffness_at(sigma, table, pieces):
     """Return dF/dd = 3/2 sigma / g [N/m] where the force is sigma^3."""
     p = piece_of(sigma, table)
@@ -187,7 +187,7 @@ _ROUNDING = 4e-16  # of the approach; Newton's method ends at smaller steps
 _MOST = 60  # iterations; Newton needs three, halving of the bracket ends it in any case
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def lifted(approach, stored, push, give, lift_off):
     """Return approach and mean force of a step that ends in flight, or NaN if it does not.
 
@@ -203,7 +203,7 @@ def lifted(approach, stored, push, give, lift_off):
     return approach + change, -stored / change
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def pressed(approach, sigma, push, give, table, pieces):
     """Return approach, sigma and mean force of a step that ends in contact, by Newton's method.
 
