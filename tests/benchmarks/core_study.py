@@ -1,0 +1,225 @@
+"""A sweep of seeds on one core and on two, and simulated on many.
+
+`python tests/benchmarks/core_study.py [--seeds 4] [--pieces 6]` runs a short sweep in this process,
+measures its parts, and simulates two workers, whose time it measures as well. It then simulates
+`--many` seeds with as many pieces as a second of sound has, on 64 and 1,000 cores, the latter in
+one pool and as parts of 64 cores (`rolling run --part`). A worker makes the surface of each seed
+that it meets; one process hands out all pieces of its pool.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter, deque
+from collections.abc import Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from heapq import heappop, heappush
+from pathlib import Path
+from typing import Any
+
+if __name__ == "__main__":  # read when numpy is imported
+    os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+
+import numpy as np
+import pandas as pd
+
+from rolling import cli
+from rolling.run.executor import RunLoop
+from rolling.run.pools import Pool, Task
+from rolling.surface.scene_surface import heights
+
+QUICKSTART = Path(__file__).parents[2] / "scenarios" / "quickstart.yaml"
+PIECE_M, SPEED_M_S = 400e-6, 0.1  # of the quickstart: 200 steps of a node
+SECOND = round(SPEED_M_S / PIECE_M)  # pieces of a second of sound
+PART = 64  # cores of a part
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Measured times [s] of the parts of a sweep.
+
+    `pieces` are those of all pieces, `surface` that of making a surface per metre of track,
+    `finish` that of a run's files, `loop` that of the process that hands out tasks per task, and
+    `start` that of a worker until its first task.
+    """
+
+    pieces: np.ndarray
+    surface: float
+    finish: float
+    loop: float
+    start: float
+
+
+def sweep(seeds: int, pieces: int) -> list[str]:
+    """Return the overrides of a sweep of the quickstart over seeds, each with so many pieces."""
+    return [
+        "rolling.load_n=20",
+        f"sweep={{surface.seed: {list(range(1, seeds + 1))}}}",
+        f"rolling.duration_s={pieces * PIECE_M / SPEED_M_S:.6g}",
+    ]
+
+
+def command(seeds: int, pieces: int, workers: int, out: Path) -> list[str]:
+    """Return the arguments of `rolling` that run such a sweep."""
+    settings = [word for text in sweep(seeds, pieces) for word in ("--set", text)]
+    fixed = ["--workers", str(workers), "--no-report", "-q"]
+    return ["run", str(QUICKSTART), "--out", str(out), *fixed, *settings]
+
+
+@contextmanager
+def clocked(record: list[tuple[str, float]]):
+    """Record the seconds of each task of a pool in this process, and of the loop around them."""
+    submit, run = Pool.submit, RunLoop.run
+
+    def timed_submit(pool: Pool, task: Task) -> Any:
+        began = time.perf_counter()
+        if task.piece is not None:
+            heights(task.piece.scene)
+            record.append(("surface", time.perf_counter() - began))
+            began = time.perf_counter()
+        future = submit(pool, task)
+        kind = "finish" if task.piece is None else "piece"
+        record.append((kind, time.perf_counter() - began))
+        return future
+
+    def timed_run(loop: RunLoop, pool: Pool) -> None:
+        began = time.perf_counter()
+        run(loop, pool)
+        record.append(("all", time.perf_counter() - began))
+
+    Pool.submit, RunLoop.run = timed_submit, timed_run
+    try:
+        yield
+    finally:
+        Pool.submit, RunLoop.run = submit, run
+
+
+def measure(seeds: int, pieces: int, folder: Path) -> tuple[Costs, float]:
+    """Run a sweep in this process; return the costs of its parts, and the seconds of its loop."""
+    cli.main(command(1, 1, 1, folder / "warm"))  # loads or compiles the kernels
+    record: list[tuple[str, float]] = []
+    with clocked(record):
+        cli.main(command(seeds, pieces, 1, folder / "one"))
+    times = pd.DataFrame(record, columns=["part", "seconds"])
+    parts = {name: group.to_numpy() for name, group in times.groupby("part")["seconds"]}
+    total = float(parts.pop("all")[0])
+    tasks = len(parts["piece"]) + len(parts["finish"])
+    costs = Costs(
+        pieces=parts["piece"],
+        surface=float(parts["surface"].sum()) / (seeds * pieces * PIECE_M),
+        finish=float(parts["finish"].mean()),
+        loop=(total - sum(part.sum() for part in parts.values())) / tasks,
+        start=start_of_worker(folder),
+    )
+    return costs, total
+
+
+def start_of_worker(folder: Path) -> float:
+    """Return the seconds that a process takes to load the compiled solver, less a piece."""
+    code = (
+        "import time; began = time.perf_counter()\n"
+        "from rolling import cli\n"
+        f"cli.main({command(1, 1, 1, folder / 'start')!r})\n"
+        f"first = time.perf_counter() - began; began = time.perf_counter()\n"
+        f"cli.main({command(1, 1, 1, folder / 'again')!r})\n"
+        "print(first - (time.perf_counter() - began))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    return float(done.stdout.split()[-1])
+
+
+def simulate(costs: Costs, seeds: int, pieces: int, cores: int) -> dict[str, float]:
+    """Simulate a sweep on so many workers of one pool; return wall time [s] and shares of it."""
+    rng, length = np.random.default_rng(1), pieces * PIECE_M
+    queue = deque((run, "piece") for run in range(seeds) for _ in range(pieces))
+    pending: deque[tuple[float, int, str]] = deque()  # handed out, by the time
+    lacking = Counter(dict.fromkeys(range(seeds), pieces))
+    idle = [(costs.start, worker) for worker in range(cores)]  # with the time since when
+    flying: list[tuple[float, int, int, str]] = []
+    known: list[set[int]] = [set() for _ in range(cores)]
+    now = main = main_busy = work = surfaces = 0.0
+    while queue or pending or flying:
+        while queue and len(pending) + len(flying) < 2 * cores:
+            main = max(main, now) + costs.loop
+            main_busy += costs.loop
+            pending.append((main, *queue.popleft()))
+        while pending and idle:
+            (since, worker), (handed, run, kind) = heappop(idle), pending.popleft()
+            taken = float(rng.choice(costs.pieces)) if kind == "piece" else costs.finish
+            work += taken
+            if kind == "piece" and run not in known[worker]:
+                known[worker].add(run)
+                surfaces += costs.surface * length
+                taken += costs.surface * length
+            heappush(flying, (max(since, handed) + taken, worker, run, kind))
+        now, worker, run, kind = heappop(flying)
+        heappush(idle, (now, worker))
+        if kind == "piece":
+            lacking[run] -= 1
+            if not lacking[run]:
+                queue.appendleft((run, "finish"))
+    return {
+        "cores": cores,
+        "wall s": now,
+        "efficiency": work / (cores * now),
+        "surfaces": surfaces / (cores * now),
+        "main process": main_busy / now,
+    }
+
+
+def in_parts(costs: Costs, seeds: int, pieces: int, cores: int) -> dict[str, float]:
+    """Simulate a sweep as parts of PART cores, each with every N-th run; the slowest counts."""
+    parts = max(1, cores // PART)
+    shares = [simulate(costs, -(-(seeds - part) // parts), pieces, PART) for part in range(parts)]
+    slowest = max(shares, key=lambda share: share["wall s"])
+    wall = slowest["wall s"]
+    efficiency = sum(s["efficiency"] * s["wall s"] for s in shares) / (parts * wall)
+    return slowest | {"cores": parts * PART, "efficiency": efficiency}
+
+
+def measured_wall(seeds: int, pieces: int, workers: int, out: Path) -> float:
+    """Return the wall time [s] of the command on so many workers, less that of one that is done."""
+    words = [sys.executable, "-m", "rolling", *command(seeds, pieces, workers, out)]
+    clock = [time.perf_counter()]
+    for _ in range(2):
+        subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
+        clock.append(time.perf_counter())
+    return (clock[1] - clock[0]) - (clock[2] - clock[1])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure, simulate and print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--seeds", type=int, default=4)
+    parser.add_argument("--pieces", type=int, default=6)
+    parser.add_argument("--many", type=int, default=200)
+    given = parser.parse_args(arguments)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        costs, total = measure(given.seeds, given.pieces, folder)
+        two = measured_wall(given.seeds, given.pieces, 2, folder / "two")
+    print(
+        f"piece {costs.pieces.mean():.3f} s ({costs.pieces.std():.3f} s scatter), surface"
+        f" {costs.surface * PIECE_M * SECOND:.3f} s per second of sound, files of a run"
+        f" {costs.finish:.3f} s, main process {1e3 * costs.loop:.2f} ms per task, start of a"
+        f" worker {costs.start:.2f} s"
+    )
+    checks = [simulate(costs, given.seeds, given.pieces, cores) for cores in (1, 2)]
+    for check, measured in zip(checks, (total + costs.start, two), strict=True):
+        check["measured s"] = measured
+    print(pd.DataFrame(checks).to_string(index=False, float_format="{:.3g}".format))
+    many = [simulate(costs, given.many, SECOND, cores) for cores in (64, 1000)]
+    many += [in_parts(costs, given.many, SECOND, 1000) | {"parts": 1000 // PART}]
+    print(f"{given.many} seeds of {SECOND} pieces:")
+    print(pd.DataFrame(many).to_string(index=False, float_format="{:.3g}".format))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
