@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import shutil
+import sys
+import webbrowser
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -15,9 +17,10 @@ import numpy as np
 from rolling.results import labels, listening, runs_table
 from rolling.results.listening import ListeningError
 from rolling.results.run_files import PASSES
+from rolling.results.run_folder import SUMMARY, RunFolder
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
-from rolling.run.folder import Part, RunFolder, default_folder
+from rolling.run.folder import Part, default_folder
 from rolling.run.solving import open_runs, runs_of_part, solve_folder
 from rolling.scene import file
 from rolling.scene.height_files import HeightFormatError
@@ -40,6 +43,7 @@ def run_scene(
     workers: int = 0,
     cluster: str | None = None,
     report: bool = True,
+    open: bool = False,
 ) -> dict[str, str]:
     """Run a scene into a folder, or the part of it that the folder lacks.
 
@@ -51,6 +55,7 @@ def run_scene(
     workers : int. Number of processes; 0: one per core. Default: 0.
     cluster : str. Address of a Dask scheduler, whose workers solve. Default: none.
     report : bool. Whether page and figures are written. Default: true.
+    open : bool. Whether the page is opened in a browser. Default: false.
 
     Returns
     -------
@@ -66,6 +71,11 @@ def run_scene(
     derived = partial(derive, report=report)
     failures = solve_folder(scene, folder, derived, part=part, workers=workers, cluster=cluster)
     _print_runs(folder, runs_of_part(folders.runs_in(folder, scene), part))
+    page = folder / PAGE
+    if open and not page.is_file():
+        print("--open: there is no report page to open", file=sys.stderr)
+    elif open and not webbrowser.open(page.resolve().as_uri()):
+        print(f"--open: no browser was found; open {page} in one", file=sys.stderr)
     return failures
 
 
@@ -139,7 +149,7 @@ def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
         shutil.rmtree(folder / folders.PIECES, ignore_errors=True)
     if not done:
         return
-    newest = max((run.folder / folders.SUMMARY).stat().st_mtime_ns for run in done)
+    newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
     report = report and len(runs) <= defaults.MOST_RUNS_COMPARED
     last = folder / (PAGE if report else TABLE)
     if last.is_file() and last.stat().st_mtime_ns >= newest:

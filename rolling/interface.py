@@ -19,8 +19,7 @@ from rolling.results.run_files import write_run
 from rolling.results.run_result import Run
 from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders
-from rolling.run.in_memory import Values, simulated
-from rolling.run.solving import open_runs
+from rolling.run.solving import Values, open_runs, simulated
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile

@@ -199,7 +199,7 @@ def run_study(
     workers: int = 0,
     finest: int = defaults.FINEST,
     duration_s: float = defaults.ACCURACY_SECONDS,
-) -> Path:
+) -> list[Path]:
     """Study the first run of a scene, print the table, and return the folder of the files.
 
     A folder that holds the same study already is not computed again.
@@ -227,7 +227,7 @@ def run_study(
     files.write_bytes(folder / "accuracy.png", picture.getvalue())
     if not progress.is_quiet():
         print(work_precision.text(study))
-    return folder
+    return [folder]
 
 
 def _stored(folder: Path, identity: str) -> xr.Dataset | None:

@@ -34,14 +34,14 @@ OWN_FILES = {TABLES, FIGURES, "cases.csv", "statements.csv"}
 
 
 def reproduce(
-    chosen: Sequence[str] = (), out: Path | None = None, quick: bool = False, workers: int = 0
+    readings: Sequence[str] = (), out: Path | None = None, quick: bool = False, workers: int = 0
 ) -> int:
     """Run the study or its missing part, write tables and figures, and return the exit code.
 
     Parameters
     ----------
-    chosen : sequence of str. Readings by name. Default: all, or with `quick` all but the sweeps of
-        the outlook.
+    readings : sequence of str. Readings by name. Default: all, or with `quick` all but the sweeps
+        of the outlook.
     out : Path or None. Folder of the study. Default: None, for a folder below outputs/.
     quick : bool. If true, solve one surface and three loads on a short track. Default: False.
     workers : int. Number of processes. Default: 0, for one per core.
@@ -52,8 +52,8 @@ def reproduce(
     SceneError : a scene file cannot be used.
     """
     folder = out or Path("outputs") / (f"{STUDY}-quick" if quick else STUDY)
-    scene_files = _scene_files(chosen)
-    if quick and not chosen:  # its fine surfaces would add a third to the time
+    scene_files = _scene_files(readings)
+    if quick and not readings:  # its fine surfaces would add a third to the time
         scene_files = [(name, file) for name, file in scene_files if name not in SWEEPS]
     _refuse_foreign(folder)
     cases = [folder / reading / file.stem for reading, file in scene_files]

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
-
 from rolling.results import listening, result_file
+from rolling.results.run_folder import RESULT, SUMMARY, RunFolder
 from rolling.results.run_result import Run, hear
 from rolling.results.running_in import passes_wav
 from rolling.results.summary import provenance
 from rolling.results.summary_file import read_summary
-from rolling.scene.scene import Scene
-from rolling.scene.sweep import Value
 from rolling.terminal.files import make_below, write_bytes, write_json
 
-RESULT, SUMMARY, SIGNAL, LISTEN = "result.h5", "summary.json", "signal.wav", "listen.wav"
+SIGNAL, LISTEN = "signal.wav", "listen.wav"
 PASSES = "passes.wav"  # of a plate that remembers
 
 
@@ -37,19 +33,13 @@ def write_run(run: Run) -> None:
     write_json(run.folder / SUMMARY, run.summary | facts)
 
 
-def read_run(folder: Path, scene: Scene, values: Mapping[str, Value], label: str) -> Run:
-    """Read a run from its folder, with its stored numbers.
-
-    folder : Path. The folder with the files of the run.
-    scene : Scene. The scene without a sweep.
-    values : mapping. The swept values of the run by dotted key.
-    label : str. The label that distinguishes it from other runs.
+def read_run(run: RunFolder, label: str) -> Run:
+    """Read a run from its folder, with its stored numbers, under a label.
 
     Raises
     ------
     FolderError : a file is missing or damaged, or the result is that of another scene or surface.
     SceneError : the heights of the scene cannot be read.
     """
-    summary = read_summary(folder / SUMMARY)
-    result = result_file.read_result(folder / RESULT, scene)
-    return hear(label, values, folder, scene, result, summary)
+    summary = read_summary(run.folder / SUMMARY)
+    return hear(run, label, result_file.read_result(run.folder / RESULT, run.scene), summary)

@@ -24,10 +24,10 @@ from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.listening import listen, reason_against, released
 from rolling.results.result_arrays import TABLE
+from rolling.results.run_folder import RunFolder
 from rolling.results.running_in import pass_numbers
 from rolling.results.summary import record_scatter, summarize
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import Value
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.long_listening import Listening
 from rolling.sound.vibration_sound import Vibration, heard, vibrate
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Run:
+class Run(RunFolder):
     """A run with its sound. It equals no other run, so it can be the key of a dictionary.
 
     Attributes
@@ -76,9 +76,6 @@ class Run:
     """
 
     label: str
-    values: Mapping[str, Value]
-    folder: Path
-    scene: Scene
     result: Result
     sound: ContactSound
     summary: dict[str, Any]
@@ -86,11 +83,6 @@ class Run:
 
     # `save` writes a run folder. Its module stands above this one and binds it.
     save: ClassVar[Callable[..., Path]]
-
-    @property
-    def home(self) -> Path:
-        """The folder that `rolling run` made: the folder of the sweep for a run of a sweep."""
-        return self.folder.parent if self.values else self.folder
 
     @cached_property  # joining the pieces of the track takes time
     def events(self) -> dict[str, NDArray[Any]] | None:
@@ -305,12 +297,7 @@ class Run:
 
 
 def hear(
-    label: str,
-    values: Mapping[str, Value],
-    folder: Path,
-    scene: Scene,
-    result: Result,
-    summary: dict[str, Any] | None = None,
+    place: RunFolder, label: str, result: Result, summary: dict[str, Any] | None = None
 ) -> Run:
     """Make the sound of a whole result, and its numbers unless they are stored already.
 
@@ -318,13 +305,13 @@ def hear(
     ------
     ContactError : the marches make no force law.
     """
-    energy, closed = released(scene, result)
-    lap, has_seam = result.solved_steps, scene_surface(scene).has_seam
+    scene, lap = place.scene, result.solved_steps
+    (energy, closed), has_seam = released(scene, result), scene_surface(scene).has_seam
     release = contact_sound(scene, energy, result.step, closed, lap, has_seam)
     vibration = _vibration(scene, result, release)
     vibrates = vibration is not None and scene.sound.source == "vibration"
     sound = heard(release, vibration) if vibration and vibrates else release
-    run = Run(label, values, folder, scene, result, sound, summary or {}, vibration)
+    run = Run(place.values, scene, place.folder, label, result, sound, summary or {}, vibration)
     if summary is None:
         run.summary.update(summarize(run, release))
         if result.passes is not None:

@@ -12,8 +12,9 @@ from acoustics.bands import BAND_NAMES
 from acoustics.numbers import bracketed, decibels_a
 from rolling.check.finding import columns
 from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
-from rolling.results.labels import Labelled, labels
+from rolling.results.labels import labels
 from rolling.results.run_errors import LINEAR
+from rolling.results.run_folder import SUMMARY, RunFolder
 from rolling.results.sentences import say
 from rolling.results.summary_file import read_summary
 from rolling.results.verdict import above_vibration_db
@@ -38,16 +39,16 @@ BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
 
 
-def stored_summary(run: Labelled) -> dict[str, Any] | None:
+def stored_summary(run: RunFolder) -> dict[str, Any] | None:
     """Return the summary of a run, from its file unless it is in memory; None without one."""
     summary: dict[str, Any] | None = getattr(run, "summary", None)
-    path = run.folder / "summary.json"
+    path = run.folder / SUMMARY
     if summary is None and path.is_file():
         summary = read_summary(path)
     return summary
 
 
-def runs_table(runs: Sequence[Labelled]) -> pd.DataFrame:
+def runs_table(runs: Sequence[RunFolder]) -> pd.DataFrame:
     """Return the numbers of runs, one row per run.
 
     The index holds label, folder and the swept keys. The columns are all single numbers of
@@ -260,7 +261,7 @@ def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
     return cells
 
 
-def levels_table(runs: Sequence[Labelled]) -> str:
+def levels_table(runs: Sequence[RunFolder]) -> str:
     """Write levels and verdicts of runs for a terminal, with reasons and caveats below."""
     names = labels(runs)
     stored = zip(names, map(stored_summary, runs), strict=True)

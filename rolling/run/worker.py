@@ -27,7 +27,7 @@ from rolling.terminal.program import Program, identity
 if TYPE_CHECKING:
     from rolling.marches.piece import Piece
     from rolling.marches.result import Result
-    from rolling.run.folder import RunFolder
+    from rolling.results.run_folder import RunFolder
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -98,7 +98,7 @@ def finish_run(run: RunFolder, label: str, result: Result) -> None:
     from rolling.results.run_files import write_run
     from rolling.results.run_result import hear
 
-    write_run(hear(label, run.values, run.folder, run.scene, result))
+    write_run(hear(run, label, result))
 
 
 def act(task: bytes, program: Program) -> Any:

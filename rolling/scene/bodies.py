@@ -9,13 +9,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene import library
-from rolling.scene.messages import (
-    MATERIALS,
-    fault,
-    numbers,
-    refusal,
-    shown,
-)
+from rolling.scene.messages import MATERIALS, fault, numbers, refusal, shown
 from rolling.scene.sections import Section, number_or
 from rolling.scene.surfaces import BallSurface
 
@@ -219,13 +213,9 @@ class Plate(Section):
                 if not 0 < place < edge:
                     words = {"got": list(point), "axis": axis, "edge": edge}
                     raise refusal("plate.contact_mm beyond", "plate", key, **words)
-        self._refuse_path()
-        return self
-
-    def _refuse_path(self) -> None:
-        """Refuse a path of the contact without two ends."""
-        end = self.contact_end_mm
+        end = self.contact_end_mm  # without which the contact has no path
         if (self.contact_path == "to-and-fro") != (end is not None):
             raise refusal(f"plate.contact_end_mm {'missing' if end is None else 'path'}")
         if end is not None and end == self.contact_ends_mm["contact_mm"]:
             raise refusal("plate.contact_end_mm same", got=list(end))
+        return self

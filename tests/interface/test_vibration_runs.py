@@ -14,6 +14,7 @@ from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_files import read_run, write_run
+from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, hear
 from rolling.scene.file import loads
 
@@ -157,7 +158,8 @@ def test_impacts_that_yield_are_marked() -> None:
     assert run.summary["impacts"] > 0 and run.summary["impacts_yield"] is False
     # The same motion over a plate whose hardness lies below the pressure of the impacts.
     soft = run.scene.with_({"plate.hardness_gpa": 0.8})
-    assert hear("soft", {}, run.folder, soft, run.result).summary["impacts_yield"] is True
+    soft_run = hear(RunFolder({}, soft, run.folder), "soft", run.result)
+    assert soft_run.summary["impacts_yield"] is True
 
 
 CALM = ["surface.roughness_ra_um=0.02", "rolling.distance_mm=0.4", "rolling.speed_m_s=0.6"]
@@ -186,7 +188,7 @@ def test_a_release_without_a_load_is_of_the_constant_load(tmp_path: Path) -> Non
     assert "loses contact" in caveat_texts(run)["no_moving_release"]
     assert "force_law_error_m" not in run.summary
     write_run(run)
-    again = read_run(tmp_path, run.scene, {}, "run")
+    again = read_run(RunFolder({}, run.scene, tmp_path), "run")
     assert caveat_texts(again) == caveat_texts(run)
 
 
