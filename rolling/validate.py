@@ -22,9 +22,9 @@ from jinja2 import Template
 
 from acoustics import BAND_NAMES, MID_HZ, a_weighting_db, sound_levels
 from acoustics.arrays import Array
-from acoustics.baffled_modes import own_resistance
 from acoustics.loudness import loudness
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S
+from acoustics.rectangular_plate import own_resistance
 from acoustics.wav import SAMPLE_RATE_HZ as RATE_HZ
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.solver import ContactError, solve_contact

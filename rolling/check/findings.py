@@ -14,7 +14,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from acoustics.numbers import rounded
-from rolling.check import cost, error_cost, heights, refusals, resolution, validity, vibration
+from rolling.check import cost, error_cost, heights, refusals, resolution, validity
 from rolling.check.finding import (
     SURFACE,
     Finding,
@@ -169,7 +169,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
         }
     times: dict[tuple[str, object], float] = {}  # by finding and surface, march or run
     for number, (run, of_run) in enumerate(zip(scenes, by_run.values(), strict=True)):
-        own = {vibration.OWN_MARCH: number, SURFACE: scene_surface.identity(run)}
+        own = {validity.OWN_MARCH: number, SURFACE: scene_surface.identity(run)}
         march = digest(contact_keys(run))
         for finding in of_run:
             times.setdefault((finding.key, own.get(finding.key, march)), finding.seconds)

@@ -13,11 +13,11 @@ from rolling.check.finding import Finding, judged, sentence, si
 from rolling.scene.height_files import is_instrument
 from rolling.scene.height_grid import read
 from rolling.scene.laws import SelfAffineLaw
+from rolling.scene.messages import TABLES
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.surface.levelling import Levelling
 from rolling.surface.made import is_described
-from rolling.surface.preparation import STEP_NAMES
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
@@ -39,7 +39,8 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _resolution(surface)
     yield from _file(path, scene.surface)
     for step in surface.preparation:
-        yield Finding(step.step, STEP_NAMES.get(step.step, step.step), step.text, step.warning)
+        name = TABLES["steps"].get(step.step, step.step)
+        yield Finding(step.step, name, step.text, step.warning)
     yield Finding("level", "tilt", tilt_text(surface.levelling))
     yield _seam(scene, surface.levelling)
     share, percent = surface.form_share, 100 * surface.form_share

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
 
 from acoustics.arrays import Array
@@ -19,9 +19,6 @@ from rolling.marches.observers import Snapshot
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
 from rolling.surface import scene_surface
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 SHOWN_M = 0.8e-3  # length of a track that a map shows, so that single asperities can be seen
 _MOST_DOTS = 110_000  # points of a map of heights, which fit into a file of 150 kB

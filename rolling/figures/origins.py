@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from acoustics.modulation import envelope_spectrum
@@ -16,9 +15,6 @@ from rolling.results.run_result import Run
 from rolling.results.running_in import pass_numbers
 from rolling.results.sentences import say
 from rolling.sound.wavelengths import FOLLOWS, LEAST_SHARE
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 MULTIPLES = 10  # of the turn's frequency that are shown and marked
 _CURVES = {  # columns of the table with name, unit and factor of the unit

@@ -7,7 +7,7 @@ import re
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib
 from matplotlib.artist import Artist
@@ -16,13 +16,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
+from pandas import DataFrame
 
 from acoustics.numbers import rounded
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 DPI = 110
 WIDTH_IN, HEIGHT_IN = 8.5, 4.4

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 
 from acoustics import plots
 from acoustics.arrays import Array
@@ -25,9 +26,6 @@ from rolling.results import labels
 from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _Levels = Mapping[str, float | None]
 

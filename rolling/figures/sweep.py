@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
@@ -21,9 +22,6 @@ from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED, runs_table
 from rolling.scene.scene import Scene
 from rolling.terminal.files import write_bytes
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 Numbers = Mapping[str, tuple[str, str]]  # columns of runs.csv with label and uncertainty
 SCENE = "scene"  # column of the scene's name beside the swept keys

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 
 from acoustics import plots
 from acoustics.bands import BAND_NAMES
@@ -18,9 +17,6 @@ from rolling.results.run_result import Run
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import wavelength_bands
 from rolling.surface.scene_surface import scene_surface
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _COLUMNS = 1500  # of the force over time, in each of which minimum and maximum are drawn
 _FILTERED_DB = 40.0  # below the maximum of the surface's spectrum

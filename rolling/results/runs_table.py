@@ -18,7 +18,7 @@ from rolling.results.run_folder import SUMMARY, RunFolder
 from rolling.results.sentences import say
 from rolling.results.summary_file import read_summary
 from rolling.results.verdict import above_vibration_db
-from rolling.surface.preparation import STEP_NAMES
+from rolling.scene.messages import TABLES
 from rolling.terminal.streams import wrapped
 
 if TYPE_CHECKING:
@@ -299,10 +299,8 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     texts = (say("surface", **summary["surface"]) + surface_parts(summary) for summary in summaries)
     surfaces = dict.fromkeys(texts)
     prepared = [step for summary in summaries for step in summary.get("preparation", ())]
-    texts = (
-        f"{STEP_NAMES.get(str(step['step']), step['step'])}: {step['text']}" for step in prepared
-    )
-    steps = [*dict.fromkeys(texts)]
+    names = {step["step"]: TABLES["steps"].get(step["step"], step["step"]) for step in prepared}
+    steps = [*dict.fromkeys(f"{names[step['step']]}: {step['text']}" for step in prepared)]
     if (more := len(steps) - MOST_STEPS) > 0:
         steps[MOST_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]
     levelled = filter(None, (summary["levelling"] for summary in summaries))

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 
 from acoustics import resampling, wav
 from acoustics.arrays import Array
-from acoustics.baffled_modes import Complex, Listener
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import SOUND_M_S, axis_transfer
-from acoustics.rectangular_plate import RectangularPlate
+from acoustics.rectangular_plate import Complex, Listener, RectangularPlate
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import faded_out

@@ -26,13 +26,6 @@ from rolling.surface.levelling import Levelling
 from rolling.surface.parameters import roughness, without_plane
 
 NAMES = "Sa", "Sq", "Ssk", "Sku", "Sdq"  # of the roughness before and after a step
-STEP_NAMES = {  # of steps whose key is no word for readers
-    "unmeasured": "unmeasured points",
-    "s_filter": "S-filter",
-    "f_operator": "F-operator",
-    "l_filter": "L-filter",
-    "periodic": "period",
-}
 ALPHA = float(np.sqrt(np.log(2) / np.pi))  # 0.4697, of the Gaussian filter of ISO 16610-61
 NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
 ROBUST = 1.4826  # standard deviation of Gaussian numbers over the median of their magnitudes

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from finished import VIBRATING, WITHOUT_DYNAMICS, caveat_texts, heard_again, marched, run_of
 
-from rolling.check import error_cost, findings, vibration
+from rolling.check import error_cost, findings, validity
 from rolling.dynamics import of_scene
 from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
@@ -148,7 +148,7 @@ def test_the_check_knows_that_a_sharp_resonance_misses_the_lines_of_a_lap() -> N
         scene = run.scene.with_({"plate.thickness_mm": thickness, "rolling.speed_m_s": speed})
         speeds = [scene.with_({"rolling.speed_m_s": speed * near}) for near in (0.97, 1, 1.03)]
         forces = [np.std(of_scene.motion(near, law).force_n) for near in speeds]
-        assert 0.5 < vibration.force_rms(scene) / np.median(forces) < 2
+        assert 0.5 < validity.force_rms(scene) / np.median(forces) < 2
 
 
 def test_impacts_that_yield_are_marked() -> None:
