@@ -3,8 +3,6 @@
 The functions label their curves, but leave title and legend to the caller.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@ The shapes are products of sines along both edges, so matrix products integrate 
 the pressure at a listener by Rayleigh's integral, and the sound power over wave numbers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -205,21 +203,6 @@ class RectangularPlate(ThinPlate):
         return np.asarray(orders[kept][np.argsort(frequency[kept], kind="stable")])
 
 
-@lru_cache(maxsize=8)
-def _sound_loss(plate: RectangularPlate) -> Array:
-    """Return the loss factor of each mode by the sound that it radiates to one side."""
-    w = plate.angular_frequency
-    edges = plate.length_m, plate.width_m
-    resistance = own_resistance(edges, plate.orders, w / (2 * np.pi))
-    return np.asarray(resistance / (plate.modal_mass_kg * w))
-
-
-@lru_cache(maxsize=32)
-def _pressures(plate: RectangularPlate, listener_m: Listener) -> ModePressures:
-    """Tabulate the radiation of the modes of a plate at a listener."""
-    return mode_pressures((plate.length_m, plate.width_m), plate.orders, listener_m)
-
-
 # ---- pressure at a listener
 
 
@@ -303,6 +286,12 @@ def _panels(edge: float, at: float, near: float, wave_number: float) -> tuple[Ar
     return np.concatenate(nodes), np.concatenate(weights)
 
 
+@lru_cache(maxsize=32)
+def _pressures(plate: RectangularPlate, listener_m: Listener) -> ModePressures:
+    """Tabulate the radiation of the modes of a plate at a listener."""
+    return mode_pressures((plate.length_m, plate.width_m), plate.orders, listener_m)
+
+
 # ---- sound power
 
 
@@ -365,3 +354,12 @@ def _squares(order: Orders, edge: float, k: Array) -> Array:
         row[:] = waves[i % 2] * np.square(2 * p / np.where(close, 1.0, beyond))
         row[close] = (edge / 2) ** 2
     return squares
+
+
+@lru_cache(maxsize=8)
+def _sound_loss(plate: RectangularPlate) -> Array:
+    """Return the loss factor of each mode by the sound that it radiates to one side."""
+    w = plate.angular_frequency
+    edges = plate.length_m, plate.width_m
+    resistance = own_resistance(edges, plate.orders, w / (2 * np.pi))
+    return np.asarray(resistance / (plate.modal_mass_kg * w))

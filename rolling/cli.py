@@ -3,8 +3,6 @@
 Each command imports its modules itself, so that `--help` is instant.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

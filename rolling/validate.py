@@ -4,8 +4,6 @@ The table scenarios/validation/cases.toml describes the cases, the rules of thei
 truth and the origins of bounds. The function of a case has its name.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import tomllib

@@ -1,7 +1,5 @@
 """The study of speed against error: variants are marched, compared, and kept as one Dataset."""
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Mapping, Sequence

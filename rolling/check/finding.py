@@ -1,7 +1,5 @@
 """Line of the check and the words for its numbers."""
 
-from __future__ import annotations
-
 import math
 import string
 import tomllib

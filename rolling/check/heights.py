@@ -1,7 +1,5 @@
 """Heights: resolution, tilt, seam and form of a file; moments, spectrum and waves of made ones."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

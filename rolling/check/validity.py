@@ -7,8 +7,6 @@ chain. A looped record has the lines of its lap, which a sharp resonance may mis
 compares the estimate with runs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Ball, contact and plate as a linear chain: mass, mobilities, resonance and its damping."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Contact force of place and approach, from marches of the track at several loads."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

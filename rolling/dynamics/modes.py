@@ -6,8 +6,6 @@ gives them the mean mobility of an infinite plate, and together they have the st
 the modes that they replace.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any

@@ -1,7 +1,5 @@
 """Sphere and plate of a scene as vibrating bodies, and their motion over a force law."""
 
-from __future__ import annotations
-
 from functools import lru_cache, partial
 
 import numpy as np

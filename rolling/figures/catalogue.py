@@ -1,7 +1,5 @@
 """All figures by name, and their files: those that compare runs, and those on request."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches

@@ -1,7 +1,5 @@
 """Figures of the contact of a run: surface, contact pressure and recovery events."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

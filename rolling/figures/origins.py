@@ -1,7 +1,5 @@
 """Figures of the origins of a sound: waves of the surface, turns of the sphere, and passes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """Axes of figures with title, note and legend, and their files; equal runs give equal bytes."""
 
-from __future__ import annotations
-
 import io
 import re
 import textwrap

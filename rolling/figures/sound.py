@@ -1,7 +1,5 @@
 """Figures of the sound of runs: third octaves, spectra, spectrogram and release power."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any

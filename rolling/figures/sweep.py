@@ -1,7 +1,5 @@
 """Figures of sweeps and of tables of runs: numbers against swept keys, and means over seeds."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Picture and table of a surface and its parameters by ISO 25178-2."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

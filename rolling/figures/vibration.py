@@ -1,7 +1,5 @@
 """Figures of the vibration of a run: sources, contact force, contact filter, mobilities."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes

@@ -3,8 +3,6 @@
 Each scene has a run folder of its own, so the same command continues a study that was stopped.
 """
 
-from __future__ import annotations
-
 import io
 import math
 import tomllib

@@ -1,7 +1,5 @@
 """The assumptions behind the numbers of a run: sound, bodies, contact and surface, in words."""
 
-from __future__ import annotations
-
 import math
 
 from acoustics.numbers import bracketed, rounded

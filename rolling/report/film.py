@@ -1,7 +1,5 @@
 """Slow motion of a run for the page: maps that the page cuts up, powers, and the ball's motion."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

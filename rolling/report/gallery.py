@@ -1,7 +1,5 @@
 """The gallery: a page of many runs, each with a picture, a sound, its level and a sentence."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path

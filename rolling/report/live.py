@@ -3,8 +3,6 @@
 All tracks close here: the end of an open track, or of a part, is cross-faded with its beginning.
 """
 
-from __future__ import annotations
-
 import base64
 import tomllib
 from typing import Any

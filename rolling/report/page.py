@@ -4,8 +4,6 @@ This module gathers the content of the page as plain text, numbers and data URIs
 behaviour are in `assets/`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any

@@ -4,8 +4,6 @@ The computed record of a run is a FLAC without loss. Records for the ear alone a
 highest quality, in which third octaves below 14 kHz keep their levels within 0.1 dB.
 """
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Scripts of the page: ES modules that import each other by name, joined into one text."""
 
-from __future__ import annotations
-
 import re
 from importlib.resources import files
 

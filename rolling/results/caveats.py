@@ -1,7 +1,5 @@
 """The caveats of a run's numbers, in the same words on terminal, page and in files."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The words of a scene's keys, and the labels that distinguish runs on terminal, page and files."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The files of a run: result.h5, summary.json, signal.wav and listen.wav."""
 
-from __future__ import annotations
-
 from rolling.results import listening, result_file
 from rolling.results.run_folder import RESULT, SUMMARY, RunFolder
 from rolling.results.run_result import Run, hear

@@ -299,8 +299,9 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     texts = (say("surface", **summary["surface"]) + surface_parts(summary) for summary in summaries)
     surfaces = dict.fromkeys(texts)
     prepared = [step for summary in summaries for step in summary.get("preparation", ())]
-    names = {step["step"]: TABLES["steps"].get(step["step"], step["step"]) for step in prepared}
-    steps = [*dict.fromkeys(f"{names[step['step']]}: {step['text']}" for step in prepared)]
+    names = TABLES["steps"]
+    texts = (f"{names.get(str(x['step']), x['step'])}: {x['text']}" for x in prepared)
+    steps = [*dict.fromkeys(texts)]
     if (more := len(steps) - MOST_STEPS) > 0:
         steps[MOST_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]
     levelled = filter(None, (summary["levelling"] for summary in summaries))

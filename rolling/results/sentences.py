@@ -1,7 +1,5 @@
 """Sentences of results on terminal, page and in files, from sentences.toml."""
 
-from __future__ import annotations
-
 from rolling.check.finding import table, written
 
 SENTENCES: dict[str, str] = table("rolling.results", "sentences")

@@ -1,7 +1,5 @@
 """The file summary.json of a run, read with bounds on its size and on the kinds of its values."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -4,8 +4,6 @@ A contribution is a known error or a broken limit. Up to 1 dB it leaves the leve
 3 dB the level must not be quoted. A limit without decibels has the word that it allows at best.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """The loop that hands out the pieces of runs to a pool, and completes each run after its last."""
 
-from __future__ import annotations
-
 import errno
 import signal
 from collections import Counter, defaultdict, deque

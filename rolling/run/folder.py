@@ -4,8 +4,6 @@ A folder holds scene.yaml, report.html, runs.csv and figures/. Each run has resu
 signal.wav and listen.wav, a single run in the folder itself, a run of a sweep in a folder below.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 from collections import Counter

@@ -1,7 +1,5 @@
 """Solve runs in memory, or those that a folder lacks; write the files of runs, and read them."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, nullcontext, suppress

@@ -1,9 +1,7 @@
 """Sphere and plate of a scene, the bodies in contact."""
 
-from __future__ import annotations
-
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
@@ -65,7 +63,7 @@ class Sphere(Section):
     surface: BallSurface | None = Field(default=None, discriminator="kind")
 
     @model_validator(mode="after")
-    def _both_or_neither(self) -> Sphere:
+    def _both_or_neither(self) -> Self:
         if self.radius_across_mm is not None:
             ratio = self.radius_across_mm / self.radius_mm
             if not 1 / MOST_OBLONG <= ratio <= MOST_OBLONG:
@@ -179,7 +177,7 @@ class Plate(Section):
         return {key: point for key, point in ends.items() if point is not None}
 
     @model_validator(mode="after")
-    def _yields(self) -> Plate:
+    def _yields(self) -> Self:
         """Refuse a hardness beside a yield strength, a pressure that no bonds bear, and memory."""
         key, part, share = "hardness_gpa", "fifth", HARDEST
         if self.yield_strength_gpa is not None:
@@ -194,7 +192,7 @@ class Plate(Section):
         return self
 
     @model_validator(mode="after")
-    def _all_edges(self) -> Plate:
+    def _all_edges(self) -> Self:
         """Refuse half a rectangle, and keys of a contact point without edges."""
         if self.loss_factor is not None and self.thickness_mm is None:
             raise refusal("plate.loss_factor bends")

@@ -1,7 +1,5 @@
 """Scenes as YAML within limits of size and depth, overrides, and the JSON Schema for editors."""
 
-from __future__ import annotations
-
 import io
 import math
 import re

@@ -1,7 +1,5 @@
 """Regular files, and heights in them: .npy and .npz of numpy, and text with rows of numbers."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import itertools

@@ -4,8 +4,6 @@
 sweep; the surface has several kinds.
 """
 
-from __future__ import annotations
-
 import difflib
 import json
 import math
@@ -62,7 +60,7 @@ class SceneError(Exception):
         self.faults = [writable(fault) for fault in faults]
         super().__init__("\n".join(self.faults))
 
-    def __reduce__(self) -> tuple[type[SceneError], tuple[list[str]]]:
+    def __reduce__(self) -> tuple[Any, ...]:
         return SceneError, (self.faults,)
 
 

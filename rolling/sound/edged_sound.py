@@ -5,8 +5,6 @@ stereo keeps its differences. A moving contact excites each mode by its shape un
 sphere is heard from the middle of its path, and above the plate only: the baffle hides it below.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import lru_cache

@@ -6,8 +6,6 @@ two, and the level of the vibration that a run without dynamics leaves out. Its 
 describe the bodies: a steel sphere on a steel plate of 10 mm replaces missing ones.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Periodic surface heights: generation by spectral filtering, single faults, statistics."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Sequence

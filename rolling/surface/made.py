@@ -6,8 +6,6 @@ The spectrum comes last, so the waves have the amplitudes of the Gaussian surfac
 Two-parameter corrections then bring skewness and kurtosis to the requested values.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@ A scene knows files. An array is written to a folder of this process under the d
 where the workers read it, and a saved run has a copy.
 """
 
-from __future__ import annotations
-
 import atexit
 import hashlib
 import importlib

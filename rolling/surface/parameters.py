@@ -5,8 +5,6 @@ on at its edges with its other end; a measured one ends there. Heights that are 
 unmeasured and do not count. An undefined parameter, such as the skewness of a flat surface, is NaN.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path

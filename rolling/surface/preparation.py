@@ -5,8 +5,6 @@ heights are resampled to square nodes. The F-operator removes the form, the L-fi
 Last, the end of each side is led into its beginning, so that the surface is periodic.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -6,8 +6,6 @@ In pure rolling each place of the sphere meets the place of the plate that it ro
 surfaces add up to one that does not move: z(x, y) = plate(x, y) + sphere(x mod 2 pi R, y).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -3,8 +3,6 @@
 None of this may cost a run its work: a command that cannot be heard still finishes.
 """
 
-from __future__ import annotations
-
 import errno
 import io
 import os
