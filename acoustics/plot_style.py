@@ -72,9 +72,9 @@ def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
     return max(bottom, top - _SHOWN_DB), top
 
 
-def finish(ax: Axes, ylabel: str) -> Axes:
-    """Label the vertical axis and draw a grid behind the curves."""
-    ax.set_ylabel(ylabel)
+def gridded(ax: Axes, **labels: str) -> Axes:
+    """Label axes and draw a pale grid behind their curves."""
+    ax.set(**labels)
     ax.grid(True, color="0.85", linewidth=0.5)
     ax.set_axisbelow(True)
     return ax

@@ -17,7 +17,7 @@ import numpy as np
 from rolling.results import labels, listening, runs_table
 from rolling.results.listening import ListeningError
 from rolling.results.run_files import PASSES
-from rolling.results.run_folder import SUMMARY, RunFolder
+from rolling.results.run_folder import PAGE, SUMMARY, RunFolder
 from rolling.results.run_result import Run
 from rolling.run import folder as folders
 from rolling.run.folder import Part, default_folder
@@ -32,7 +32,7 @@ from rolling.terminal.files import FolderError
 if TYPE_CHECKING:
     import pandas as pd
 
-PAGE, TABLE, GALLERY = "report.html", "runs.csv", Path("gallery.html")
+TABLE, GALLERY = "runs.csv", Path("gallery.html")
 
 
 def run_scene(
@@ -241,14 +241,14 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     FolderError, SceneError : a folder is no run folder, nothing is done in
         them, a run is damaged, or `out` exists. Nothing is written.
     """
-    from rolling.report import gallery as cards
+    from rolling.report import page
 
     out = out or GALLERY
     _refuse_page(out)
     done, unsolved = _stored(run_folders)
-    if len(done) > cards.MOST_CARDS:
+    if len(done) > page.MOST_CARDS:
         raise FolderError(
-            f"{len(done)} runs: a gallery shows {cards.MOST_CARDS}; name fewer folders"
+            f"{len(done)} runs: a gallery shows {page.MOST_CARDS}; name fewer folders"
         )
     done.sort(key=lambda run: run.scene.name)  # runs of a scene keep their order
     names = [
@@ -261,7 +261,7 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     )
     with progress.step("reading the runs, making their sound"):
         left_out = [labels.printable(run.folder.resolve().name) for run in unsolved]
-        content = cards.gallery(opened, len(done), out.parent, left_out)
+        content = page.gallery(opened, len(done), out.parent, left_out)
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return [out]
@@ -443,7 +443,7 @@ def surface(
     ------
     SceneError, FolderError : bad input; nothing is written.
     """
-    from rolling.figures.topography import parameter_lines, topography
+    from rolling.figures.contact import parameter_lines, topography
     from rolling.surface import measured, scene_surface
     from rolling.surface.parameters import parameters
 

@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.arrays import instance
-from rolling.commands import PAGE, derive
+from rolling.commands import derive
 from rolling.contact.solver import ContactError
 from rolling.results import labels
 from rolling.results.run_files import write_run
+from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run
 from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders

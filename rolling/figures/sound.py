@@ -19,7 +19,7 @@ from acoustics.spectrum import Spectrogram, line_spectrum, welch
 from acoustics.spectrum import spectrogram as spectrogram_of
 from acoustics.weighting import a_weighting_db
 from rolling.figures import picture
-from rolling.figures.picture import axes_of, finish, finish_grid, listed, subject
+from rolling.figures.picture import axes_of, finish, listed, subject
 from rolling.results import labels
 from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
@@ -240,7 +240,7 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
         facts.append(f"axis from {rounded(low, 3)} to {rounded(high, 3)} of the mean for all runs")
     if len(time) < len(sound.time):
         facts.append("minimum and maximum in each of 1,500 columns")
-    return finish(finish_grid(ax), f"Release power: {run.title}", facts)
+    return finish(ax, f"Release power: {run.title}", facts)
 
 
 def release_power_table(run: Run) -> pd.DataFrame:

@@ -9,7 +9,7 @@ from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
 from acoustics.plots import COLOURS
 from rolling.dynamics.smooth_contact import semi_axes
-from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
+from rolling.figures.picture import axes_of, distance_and_duration, finish, number
 from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
 from rolling.sound.vibration_sound import Vibration
@@ -34,7 +34,6 @@ def _curves(ax: Axes, table: pd.DataFrame, names: dict[str, str], xlabel: str, y
         style, colour = _STYLES[k], COLOURS[k]
         ax.plot(table.iloc[:, 0], table[name], style, color=colour, linewidth=1.5, label=label)
     ax.set(xscale="log", xlabel=xlabel, ylabel=ylabel)
-    finish_grid(ax)
 
 
 # ---- sources side by side
@@ -134,7 +133,7 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
         f"in flight {rounded(100 * motion.flight_share)} % of the time",
         f"{motion.impacts} impacts",
     ]
-    return finish(finish_grid(ax), f"Contact force: {run.title}", facts)
+    return finish(ax, f"Contact force: {run.title}", facts)
 
 
 def contact_force_table(run: Run) -> pd.DataFrame:

@@ -3,7 +3,6 @@
 from rolling.results import listening, result_file
 from rolling.results.run_folder import RESULT, SUMMARY, RunFolder
 from rolling.results.run_result import Run, hear
-from rolling.results.running_in import passes_wav
 from rolling.results.summary import provenance
 from rolling.results.summary_file import read_summary
 from rolling.terminal.files import make_below, write_bytes, write_json
@@ -22,7 +21,7 @@ def write_run(run: Run) -> None:
     listen_wav, listen = listening.listen_wav(run)
     contents = {LISTEN: listen_wav, RESULT: result_file.write_result(run)}
     if run.result.passes is not None:
-        contents[PASSES], _ = passes_wav(run)
+        contents[PASSES], _ = listening.passes_wav(run)
     make_below(run.home, run.folder)
     run.sound.write_wav(run.folder / SIGNAL, listening.facts(run), listening.wav_title(run))
     for name, content in contents.items():

@@ -10,6 +10,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 
 RESULT, SUMMARY, FAILED = "result.h5", "summary.json", "failed.json"
+PAGE = "report.html"  # of all runs of a folder
 MOST_FAILURE = 1_000_000  # bytes of a failed.json
 
 

@@ -25,8 +25,7 @@ from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.listening import listen, reason_against, released
 from rolling.results.result_arrays import TABLE
 from rolling.results.run_folder import RunFolder
-from rolling.results.running_in import pass_numbers
-from rolling.results.summary import record_scatter, summarize
+from rolling.results.summary import pass_numbers, record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.long_listening import Listening
@@ -315,7 +314,7 @@ def hear(
     if summary is None:
         run.summary.update(summarize(run, release))
         if result.passes is not None:
-            run.summary["passes"] = pass_numbers(run)
+            run.summary["passes"] = [*pass_numbers(run)]
         if scene.sound.listen_s is not None:
             run.summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run
