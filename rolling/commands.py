@@ -16,9 +16,8 @@ import numpy as np
 
 from rolling.results import labels, listening, runs_table
 from rolling.results.listening import ListeningError
-from rolling.results.run_files import PASSES
 from rolling.results.run_folder import PAGE, SUMMARY, RunFolder
-from rolling.results.run_result import Run
+from rolling.results.run_result import PASSES, Run
 from rolling.run import folder as folders
 from rolling.run.folder import Part, default_folder
 from rolling.run.solving import open_runs, runs_of_part, solve_folder

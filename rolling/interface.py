@@ -15,9 +15,8 @@ from acoustics.arrays import instance
 from rolling.commands import derive
 from rolling.contact.solver import ContactError
 from rolling.results import labels
-from rolling.results.run_files import write_run
 from rolling.results.run_folder import PAGE
-from rolling.results.run_result import Run
+from rolling.results.run_result import Run, write_run
 from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders
 from rolling.run.solving import Values, open_runs, simulated

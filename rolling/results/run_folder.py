@@ -1,13 +1,19 @@
-"""A run of a scene and its folder, whose files tell whether it is done or failed."""
+"""A run of a scene and its folder, whose files tell whether it is done or failed.
+
+summary.json is read with bounds on its size and on the kinds of its values.
+"""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
+from rolling.terminal.files import FolderError
 
 RESULT, SUMMARY, FAILED = "result.h5", "summary.json", "failed.json"
 PAGE = "report.html"  # of all runs of a folder
@@ -47,3 +53,77 @@ class RunFolder:
             return None
         except (OSError, ValueError, KeyError, TypeError, RecursionError):
             return "unknown"
+
+
+# ---- summary
+
+
+MOST_SUMMARY = 10_000_000
+_NEEDED = (
+    *("laeq_db", "level_db", "steady_level_db", "uncertainty_db", "source", "caveats", "surface"),
+    *("third_octave_db", "levelling", "plastic_ratio", "steps", "step_ms"),
+)
+_MAPPINGS = (
+    *("surface", "uncertainty_db", "third_octave_db", "third_octave_a_db"),
+    *("provenance", "packages", "listen", "listening", "error_estimate", "levelling"),
+)
+_TEXTS = ("name", "label", "source", "text")
+_UNITS = "db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|um|restitution"
+_NUMBER = re.compile(rf"surface|steps|impacts|seconds|pascal_.*|.*_({_UNITS})")
+
+
+def read_summary(path: Path) -> dict[str, Any]:
+    """Read the numbers of a run.
+
+    Raises
+    ------
+    FolderError : the file is damaged, or not written by this program.
+    """
+    try:
+        summary = json.loads(read_regular(path, MOST_SUMMARY), parse_constant=_refuse)
+        if not isinstance(summary, dict):
+            raise ValueError("no object of names and values")
+        if missing := [key for key in _NEEDED if key not in summary]:
+            raise ValueError(f"{missing[0]} is missing")
+        wrong = (key for key, value in summary.items() if not _fits(key, value))
+        if key := next(wrong, None):
+            raise ValueError(f"{key} is of another kind")
+    except (OSError, ValueError, RecursionError) as error:
+        reason = (isinstance(error, OSError) and error.strerror) or str(error)
+        raise FolderError(
+            f"{path}: not readable ({reason}); delete it, and the same command solves the run again"
+        ) from error
+    return summary
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError(f"{constant} is no number")
+
+
+def _fits(key: str, value: Any) -> bool:
+    """Return whether a value is of the kind that its key says."""
+    if key == "caveats":
+        return isinstance(value, list) and all(
+            isinstance(caveat, dict) and {*map(type, caveat.values())} == {str} and "text" in caveat
+            for caveat in value
+        )
+    if key == "preparation":
+        return isinstance(value, list) and all(
+            isinstance(step, dict) and {"step", "text"} <= {*step} for step in value
+        )
+    if key in _TEXTS:
+        return isinstance(value, str | None)
+    if isinstance(value, dict):
+        if _NUMBER.fullmatch(key):
+            return all(map(_is_number, value.values()))
+        return all(_fits(name, inner) for name, inner in value.items())
+    if key in _MAPPINGS:
+        return key == "levelling" and value is None
+    if isinstance(value, list) and key not in _NEEDED:
+        return all(_fits(key, item) for item in value)
+    return _is_number(value) or not _NUMBER.fullmatch(key)
+
+
+def _is_number(value: Any) -> bool:
+    """Return whether a value is a finite number, or None for an unknown one."""
+    return value is None or (type(value) in (int, float) and abs(value) < 1e300)

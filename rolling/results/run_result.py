@@ -1,4 +1,7 @@
-"""Finished runs with their sound: the input of figures and page, and the results in Python."""
+"""Finished runs with their sound: the input of figures and page, and the results in Python.
+
+A run is written as result.h5, summary.json, signal.wav and listen.wav.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +27,8 @@ from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.listening import listen, reason_against, released
 from rolling.results.result_arrays import TABLE
-from rolling.results.run_folder import RunFolder
-from rolling.results.summary import pass_numbers, record_scatter, summarize
+from rolling.results.run_folder import RESULT, SUMMARY, RunFolder, read_summary
+from rolling.results.summary import pass_numbers, provenance, record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.long_listening import Listening
@@ -33,10 +36,14 @@ from rolling.sound.vibration_sound import Vibration, heard, vibrate
 from rolling.sound.wavelengths import WavelengthOctave, wavelength_octaves
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import progress
+from rolling.terminal.files import make_below, write_bytes, write_json
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
+
+SIGNAL, LISTEN = "signal.wav", "listen.wav"
+PASSES = "passes.wav"  # of a plate that remembers
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -334,3 +341,37 @@ def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration
     # A record with impacts is no Gaussian noise.
     scatter = record_scatter(vibration.pressure, laps if vibration.motion.settled else 1.0)
     return replace(vibration, uncertainty=widened(vibration.uncertainty, scatter))
+
+
+# ---- files
+
+
+def write_run(run: Run) -> None:
+    """Write the files of a run into its folder, last summary.json, which tells that all are whole.
+
+    Raises
+    ------
+    OSError : a file cannot be written. An earlier file of this name is kept.
+    """
+    listen_wav, listen = listening.listen_wav(run)
+    contents = {LISTEN: listen_wav, RESULT: result_file.write_result(run)}
+    if run.result.passes is not None:
+        contents[PASSES], _ = listening.passes_wav(run)
+    make_below(run.home, run.folder)
+    run.sound.write_wav(run.folder / SIGNAL, listening.facts(run), listening.wav_title(run))
+    for name, content in contents.items():
+        write_bytes(run.folder / name, content)
+    facts = {"listen": listen, "provenance": provenance(run.scene, run.label)}
+    write_json(run.folder / SUMMARY, run.summary | facts)
+
+
+def read_run(run: RunFolder, label: str) -> Run:
+    """Read a run from its folder, with its stored numbers, under a label.
+
+    Raises
+    ------
+    FolderError : a file is missing or damaged, or the result is that of another scene or surface.
+    SceneError : the heights of the scene cannot be read.
+    """
+    summary = read_summary(run.folder / SUMMARY)
+    return hear(run, label, result_file.read_result(run.folder / RESULT, run.scene), summary)

@@ -14,9 +14,8 @@ from rolling.check.finding import columns
 from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
 from rolling.results.labels import labels
 from rolling.results.run_errors import LINEAR
-from rolling.results.run_folder import SUMMARY, RunFolder
+from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
 from rolling.results.sentences import say
-from rolling.results.summary_file import read_summary
 from rolling.results.verdict import above_vibration_db
 from rolling.scene.messages import TABLES
 from rolling.terminal.streams import wrapped

@@ -10,9 +10,8 @@ from rolling.check import refusals
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import labels, result_file
-from rolling.results.run_files import read_run
 from rolling.results.run_folder import FAILED, RESULT, RunFolder
-from rolling.results.run_result import Run, hear
+from rolling.results.run_result import Run, hear, read_run
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.run.executor import RunLoop

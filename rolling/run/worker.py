@@ -95,8 +95,7 @@ def read_piece(path: Path) -> Arrays | None:
 
 def finish_run(run: RunFolder, label: str, result: Result) -> None:
     """Make the sound of a complete run and write the files of its folder."""
-    from rolling.results.run_files import write_run
-    from rolling.results.run_result import hear
+    from rolling.results.run_result import hear, write_run
 
     write_run(hear(run, label, result))
 

@@ -15,9 +15,8 @@ from rolling.marches.next_pieces import next_pieces
 from rolling.marches.observers import SlowMotion
 from rolling.marches.result import MovingRelease
 from rolling.results.result_file import read_result, write_result
-from rolling.results.run_files import read_run, write_run
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import Run, hear
+from rolling.results.run_result import Run, hear, read_run, write_run
 from rolling.scene import file
 
 SCENE = f"""\

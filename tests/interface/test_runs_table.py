@@ -15,9 +15,8 @@ from scene_text import TINY
 
 from rolling.check.finding import columns
 from rolling.results.labels import labels
-from rolling.results.run_files import write_run
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import hear
+from rolling.results.run_result import hear, write_run
 from rolling.results.runs_table import (
     error_line,
     level_text,

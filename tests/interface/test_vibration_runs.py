@@ -13,9 +13,8 @@ from rolling.dynamics import of_scene
 from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
 from rolling.results.run_errors import LINEAR
-from rolling.results.run_files import read_run, write_run
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import Run, hear
+from rolling.results.run_result import Run, hear, read_run, write_run
 from rolling.scene.file import loads
 
 

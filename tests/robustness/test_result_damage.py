@@ -16,8 +16,8 @@ from finished import run_of
 from scene_text import TINY
 
 from rolling.results.result_file import read_result
-from rolling.results.run_files import read_run, write_run
 from rolling.results.run_folder import RunFolder
+from rolling.results.run_result import read_run, write_run
 from rolling.scene.file import loads
 from rolling.terminal.files import FolderError
 
