@@ -15,11 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rolling.results import labels, listening, runs_table
-from rolling.results.listening import ListeningError
 from rolling.results.run_folder import PAGE, SUMMARY, RunFolder
 from rolling.results.run_result import PASSES, Run
 from rolling.run import folder as folders
-from rolling.run.folder import Part, default_folder
 from rolling.run.solving import open_runs, runs_of_part, solve_folder
 from rolling.scene import file
 from rolling.scene.height_files import HeightFormatError
@@ -38,7 +36,7 @@ def run_scene(
     scene: Scene,
     out: Path | None = None,
     *,
-    part: Part | None = None,
+    part: folders.Part | None = None,
     workers: int = 0,
     cluster: str | None = None,
     report: bool = True,
@@ -66,7 +64,7 @@ def run_scene(
     OSError : a disk is full, or a cluster is gone; finished pieces are kept.
     KeyboardInterrupt : Ctrl-C or SIGTERM; finished pieces are kept.
     """
-    folder = out or default_folder(scene)
+    folder = out or folders.default_folder(scene)
     derived = partial(derive, report=report)
     failures = solve_folder(scene, folder, derived, part=part, workers=workers, cluster=cluster)
     _print_runs(folder, runs_of_part(folders.runs_in(folder, scene), part))
@@ -109,7 +107,7 @@ def resound(
     scene = file.resound(folders.stored_scene(folder), overrides)
     if (program := folders.made_by(stored[0].home)) != folders.this_program():
         progress.line(f"{folder}: marched by {program}, heard by {folders.this_program()}")
-    target, derived = out or default_folder(scene), partial(derive, report=report)
+    target, derived = out or folders.default_folder(scene), partial(derive, report=report)
     failures = solve_folder(scene, target, derived, sources=stored, workers=workers)
     _print_runs(target, folders.runs_in(target, scene))
     return failures
@@ -291,7 +289,7 @@ def listen(
         (run,) = open_runs([stored])
     try:
         long = run.listen(seconds, speed, seed)
-    except ListeningError as error:
+    except listening.ListeningError as error:
         raise FolderError(f"{folder}: {error}") from error
     path = listening.write_long(run, long)
     progress.line(listening.sentence(run, long))

@@ -2,24 +2,18 @@
 
 import math
 import string
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Any
 
 from acoustics.numbers import rounded
 from rolling.check import cost
+from rolling.scene.messages import table
 from rolling.scene.scene import Scene
 
 SURFACE = "surface_time"  # key of the finding whose time runs with the same surface share
 LEAST_SECONDS = 1.0  # shorter times for making a surface are not listed
 _UNITS = ("m", "s", "Hz", "Pa", "N")
-
-
-def table(package: str, name: str) -> dict[str, Any]:
-    """Read the table NAME.toml of texts or numbers beside the modules of a package."""
-    return tomllib.loads(files(package).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
 
 
 _FINDINGS: dict[str, dict[str, str]] = table("rolling.check", "findings")

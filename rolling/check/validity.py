@@ -18,7 +18,6 @@ from acoustics.numbers import rounded
 from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost, resolution
 from rolling.check.finding import Finding, computing, judged, sentence, si
-from rolling.check.resolution import HEARING
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import library
@@ -96,8 +95,8 @@ def _bouncing(scene: Scene) -> Finding:
     The maximum speed decides, where the record holds the frequency.
     """
     frequency, speed = cost.bounce_hz(scene), scene.motion.fastest(scene.duration)
-    highest = min(HEARING[1], speed / (2 * scene.track.step))
-    if not HEARING[0] < frequency < highest:
+    highest = min(resolution.HEARING[1], speed / (2 * scene.track.step))
+    if not resolution.HEARING[0] < frequency < highest:
         return judged("resonance", si(frequency, "Hz"), False)
     density, correlation = scene.sphere.density_kg_m3, 0.0
     steel = f"as if of steel, {STEEL_DENSITY:g} kg/m3 (sphere.density_kg_m3)"
@@ -150,9 +149,9 @@ def lowest_mode_hz(scene: Scene) -> float:
 def _modes(scene: Scene) -> Iterator[Finding]:
     """Warn of a mode of the sphere within hearing."""
     frequency = lowest_mode_hz(scene)
-    if frequency < HEARING[1]:
+    if frequency < resolution.HEARING[1]:
         steel = ", as if of steel" * (scene.sphere.youngs_modulus_gpa is None)
-        most = scene.sphere.radius_mm * frequency / HEARING[1]
+        most = scene.sphere.radius_mm * frequency / resolution.HEARING[1]
         yield judged("ball_modes", si(frequency, "Hz"), True, steel=steel, most=most)
 
 
@@ -191,7 +190,7 @@ def _vibration(scene: Scene) -> Iterator[Finding]:
     yield _waves(scene)
     if of_scene.plate(scene) is None:
         lowest = HALF_SPACE_HZ_M / scene.sound.distance_m
-        yield judged("half_space_sound", si(lowest, "Hz"), lowest > HEARING[0])
+        yield judged("half_space_sound", si(lowest, "Hz"), lowest > resolution.HEARING[0])
     else:
         yield from _bending(scene)
     yield from _edges(scene)
@@ -296,9 +295,9 @@ def _bending(scene: Scene) -> Iterator[Finding]:
     share, limit = radius / thickness, of_scene.bending_limit_hz(scene)
     near, air = FAR * plate.nearest_m, plate.lowest_hz
     too_close = distance < near and scene.plate.edges_mm is None
-    thin, thick = 1e3 * thickness * limit / HEARING[1], 1e3 * radius / THICK
+    thin, thick = 1e3 * thickness * limit / resolution.HEARING[1], 1e3 * radius / THICK
     least, thicknesses = 1e3 * thickness * air / LOADED_HZ, of_scene.LEAST_THICKNESSES
-    doubt, critical = limit < HEARING[1], si(plate.critical_hz, "Hz")
+    doubt, critical = limit < resolution.HEARING[1], si(plate.critical_hz, "Hz")
     yield judged("air_load", si(air, "Hz"), air > LOADED_HZ, least=least)
     yield judged("contact_thickness", rounded(share), share > THICK, most=THICK, least=thick)
     yield judged("bending", si(limit, "Hz"), doubt, thicknesses=thicknesses, most=thin)

@@ -31,6 +31,7 @@ _MOST_DOTS = 110_000  # points of a map of heights, which fit into a file of 150
 _SHADES = 24  # colours of such a map: more shades make larger files and are hardly distinguishable
 _ENERGIES_PER_DECADE = 5
 _SMALLEST_SHARE = 1e-6  # of the maximum energy; smaller energies are rounding of the solution
+_Pair = tuple[float, float]
 
 
 def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
@@ -108,7 +109,7 @@ def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()
     reach = max(_reach(other, shot) for other, shot in compared) * 1e6
     spacing, corner = run.scene.spacing, (snapshot.along, snapshot.across)
     pressure, limits = snapshot.pressure * 1e-9, (0.0, maximum)
-    ax = _map(axes_of(ax), pressure, corner, spacing, limits, "pressure [GPa]")
+    ax = _map(axes_of(ax), pressure, corner, spacing, limits, "pressure [GPa]", "magma")
     along, across = (1e6 * place for place in _sphere_position(run, snapshot))
     ax.set(xlim=(along - reach, along + reach), ylim=(across - reach, across + reach))
     ax.set_facecolor("black")
@@ -133,13 +134,7 @@ def _reach(run: Run, snapshot: Snapshot) -> float:
 
 
 def _map(
-    ax: Axes,
-    values: Array,
-    corner: tuple[float, float],
-    spacing: float,
-    limits: tuple[float, float],
-    label: str,
-    colours: matplotlib.colors.Colormap | str = "magma",
+    ax: Axes, values: Array, corner: _Pair, spacing: float, limits: _Pair, label: str, colours: Any
 ) -> Axes:
     """Draw values (along, across) of nodes from a corner on [m] as a map with a colour bar."""
     low = np.array(corner) - spacing / 2

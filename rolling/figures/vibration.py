@@ -4,10 +4,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from acoustics import plots
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
-from acoustics.plots import COLOURS
+from acoustics.plots import COLOURS, third_octaves
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.figures.picture import axes_of, distance_and_duration, finish, number
 from rolling.figures.sound import band_table
@@ -74,7 +73,7 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
     nothing = dict.fromkeys(BAND_NAMES)
     levels = {name: run.summary[f"{name}_third_octave_db"] for name in names}
     curves = [(names[k], levels[k], nothing) for k in names if any(levels[k].values())]
-    ax = plots.third_octaves(axes_of(ax), curves, run.sound.duration)
+    ax = third_octaves(axes_of(ax), curves, run.sound.duration)
     ax.set_ylabel("level [dB]")
     loss = run.scene.plate.loss_factor
     facts = [

@@ -5,9 +5,7 @@ Each scene has a run folder of its own, so the same command continues a study th
 
 import io
 import math
-import tomllib
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +17,7 @@ from rolling.lee2025.conditions import FAILS, HOLDS, IN_PART, NOT_RUN, OUTLOOK, 
 from rolling.run import folder as folders
 from rolling.scene import library
 from rolling.scene.file import read_scene
-from rolling.scene.messages import nearest
+from rolling.scene.messages import nearest, table
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, progress
 from rolling.terminal.files import PARTIAL, FolderError, make_below, write_bytes
@@ -138,9 +136,7 @@ def _refuse_foreign(folder: Path) -> None:
 
 Statement = dict[str, Any]  # a table of statements.toml, whose head explains its keys
 
-STATEMENTS: list[Statement] = tomllib.loads(
-    files("rolling.lee2025").joinpath("statements.toml").read_text(encoding="utf-8")
-)["statement"]
+STATEMENTS: list[Statement] = table("rolling.lee2025", "statements")["statement"]
 SCALES = (10, 20)  # factors of the logarithm in the level of a release power
 WORDS = ["key", "source", "sentence", "criterion"]
 COLUMNS = ["key", "source", "statement", "criterion", "reading", "scale", "verdict", "measured"]

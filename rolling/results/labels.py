@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rolling.check.finding import table
 from rolling.results.run_folder import RunFolder
 from rolling.scene.library import NAMES
+from rolling.scene.messages import table
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Section
 

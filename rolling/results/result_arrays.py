@@ -13,13 +13,13 @@ import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
 from rolling.check.error_cost import DETAIL, LEVELS
-from rolling.check.finding import table
 from rolling.marches import observers
 from rolling.marches.observers import PLACES, PressureMap, SlowMotion, Snapshot
 from rolling.marches.passes import SERIES as PASS_SERIES
 from rolling.marches.passes import Passes
 from rolling.marches.result import ErrorStretches, LoadMarches, MovingRelease, Result, StretchMarch
 from rolling.scene import file as scene_file
+from rolling.scene.messages import table
 from rolling.sound.vibration_sound import Vibration
 
 if TYPE_CHECKING:

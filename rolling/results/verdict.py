@@ -12,9 +12,10 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ
 from rolling.check import error_cost, resolution
-from rolling.check.finding import Finding, computing, table
+from rolling.check.finding import Finding, computing
 from rolling.check.findings import Findings
 from rolling.results.sentences import say
+from rolling.scene.messages import table
 from rolling.scene.scene import Scene
 
 WORDS = TRUST, INDICATIVE, DO_NOT_QUOTE = "trust", "indicative", "do not quote"

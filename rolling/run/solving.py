@@ -15,13 +15,11 @@ from rolling.results.run_result import Run, hear, read_run
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.run.executor import RunLoop
-from rolling.run.folder import Part
 from rolling.run.pools import Cluster, Pool, Task, local_pool
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.terminal import defaults, files, progress
-from rolling.terminal.files import FolderError
 
 Derive = Callable[[Path, Sequence[RunFolder]], object]
 Values = Value | tuple[Value, ...]
@@ -61,7 +59,7 @@ def solve_folder(
     derive: Derive | None = None,
     *,
     sources: Sequence[RunFolder] = (),
-    part: Part | None = None,
+    part: folders.Part | None = None,
     workers: int = 0,
     cluster: str | None = None,
 ) -> dict[str, str]:
@@ -116,13 +114,13 @@ def _derive_after_parts(folder: Path, runs: Sequence[RunFolder], derive: Derive)
     with ExitStack() as stack:
         try:
             stack.enter_context(folders.held(folder))
-        except FolderError:
+        except files.FolderError:
             progress.line("other parts are at work; the last one writes table and page")
             return
         derive(folder, runs)
 
 
-def runs_of_part(runs: Sequence[RunFolder], part: Part | None) -> list[RunFolder]:
+def runs_of_part(runs: Sequence[RunFolder], part: folders.Part | None) -> list[RunFolder]:
     """Return the runs of every N-th march of a sweep; runs with one march stay together."""
     if part is None:
         return list(runs)
@@ -193,7 +191,7 @@ def _solve(
             raise
     for number, reason in loop.failures.items():
         run = lacking[number]
-        with suppress(OSError, FolderError):  # of a folder that cannot be written
+        with suppress(OSError, files.FolderError):  # of a folder that cannot be written
             files.make_below(run.home, run.folder)
             files.write_json(run.folder / FAILED, {"reason": reason})
     return {names[lacking[number].folder]: text for number, text in loop.failures.items()}

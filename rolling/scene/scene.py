@@ -27,7 +27,6 @@ from rolling.scene import library, messages, quantities
 from rolling.scene import sweep as sweeps
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.messages import Key, SceneError, plain, refusal, shown
-from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
 from rolling.scene.sections import (
     MAX_FAULTS,
     WEIGHT,
@@ -51,7 +50,7 @@ class SweepRun(NamedTuple):
     scene: Scene
 
 
-class Scene(SceneQuantities):
+class Scene(quantities.SceneQuantities):
     """Scene: the bodies, the solution of their contact, and the place of the listener.
 
     Scenes are equal when all their values are equal, wherever they were read from.
@@ -135,7 +134,7 @@ class Scene(SceneQuantities):
     @classmethod
     def from_values(cls, values: Mapping[str, Any]) -> Self:
         """Build a scene from plain values that were given in Python; the name may be missing."""
-        return cls.from_dict({"name": DEFAULT_NAME, **values})
+        return cls.from_dict({"name": quantities.DEFAULT_NAME, **values})
 
     @classmethod
     def from_dict(
@@ -174,7 +173,7 @@ class Scene(SceneQuantities):
                 messages.explained(each, data, cls) for each in sweeps.first_errors(error)
             ]
         if "name" not in data:
-            new_faults.insert(0, (("name",), f"missing; {NAME}"))
+            new_faults.insert(0, (("name",), f"missing; {quantities.NAME}"))
         if not any(key[:1] == ("sweep",) for key, _ in new_faults):
             new_faults += sweeps.faults_of_runs(data, new_faults, cls)
         lines = [

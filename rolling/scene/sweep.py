@@ -21,7 +21,6 @@ from pydantic_core import PydanticCustomError
 from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.height_files import file_digest
-from rolling.scene.library import NAME_KEYS
 from rolling.scene.messages import Key, dotted, fault, plain_number, refusal, shown
 from rolling.scene.sections import MAX_FAULTS
 
@@ -280,7 +279,7 @@ _NOT_CONTACT = {
     *("name", "title", "description", "sound", "sweep", "dynamics", "numerics.error_estimate"),
     *("rolling.speed_m_s", "rolling.duration_s", "rolling.distance_mm", "rolling.resistance"),
     *("rolling.drop_mm", "rolling.passes", "plate.plasticity", "sphere.density_kg_m3"),
-    *NAME_KEYS,
+    *library.NAME_KEYS,
     *(f"plate.{name}" for name in VIBRATING_PLATE),
 }
 

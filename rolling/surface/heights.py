@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -94,8 +94,23 @@ def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> 
     if angle:
         reach = (-np.log(_NEGLIGIBLE) / decay) ** (1 / exponent)
         cosine, sine = np.cos(angle), np.sin(angle)
-        ends = np.hypot(first * cosine, second * sine), np.hypot(first * sine, second * cosine)
-        _add_neighbours(periodic, (x, y), (reach * ends[0], reach * ends[1]), autocorrelation)
+        ends = reach * np.hypot([first * cosine, first * sine], [second * sine, second * cosine])
+        if 4 * ends[0] * ends[1] > _MOST_LAGS * spacing**2:
+            longest = math.sqrt(_MOST_LAGS / (4 * ends[0] * ends[1])) * spacing
+            raise SurfaceError(
+                "lay_deg: got correlation lengths that reach too far to be turned, allowed: up to"
+                f" {rounded(longest, 2)} times as long"
+            )
+        # The law is added about the neighbouring origins of the grid. Without them a turned law,
+        # which is no function of the magnitudes of both lags, would have a step where a period
+        # ends, and the surface a roughness in short waves.
+        sizes = spacing * np.array(shape)
+        counts = np.maximum(np.ceil(ends / sizes - 0.5), 0).astype(int)
+        for i, j in itertools.product(*(range(-count, count + 1) for count in counts)):
+            if (i, j) != (0, 0):
+                along, across = x + i * sizes[0], y + j * sizes[1]
+                rows = np.flatnonzero(np.abs(along) <= ends[0])
+                periodic[rows] += autocorrelation(along[rows], across)
     # On a periodic grid the law can have slightly negative spectral densities from rounding.
     density = np.maximum(np.fft.rfft2(periodic).real, 0.0)
     return density / periodic[0, 0] if angle else density
@@ -122,33 +137,6 @@ def wave_numbers(shape: tuple[int, ...], spacing: float) -> Array:
     """Return the wave numbers [rad/m] of the half plane of waves of a periodic grid."""
     along, across = np.fft.fftfreq(shape[0], spacing), np.fft.rfftfreq(shape[1], spacing)
     return np.asarray(2 * np.pi * np.hypot(along[:, None], across))
-
-
-def _add_neighbours(
-    periodic: Array,
-    lags: tuple[Array, Array],
-    ends: tuple[float, float],
-    law: Callable[[Array, Array], Array],
-) -> None:
-    """Add a turned law about the neighbouring origins of a periodic grid, out to its ends [m].
-
-    Without them the law, which is no function of the magnitudes of both lags, would have a step
-    where a period ends, and the surface a roughness in short waves.
-    """
-    spacing = lags[0][1] - lags[0][0]
-    if 4 * ends[0] * ends[1] > _MOST_LAGS * spacing**2:
-        longest = math.sqrt(_MOST_LAGS / (4 * ends[0] * ends[1])) * spacing
-        raise SurfaceError(
-            "lay_deg: got correlation lengths that reach too far to be turned, allowed: up to"
-            f" {rounded(longest, 2)} times as long"
-        )
-    sizes = [len(lag) * spacing for lag in lags]
-    counts = [max(0, math.ceil(end / size - 0.5)) for end, size in zip(ends, sizes, strict=True)]
-    for i, j in itertools.product(*(range(-count, count + 1) for count in counts)):
-        if (i, j) != (0, 0):
-            x, y = lags[0] + i * sizes[0], lags[1] + j * sizes[1]
-            rows = np.flatnonzero(np.abs(x) <= ends[0])
-            periodic[rows] += law(x[rows], y)
 
 
 def turned(x: Any, y: Any, angle: float) -> tuple[Any, Any]:

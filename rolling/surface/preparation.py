@@ -20,7 +20,6 @@ from rolling.scene.height_grid import SAME, HeightGrid, is_other, is_turned
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import levelling, measured
 from rolling.surface.heights import SurfaceError
-from rolling.surface.levelling import Levelling
 from rolling.surface.parameters import roughness, without_plane
 
 NAMES = "Sa", "Sq", "Ssk", "Sku", "Sdq"  # of the roughness before and after a step
@@ -78,7 +77,7 @@ class Preparation:
 
 def prepare(
     heights: Array, surface: HeightFile, grid: HeightGrid
-) -> tuple[Array, Levelling, list[Effect]]:
+) -> tuple[Array, levelling.Levelling, list[Effect]]:
     """Prepare heights [m] about their mean by the keys of the surface.
 
     Returns
