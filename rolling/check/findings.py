@@ -15,16 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from acoustics.numbers import rounded
 from rolling.check import cost, error_cost, heights, refusals, resolution, validity
-from rolling.check.finding import (
-    SURFACE,
-    Finding,
-    byte_size,
-    columns,
-    computing,
-    judged,
-    si,
-    surface_time,
-)
+from rolling.check.finding import SURFACE, Finding, byte_size, computing, judged, si, surface_time
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -32,7 +23,7 @@ from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import contact_keys, digest, run_name
 from rolling.surface import scene_surface
 from rolling.terminal import progress
-from rolling.terminal.streams import wrapped
+from rolling.terminal.streams import columns, wrapped
 
 if TYPE_CHECKING:
     from rolling.check.probe import Probe

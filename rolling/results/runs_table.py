@@ -10,7 +10,6 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import bracketed, decibels_a
-from rolling.check.finding import columns
 from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
 from rolling.results.labels import labels
 from rolling.results.run_errors import LINEAR
@@ -18,7 +17,7 @@ from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
 from rolling.results.sentences import say
 from rolling.results.verdict import above_vibration_db
 from rolling.scene.messages import TABLES
-from rolling.terminal.streams import wrapped
+from rolling.terminal.streams import columns, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -13,7 +13,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
@@ -32,6 +32,7 @@ LONGEST_LABEL = 100  # letters
 LONGEST_NAME = 120  # bytes; temporary names add to it, and some file systems end at 143
 _LONGEST_TEXT = 40  # letters of a text in a name
 Fault = tuple[Key, str]  # key and message
+_Model = TypeVar("_Model", bound=BaseModel)
 Value = float | str  # number, text, or label of a swept value
 Choice = tuple[Value, Any]  # value as names and tables show it, and its plain form for the scene
 
@@ -234,7 +235,7 @@ def faults_of_runs(
     in_words: dict[Any, Fault] = {}
     for values, forms in product(sweep) if sweep else ():
         swept = with_values(unswept, forms)
-        for error in _errors(swept, root):
+        for error in checked(swept, root)[1]:
             plain = isinstance(error["input"], bool | int | float | str)
             alike = (error["loc"], error["type"], error["msg"], shown(error["input"]) * plain)
             if alike not in in_words:
@@ -255,18 +256,12 @@ def faults_of_runs(
     return list(faults)
 
 
-def _errors(data: Mapping[str, Any], root: type[BaseModel]) -> list[Any]:
-    """List the faults of a scene, before they are put into words."""
+def checked(data: Mapping[str, Any], root: type[_Model]) -> tuple[_Model | None, list[Any]]:
+    """Return the scene of plain values, or its faults: at most one more than are named."""
     try:
-        root.model_validate(data)
+        return root.model_validate(data), []
     except ValidationError as error:
-        return first_errors(error)
-    return []
-
-
-def first_errors(error: ValidationError) -> list[Any]:
-    """List the faults that pydantic reports, at most one more than are named."""
-    return error.errors(include_url=False)[: MAX_FAULTS + 1]
+        return None, error.errors(include_url=False)[: MAX_FAULTS + 1]
 
 
 # ---- identities

@@ -13,7 +13,6 @@ import pytest
 from finished import run_of
 from scene_text import TINY
 
-from rolling.check.finding import columns
 from rolling.results.labels import labels
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import hear, write_run
@@ -28,6 +27,7 @@ from rolling.results.runs_table import (
 )
 from rolling.scene import file
 from rolling.scene.scene import Scene
+from rolling.terminal.streams import columns
 
 SWEEP = f"""\
 {TINY}sweep:
