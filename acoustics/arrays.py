@@ -1,7 +1,5 @@
 """The type of arrays of numbers, the check of values that users give, and short words for them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import fields
 from typing import Any

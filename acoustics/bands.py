@@ -1,7 +1,5 @@
 """Third-octave bands from 20 Hz to 20 kHz: edges, sums of line power, uncertainty."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -9,8 +9,6 @@ The smoothed matrix is therefore positive semidefinite in every rounding. A cont
 stretches as given.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
@@ -24,6 +22,7 @@ WIDER = 4  # times as many lines for the level by which the lines are divided be
 FEW = 3.0  # lines to either side over which the power is averaged before its logarithm is taken
 _FLOOR = 1e-26  # of the largest power of a line, below which only rounding remains
 LEAST_BLOCK = 2**16  # positions that are drawn at once
+Pairs = list[tuple[Array, Array]]
 _TURNS = np.array([1, 1j, -1, -1j])  # phases; the sum of many lines is Gaussian
 
 
@@ -140,7 +139,6 @@ CALM = 1.5  # sigmas at which such a stretch begins and ends
 LEAST_SIGMA = 0.01  # of the largest value, for single stretches in a smooth row
 QUARTILES = 1.349  # distance between the quartiles of a Gaussian row in standard deviations
 
-Pairs = list[tuple[Array, Array]]
 Stretch = tuple[int, Array, Array]  # first position, share (m,), values (rows, m)
 
 

@@ -1,7 +1,5 @@
 """Laps of a record that follow each other without a click or a gap, for listening."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

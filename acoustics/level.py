@@ -3,8 +3,6 @@
 A level without sound is None, never -inf.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Loudness and sharpness of a steady sound by the package mosqito, which is imported on use."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

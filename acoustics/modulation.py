@@ -1,7 +1,5 @@
 """Modulation of a record: the spectrum of the envelope of a band."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -5,13 +5,11 @@ print. More curves than colours go from dark to light in the given order, as do 
 has a meaning.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import matplotlib
 import numpy as np
@@ -74,9 +72,9 @@ def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
     return max(bottom, top - _SHOWN_DB), top
 
 
-def finish(ax: Axes, ylabel: str) -> Axes:
-    """Label the vertical axis and draw a grid behind the curves."""
-    ax.set_ylabel(ylabel)
+def gridded(ax: Axes, **labels: str) -> Axes:
+    """Label axes and draw a pale grid behind their curves."""
+    ax.set(**labels)
     ax.grid(True, color="0.85", linewidth=0.5)
     ax.set_axisbelow(True)
     return ax
@@ -152,7 +150,7 @@ class Lines:
     level_db: Array
 
     @classmethod
-    def audible(cls, frequency_hz: Array, level_db: Array) -> Lines:
+    def audible(cls, frequency_hz: Array, level_db: Array) -> Self:
         """Keep the lines between 20 Hz and 20 kHz."""
         inside = (frequency_hz >= AUDIBLE_HZ[0]) & (frequency_hz < AUDIBLE_HZ[1])
         return cls(frequency_hz[inside], level_db[inside])

@@ -3,8 +3,6 @@
 The functions label their curves, but leave title and legend to the caller.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -80,8 +78,7 @@ def spectrum(
             ax.plot(lines.frequency_hz, level, linewidth=1.2, label=label, **look)
     seen = [level for _, lines in curves for level in lines.extremes]
     _audible(ax, seen, limits_db, octaves=True)
-    ax.set_xlabel("frequency [Hz]")
-    return style.finish(ax, "level [dB]")
+    return style.gridded(ax, xlabel="frequency [Hz]", ylabel="level [dB]")
 
 
 def third_octaves(
@@ -138,7 +135,7 @@ def third_octaves(
         ax.axvspan(EDGES_HZ[0], EDGES_HZ[first], color="0.93", zorder=0, label=short)
     _audible(ax, seen, None)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
-    return style.finish(ax, "sound pressure level [dB re 20 µPa]")
+    return style.gridded(ax, ylabel="sound pressure level [dB re 20 µPa]")
 
 
 def _by_band(by_name: Mapping[str, float | None]) -> Array:

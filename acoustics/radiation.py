@@ -5,8 +5,6 @@ return the pressure on the axis above the ball. They leave out the delay r/c: a 
 has the time of the force that made it. The listener is far away, at many ball radii.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

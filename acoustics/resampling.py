@@ -5,8 +5,6 @@ lines of its transform are the signal itself, so filters are brick walls without
 alias.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from acoustics.arrays import Array

@@ -1,7 +1,5 @@
 """Sound power that a force radiates through an infinite plate and through a ball."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -3,8 +3,6 @@
 The article is Lee, Kim & Kim (2025).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

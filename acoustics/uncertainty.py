@@ -6,11 +6,10 @@ surface. It holds no error of the model. It is of first order in the relative sp
 square, 10/ln(10) u = 4.34 u dB; a value above 2 dB is too small.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -58,7 +57,7 @@ class LevelUncertainty:
     lz_peak_db: float | None
     third_octave_db: dict[str, float | None]
 
-    def mapped(self, change: Callable[[float], float | None]) -> LevelUncertainty:
+    def mapped(self, change: Callable[[float], float | None]) -> Self:
         """Return the uncertainties with a change to each that is known."""
 
         def changed(values: dict[str, float | None]) -> dict[str, float | None]:
@@ -66,7 +65,7 @@ class LevelUncertainty:
 
         whole = {**vars(self)}
         bands = changed(whole.pop("third_octave_db"))
-        return LevelUncertainty(**changed(whole), third_octave_db=bands)
+        return type(self)(**changed(whole), third_octave_db=bands)
 
 
 def level_uncertainty(

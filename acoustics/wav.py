@@ -3,8 +3,6 @@
 The same record gives the same bytes at any time.
 """
 
-from __future__ import annotations
-
 import io
 import math
 import os

@@ -1,7 +1,5 @@
 """A-weighting in the frequency domain."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

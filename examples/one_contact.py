@@ -3,13 +3,13 @@
 import numpy as np
 
 import rolling as rc
-from rolling.surface import heights as surface
+from rolling.scene.laws import Roughness
+from rolling.surface.made import of_law
 
 RADIUS, LOAD, MODULUS, HARDNESS, SPACING = 5e-3, 20.0, 231e9, 2.1e9, 2e-6  # SI
 
-noise = surface.white_noise((128, 128), seed=1)
-heights = surface.filtered(noise, SPACING, (10e-6, 10e-6), "gaussian")
-heights *= 0.1e-6 / np.abs(heights).mean()  # Ra
+law = Roughness(roughness_ra_um=0.1, correlation_length_um=10, seed=1)
+heights = of_law((128, 128), SPACING, law, law.seed)
 x = (np.arange(128) - 63.5) * SPACING
 gap = (x[:, None] ** 2 + x[None, :] ** 2) / (2 * RADIUS) - heights
 half_space = rc.HalfSpace(SPACING, MODULUS)

@@ -1,7 +1,5 @@
 """The command `rolling` as `python -m rolling`."""
 
-from __future__ import annotations
-
 import sys
 
 from rolling.cli import main

@@ -4,8 +4,6 @@ Another distribution on the package index installs a package of that name. In on
 two overwrite each other's files, and uninstalling either breaks both.
 """
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 
 _MARK = b'__distribution__ = "rolling-contact-noise"'  # stands in acoustics/__init__.py

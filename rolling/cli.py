@@ -3,16 +3,14 @@
 Each command imports its modules itself, so that `--help` is instant.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
+from importlib import import_module
 from pathlib import Path
-from types import ModuleType
 
 from rolling import __version__, _own_acoustics
 from rolling.terminal import arguments, defaults, progress, streams
@@ -93,44 +91,27 @@ def _say(text: str) -> None:
 # ---- commands
 
 
-def _commands() -> ModuleType:
-    """Import the commands on run folders, and the solver with them."""
+def _call(name: str, given: argparse.Namespace) -> int:
+    """Call the function of a command, read its scene before; print its failures or its files."""
+    own = ("command", "parser", "quiet", "verbose", "study")
+    keywords = {key: value for key, value in vars(given).items() if key not in own}
+    if "scene" in keywords:  # before the solver is loaded
+        from rolling.scene import file
+
+        keywords["scene"] = file.read_scene(given.scene, keywords.pop("overrides"))
+    module, function = arguments.COMMANDS[name].get("call", f"rolling.commands:{name}").split(":")
     with progress.step(LOADING):
-        from rolling import commands
-    return commands
-
-
-def _run(given: argparse.Namespace) -> int:
-    """Run a scene, or a part of its sweep."""
-    from rolling.run.folder import default_folder
-    from rolling.scene import file
-
-    scene = file.read_scene(given.scene, given.overrides)  # before the solver is loaded
-    commands = _commands()
-    folder = given.out or default_folder(scene)
-    settings = {key: vars(given)[key] for key in ("part", "workers", "cluster", "report")}
-    failures = commands.run_scene(scene, folder, **settings)
-    if given.open:
-        _open(folder / "report.html")
-    return _code(failures)
-
-
-def _open(page: Path) -> None:
-    """Open a report page in a browser, or say why not."""
-    import webbrowser
-
-    if not page.is_file():
-        _say("--open: there is no report page to open")
-    elif not webbrowser.open(page.resolve().as_uri()):
-        _say(f"--open: no browser was found; open {page} in one")
-
-
-def _code(failures: dict[str, str]) -> int:
-    """Print the runs that failed; return the exit code."""
+        act = getattr(import_module(module), function)
+    result = act(**keywords)
+    if isinstance(result, int):
+        return result
+    failures = result if isinstance(result, dict) else {}
     for label, reason in failures.items():
         _say(f"failed: {label}: {reason}")
     if failures:
         _say("the same command tries them again")
+    for path in result if isinstance(result, list) else ():
+        print(path)
     return FAILED if failures else OK
 
 
@@ -149,18 +130,6 @@ def _status(given: argparse.Namespace) -> int:
         time.sleep(defaults.WATCH_SECONDS)
 
 
-def _call(name: str, given: argparse.Namespace) -> int:
-    """Call the function of `rolling.commands` that a command names; print its files."""
-    own = ("command", "parser", "quiet", "verbose")
-    keywords = {key: value for key, value in vars(given).items() if key not in own}
-    result = getattr(_commands(), name)(**keywords)
-    if isinstance(result, dict):
-        return _code(result)
-    for path in result:
-        print(path)
-    return OK
-
-
 def _check(given: argparse.Namespace) -> int:
     """Check a scene and estimate its cost."""
     from rolling.scene import file
@@ -177,31 +146,6 @@ def _check(given: argparse.Namespace) -> int:
     for warning in findings.warnings if progress.is_quiet() else ():
         print(f"warning: {warning}")
     return OK
-
-
-def _accuracy(given: argparse.Namespace) -> int:
-    """Study speed against error."""
-    from rolling.scene import file
-
-    scene = file.read_scene(given.scene, given.overrides)
-    with progress.step(LOADING):
-        from rolling.accuracy import study
-    print(study.run_study(scene, given.out, given.workers, given.finest, given.duration))
-    return OK
-
-
-def _reproduce(given: argparse.Namespace) -> int:
-    """Reproduce a study."""
-    with progress.step(LOADING):
-        from rolling.lee2025 import reproduce
-    return reproduce.reproduce(given.readings, given.out, given.quick, given.workers)
-
-
-def _validate(given: argparse.Namespace) -> int:
-    """Compare the program with published results."""
-    with progress.step(LOADING):
-        from rolling import validate
-    return validate.validate(given.cases, given.out)
 
 
 def _scenes(given: argparse.Namespace) -> int:
@@ -238,8 +182,7 @@ def _schema(given: argparse.Namespace) -> int:
 
 
 _ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
-    act.__name__.removeprefix("_"): act
-    for act in (_run, _check, _status, _accuracy, _reproduce, _validate, _scenes, _init, _schema)
+    act.__name__.removeprefix("_"): act for act in (_check, _status, _scenes, _init, _schema)
 }
 
 

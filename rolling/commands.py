@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import shutil
+import sys
+import webbrowser
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -13,11 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rolling.results import labels, listening, runs_table
-from rolling.results.listening import ListeningError
-from rolling.results.run_files import PASSES
-from rolling.results.run_result import Run
+from rolling.results.run_folder import PAGE, SUMMARY, RunFolder
+from rolling.results.run_result import PASSES, Run
 from rolling.run import folder as folders
-from rolling.run.folder import Part, RunFolder, default_folder
 from rolling.run.solving import open_runs, runs_of_part, solve_folder
 from rolling.scene import file
 from rolling.scene.height_files import HeightFormatError
@@ -29,17 +29,18 @@ from rolling.terminal.files import FolderError
 if TYPE_CHECKING:
     import pandas as pd
 
-PAGE, TABLE, GALLERY = "report.html", "runs.csv", Path("gallery.html")
+TABLE, GALLERY = "runs.csv", Path("gallery.html")
 
 
 def run_scene(
     scene: Scene,
     out: Path | None = None,
     *,
-    part: Part | None = None,
+    part: folders.Part | None = None,
     workers: int = 0,
     cluster: str | None = None,
     report: bool = True,
+    open: bool = False,
 ) -> dict[str, str]:
     """Run a scene into a folder, or the part of it that the folder lacks.
 
@@ -51,6 +52,7 @@ def run_scene(
     workers : int. Number of processes; 0: one per core. Default: 0.
     cluster : str. Address of a Dask scheduler, whose workers solve. Default: none.
     report : bool. Whether page and figures are written. Default: true.
+    open : bool. Whether the page is opened in a browser. Default: false.
 
     Returns
     -------
@@ -62,10 +64,15 @@ def run_scene(
     OSError : a disk is full, or a cluster is gone; finished pieces are kept.
     KeyboardInterrupt : Ctrl-C or SIGTERM; finished pieces are kept.
     """
-    folder = out or default_folder(scene)
+    folder = out or folders.default_folder(scene)
     derived = partial(derive, report=report)
     failures = solve_folder(scene, folder, derived, part=part, workers=workers, cluster=cluster)
     _print_runs(folder, runs_of_part(folders.runs_in(folder, scene), part))
+    page = folder / PAGE
+    if open and not page.is_file():
+        print("--open: there is no report page to open", file=sys.stderr)
+    elif open and not webbrowser.open(page.resolve().as_uri()):
+        print(f"--open: no browser was found; open {page} in one", file=sys.stderr)
     return failures
 
 
@@ -100,7 +107,7 @@ def resound(
     scene = file.resound(folders.stored_scene(folder), overrides)
     if (program := folders.made_by(stored[0].home)) != folders.this_program():
         progress.line(f"{folder}: marched by {program}, heard by {folders.this_program()}")
-    target, derived = out or default_folder(scene), partial(derive, report=report)
+    target, derived = out or folders.default_folder(scene), partial(derive, report=report)
     failures = solve_folder(scene, target, derived, sources=stored, workers=workers)
     _print_runs(target, folders.runs_in(target, scene))
     return failures
@@ -139,7 +146,7 @@ def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
         shutil.rmtree(folder / folders.PIECES, ignore_errors=True)
     if not done:
         return
-    newest = max((run.folder / folders.SUMMARY).stat().st_mtime_ns for run in done)
+    newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
     report = report and len(runs) <= defaults.MOST_RUNS_COMPARED
     last = folder / (PAGE if report else TABLE)
     if last.is_file() and last.stat().st_mtime_ns >= newest:
@@ -231,14 +238,14 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     FolderError, SceneError : a folder is no run folder, nothing is done in
         them, a run is damaged, or `out` exists. Nothing is written.
     """
-    from rolling.report import gallery as cards
+    from rolling.report import page
 
     out = out or GALLERY
     _refuse_page(out)
     done, unsolved = _stored(run_folders)
-    if len(done) > cards.MOST_CARDS:
+    if len(done) > page.MOST_CARDS:
         raise FolderError(
-            f"{len(done)} runs: a gallery shows {cards.MOST_CARDS}; name fewer folders"
+            f"{len(done)} runs: a gallery shows {page.MOST_CARDS}; name fewer folders"
         )
     done.sort(key=lambda run: run.scene.name)  # runs of a scene keep their order
     names = [
@@ -251,7 +258,7 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     )
     with progress.step("reading the runs, making their sound"):
         left_out = [labels.printable(run.folder.resolve().name) for run in unsolved]
-        content = cards.gallery(opened, len(done), out.parent, left_out)
+        content = page.gallery(opened, len(done), out.parent, left_out)
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return [out]
@@ -282,7 +289,7 @@ def listen(
         (run,) = open_runs([stored])
     try:
         long = run.listen(seconds, speed, seed)
-    except ListeningError as error:
+    except listening.ListeningError as error:
         raise FolderError(f"{folder}: {error}") from error
     path = listening.write_long(run, long)
     progress.line(listening.sentence(run, long))
@@ -433,7 +440,7 @@ def surface(
     ------
     SceneError, FolderError : bad input; nothing is written.
     """
-    from rolling.figures.topography import parameter_lines, topography
+    from rolling.figures.contact import parameter_lines, topography
     from rolling.surface import measured, scene_surface
     from rolling.surface.parameters import parameters
 

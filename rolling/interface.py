@@ -12,15 +12,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.arrays import instance
-from rolling.commands import PAGE, derive
+from rolling.commands import derive
 from rolling.contact.solver import ContactError
 from rolling.results import labels
-from rolling.results.run_files import write_run
-from rolling.results.run_result import Run
+from rolling.results.run_folder import PAGE
+from rolling.results.run_result import Run, write_run
 from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders
-from rolling.run.in_memory import Values, simulated
-from rolling.run.solving import open_runs
+from rolling.run.solving import Values, open_runs, simulated
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile

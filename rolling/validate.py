@@ -4,8 +4,6 @@ The table scenarios/validation/cases.toml describes the cases, the rules of thei
 truth and the origins of bounds. The function of a case has its name.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import tomllib
@@ -22,16 +20,16 @@ from jinja2 import Template
 
 from acoustics import BAND_NAMES, MID_HZ, a_weighting_db, sound_levels
 from acoustics.arrays import Array
-from acoustics.baffled_modes import own_resistance
 from acoustics.loudness import loudness
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S
+from acoustics.rectangular_plate import own_resistance
 from acoustics.wav import SAMPLE_RATE_HZ as RATE_HZ
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.solver import ContactError, solve_contact
 from rolling.dynamics import drop, of_scene
 from rolling.report import recording
 from rolling.results.run_result import Run
-from rolling.run.in_memory import Values, simulated
+from rolling.run.solving import Values, simulated
 from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.laws import SelfAffineLaw
@@ -66,12 +64,12 @@ class Figure(NamedTuple):
 Figures = Iterator[Figure]
 
 
-def validate(names: Sequence[str], out: Path | None) -> int:
+def validate(cases: Sequence[str], out: Path | None) -> int:
     """Run cases, write their page, and return 1 if a difference is not allowed, else 0.
 
     Parameters
     ----------
-    names : sequence of str. Names of cases; "all" among them: every case.
+    cases : sequence of str. Names of cases; "all" among them: every case.
     out : Path or None. Page to write; an earlier page of validation is replaced. Default:
         validation.md.
 
@@ -80,19 +78,19 @@ def validate(names: Sequence[str], out: Path | None) -> int:
     FolderError : there is no such case, `out` is another file, or its folder cannot be written.
     """
     content = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
-    cases, out = content["cases"], out or PAGE
-    for name in names if ALL not in names else ():
-        if name not in cases:
-            near, listed = nearest(name, [*cases]), ", ".join([ALL, *cases])
+    known, out = content["cases"], out or PAGE
+    for name in cases if ALL not in cases else ():
+        if name not in known:
+            near, listed = nearest(name, [*known]), ", ".join([ALL, *known])
             raise FolderError(f"CASE: got {name}{near}, allowed: {listed}")
     if out.is_dir() or not os.access(out.parent, os.W_OK):
         raise FolderError(f"--out: got {out}, allowed: a file in a folder that can be written")
     if out.exists() and TITLE not in out.read_text(encoding="utf-8", errors="replace"):
         raise FolderError(f"{out}: exists and is no page of validation; take another --out")
     tables = {}
-    for name in cases if ALL in names else names:
+    for name in known if ALL in cases else cases:
         with progress.step(f"validating {name}"):
-            tables[name] = rows = rows_of(cases[name], globals()[name.replace("-", "_")]())
+            tables[name] = rows = rows_of(known[name], globals()[name.replace("-", "_")]())
         beyond = [*rows["quantity"][~rows["holds"]]]
         words = f", {len(beyond)} beyond their bounds: {'; '.join(beyond)}" if beyond else ""
         progress.line(f"{name}: {len(rows)} rows{words}")

@@ -1,7 +1,5 @@
 """The study of speed against error: variants are marched, compared, and kept as one Dataset."""
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Mapping, Sequence
@@ -15,17 +13,8 @@ import xarray as xr
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from rolling import __version__
-from rolling.accuracy import work_precision
-from rolling.accuracy.variants import (
-    OWN,
-    REFERENCE,
-    SOLVER,
-    Variant,
-    label,
-    march_variant,
-    stretch_of,
-    variants_of,
-)
+from rolling.accuracy import variants, work_precision
+from rolling.accuracy.variants import OWN, REFERENCE, SOLVER, Variant, label
 from rolling.check import resolution
 from rolling.contact.solver import ContactError
 from rolling.run import pools
@@ -80,10 +69,10 @@ def accuracy(
     >>> study = accuracy(read_scene("scenarios/elastic-plate.yaml"), 0.01)  # doctest: +SKIP
     >>> study.error_laeq_db.to_series()  # doctest: +SKIP
     """
-    scene, nodes = stretch_of(scene, duration_s)
-    variants = variants_of(scene, finest)
-    marched, failures = _march_all(scene, variants, nodes, workers)
-    for variant in variants:
+    scene, nodes = variants.stretch_of(scene, duration_s)
+    listed = variants.variants_of(scene, finest)
+    marched, failures = _march_all(scene, listed, nodes, workers)
+    for variant in listed:
         if variant.curve in (OWN, REFERENCE) and variant in failures:
             raise ContactError(f"{label(scene, variant)}: {failures[variant]}")
     rows = [_row(scene, variant, nodes, series) for variant, series in marched.items()]
@@ -100,7 +89,7 @@ def accuracy(
 
 
 def _march_all(
-    scene: Scene, variants: Sequence[Variant], nodes: int, workers: int
+    scene: Scene, listed: Sequence[Variant], nodes: int, workers: int
 ) -> tuple[dict[Variant, dict[str, Array]], dict[Variant, str]]:
     """March variants, the longest first; return their series and the reasons of failures.
 
@@ -109,12 +98,12 @@ def _march_all(
     OSError : a worker was killed.
     """
     marched, failures = dict[Variant, dict[str, Array]](), dict[Variant, str]()
-    total = sum(variant.cost for variant in variants)
-    bar = progress.Bar(total, f"{scene.name}: {len(variants)} variants")
+    total = sum(variant.cost for variant in listed)
+    bar = progress.Bar(total, f"{scene.name}: {len(listed)} variants")
     with bar, ended_by_signal(), pools.local_pool(workers, [scene]) as pool:
         futures: dict[Variant, Future[dict[str, Array]]] = {}
-        for variant in sorted(variants, key=lambda variant: -variant.cost):
-            task = pools.Task(("", ""), march_variant, (scene, variant, nodes))
+        for variant in sorted(listed, key=lambda variant: -variant.cost):
+            task = pools.Task(("", ""), variants.march_variant, (scene, variant, nodes))
             futures[variant] = pool.submit(task)
             futures[variant].add_done_callback(partial(_proceed, bar, variant.cost))
         for variant, future in futures.items():
@@ -124,7 +113,7 @@ def _march_all(
                 failures[variant] = str(error)
             except BrokenExecutor as error:
                 raise OSError("a worker process was killed; out of memory?") from error
-    return {variant: marched[variant] for variant in variants if variant in marched}, failures
+    return {variant: marched[variant] for variant in listed if variant in marched}, failures
 
 
 def _proceed(bar: progress.Bar, share: float, future: object) -> None:
@@ -199,7 +188,7 @@ def run_study(
     workers: int = 0,
     finest: int = defaults.FINEST,
     duration_s: float = defaults.ACCURACY_SECONDS,
-) -> Path:
+) -> list[Path]:
     """Study the first run of a scene, print the table, and return the folder of the files.
 
     A folder that holds the same study already is not computed again.
@@ -227,7 +216,7 @@ def run_study(
     files.write_bytes(folder / "accuracy.png", picture.getvalue())
     if not progress.is_quiet():
         print(work_precision.text(study))
-    return folder
+    return [folder]
 
 
 def _stored(folder: Path, identity: str) -> xr.Dataset | None:

@@ -1,7 +1,5 @@
 """Variants of a scene: the same stretch of track with another grid or other numerics."""
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """The table, the advice and the work-precision diagram of a study of accuracy."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

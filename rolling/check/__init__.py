@@ -2,7 +2,7 @@
 
 findings
     `check_scene` judges all runs of a scene, `findings` a single run
-resolution, heights, validity, vibration
+resolution, heights, validity
     findings by subject: spacing, steps and record; heights from a file and made; limits of the
     model; scenes with dynamics
 probe

@@ -1,7 +1,5 @@
 """Cost of a run before it is run: window, time of a step, memory and disk."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Sequence

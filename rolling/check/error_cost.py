@@ -4,8 +4,6 @@ The cost is counted in steps of the run. It is a function of the scene alone, so
 do not depend on the speed of a machine.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,27 +1,18 @@
 """Line of the check and the words for its numbers."""
 
-from __future__ import annotations
-
 import math
 import string
-import tomllib
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Any
 
 from acoustics.numbers import rounded
 from rolling.check import cost
+from rolling.scene.messages import table
 from rolling.scene.scene import Scene
 
 SURFACE = "surface_time"  # key of the finding whose time runs with the same surface share
 LEAST_SECONDS = 1.0  # shorter times for making a surface are not listed
 _UNITS = ("m", "s", "Hz", "Pa", "N")
-
-
-def table(package: str, name: str) -> dict[str, Any]:
-    """Read the table NAME.toml of texts or numbers beside the modules of a package."""
-    return tomllib.loads(files(package).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
 
 
 _FINDINGS: dict[str, dict[str, str]] = table("rolling.check", "findings")
@@ -64,8 +55,11 @@ class _Words(string.Formatter):
         """Write a number with a unit, with a number of digits, rounded up or down, or as usual."""
         if spec in _UNITS:
             return si(value, spec)
-        if spec in ("up", "down"):
-            return _towards(math.ceil if spec == "up" else math.floor, value)
+        if spec in ("up", "down"):  # to two digits, so that followed advice holds
+            size = 10.0 ** (math.floor(math.log10(value)) - 1)
+            # A whole number keeps its value despite its rounding error.
+            whole = (math.ceil if spec == "up" else math.floor)(round(value / size, 9))
+            return rounded(whole * size, 6)
         if spec == "um":
             return rounded(value * 1e6, 4)
         return rounded(value, int(spec)) if spec.isdecimal() else format(value, spec)
@@ -129,16 +123,3 @@ def surface_time(scene: Scene, slow: float = 1.0) -> list[Finding]:
         return []
     value = f"{computing(seconds)}, each of which makes it"
     return [Finding(SURFACE, "making of the surface", value, None, seconds)]
-
-
-def _towards(whole: Callable[[float], int], value: float) -> str:
-    """Write a number with two digits, rounded up or down, so that followed advice holds."""
-    size = 10.0 ** (math.floor(math.log10(value)) - 1)
-    # A whole number keeps its value despite its rounding error.
-    return rounded(whole(round(value / size, 9)) * size, 6)
-
-
-def columns(rows: Sequence[Sequence[str]]) -> str:
-    """Write rows of equal length in aligned columns, two spaces apart, for a terminal."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)

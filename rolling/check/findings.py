@@ -14,17 +14,8 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from acoustics.numbers import rounded
-from rolling.check import cost, error_cost, heights, refusals, resolution, validity, vibration
-from rolling.check.finding import (
-    SURFACE,
-    Finding,
-    byte_size,
-    columns,
-    computing,
-    judged,
-    si,
-    surface_time,
-)
+from rolling.check import cost, error_cost, heights, refusals, resolution, validity
+from rolling.check.finding import SURFACE, Finding, byte_size, computing, judged, si, surface_time
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -32,7 +23,7 @@ from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import contact_keys, digest, run_name
 from rolling.surface import scene_surface
 from rolling.terminal import progress
-from rolling.terminal.streams import wrapped
+from rolling.terminal.streams import columns, wrapped
 
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
@@ -169,7 +160,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
         }
     times: dict[tuple[str, object], float] = {}  # by finding and surface, march or run
     for number, (run, of_run) in enumerate(zip(scenes, by_run.values(), strict=True)):
-        own = {vibration.OWN_MARCH: number, SURFACE: scene_surface.identity(run)}
+        own = {validity.OWN_MARCH: number, SURFACE: scene_surface.identity(run)}
         march = digest(contact_keys(run))
         for finding in of_run:
             times.setdefault((finding.key, own.get(finding.key, march)), finding.seconds)

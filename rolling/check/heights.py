@@ -1,7 +1,5 @@
 """Heights: resolution, tilt, seam and form of a file; moments, spectrum and waves of made ones."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,11 +11,12 @@ from rolling.check.finding import Finding, judged, sentence, si
 from rolling.scene.height_files import is_instrument
 from rolling.scene.height_grid import read
 from rolling.scene.laws import SelfAffineLaw
+from rolling.scene.messages import TABLES
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
-from rolling.surface.levelling import Levelling
+from rolling.surface.heights import correlation
+from rolling.surface.levelling import Levelling, form_share
 from rolling.surface.made import is_described
-from rolling.surface.preparation import STEP_NAMES
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 
 MIN_CORRELATION_NODES = 5  # of a measurement, across the correlation length
@@ -39,12 +38,13 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _resolution(surface)
     yield from _file(path, scene.surface)
     for step in surface.preparation:
-        yield Finding(step.step, STEP_NAMES.get(step.step, step.step), step.text, step.warning)
+        name = TABLES["steps"].get(step.step, step.step)
+        yield Finding(step.step, name, step.text, step.warning)
     yield Finding("level", "tilt", tilt_text(surface.levelling))
     yield _seam(scene, surface.levelling)
-    share, percent = surface.form_share, 100 * surface.form_share
-    form = f"{rounded(percent)} % of the variance"
-    yield judged("form", form, share > MAX_FORM, percent=percent)
+    share = form_share(surface.heights)
+    form = f"{rounded(100 * share)} % of the variance"
+    yield judged("form", form, share > MAX_FORM, percent=100 * share)
 
 
 def tilt_text(levelling: Levelling) -> str:
@@ -80,7 +80,7 @@ def _file(path: Path, surface: HeightFile) -> Iterator[Finding]:
 
 def _resolution(surface: SceneSurface) -> Iterator[Finding]:
     """Count the nodes per correlation length, and judge them and the noise."""
-    along, across = surface.correlations
+    along, across = (correlation(surface.heights, surface.spacing, axis) for axis in (0, 1))
     length, noise = min(along.length, across.length), max(along.noise, across.noise)
     if not math.isfinite(length):
         return

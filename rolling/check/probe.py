@@ -4,8 +4,6 @@ The closed forms of a smooth sphere cannot tell whether asperities yield. Eight 
 the track can, for less than a hundredth of the cost of a run.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """Refusals before anything is computed: long steps, a missing package, memory and disk."""
 
-from __future__ import annotations
-
 import math
 import os
 import shutil

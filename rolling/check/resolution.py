@@ -9,8 +9,6 @@ accurate to second order in the step, and wrong as soon as the contacts at both 
 common.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -9,8 +9,6 @@ have the compliance C = sum e g^2, and B = sum g (e Q0 - b P0) is lost without a
 """
 
 # mypy: disable-error-code="no-untyped-def"
-from __future__ import annotations
-
 from math import cos, sin
 from typing import NamedTuple
 

@@ -19,8 +19,6 @@ A viscous force D (d1 - d0) / h of the contact divides give and push by 1 + give
 """
 
 # mypy: disable-error-code="no-untyped-def"
-from __future__ import annotations
-
 from math import floor, sqrt
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 The plate takes some of the energy, so the impact of a rigid plate is the hardest.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact force of place and approach, from marches of the track at several loads."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -9,8 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from acoustics.arrays import Array, short_repr
-from rolling.dynamics import _motion_kernels
-from rolling.dynamics._motion_kernels import LawTable
+from rolling.dynamics._motion_kernels import LawTable, evaluate, laws_at
 
 # Loads of a law are added up to these multiples of the scene's. A force beyond them is
 # extrapolated, and the share of time that it lasts is reported.
@@ -82,7 +79,7 @@ class ForceLaw:
         """Return the approach [m] under a constant load [N] >= 0 at positions [m]."""
         x = np.asarray(position_m, dtype=float)
         laws = np.empty((x.size, self.table.values.shape[1]))
-        _motion_kernels.laws_at(x.ravel(), self.table, laws)
+        laws_at(x.ravel(), self.table, laws)
         weights = slope_weights(self.table.breaks, float(load_n) ** (2 / 3))
         return np.asarray(laws[:, 0] + laws[:, 1:] @ weights).reshape(x.shape)
 
@@ -96,7 +93,7 @@ class ForceLaw:
         """Return force and stiffness as a last axis."""
         x, d = np.broadcast_arrays(np.asarray(position_m, float), np.asarray(approach_m, float))
         values = np.empty((x.size, 2))
-        _motion_kernels.evaluate(x.ravel(), d.ravel(), self.table, values)
+        evaluate(x.ravel(), d.ravel(), self.table, values)
         return values.reshape((*x.shape, 2))
 
 

@@ -5,8 +5,6 @@ track, so slopes stay positive and the approach rises with the load at every pla
 the same as on the solved track, taken in stretches that carry the state on.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

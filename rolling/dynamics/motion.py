@@ -1,7 +1,5 @@
 """Motion of ball and plate in time over a force law, with the energy balance of the record."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil

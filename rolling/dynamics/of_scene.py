@@ -1,7 +1,5 @@
 """Sphere and plate of a scene as vibrating bodies, and their motion over a force law."""
 
-from __future__ import annotations
-
 from functools import lru_cache, partial
 
 import numpy as np
@@ -10,10 +8,9 @@ from acoustics.arrays import Array
 from acoustics.radiation import Ball, ThinPlate
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.contact import closed_forms
-from rolling.dynamics import bodies, drop
-from rolling.dynamics.bodies import Chain
+from rolling.dynamics import drop
+from rolling.dynamics.bodies import Chain, Modes, contact_stiffness, half_space_mobility, modes_of
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.modes import Modes, modes_of
 from rolling.dynamics.motion import BodyMotion, Path, Stepping, Travel, move
 from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.scene.scene import Scene
@@ -89,7 +86,7 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
     density = scene.plate.density_kg_m3
     assert density is not None  # dynamics needs it
     resonance = Chain(scene.mass, 0.0, stiffness_n_m).resonance_hz
-    mobility = bodies.half_space_mobility(
+    mobility = half_space_mobility(
         resonance, scene.plate.youngs_modulus_gpa * 1e9, scene.plate.poissons_ratio, density
     )
     return Chain(scene.mass, mobility, stiffness_n_m, None, loss_factor)
@@ -121,7 +118,7 @@ def smooth_stiffness(scene: Scene) -> float:
 
 def chain_over(scene: Scene, law: ForceLaw) -> Chain:
     """Return sphere, contact and plate with the mean stiffness of a force law."""
-    return chain(scene, bodies.contact_stiffness(law, scene.load))
+    return chain(scene, contact_stiffness(law, scene.load))
 
 
 def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> BodyMotion:

@@ -1,7 +1,5 @@
 """Contact of the smooth elastic sphere of a scene, elliptic where its radii differ."""
 
-from __future__ import annotations
-
 from rolling.contact import closed_forms
 from rolling.scene.scene import Scene
 

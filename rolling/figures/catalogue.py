@@ -1,25 +1,21 @@
 """All figures by name, and their files: those that compare runs, and those on request."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from matplotlib.axes import Axes
+from pandas import DataFrame
 
 from rolling.figures import contact, origins, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal.files import make_below, write_bytes
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 FORMATS = ("png", "svg", "csv")
 

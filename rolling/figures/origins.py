@@ -1,24 +1,18 @@
 """Figures of the origins of a sound: waves of the surface, turns of the sphere, and passes."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from acoustics.modulation import envelope_spectrum
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, MARKERS
-from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid
+from rolling.figures.picture import axes_of, distance_and_duration, finish
 from rolling.results.run_result import Run
-from rolling.results.running_in import pass_numbers
 from rolling.results.sentences import say
+from rolling.results.summary import pass_numbers
 from rolling.sound.wavelengths import FOLLOWS, LEAST_SHARE
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 MULTIPLES = 10  # of the turn's frequency that are shown and marked
 _CURVES = {  # columns of the table with name, unit and factor of the unit
@@ -71,7 +65,7 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     ax.set_xticks([], minor=True)
     ax.set_xlabel("wavelength along the track, lower edge of the octave [µm]")
     ax.set_ylabel("part of the A-weighted energy [%]")
-    return finish(finish_grid(ax), f"Wavelengths: {run.title}", [reading(run)])
+    return finish(ax, f"Wavelengths: {run.title}", [reading(run)])
 
 
 def reading(run: Run) -> str:
@@ -140,7 +134,7 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
         f"they are {rounded(run.summary['turn_prominence'])} times the median; noise has 1 to 3",
         f"{rounded(turn_hz, 4)} turns per second",
     ]
-    return finish(finish_grid(ax), f"Modulation: {run.title}", facts)
+    return finish(ax, f"Modulation: {run.title}", facts)
 
 
 def modulation_table(run: Run) -> pd.DataFrame:
@@ -200,7 +194,7 @@ def running_in(run: Run, ax: Axes | None = None) -> Axes:
     ax.set_xlabel("pass")
     ax.set_ylabel("over pass 1 [dB]")
     facts = [*distance_and_duration([run]), "10 lg of release and depth over pass 1"]
-    return finish(finish_grid(ax), f"Running-in: {run.title}", facts)
+    return finish(ax, f"Running-in: {run.title}", facts)
 
 
 def running_in_table(run: Run) -> pd.DataFrame:

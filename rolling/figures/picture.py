@@ -1,13 +1,11 @@
 """Axes of figures with title, note and legend, and their files; equal runs give equal bytes."""
 
-from __future__ import annotations
-
 import io
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib
 from matplotlib.artist import Artist
@@ -16,13 +14,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
+from pandas import DataFrame
 
 from acoustics.numbers import rounded
+from acoustics.plot_style import gridded
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 DPI = 110
 WIDTH_IN, HEIGHT_IN = 8.5, 4.4
@@ -61,10 +58,13 @@ def listed(runs: Run | Iterable[Run]) -> list[Run]:
 
 
 def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
-    """Set title, note and legend of axes; their label holds title and note in two lines.
+    """Set title, note and legend of axes, and the grid of curves.
 
+    The label of the axes holds title and note in two lines.
     Axes of a grid have small letters, and a legend only where it leaves room for the curves.
     """
+    if not ax.images:
+        gridded(ax)
     handles, names = ax.get_legend_handles_labels()
     is_small = min(ax.bbox.size) < _SMALL_IN * ax.figure.dpi
     note = "; ".join(facts)
@@ -99,13 +99,6 @@ def _broken(label: str, letters: int) -> str:
     """Break the label of an axis that is too long before its unit, or between words."""
     parts = label.replace(" [", "\n[").split("\n") if len(label) > letters else [label]
     return "\n".join(textwrap.fill(part, letters) for part in parts)
-
-
-def finish_grid(ax: Axes) -> Axes:
-    """Draw a pale grid below the curves."""
-    ax.grid(True, color="0.85", linewidth=0.5)
-    ax.set_axisbelow(True)
-    return ax
 
 
 def subject(runs: Sequence[Run]) -> str:

@@ -1,14 +1,13 @@
 """Figures of the sound of runs: third octaves, spectra, spectrogram and release power."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 
 from acoustics import plots
 from acoustics.arrays import Array
@@ -20,14 +19,11 @@ from acoustics.spectrum import Spectrogram, line_spectrum, welch
 from acoustics.spectrum import spectrogram as spectrogram_of
 from acoustics.weighting import a_weighting_db
 from rolling.figures import picture
-from rolling.figures.picture import axes_of, finish, finish_grid, listed, subject
+from rolling.figures.picture import axes_of, finish, listed, subject
 from rolling.results import labels
 from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _Levels = Mapping[str, float | None]
 
@@ -244,7 +240,7 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
         facts.append(f"axis from {rounded(low, 3)} to {rounded(high, 3)} of the mean for all runs")
     if len(time) < len(sound.time):
         facts.append("minimum and maximum in each of 1,500 columns")
-    return finish(finish_grid(ax), f"Release power: {run.title}", facts)
+    return finish(ax, f"Release power: {run.title}", facts)
 
 
 def release_power_table(run: Run) -> pd.DataFrame:

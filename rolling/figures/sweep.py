@@ -1,29 +1,25 @@
 """Figures of sweeps and of tables of runs: numbers against swept keys, and means over seeds."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
 from acoustics.plot_style import LINE_STYLES, band_ticks, bars, look_of
 from rolling.figures import picture
-from rolling.figures.picture import MOST_NAMED, axes_of, finish, finish_grid, listed, subject
+from rolling.figures.picture import MOST_NAMED, axes_of, finish, listed, subject
 from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED, runs_table
 from rolling.scene.scene import Scene
 from rolling.terminal.files import write_bytes
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 Numbers = Mapping[str, tuple[str, str]]  # columns of runs.csv with label and uncertainty
 SCENE = "scene"  # column of the scene's name beside the swept keys
@@ -205,7 +201,7 @@ def _against_key(
             if spread in frame:
                 bars(ax, group[key], values, group[spread].astype(float), look["color"])
     _name_axis(ax, "x", key, _ticks(frame[key]))
-    return finish_grid(ax)
+    return ax
 
 
 def _others(runs: Sequence[Run], key: str) -> list[str]:
@@ -268,7 +264,7 @@ def number_against(
     _name_axis(ax, "x", key, ticks)
     ax.set_ylabel(number)
     facts = _facts(frame, [key, *curves], "bars", len(groups))
-    return finish(finish_grid(ax), f"{number} against {x_words(ax)}: {title}", facts)
+    return finish(ax, f"{number} against {x_words(ax)}: {title}", facts)
 
 
 def number_map(
@@ -312,7 +308,7 @@ def mean_bands(frame: pd.DataFrame, curves: Sequence[str], ax: Axes, title: str)
     ax.minorticks_off()
     band_ticks(ax)
     facts = _facts(frame, curves, "shaded", len(groups))
-    return finish(finish_grid(ax), f"Mean third octaves: {title}", facts)
+    return finish(ax, f"Mean third octaves: {title}", facts)
 
 
 def mean_band_table(frame: pd.DataFrame, curves: Sequence[str]) -> pd.DataFrame:

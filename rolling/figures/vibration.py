@@ -1,26 +1,19 @@
 """Figures of the vibration of a run: sources, contact force, contact filter, mobilities."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 
-from acoustics import plots
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
-from acoustics.plots import COLOURS
+from acoustics.plots import COLOURS, third_octaves
 from rolling.dynamics.smooth_contact import semi_axes
-from rolling.figures.picture import axes_of, distance_and_duration, finish, finish_grid, number
+from rolling.figures.picture import axes_of, distance_and_duration, finish, number
 from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import wavelength_bands
 from rolling.surface.scene_surface import scene_surface
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 _COLUMNS = 1500  # of the force over time, in each of which minimum and maximum are drawn
 _FILTERED_DB = 40.0  # below the maximum of the surface's spectrum
@@ -40,7 +33,6 @@ def _curves(ax: Axes, table: pd.DataFrame, names: dict[str, str], xlabel: str, y
         style, colour = _STYLES[k], COLOURS[k]
         ax.plot(table.iloc[:, 0], table[name], style, color=colour, linewidth=1.5, label=label)
     ax.set(xscale="log", xlabel=xlabel, ylabel=ylabel)
-    finish_grid(ax)
 
 
 # ---- sources side by side
@@ -81,7 +73,7 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
     nothing = dict.fromkeys(BAND_NAMES)
     levels = {name: run.summary[f"{name}_third_octave_db"] for name in names}
     curves = [(names[k], levels[k], nothing) for k in names if any(levels[k].values())]
-    ax = plots.third_octaves(axes_of(ax), curves, run.sound.duration)
+    ax = third_octaves(axes_of(ax), curves, run.sound.duration)
     ax.set_ylabel("level [dB]")
     loss = run.scene.plate.loss_factor
     facts = [
@@ -140,7 +132,7 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
         f"in flight {rounded(100 * motion.flight_share)} % of the time",
         f"{motion.impacts} impacts",
     ]
-    return finish(finish_grid(ax), f"Contact force: {run.title}", facts)
+    return finish(ax, f"Contact force: {run.title}", facts)
 
 
 def contact_force_table(run: Run) -> pd.DataFrame:

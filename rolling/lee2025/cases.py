@@ -1,7 +1,5 @@
 """The cases of the study: the runs of its scenes, each a row of settings and measures."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path

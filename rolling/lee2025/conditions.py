@@ -4,8 +4,6 @@ A place is a load, a roughness, or a step between two of them. A change counts i
 its standard error over the surfaces; with one surface any change counts.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Figures 1 and 5 to 9 of the article for each reading, on axes that all readings share."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

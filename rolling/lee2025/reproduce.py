@@ -3,13 +3,9 @@
 Each scene has a run folder of its own, so the same command continues a study that was stopped.
 """
 
-from __future__ import annotations
-
 import io
 import math
-import tomllib
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +17,7 @@ from rolling.lee2025.conditions import FAILS, HOLDS, IN_PART, NOT_RUN, OUTLOOK, 
 from rolling.run import folder as folders
 from rolling.scene import library
 from rolling.scene.file import read_scene
-from rolling.scene.messages import nearest
+from rolling.scene.messages import nearest, table
 from rolling.scene.scene import Scene
 from rolling.terminal import defaults, progress
 from rolling.terminal.files import PARTIAL, FolderError, make_below, write_bytes
@@ -34,14 +30,14 @@ OWN_FILES = {TABLES, FIGURES, "cases.csv", "statements.csv"}
 
 
 def reproduce(
-    chosen: Sequence[str] = (), out: Path | None = None, quick: bool = False, workers: int = 0
+    readings: Sequence[str] = (), out: Path | None = None, quick: bool = False, workers: int = 0
 ) -> int:
     """Run the study or its missing part, write tables and figures, and return the exit code.
 
     Parameters
     ----------
-    chosen : sequence of str. Readings by name. Default: all, or with `quick` all but the sweeps of
-        the outlook.
+    readings : sequence of str. Readings by name. Default: all, or with `quick` all but the sweeps
+        of the outlook.
     out : Path or None. Folder of the study. Default: None, for a folder below outputs/.
     quick : bool. If true, solve one surface and three loads on a short track. Default: False.
     workers : int. Number of processes. Default: 0, for one per core.
@@ -52,8 +48,8 @@ def reproduce(
     SceneError : a scene file cannot be used.
     """
     folder = out or Path("outputs") / (f"{STUDY}-quick" if quick else STUDY)
-    scene_files = _scene_files(chosen)
-    if quick and not chosen:  # its fine surfaces would add a third to the time
+    scene_files = _scene_files(readings)
+    if quick and not readings:  # its fine surfaces would add a third to the time
         scene_files = [(name, file) for name, file in scene_files if name not in SWEEPS]
     _refuse_foreign(folder)
     cases = [folder / reading / file.stem for reading, file in scene_files]
@@ -140,9 +136,7 @@ def _refuse_foreign(folder: Path) -> None:
 
 Statement = dict[str, Any]  # a table of statements.toml, whose head explains its keys
 
-STATEMENTS: list[Statement] = tomllib.loads(
-    files("rolling.lee2025").joinpath("statements.toml").read_text(encoding="utf-8")
-)["statement"]
+STATEMENTS: list[Statement] = table("rolling.lee2025", "statements")["statement"]
 SCALES = (10, 20)  # factors of the logarithm in the level of a release power
 WORDS = ["key", "source", "sentence", "criterion"]
 COLUMNS = ["key", "source", "statement", "criterion", "reading", "scale", "verdict", "measured"]

@@ -1,7 +1,5 @@
 """The assumptions behind the numbers of a run: sound, bodies, contact and surface, in words."""
 
-from __future__ import annotations
-
 import math
 
 from acoustics.numbers import bracketed, rounded
@@ -10,17 +8,9 @@ from rolling.report.text import NOTHING
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.results.sentences import say
+from rolling.scene import surfaces
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
-from rolling.scene.surfaces import (
-    GRADES,
-    BallHeightFile,
-    BallSurface,
-    GradedBall,
-    HeightFile,
-    RoundSurface,
-    Surface,
-)
 
 
 def assumptions(run: Run) -> dict[str, str]:
@@ -128,24 +118,24 @@ def surface_words(scene: Scene) -> str:
     return f"{_words(scene.surface)}; the sphere: {_words(ball)}, once round in {rolled}"
 
 
-def _words(surface: Surface | BallSurface) -> str:
+def _words(surface: surfaces.Surface | surfaces.BallSurface) -> str:
     """Describe the surface of plate or sphere."""
     faults = sum(fault.count or 1 for fault in surface.faults or ())
     text = _kind_words(surface)
-    if isinstance(surface, RoundSurface) and surface.waviness:
+    if isinstance(surface, surfaces.RoundSurface) and surface.waviness:
         orders = ", ".join(f"{k} ({a:g} µm)" for k, a in surface.waviness.items())
         text += f", waves of order {orders}"
     return f"{text}, {faults} fault{'s' * (faults > 1)}" if faults else text
 
 
-def _kind_words(surface: Surface | BallSurface) -> str:
+def _kind_words(surface: surfaces.Surface | surfaces.BallSurface) -> str:
     """Describe a surface without waviness and faults."""
-    if isinstance(surface, HeightFile | BallHeightFile):
+    if isinstance(surface, surfaces.HeightFile | surfaces.BallHeightFile):
         profile = ", a profile that is the same all across"
-        laid = isinstance(surface, HeightFile) and surface.width_um is not None
+        laid = isinstance(surface, surfaces.HeightFile) and surface.width_um is not None
         return f"heights of {printable(surface.path)}{profile * laid}"
-    if isinstance(surface, GradedBall):
-        deviation = f"{GRADES[surface.grade].deviation_um:g} µm from spherical form"
+    if isinstance(surface, surfaces.GradedBall):
+        deviation = f"{surfaces.GRADES[surface.grade].deviation_um:g} µm from spherical form"
         return f"of grade {surface.grade}, {deviation}, {surface.law.words}"
     finish = _of(getattr(surface, "finish", None))
     return "smooth" if surface.law is None else f"{finish}{surface.law.words}"

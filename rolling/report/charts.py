@@ -1,7 +1,5 @@
 """Charts of the page: a drawn figure as numbers, thinned to the columns that a screen shows."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from typing import Any

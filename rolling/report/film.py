@@ -1,7 +1,5 @@
 """Slow motion of a run for the page: maps that the page cuts up, powers, and the ball's motion."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -18,7 +16,6 @@ from rolling.dynamics.smooth_contact import semi_axes
 from rolling.figures.picture import Picture
 from rolling.marches.observers import SlowMotion
 from rolling.report import charts, maps
-from rolling.report.maps import Pixels
 from rolling.results.run_result import Run
 from rolling.sound.wavelengths import weighted_lines
 from rolling.surface.scene_surface import scene_surface
@@ -93,12 +90,12 @@ def heard_shares(run: Run) -> dict[int, float]:
     return {rate: float(power[frequency > AUDIBLE_HZ * rate].sum()) / total for rate in RATES}
 
 
-def _dimmed() -> Pixels:
+def _dimmed() -> maps.Pixels:
     """Return the colours of pressures above a surface."""
     return np.asarray(np.rint(DIMMED * maps.palette()), dtype=np.uint8)
 
 
-def glow(release: NDArray[np.uint16]) -> Pixels:
+def glow(release: NDArray[np.uint16]) -> maps.Pixels:
     """Return the opacity of cells that release energy, linear up to nearly the maximum."""
     lit = release[release > 0]
     most = float(np.quantile(lit, BRIGHTEST)) if lit.size else 1.0
@@ -113,7 +110,7 @@ def _centres(run: Run, slow: SlowMotion) -> list[tuple[float, float]]:
     return [(round(float(x), 3), round(down, 3)) for x in (along - slow.along) / slow.cell]
 
 
-def _ground(run: Run, slow: SlowMotion) -> Pixels:
+def _ground(run: Run, slow: SlowMotion) -> maps.Pixels:
     """Draw the heights of the part of the plate that the slow motion shows, white is high."""
     spacing, part = run.scene.spacing, scene_surface(run.scene).heights
     nodes = round(slow.cell / spacing)  # along the side of a cell
@@ -151,8 +148,8 @@ def still(run: Run) -> dict[str, Any] | None:
 
 
 def _sheet(
-    shown: Pixels,
-    colours: Pixels,
+    shown: maps.Pixels,
+    colours: maps.Pixels,
     opacity: bytes,
     centres: Sequence[tuple[float, float]],
     side: float,

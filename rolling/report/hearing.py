@@ -1,7 +1,5 @@
 """Sentences on the sound of runs and its reasons, computed from their records."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Sequence

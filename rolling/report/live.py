@@ -3,9 +3,8 @@
 All tracks close here: the end of an open track, or of a part, is cross-faded with its beginning.
 """
 
-from __future__ import annotations
-
 import base64
+import tomllib
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from rolling.dynamics._motion_kernels import LawTable
 from rolling.dynamics.bodies import half_space_mobility
 from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
 from rolling.dynamics.smooth_contact import equivalent_radius
+from rolling.report.text import asset
 from rolling.results.listening import released
 from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
@@ -33,16 +33,7 @@ SEAM = 20  # an open track is cross-faded over its length divided by this
 RESOLVED = 1e-5  # share of the roughness in waves that time steps need not resolve
 FASTEST_STEPS = 8  # time steps per sample that the highest speed takes
 FALL_M_S = 1.0  # speed that a ball which is lifted may reach in its fall
-# Ranges of the sliders in SI units: plastics to tungsten, foil to block, bells to damped layers.
-RANGES = {
-    "ballDensity": (900.0, 19_300.0),
-    "plateDensity": (900.0, 19_300.0),
-    "thickness": (5e-4, 0.05),
-    "lossFactor": (5e-4, 0.3),
-    "contactLossFactor": (0.0, 0.2),
-    "distance": (0.1, 10.0),
-    "q": (1e-6, 1.0),
-}
+RANGES: dict[str, list[float]] = tomllib.loads(asset("sliders.toml"))
 EDGES = 1.5, 3.0  # lowest edge over the distance from its corner to the contact; highest edge [m]
 Data = dict[str, Any]
 

@@ -1,7 +1,5 @@
 """Pressure maps of runs for the page: one picture per run that the page cuts up, with times."""
 
-from __future__ import annotations
-
 import base64
 import io
 import math

@@ -1,28 +1,37 @@
 """The report page, on which runs are heard, seen and read: an HTML file without network access.
 
 This module gathers the content of the page as plain text, numbers and data URIs. Layout and
-behaviour are in `assets/`.
+behaviour are in `assets/`. The gallery is a page of many runs, each with a picture, a sound, its
+level and a sentence.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping, Sequence
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import jinja2
+import numpy as np
 from markupsafe import Markup
 
+from acoustics import wav
+from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from rolling import __version__
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
-from rolling.report import assumed, charts, film, hearing, live, maps, records, scripts, text
+from rolling.report import assumed, charts, film, hearing, live, maps, records, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
+from rolling.results.listening import heard
+from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run
+from rolling.results.sentences import say
 from rolling.terminal import defaults
 
 LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
@@ -55,7 +64,8 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     data["charts"] = shown_charts = list[dict[str, Any]]()
     templates = environment()
     templates.globals["numbered"] = partial(_number, shown_charts)
-    templates.globals["is_known"] = partial(_is_known, shown_charts)
+    # Runs of equal bodies have equal curves, which the page shows once.
+    templates.globals["is_known"] = lambda chart: any(_is_same(chart, x) for x in shown_charts)
     templates.globals["sharing"] = partial(_sharing, views)
     templates.globals["crowded"] = len(views) > MOST_BESIDE
     template = templates.get_template("report.html")
@@ -83,14 +93,17 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         surfaces=_surfaces(shown),
         vibration=[name for name in VIBRATION if any(name in x["pictures"] for x in views)],
         css=Markup("".join(map(text.asset, ("report.css", "play.css", "chart.css")))),
-        js=Markup(scripts.joined("page/begin.js" if shown else "page/chart.js")),
-        engine=Markup(scripts.joined("engine/worklet.js")),
+        js=Markup(joined("page/begin.js" if shown else "page/chart.js")),
+        engine=Markup(joined("engine/worklet.js")),
         data=data,
     )
     return html.encode()
 
 
-# ---- templates
+# ---- templates and scripts
+
+
+_IMPORT = re.compile(r'^import \{[^}]*\} from "(\./|\.\./)([\w/]+\.js)";\n', re.MULTILINE)
 
 
 def environment() -> jinja2.Environment:
@@ -112,6 +125,27 @@ def css_text(title: str) -> Markup:
     """Write any text as the inside of a string of CSS, all but letters and digits as numbers."""
     letters = (x if x.isascii() and x.isalnum() else f"\\{ord(x):06x}" for x in title)
     return Markup("".join(letters))
+
+
+def joined(entry: str) -> str:
+    """Join a module of `assets/` with all modules that it imports, each once, imports first.
+
+    The modules then share a scope, so no two of them may declare the same name at their top level.
+    """
+    seen, parts = set[str](), list[str]()
+
+    def gather(name: str) -> None:
+        """Add the text of a module behind the texts of the modules that it imports."""
+        seen.add(name)
+        script, room = text.asset(name), name.rpartition("/")[0]
+        for above, imported in _IMPORT.findall(script):
+            path = f"{room}/{imported}" if above == "./" else imported
+            if path not in seen:
+                gather(path)
+        parts.append(re.sub(r"^export ", "", _IMPORT.sub("", script), flags=re.MULTILINE))
+
+    gather(entry)
+    return "\n".join(parts)
 
 
 def _descriptions(runs: Sequence[Run]) -> list[str]:
@@ -136,21 +170,16 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
         }
         repeating = [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS]
         repeats = repeating if sound["records"][0]["name"] == "run" else []  # a long record goes on
-        views.append({"label": run.label, "run": run, "repeats": repeats, "pictures": pictures})
         curves = [curve | {"run": number} for curve in film.curves(run)]
-        views[-1] |= sound | {"live": live.live_of(run), "curves": curves}
+        view = {"label": run.label, "run": run, "repeats": repeats, "pictures": pictures}
+        views.append(view | sound | {"live": live.live_of(run), "curves": curves})
     return views
 
 
 def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any]:
     """Return the numbers of a run for the script of the page."""
     run = view["run"]
-    return {
-        "label": run.label,
-        "lap": view["lap"],
-        "solved": view["solved"],
-        "playback": view["playback"],
-        "live": view["live"],
+    return {name: view[name] for name in ("label", "lap", "solved", "playback", "live")} | {
         "swept": run.values,
         "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
         "film": film.film_of(run, scale["max_gpa"]) if scale else None,
@@ -181,11 +210,6 @@ def _number(charts: list[dict[str, Any]], chart: dict[str, Any]) -> int:
     """Append a chart to those of the page and return its number."""
     charts.append(chart)
     return len(charts) - 1
-
-
-def _is_known(charts: list[dict[str, Any]], chart: dict[str, Any]) -> bool:
-    """Tell whether the page shows the curves of a chart already, as for runs of equal bodies."""
-    return any(_is_same(chart, other) for other in charts)
 
 
 def _is_same(chart: dict[str, Any], other: dict[str, Any]) -> bool:
@@ -225,3 +249,88 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
         for members in sharing.values()
         if (picture := single_picture("surface", members[0]))
     ]
+
+
+# ---- gallery
+
+
+MOST_CARDS = 200
+# All sounds together weigh about 5 MB: an MP3 of a rough contact takes up to 25 kB per second.
+SECONDS, ALL_SECONDS, LEAST_SECONDS = 8.0, 150.0, 1.0
+FADE_S = 0.02
+
+
+def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[str] = ()) -> bytes:
+    """Write the page of many runs.
+
+    Each run is heard for 8 s of listen.wav, or for less where all runs together would exceed 150 s,
+    but for 1 s at least.
+
+    Parameters
+    ----------
+    runs : iterable of Run. The runs in the order of the page; each is dropped after its card.
+    count : int. Number of the runs.
+    folder : Path. The folder of the page, from which it links to the pages of the runs.
+    unsolved : sequence of str. Labels of runs that are not solved. Default: none.
+
+    Returns
+    -------
+    bytes
+        The HTML file.
+    """
+    seconds = min(SECONDS, max(LEAST_SECONDS, ALL_SECONDS / count))
+    cards = [_card(run, seconds, folder) for run in runs]
+    gains = records.gains(*zip(*(card["loudness"] for card in cards), strict=True))
+    template = environment().get_template("gallery.html")
+    html = template.render(
+        version=__version__,
+        cards=[*zip(cards, gains, strict=True)],
+        seconds=seconds,
+        unsolved=unsolved,
+        remark=say("unvalidated"),
+        css=Markup(text.asset("report.css") + text.asset("gallery.css")),
+    )
+    return html.encode()
+
+
+def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
+    """Return title, picture, sound, level and sentence of a run, and the link to its page."""
+    sound = _excerpt(run, seconds)
+    peak = float(np.abs(sound).max())
+    level = (run.summary.get("listening") or {}).get("laeq_db", run.summary["laeq_db"])
+    return {
+        "title": text.titles([run]),
+        "label": run.label,
+        "level": runs_table.level_text(run.summary, "laeq_db"),
+        "name": runs_table.level_name(run.summary),
+        "verdict": run.summary.get("verdict"),
+        "sentence": _sentence(run),
+        "picture": film.still(run),
+        "sound": records.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
+        "loudness": (peak, level),
+        "report": _link(run.home / PAGE, folder),
+    }
+
+
+def _link(page: Path, folder: Path) -> str | None:
+    """Return the relative address of a page from a folder; None without a page or a common disk."""
+    if not page.is_file() or page.resolve().drive != folder.resolve().drive:
+        return None
+    return quote(Path(os.path.relpath(page.resolve(), folder.resolve())).as_posix())
+
+
+def _excerpt(run: Run, seconds: float) -> Array:
+    """Return the beginning of the record for the ear [Pa], with a fade at its end."""
+    rate = run.sound.sample_rate
+    part = np.array(heard(run)[0][: round(seconds * rate)], dtype=float)
+    fade = min(len(part), round(FADE_S * rate))
+    part[len(part) - fade :] *= np.linspace(1, 0, fade).reshape(-1, *[1] * (part.ndim - 1))
+    return np.asarray(part)
+
+
+def _sentence(run: Run) -> str:
+    """Return the description of a scene of one run; in a sweep, a sentence on the run's sound."""
+    description = " ".join((run.scene.description or "").split())
+    if run.values or not description:
+        return hearing.headline([run])
+    return printable(description).rstrip(".") + "."

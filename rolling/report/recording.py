@@ -3,8 +3,6 @@
 Levels are in dB re 20 uPa, their uncertainties are standard uncertainties.
 """
 
-from __future__ import annotations
-
 import io
 import math
 from pathlib import Path

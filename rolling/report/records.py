@@ -4,8 +4,6 @@ The computed record of a run is a FLAC without loss. Records for the ear alone a
 highest quality, in which third octaves below 14 kHz keep their levels within 0.1 dB.
 """
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Sequence
@@ -21,7 +19,6 @@ from acoustics.laps import Lap, crossfaded_lap
 from rolling.report import maps
 from rolling.results import listening
 from rolling.results.run_result import Run
-from rolling.results.running_in import passes_wav
 from rolling.sound.contact_sound import ContactSound, fade_length
 from rolling.sound.long_listening import Listening
 
@@ -63,7 +60,7 @@ def _records(run: Run, long: Listening | None) -> list[dict[str, str]]:
     text = f"computed record of {run.sound.duration:.4g} s; {scale.format(full)}"
     made.append({"name": "run", "text": text, "src": lossless(run.sound.channels / full)})
     if run.result.passes is not None:
-        content, text = passes_wav(run, 16)
+        content, text = listening.passes_wav(run, 16)
         samples = soundfile.read(io.BytesIO(content))[0]
         made.append({"name": "passes", "text": f"pass by pass: {text}", "src": compressed(samples)})
     return made

@@ -1,7 +1,5 @@
 """Texts and tables of the page as plain text, from the summaries of runs."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib.resources import files

@@ -1,7 +1,5 @@
 """The caveats of a run's numbers, in the same words on terminal, page and in files."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,19 +14,14 @@ from rolling.dynamics.of_scene import BENT
 from rolling.marches.result import MovingRelease
 from rolling.results.run_errors import total_errors_db
 from rolling.results.sentences import say
-from rolling.results.verdict import ranks
+from rolling.results.verdict import ROLES, ranks
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, solver_doubt
 from rolling.sound.vibration_sound import Vibration
 
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
-# Caveats that stand beside every level, beside every player, and elsewhere; others are warnings.
-_VIBRATIONS = ("on_axis", "infinite_plate", "at_listener", "plate_edges")
-_BOUNDS = ("upper_bound", "assumed_q", "fixed_gain", *_VIBRATIONS)
-HEADLINE = (*_BOUNDS, "unvalidated", "uncertainty")
-REPEATS = ("short_loop", "short_track")
-_LOADS = ("quasi_static", "constant_load_release", "moving_load_release", "permanent")
-STANDING = (*HEADLINE, *REPEATS, *_LOADS, "not_loopable", "error_estimate_reach")
+HEADLINE, REPEATS = ROLES["headline"], ROLES["repeats"]
+STANDING = HEADLINE + REPEATS + ROLES["elsewhere"]
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,15 @@
 """The words of a scene's keys, and the labels that distinguish runs on terminal, page and files."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-from rolling.check.finding import table
+from rolling.results.run_folder import RunFolder
 from rolling.scene.library import NAMES
+from rolling.scene.messages import table
 from rolling.scene.scene import Scene
 from rolling.scene.sections import Section
-from rolling.scene.sweep import Value
 
 LONGEST = 72  # characters of a label: the width of a row in a legend
 _PROMINENT = 3  # differences that a label names even where fewer would distinguish the runs
@@ -30,17 +28,6 @@ class Word(NamedTuple):
 WORDS = {key: Word(**words) for key, words in table("rolling.results", "words").items()}
 
 
-class Labelled(Protocol):
-    """A run, solved or not, with its swept values by dotted key, its scene and its folder."""
-
-    @property
-    def values(self) -> Mapping[str, Value]: ...  # noqa: D102
-    @property
-    def scene(self) -> Scene: ...  # noqa: D102
-    @property
-    def folder(self) -> Path: ...  # noqa: D102
-
-
 def named(key: str) -> tuple[str, str]:
     """Return word and unit of a dotted key: rolling.load_n is load in N."""
     word = WORDS.get(key, Word(key))  # a section has its own name
@@ -53,7 +40,7 @@ def worded(key: str, value: float | str) -> str:
     return f"{name} {printable(value) if isinstance(value, str) else f'{value:g} {unit}'}".rstrip()
 
 
-def labels(runs: Sequence[Labelled]) -> list[str]:
+def labels(runs: Sequence[RunFolder]) -> list[str]:
     """Name runs by their differences in labels that differ and have at most `LONGEST` characters.
 
     The scene's name comes first where names differ; swept values and other differences follow, as
@@ -65,7 +52,7 @@ def labels(runs: Sequence[Labelled]) -> list[str]:
     texts = [", ".join(filter(None, row)) for row in rows]
     if len(set(names)) > 1:
         texts = [f"{name}, {text}" for name, text in zip(names, texts, strict=True)]
-    homes = [(run.folder.parent if run.values else run.folder).resolve().name for run in runs]
+    homes = [run.home.resolve().name for run in runs]
     shared = Counter(text for text, _ in {*zip(texts, homes, strict=True)})
     for k, (text, home) in enumerate(zip(texts, homes, strict=True)):
         texts[k] = f"{text} ({printable(home)})" if shared[text] > 1 else text
@@ -91,7 +78,7 @@ def printable(text: str) -> str:
     return "".join(letter if letter.isprintable() else escaped(letter) for letter in text)
 
 
-def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
+def _parts(runs: Sequence[RunFolder]) -> list[list[str]]:
     """Choose the keys that labels name, and return a text of each of them for each run."""
     swept = list(dict.fromkeys(key for run in runs for key in run.values))
     sections = tuple(f"{key}." for key in swept if key not in WORDS)  # swept under labels
@@ -116,7 +103,7 @@ def _parts(runs: Sequence[Labelled]) -> list[list[str]]:
     return [texts[key] for key in chosen or ["rolling.load_n"]]
 
 
-def _texts(key: str, runs: Sequence[Labelled]) -> list[str]:
+def _texts(key: str, runs: Sequence[RunFolder]) -> list[str]:
     """Write the value of a key for each run, as short as different values stay different."""
     word = WORDS.get(key, Word(key))
     swept = [run.values.get(key) for run in runs]

@@ -1,6 +1,7 @@
 """Records for the ear: listen.wav, at least five seconds of laps or a long record; long.wav.
 
-A long record is the solved track, then its random continuation, in motion.
+A long record is the solved track, then its random continuation, in motion. passes.wav has the
+passes over a plate that remembers.
 """
 
 from __future__ import annotations
@@ -12,12 +13,12 @@ import sys
 import webbrowser
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import soundfile
 
-from acoustics import wav
+from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.numbers import decibels_a
 from rolling.marches.result import Result
@@ -25,7 +26,7 @@ from rolling.results.sentences import say
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.sound import long_listening
-from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.contact_sound import FADE_S, ContactSound, contact_sound
 from rolling.sound.long_listening import Listening, with_speed
 from rolling.terminal import defaults
 from rolling.terminal.files import make_below, write_bytes
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 
 Speed = float | tuple[float, float]  # [m/s], constant or from start to end
 
+PASS_S, PAUSE_S = 1.5, 0.25  # [s] of a pass for the ear, and of the silence after it
+MOST_HEARD = 12  # passes in passes.wav; of more, it holds passes in a geometric sequence
 LEAST_S = 5.0  # [s] of listen.wav; a shorter record is a click
 MOST_BYTES = 50_000_000  # of a listen.wav; 120 s of two channels take 35 million
 LEAST_POSITIONS = 64  # of a solved track; fewer have no spectrum
@@ -134,6 +137,24 @@ def _written(run: Run, record: Array, content: str, repeats: bool) -> tuple[byte
         rule = "silence"
     comment = f"{gain:.6g} full scale per Pa, {rule}; {content}; {facts(run)}"
     return wav.listening(record, gain, comment, wav_title(run), loops=repeats), gain, rule
+
+
+def passes_wav(run: Run, bits: Literal[16, 24] = 24) -> tuple[bytes, str]:
+    """Return a WAV of the passes of a run in sequence, and a description of its content."""
+    count, rate = len(run.pass_sounds), wav.SAMPLE_RATE_HZ
+    chosen = np.unique(np.geomspace(1, count, MOST_HEARD).round().astype(int))
+    chosen = np.arange(1, count + 1) if count <= MOST_HEARD else chosen
+    pause, parts, words = np.zeros(round(PAUSE_S * rate)), list[Array](), list[str]()
+    for number in chosen:
+        sound = run.pass_sounds[number - 1]
+        lap = np.resize(sound.lap.samples(sound.pressure), round(PASS_S * rate))
+        parts += [resampling.fade(lap, round(FADE_S * rate)), pause]
+        words.append(f"{number} ({decibels_a(sound.levels.laeq_db)})")
+    record = np.concatenate(parts)
+    gain = wav.listening_gain(record)
+    content = f"{PASS_S:g} s of each pass at one gain, with its LAeq: {', '.join(words)}"
+    comment = f"{gain:.6g} full scale per Pa; {content}"
+    return wav.listening(record, gain, comment, wav_title(run), bits), content
 
 
 def wav_title(run: Run) -> str:

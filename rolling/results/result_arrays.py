@@ -13,13 +13,13 @@ import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
 from rolling.check.error_cost import DETAIL, LEVELS
-from rolling.check.finding import table
 from rolling.marches import observers
 from rolling.marches.observers import PLACES, PressureMap, SlowMotion, Snapshot
 from rolling.marches.passes import SERIES as PASS_SERIES
 from rolling.marches.passes import Passes
 from rolling.marches.result import ErrorStretches, LoadMarches, MovingRelease, Result, StretchMarch
 from rolling.scene import file as scene_file
+from rolling.scene.messages import table
 from rolling.sound.vibration_sound import Vibration
 
 if TYPE_CHECKING:
@@ -201,7 +201,7 @@ def _write_law(marches: LoadMarches, run: Run) -> Group:
     loads, between = sorted(by_load), sorted(marches.judging)
     arrays = {
         "load": np.array(loads),
-        "place": _places(run.result),
+        "place": run.position[: run.result.solved_steps + 1],
         "approach": np.array([by_load[load] for load in loads]),
     }
     if between:
@@ -226,8 +226,9 @@ def _read_law(arrays: Arrays, facts: Facts, result: Result) -> LoadMarches:
 def _write_moving(moving: MovingRelease, run: Run) -> Group:
     """Return force [N], approach [m] and energies [J] under the moving load, or its fault."""
     facts = {"key": moving.key, "fault": moving.fault}
-    arrays = {"place": _places(run.result), "force": moving.force, "approach": moving.approach}
-    arrays |= {"motion_approach": moving.motion_approach, **moving.steps}
+    arrays = {"place": run.position[: len(moving.force)], "force": moving.force}
+    arrays |= {"approach": moving.approach, "motion_approach": moving.motion_approach}
+    arrays |= moving.steps
     return {} if moving.fault else arrays, facts
 
 
@@ -249,11 +250,6 @@ def _read_passes(arrays: Arrays, facts: Facts, result: Result) -> Passes:
     """Return the passes of a group, without the surface before the last."""
     series = {name: arrays[name] for name in PASS_SERIES}
     return Passes(series, arrays["depth"], arrays["sunk"])
-
-
-def _places(result: Result) -> NDArray[np.float64]:
-    """Return the positions of a lap [m]."""
-    return np.asarray(result.start + np.arange(result.solved_steps + 1) * result.step)
 
 
 def _contact_force(vibration: Vibration) -> Group:

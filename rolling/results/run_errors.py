@@ -21,7 +21,6 @@ from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 from rolling.sound import error_estimate
 from rolling.sound.contact_sound import ContactSound
-from rolling.sound.error_estimate import LevelErrors, RecordLevels
 from rolling.sound.vibration_sound import Vibration
 
 if TYPE_CHECKING:
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 
 LINEAR = 0.3  # rms of the contact force over the load up to which sphere and plate are linear
 _NAN = np.full(len(BAND_NAMES) + 1, math.nan)
-_UNKNOWN = LevelErrors(math.nan, False, _NAN, _NAN, _NAN, *[math.nan] * 3)
+_UNKNOWN = error_estimate.LevelErrors(math.nan, False, _NAN, _NAN, _NAN, *[math.nan] * 3)
 
 
 def error_numbers(run: Run, spreads: Mapping[str, float | None]) -> dict[str, Any]:
@@ -92,13 +91,13 @@ def known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _estimate(run: Run) -> tuple[LevelErrors, Array, dict[str, Any]]:
+def _estimate(run: Run) -> tuple[error_estimate.LevelErrors, Array, dict[str, Any]]:
     """Return errors of levels, errors from missing detail, and the facts of the estimate."""
     scene, result, sound = run.scene, run.result, run.sound
     powers = error_stretches.stretch_powers(scene, result)
     own_factor = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
     lap_s = sound.duration * result.solved_steps / result.steps
-    record = RecordLevels.of(sound.levels, own_factor, lap_s)
+    record = error_estimate.RecordLevels.of(sound.levels, own_factor, lap_s)
     # A file of heights may lack detail; the law of a made surface may end before the grid.
     detail = np.full((2, len(_NAN)), math.nan if scene.height_paths else 0.0)
     if with_detail := error_stretches.detail_powers(scene, result):

@@ -1,4 +1,7 @@
-"""Finished runs with their sound: the input of figures and page, and the results in Python."""
+"""Finished runs with their sound: the input of figures and page, and the results in Python.
+
+A run is written as result.h5, summary.json, signal.wav and listen.wav.
+"""
 
 from __future__ import annotations
 
@@ -24,24 +27,27 @@ from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.listening import listen, reason_against, released
 from rolling.results.result_arrays import TABLE
-from rolling.results.running_in import pass_numbers
-from rolling.results.summary import record_scatter, summarize
+from rolling.results.run_folder import RESULT, SUMMARY, RunFolder, read_summary
+from rolling.results.summary import pass_numbers, provenance, record_scatter, summarize
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import Value
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.long_listening import Listening
 from rolling.sound.vibration_sound import Vibration, heard, vibrate
 from rolling.sound.wavelengths import WavelengthOctave, wavelength_octaves
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import progress
+from rolling.terminal.files import make_below, write_bytes, write_json
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
+SIGNAL, LISTEN = "signal.wav", "listen.wav"
+PASSES = "passes.wav"  # of a plate that remembers
+
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Run:
+class Run(RunFolder):
     """A run with its sound. It equals no other run, so it can be the key of a dictionary.
 
     Attributes
@@ -76,9 +82,6 @@ class Run:
     """
 
     label: str
-    values: Mapping[str, Value]
-    folder: Path
-    scene: Scene
     result: Result
     sound: ContactSound
     summary: dict[str, Any]
@@ -86,11 +89,6 @@ class Run:
 
     # `save` writes a run folder. Its module stands above this one and binds it.
     save: ClassVar[Callable[..., Path]]
-
-    @property
-    def home(self) -> Path:
-        """The folder that `rolling run` made: the folder of the sweep for a run of a sweep."""
-        return self.folder.parent if self.values else self.folder
 
     @cached_property  # joining the pieces of the track takes time
     def events(self) -> dict[str, NDArray[Any]] | None:
@@ -305,12 +303,7 @@ class Run:
 
 
 def hear(
-    label: str,
-    values: Mapping[str, Value],
-    folder: Path,
-    scene: Scene,
-    result: Result,
-    summary: dict[str, Any] | None = None,
+    place: RunFolder, label: str, result: Result, summary: dict[str, Any] | None = None
 ) -> Run:
     """Make the sound of a whole result, and its numbers unless they are stored already.
 
@@ -318,17 +311,17 @@ def hear(
     ------
     ContactError : the marches make no force law.
     """
-    energy, closed = released(scene, result)
-    lap, has_seam = result.solved_steps, scene_surface(scene).has_seam
+    scene, lap = place.scene, result.solved_steps
+    (energy, closed), has_seam = released(scene, result), scene_surface(scene).has_seam
     release = contact_sound(scene, energy, result.step, closed, lap, has_seam)
     vibration = _vibration(scene, result, release)
     vibrates = vibration is not None and scene.sound.source == "vibration"
     sound = heard(release, vibration) if vibration and vibrates else release
-    run = Run(label, values, folder, scene, result, sound, summary or {}, vibration)
+    run = Run(place.values, scene, place.folder, label, result, sound, summary or {}, vibration)
     if summary is None:
         run.summary.update(summarize(run, release))
         if result.passes is not None:
-            run.summary["passes"] = pass_numbers(run)
+            run.summary["passes"] = [*pass_numbers(run)]
         if scene.sound.listen_s is not None:
             run.summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run
@@ -348,3 +341,37 @@ def _vibration(scene: Scene, result: Result, release: ContactSound) -> Vibration
     # A record with impacts is no Gaussian noise.
     scatter = record_scatter(vibration.pressure, laps if vibration.motion.settled else 1.0)
     return replace(vibration, uncertainty=widened(vibration.uncertainty, scatter))
+
+
+# ---- files
+
+
+def write_run(run: Run) -> None:
+    """Write the files of a run into its folder, last summary.json, which tells that all are whole.
+
+    Raises
+    ------
+    OSError : a file cannot be written. An earlier file of this name is kept.
+    """
+    listen_wav, listen = listening.listen_wav(run)
+    contents = {LISTEN: listen_wav, RESULT: result_file.write_result(run)}
+    if run.result.passes is not None:
+        contents[PASSES], _ = listening.passes_wav(run)
+    make_below(run.home, run.folder)
+    run.sound.write_wav(run.folder / SIGNAL, listening.facts(run), listening.wav_title(run))
+    for name, content in contents.items():
+        write_bytes(run.folder / name, content)
+    facts = {"listen": listen, "provenance": provenance(run.scene, run.label)}
+    write_json(run.folder / SUMMARY, run.summary | facts)
+
+
+def read_run(run: RunFolder, label: str) -> Run:
+    """Read a run from its folder, with its stored numbers, under a label.
+
+    Raises
+    ------
+    FolderError : a file is missing or damaged, or the result is that of another scene or surface.
+    SceneError : the heights of the scene cannot be read.
+    """
+    summary = read_summary(run.folder / SUMMARY)
+    return hear(run, label, result_file.read_result(run.folder / RESULT, run.scene), summary)

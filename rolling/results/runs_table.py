@@ -10,15 +10,14 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import bracketed, decibels_a
-from rolling.check.finding import columns
 from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
-from rolling.results.labels import Labelled, labels
+from rolling.results.labels import labels
 from rolling.results.run_errors import LINEAR
+from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
 from rolling.results.sentences import say
-from rolling.results.summary_file import read_summary
 from rolling.results.verdict import above_vibration_db
-from rolling.surface.preparation import STEP_NAMES
-from rolling.terminal.streams import wrapped
+from rolling.scene.messages import TABLES
+from rolling.terminal.streams import columns, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,16 +37,16 @@ BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
 
 
-def stored_summary(run: Labelled) -> dict[str, Any] | None:
+def stored_summary(run: RunFolder) -> dict[str, Any] | None:
     """Return the summary of a run, from its file unless it is in memory; None without one."""
     summary: dict[str, Any] | None = getattr(run, "summary", None)
-    path = run.folder / "summary.json"
+    path = run.folder / SUMMARY
     if summary is None and path.is_file():
         summary = read_summary(path)
     return summary
 
 
-def runs_table(runs: Sequence[Labelled]) -> pd.DataFrame:
+def runs_table(runs: Sequence[RunFolder]) -> pd.DataFrame:
     """Return the numbers of runs, one row per run.
 
     The index holds label, folder and the swept keys. The columns are all single numbers of
@@ -260,7 +259,7 @@ def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
     return cells
 
 
-def levels_table(runs: Sequence[Labelled]) -> str:
+def levels_table(runs: Sequence[RunFolder]) -> str:
     """Write levels and verdicts of runs for a terminal, with reasons and caveats below."""
     names = labels(runs)
     stored = zip(names, map(stored_summary, runs), strict=True)
@@ -298,9 +297,8 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     texts = (say("surface", **summary["surface"]) + surface_parts(summary) for summary in summaries)
     surfaces = dict.fromkeys(texts)
     prepared = [step for summary in summaries for step in summary.get("preparation", ())]
-    texts = (
-        f"{STEP_NAMES.get(str(step['step']), step['step'])}: {step['text']}" for step in prepared
-    )
+    names = TABLES["steps"]
+    texts = (f"{names.get(str(x['step']), x['step'])}: {x['text']}" for x in prepared)
     steps = [*dict.fromkeys(texts)]
     if (more := len(steps) - MOST_STEPS) > 0:
         steps[MOST_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]

@@ -1,8 +1,7 @@
 """Sentences of results on terminal, page and in files, from sentences.toml."""
 
-from __future__ import annotations
-
-from rolling.check.finding import table, written
+from rolling.check.finding import written
+from rolling.scene.messages import table
 
 SENTENCES: dict[str, str] = table("rolling.results", "sentences")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 import subprocess
+from collections.abc import Iterator
 from dataclasses import asdict
 from datetime import UTC, datetime
 from functools import cache
@@ -335,3 +336,27 @@ def _total(power: Array) -> float | None:
     """Return the level of the bands together [dB re 1 pW]; None where all are unknown."""
     finite = power[np.isfinite(power)]
     return level_db(float(finite.sum()), P_REF_W) if len(finite) else None
+
+
+def pass_numbers(run: Run) -> Iterator[dict[str, Any]]:
+    """Yield levels, release power, plastic work and maximum depth of each pass.
+
+    The level of the vibration is an estimate from the approach, for scenes without dynamics.
+    """
+    scene, result, passes = run.scene, run.result, run.result.passes
+    assert passes is not None  # asked for by the caller
+    steps = np.arange(result.steps) % result.solved_steps
+    places = np.append(steps, steps[-1] + 1)
+    for k, sound in enumerate(run.pass_sounds):
+        vibration = None
+        if scene.dynamics is None:
+            approach = passes.series["approach"][k, places]
+            vibration, _ = radiators.vibration_estimate(scene, approach, result.step, sound.closed)
+        yield {
+            "laeq_db": sound.levels.laeq_db,
+            "level_db": sound.levels.level_db,
+            "vibration_estimate_laeq_db": vibration,
+            "release_power_mean_w": sound.mean_power,
+            "plastic_work_j": float(passes.series["plastic_work"][k].sum()),
+            "depth_um": float(passes.depth[k]) * 1e6,
+        }

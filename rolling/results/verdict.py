@@ -4,8 +4,6 @@ A contribution is a known error or a broken limit. Up to 1 dB it leaves the leve
 3 dB the level must not be quoted. A limit without decibels has the word that it allows at best.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -17,6 +15,7 @@ from rolling.check import error_cost, resolution
 from rolling.check.finding import Finding, computing
 from rolling.check.findings import Findings
 from rolling.results.sentences import say
+from rolling.scene.messages import table
 from rolling.scene.scene import Scene
 
 WORDS = TRUST, INDICATIVE, DO_NOT_QUOTE = "trust", "indicative", "do not quote"
@@ -25,18 +24,7 @@ MOST_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which o
 # Level of a half-space's pressure on the axis over the true level [dB] by frequency times distance
 # [Hz m]; below, the first error is the least.
 _NEAR_HALF_SPACE = (100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5)
-_REFUSED = ("memory", "disk", "capacity", "positions")  # warnings of scenes that do not run
-# Warnings of broken limits, and of doubtful ones, by their key. They have no decibels.
-_BROKEN = (
-    *("slope", "contact_radius", "contact_thickness", "impacts_yield"),
-    *("plate_material", "sphere_material"),
-)
-_DOUBTFUL = (
-    *("force_ratio", "not_settled", "plate_deflection", "bending", "coincidence", "nyquist"),
-    *("half_space_sound", "grid_tone", "seam", "form", "correlation_nodes", "hertz_nodes"),
-    *("resonance_wave", "solver", "no_moving_release", "window", "plate_sag", "plate_modes"),
-    *("drop", "drop_width", "ball_modes", "sphere_yields"),
-)
+ROLES: dict[str, list[str]] = table("rolling.results", "roles")  # keys of caveats and findings
 
 
 class Contribution(NamedTuple):
@@ -88,7 +76,7 @@ def expected(scene: Scene, findings: Sequence[Finding]) -> tuple[str, str]:
 def conclusion(scene: Scene, findings: Findings) -> str:
     """State in one sentence whether a scene runs, how long, and with which verdict at best."""
     for finding in findings:
-        if finding.warning and finding.key in _REFUSED:
+        if finding.warning and finding.key in ROLES["refused"]:
             return f"It does not run: {finding.quantity} ({finding.value})."
     if findings.excess:
         return f"It does not run: {findings.excess[0]}."
@@ -228,8 +216,8 @@ def _limits(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
         elif key == "half_space_sound" and (bands := summary.get("third_octave_a_db")):
             if summary.get("source") == "vibration":
                 yield _sized(key, _half_space_error_db(bands, scene.sound.distance_m))
-        elif key in (*_BROKEN, *_DOUBTFUL):
-            word = DO_NOT_QUOTE if key in _BROKEN else INDICATIVE
+        elif key in ROLES["broken"] + ROLES["doubtful"]:
+            word = DO_NOT_QUOTE if key in ROLES["broken"] else INDICATIVE
             yield Contribution(key, word, None, text)
 
 

@@ -1,7 +1,5 @@
 """The loop that hands out the pieces of runs to a pool, and completes each run after its last."""
 
-from __future__ import annotations
-
 import errno
 import signal
 from collections import Counter, defaultdict, deque
@@ -14,7 +12,7 @@ from typing import Any
 from rolling.check import cost
 from rolling.contact.solver import ContactError
 from rolling.marches.next_pieces import next_pieces, own_part
-from rolling.marches.piece import Piece, contact_identity
+from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.run.pools import Pool, Task
 from rolling.run.worker import KILLED, MOST_BREAKS, solve_piece
@@ -58,10 +56,10 @@ class RunLoop:
         scenes: Sequence[Scene],
         start: Callable[[int], Result],
         finish: Callable[[int, Result], Task | None],
-        finished: Callable[[int], object],
-        pieces: Path | None,
-        film: bool,
         bar: progress.Bar,
+        finished: Callable[[int], object] = lambda number: None,
+        pieces: Path | None = None,
+        film: bool = False,
     ) -> None:
         """Prepare the runs.
 
@@ -71,15 +69,13 @@ class RunLoop:
         start : callable. It receives the number of a run and returns its result so far.
         finish : callable. It receives number and result of a complete run, and returns the task
             that remains, or None.
-        finished : callable. It receives the number of a run that is done.
-        pieces : Path. Folder for files of pieces; None keeps them in memory.
-        film : bool. Whether complete runs get a slow motion.
         bar : Bar. It receives the expected time of pieces [s].
+        finished : callable. It receives the number of a run that is done. Default: nothing.
+        pieces : Path. Folder for files of pieces. Default: they are kept in memory.
+        film : bool. Whether complete runs get a slow motion. Default: false.
         """
-        self._bar = bar
-        self._scenes, self._pieces, self._film = scenes, pieces, film
-        self._finish, self._finished = finish, finished
-        self._start = start
+        self._scenes, self._pieces, self._film, self._bar = scenes, pieces, film, bar
+        self._start, self._finish, self._finished = start, finish, finished
         self._results: dict[int, Result] = {}
         self._costs = {number: cost.expected_seconds(scene) for number, scene in enumerate(scenes)}
         groups = defaultdict(list)
@@ -89,7 +85,6 @@ class RunLoop:
         self._queue: deque[Task] = deque()
         self._flying: dict[Future[Any], Task] = {}
         self._wanting: dict[tuple[str, str], list[int]] = {}  # runs by the key of their task
-        self._lacking: Counter[int] = Counter()  # pieces that each run waits for
         self._breaks: Counter[tuple[str, str]] = Counter()
         self.failures: dict[int, str] = {}
         bar.grow(sum(self._costs[group[0]] for group in self._groups))
@@ -160,7 +155,6 @@ class RunLoop:
                 self._wanting[key] = [number]
                 self._queue.append(Task(key, solve_piece, (piece, self._pieces), piece))
                 self._bar.grow(piece.cost if piece.kind != "pass" else 0.0)
-            self._lacking[number] += 1
         if pieces:
             return
         del self._results[number]
@@ -192,7 +186,7 @@ class RunLoop:
             reason = pool.reason(error)
         del self._flying[future]
         self._breaks.pop(task.key, None)
-        self._bar.update(task.cost)
+        self._bar.update(0.0 if task.piece is None else task.piece.cost)
         progress.detail(f"done: {' '.join(task.key)}")
         numbers = self._wanting.pop(task.key, [])
         for number in numbers:
@@ -201,15 +195,10 @@ class RunLoop:
             elif task.piece is None:
                 self._finished(number)
             else:
-                self._add(number, task.piece, value)
+                self._results[number].add(task.piece, value)
+                if not any(number in waiting for waiting in self._wanting.values()):
+                    self._advance(number)
         return True
-
-    def _add(self, number: int, piece: Piece, arrays: dict[str, Any]) -> None:
-        """Add a piece to a run, and go on with the run after the last piece that it waits for."""
-        self._results[number].add(piece, arrays)
-        self._lacking[number] -= 1
-        if not self._lacking[number]:
-            self._advance(number)
 
     def _fail(self, number: int, reason: str) -> None:
         """Note that a run failed, and forget its other tasks."""

@@ -4,22 +4,19 @@ A folder holds scene.yaml, report.html, runs.csv and figures/. Each run has resu
 signal.wav and listen.wav, a single run in the folder itself, a run of a sweep in a folder below.
 """
 
-from __future__ import annotations
-
-import json
 import os
 import shutil
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 
+from rolling.results.run_folder import FAILED, RESULT, RunFolder
 from rolling.scene import file
 from rolling.scene import sweep as sweeps
-from rolling.scene.height_files import open_regular, read_regular
+from rolling.scene.height_files import open_regular
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import Value, run_name
+from rolling.scene.sweep import run_name
 from rolling.terminal import files, program
 from rolling.terminal.files import FolderError
 
@@ -28,51 +25,14 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-SCENE, RESULT, SUMMARY = "scene.yaml", "result.h5", "summary.json"
-FAILED, PIECES = "failed.json", "pieces"
+SCENE, PIECES = "scene.yaml", "pieces"
 MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so
 LOCK, PART_LOCK = ".lock", ".lock-{}-of-{}"
 LOCK_SECONDS = 2.0  # patience with the momentary look of `status`
-MOST_FAILURE = 1_000_000  # bytes of a failed.json
 MOST_NAMED = 20  # runs of a state that the status names
 STATES = ("done", "running", "waiting", "failed")
 
 Part = tuple[int, int]  # number from 1 on, and count of the parts of a sweep
-
-
-@dataclass(frozen=True)
-class RunFolder:
-    """A run of a scene and its folder.
-
-    values : mapping. The swept values of the run, by dotted key.
-    scene : Scene. The scene with these values, without a sweep.
-    folder : Path. The folder of the run.
-    """
-
-    values: Mapping[str, Value]
-    scene: Scene
-    folder: Path
-
-    @property
-    def home(self) -> Path:
-        """The folder that holds scene.yaml: the folder of the sweep for a run of a sweep."""
-        return self.folder.parent if self.values else self.folder
-
-    @property
-    def is_done(self) -> bool:
-        """Whether the run is whole: its summary is written after its result."""
-        return (self.folder / RESULT).is_file() and (self.folder / SUMMARY).is_file()
-
-    @property
-    def failure(self) -> str | None:
-        """The reason of the last failure, or None."""
-        try:
-            content = read_regular(self.folder / FAILED, MOST_FAILURE)
-            return str(json.loads(content)["reason"])
-        except (FileNotFoundError, NotADirectoryError):
-            return None
-        except (OSError, ValueError, KeyError, TypeError, RecursionError):
-            return "unknown"
 
 
 def runs_in(folder: Path, scene: Scene) -> list[RunFolder]:

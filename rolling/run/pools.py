@@ -50,11 +50,6 @@ class Task:
     arguments: tuple[Any, ...]
     piece: Piece | None = None
 
-    @property
-    def cost(self) -> float:
-        """The expected time [s]."""
-        return 0.0 if self.piece is None else self.piece.cost
-
 
 class Pool(ExitStack):
     """Place where tasks are done, used as a context; this one does each at once in this process.

@@ -1,6 +1,4 @@
-"""Solve the runs that a folder lacks, write the files of each run, and read them again."""
-
-from __future__ import annotations
+"""Solve runs in memory, or those that a folder lacks; write the files of runs, and read them."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -12,19 +10,47 @@ from rolling.check import refusals
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import labels, result_file
-from rolling.results.run_files import read_run
-from rolling.results.run_result import Run
+from rolling.results.run_folder import FAILED, RESULT, RunFolder
+from rolling.results.run_result import Run, hear, read_run
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.run.executor import RunLoop
-from rolling.run.folder import Part, RunFolder
 from rolling.run.pools import Cluster, Pool, Task, local_pool
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
 from rolling.terminal import defaults, files, progress
-from rolling.terminal.files import FolderError
 
 Derive = Callable[[Path, Sequence[RunFolder]], object]
+Values = Value | tuple[Value, ...]
+
+
+def simulated(
+    scene: Scene, workers: int, shown: bool | None
+) -> tuple[dict[Values, Run], dict[str, str]]:
+    """Simulate the runs of a scene; return them by swept values, and failures by label."""
+    if type(workers) is not int or workers < 0:
+        raise ValueError(f"workers: got {workers!r}, allowed: a whole number >= 0")
+    refusals.refuse(scene, workers)
+    runs = [RunFolder(values, single, Path()) for values, single in scene.runs()]
+    names, heard = labels.labels(runs), dict[int, Run]()
+
+    def finish(number: int, result: Result) -> None:
+        heard[number] = hear(runs[number], names[number], result)
+
+    scenes = [run.scene for run in runs]
+    silence = progress.begin(progress.Level.QUIET) if shown is False else nullcontext()
+    with silence, progress.Bar(0.0, scene.name, shown) as bar, local_pool(workers, scenes) as pool:
+        loop = RunLoop(scenes, lambda number: Result.empty(scenes[number]), finish, bar)
+        loop.run(pool)
+    swept: dict[Values, Run] = {}
+    for _, run in sorted(heard.items()):
+        values = tuple(run.values.values())
+        swept[values[0] if len(values) == 1 else values] = run
+    return swept, {names[number]: reason for number, reason in loop.failures.items()}
+
+
+# ---- folders
 
 
 def solve_folder(
@@ -33,7 +59,7 @@ def solve_folder(
     derive: Derive | None = None,
     *,
     sources: Sequence[RunFolder] = (),
-    part: Part | None = None,
+    part: folders.Part | None = None,
     workers: int = 0,
     cluster: str | None = None,
 ) -> dict[str, str]:
@@ -88,13 +114,13 @@ def _derive_after_parts(folder: Path, runs: Sequence[RunFolder], derive: Derive)
     with ExitStack() as stack:
         try:
             stack.enter_context(folders.held(folder))
-        except FolderError:
+        except files.FolderError:
             progress.line("other parts are at work; the last one writes table and page")
             return
         derive(folder, runs)
 
 
-def runs_of_part(runs: Sequence[RunFolder], part: Part | None) -> list[RunFolder]:
+def runs_of_part(runs: Sequence[RunFolder], part: folders.Part | None) -> list[RunFolder]:
     """Return the runs of every N-th march of a sweep; runs with one march stay together."""
     if part is None:
         return list(runs)
@@ -120,7 +146,7 @@ def _solve(
     folders.tidy(folder, own, alone=len(own) == len(runs))
     for run in own:
         if run.is_done and run.scene.height_paths:  # its file may have been edited
-            result_file.read_result(run.folder / folders.RESULT, run.scene)
+            result_file.read_result(run.folder / RESULT, run.scene)
     if not lacking:
         progress.line(f"{folder}: all runs are done")
         return {}
@@ -145,7 +171,7 @@ def _solve(
         source = stored.get(marches[number])
         if source is None:
             return Result.empty(scenes[number])
-        result = result_file.read_result(source.folder / folders.RESULT, source.scene)
+        result = result_file.read_result(source.folder / RESULT, source.scene)
         film = result.slow_motion
         kept = film if film and len(film.positions) else None  # another stretch may not fail
         return replace(result, steps=scenes[number].track.steps, extremes={}, slow_motion=kept)
@@ -154,7 +180,7 @@ def _solve(
     pieces = folder / folders.PIECES
     film = len(runs) <= defaults.MOST_RUNS_ON_PAGE
     with progress.Bar(0.0, scenes[0].name) as bar:
-        loop = RunLoop(scenes, start, finish, finished, pieces, film, bar)
+        loop = RunLoop(scenes, start, finish, bar, finished, pieces, film)
         try:
             with nullcontext(pool) if pool else local_pool(workers, scenes) as pool:
                 loop.run(pool)
@@ -165,18 +191,15 @@ def _solve(
             raise
     for number, reason in loop.failures.items():
         run = lacking[number]
-        with suppress(OSError, FolderError):  # of a folder that cannot be written
+        with suppress(OSError, files.FolderError):  # of a folder that cannot be written
             files.make_below(run.home, run.folder)
-            files.write_json(run.folder / folders.FAILED, {"reason": reason})
+            files.write_json(run.folder / FAILED, {"reason": reason})
     return {names[lacking[number].folder]: text for number, text in loop.failures.items()}
 
 
 def open_runs(runs: Sequence[RunFolder]) -> list[Run]:
     """Read runs that are done, with labels that tell them apart; a single run keeps its own."""
-    opened = [
-        read_run(run.folder, run.scene, run.values, label)
-        for label, run in zip(labels.labels(runs), runs, strict=True)
-    ]
+    opened = [read_run(run, label) for run, label in zip(runs, labels.labels(runs), strict=True)]
     if len(opened) == 1:  # perhaps of a sweep, and saved alone
         label = opened[0].summary.get("provenance", {}).get("label") or opened[0].label
         opened[0] = replace(opened[0], label=labels.printable(label))

@@ -27,7 +27,7 @@ from rolling.terminal.program import Program, identity
 if TYPE_CHECKING:
     from rolling.marches.piece import Piece
     from rolling.marches.result import Result
-    from rolling.run.folder import RunFolder
+    from rolling.results.run_folder import RunFolder
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -95,10 +95,9 @@ def read_piece(path: Path) -> Arrays | None:
 
 def finish_run(run: RunFolder, label: str, result: Result) -> None:
     """Make the sound of a complete run and write the files of its folder."""
-    from rolling.results.run_files import write_run
-    from rolling.results.run_result import hear
+    from rolling.results.run_result import hear, write_run
 
-    write_run(hear(label, run.values, run.folder, run.scene, result))
+    write_run(hear(run, label, result))
 
 
 def act(task: bytes, program: Program) -> Any:

@@ -1,21 +1,13 @@
 """Sphere and plate of a scene, the bodies in contact."""
 
-from __future__ import annotations
-
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene import library
-from rolling.scene.messages import (
-    MATERIALS,
-    fault,
-    numbers,
-    refusal,
-    shown,
-)
+from rolling.scene.messages import MATERIALS, fault, numbers, refusal, shown
 from rolling.scene.sections import Section, number_or
 from rolling.scene.surfaces import BallSurface
 
@@ -71,7 +63,7 @@ class Sphere(Section):
     surface: BallSurface | None = Field(default=None, discriminator="kind")
 
     @model_validator(mode="after")
-    def _both_or_neither(self) -> Sphere:
+    def _both_or_neither(self) -> Self:
         if self.radius_across_mm is not None:
             ratio = self.radius_across_mm / self.radius_mm
             if not 1 / MOST_OBLONG <= ratio <= MOST_OBLONG:
@@ -185,7 +177,7 @@ class Plate(Section):
         return {key: point for key, point in ends.items() if point is not None}
 
     @model_validator(mode="after")
-    def _yields(self) -> Plate:
+    def _yields(self) -> Self:
         """Refuse a hardness beside a yield strength, a pressure that no bonds bear, and memory."""
         key, part, share = "hardness_gpa", "fifth", HARDEST
         if self.yield_strength_gpa is not None:
@@ -200,7 +192,7 @@ class Plate(Section):
         return self
 
     @model_validator(mode="after")
-    def _all_edges(self) -> Plate:
+    def _all_edges(self) -> Self:
         """Refuse half a rectangle, and keys of a contact point without edges."""
         if self.loss_factor is not None and self.thickness_mm is None:
             raise refusal("plate.loss_factor bends")
@@ -219,13 +211,9 @@ class Plate(Section):
                 if not 0 < place < edge:
                     words = {"got": list(point), "axis": axis, "edge": edge}
                     raise refusal("plate.contact_mm beyond", "plate", key, **words)
-        self._refuse_path()
-        return self
-
-    def _refuse_path(self) -> None:
-        """Refuse a path of the contact without two ends."""
-        end = self.contact_end_mm
+        end = self.contact_end_mm  # without which the contact has no path
         if (self.contact_path == "to-and-fro") != (end is not None):
             raise refusal(f"plate.contact_end_mm {'missing' if end is None else 'path'}")
         if end is not None and end == self.contact_ends_mm["contact_mm"]:
             raise refusal("plate.contact_end_mm same", got=list(end))
+        return self

@@ -1,7 +1,5 @@
 """Scenes as YAML within limits of size and depth, overrides, and the JSON Schema for editors."""
 
-from __future__ import annotations
-
 import io
 import math
 import re
@@ -34,12 +32,6 @@ MAX_NESTING = 7  # maximum depth of values, such as a speed profile in a swept s
 _MAX_DEPTH = 20  # maximum depth of a text; deeper values are reported without their key
 _MAX_BITS = 1000  # maximum length of a whole number; Python refuses to write much longer numbers
 _LONG_NUMBER = re.compile(r"[0-9_]{4301,}")  # Python reads no longer numbers
-
-# Besides its own errors ruamel.yaml raises these, for example on a directive of YAML 1.164.
-_READER_ERRORS = (
-    *(ArithmeticError, AssertionError, AttributeError, LookupError),
-    *(RuntimeError, TypeError, ValueError),
-)
 
 
 # ---- reading, writing, overriding
@@ -285,7 +277,7 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
         problem = (problem or first_line(error)).replace("<stream end>", "the end").splitlines()[0]
         place = f"{where}:{mark.line + 1}" if mark else where
         raise SceneError([f"{place}: not YAML: {problem}"]) from error
-    except _READER_ERRORS as error:
+    except Exception as error:  # ruamel.yaml raises any kind, as on a directive of YAML 1.164
         raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error
     return _plain(loaded, where)
 

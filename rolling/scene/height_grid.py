@@ -7,8 +7,6 @@ made periodic. They follow from the shape and the spacing of the file and from t
 surface.
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 import zipfile

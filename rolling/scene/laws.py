@@ -1,7 +1,5 @@
 """Heights of a surface by law: spectrum, roughness and distribution; its single faults."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Annotated, ClassVar, Literal, Self
@@ -40,7 +38,7 @@ class Distribution(Section):
     seed: int = Field(ge=0)
 
     @model_validator(mode="after")
-    def _has_distribution(self) -> Distribution:
+    def _has_distribution(self) -> Self:
         skewness, kurtosis = self.moments
         if not kurtosis > (least := skewness**2 + 1):
             words = f"more than {rounded(least, 6)}, the square of the skewness plus 1, because no"
@@ -100,7 +98,7 @@ class Roughness(Distribution):
     lay_deg: float | None = Field(default=None, ge=-180, le=180)
 
     @model_validator(mode="after")
-    def _has_lay(self) -> Roughness:
+    def _has_lay(self) -> Self:
         if self.lay_deg is not None and self.correlation_length_across_um is None:
             words = "none without correlation_length_across_um, because it turns two lengths"
             raise self.wrong("lay_deg", words, self.lay_deg)
@@ -199,7 +197,7 @@ class SelfAffineLaw(Distribution):
     rdq: float | None = Field(default=None, gt=0, le=100)
 
     @model_validator(mode="after")
-    def _has_one_size(self) -> SelfAffineLaw:
+    def _has_one_size(self) -> Self:
         sizes = {"roughness_ra_um": self.roughness_ra_um, "rq_um": self.rq_um, "rdq": self.rdq}
         given = [key for key, size in sizes.items() if size is not None]
         if len(given) != 1:
@@ -301,7 +299,7 @@ class SurfaceFault(Section):
     angle_deg: float | None = Field(default=None, ge=-180, le=180)
 
     @model_validator(mode="after")
-    def _one_place(self) -> SurfaceFault:
+    def _one_place(self) -> Self:
         random = self.count is not None, self.seed is not None
         if random != (self.at_mm is None,) * 2:
             raise fault("a fault needs either at_mm, or count and seed")

@@ -5,8 +5,6 @@ A section is filled in when it is read and stored with all values, so that a cha
 changes no stored run.
 """
 
-from __future__ import annotations
-
 import difflib
 import itertools
 import re

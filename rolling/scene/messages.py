@@ -4,8 +4,6 @@
 sweep; the surface has several kinds.
 """
 
-from __future__ import annotations
-
 import difflib
 import json
 import math
@@ -15,7 +13,7 @@ import tomllib
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from pathlib import Path
+from importlib.resources import files
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
 
 from pydantic import BaseModel
@@ -27,13 +25,16 @@ from acoustics.numbers import rounded
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
 
-TABLES: dict[str, Any]
-_FAULTS: dict[str, str]
-TABLES, _FAULTS = (
-    tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
-    for name in ("tables", "faults")
-)
 _LONGEST = 60  # letters of a value in a message
+
+
+def table(package: str, name: str) -> dict[str, Any]:
+    """Read the table NAME.toml of texts or numbers beside the modules of a package."""
+    return tomllib.loads(files(package).joinpath(f"{name}.toml").read_text(encoding="utf-8"))
+
+
+TABLES = table("rolling.scene", "tables")
+_FAULTS: dict[str, str] = table("rolling.scene", "faults")
 
 
 class Plausible(NamedTuple):
@@ -62,7 +63,7 @@ class SceneError(Exception):
         self.faults = [writable(fault) for fault in faults]
         super().__init__("\n".join(self.faults))
 
-    def __reduce__(self) -> tuple[type[SceneError], tuple[list[str]]]:
+    def __reduce__(self) -> tuple[Any, ...]:
         return SceneError, (self.faults,)
 
 

@@ -1,7 +1,5 @@
 """Quantities of a scene in SI, from the values of its sections."""
 
-from __future__ import annotations
-
 import math
 import re
 from functools import cached_property

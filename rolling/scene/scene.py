@@ -12,31 +12,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    PrivateAttr,
-    ValidationError,
-    ValidationInfo,
-    WithJsonSchema,
-    field_validator,
-)
+import pydantic
+from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
 
 from acoustics.numbers import rounded
-from rolling.scene import library, messages, quantities
+from rolling.scene import library, messages, quantities, sections
 from rolling.scene import sweep as sweeps
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.messages import Key, SceneError, plain, refusal, shown
-from rolling.scene.quantities import DEFAULT_NAME, NAME, SceneQuantities
-from rolling.scene.sections import (
-    MAX_FAULTS,
-    WEIGHT,
-    Dynamics,
-    Numerics,
-    Rolling,
-    Sound,
-    refuse_free_factors,
-)
 from rolling.scene.surfaces import HeightFile, MadeSurface, refuse_ball
 from rolling.scene.track import ROUNDING
 
@@ -51,7 +34,7 @@ class SweepRun(NamedTuple):
     scene: Scene
 
 
-class Scene(SceneQuantities):
+class Scene(quantities.SceneQuantities):
     """Scene: the bodies, the solution of their contact, and the place of the listener.
 
     Scenes are equal when all their values are equal, wherever they were read from.
@@ -105,11 +88,11 @@ class Scene(SceneQuantities):
     # `rolling/__init__.py` binds it.
     check: ClassVar[Callable[..., Any]]
 
-    _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
+    _places: Mapping[Key, str] = pydantic.PrivateAttr(default={(): "scene"})
 
     @field_validator("rolling", "numerics", "dynamics", "sound")
     @classmethod
-    def _goes_together(cls, section: Any, info: ValidationInfo) -> Any:
+    def _goes_together(cls, section: Any, info: pydantic.ValidationInfo) -> Any:
         for rule in RULES[str(info.field_name)]:
             section = rule(section, info.data) or section
         return section
@@ -135,7 +118,7 @@ class Scene(SceneQuantities):
     @classmethod
     def from_values(cls, values: Mapping[str, Any]) -> Self:
         """Build a scene from plain values that were given in Python; the name may be missing."""
-        return cls.from_dict({"name": DEFAULT_NAME, **values})
+        return cls.from_dict({"name": quantities.DEFAULT_NAME, **values})
 
     @classmethod
     def from_dict(
@@ -166,24 +149,19 @@ class Scene(SceneQuantities):
             The data has faults. The known faults come first.
         """
         data = plain(data)
-        scene, new_faults = None, list[sweeps.Fault]()
-        try:
-            scene = cls.model_validate(data)
-        except ValidationError as error:
-            new_faults += [
-                messages.explained(each, data, cls) for each in sweeps.first_errors(error)
-            ]
+        scene, errors = sweeps.checked(data, cls)
+        new_faults = [messages.explained(error, data, cls) for error in errors]
         if "name" not in data:
-            new_faults.insert(0, (("name",), f"missing; {NAME}"))
+            new_faults.insert(0, (("name",), f"missing; {quantities.NAME}"))
         if not any(key[:1] == ("sweep",) for key, _ in new_faults):
             new_faults += sweeps.faults_of_runs(data, new_faults, cls)
         lines = [
             f"{messages.place(key, places)}: {messages.cut(messages.dotted(key))}: {words}"
             for key, words in new_faults
         ]
-        if len(lines) > MAX_FAULTS:
-            more = f"more than {MAX_FAULTS} faults, the others are not listed"
-            lines[MAX_FAULTS:] = [f"{messages.place((), places)}: {more}"]
+        if len(lines) > sections.MAX_FAULTS:
+            more = f"more than {sections.MAX_FAULTS} faults, the others are not listed"
+            lines[sections.MAX_FAULTS :] = [f"{messages.place((), places)}: {more}"]
         if faults or lines or scene is None:
             raise SceneError(list(dict.fromkeys([*faults, *lines])))
         scene._folder, scene._places = folder, dict(places)
@@ -275,7 +253,7 @@ MOST_MODES = 20_000  # of a plate with edges; a second of sound takes them half 
 Values = Mapping[str, Any]
 
 
-def refuse_rolling(rolling: Rolling, values: Values) -> None:
+def refuse_rolling(rolling: sections.Rolling, values: Values) -> None:
     """Refuse a rolling without length, load or way, or with a contact too near an edge."""
     lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance or None
     if not any(lengths) and isinstance(values.get("surface"), MadeSurface):
@@ -284,7 +262,7 @@ def refuse_rolling(rolling: Rolling, values: Values) -> None:
     if sphere is None:
         return
     if sphere.density_kg_m3 is None:
-        if rolling.load_n == WEIGHT:
+        if rolling.load_n == sections.WEIGHT:
             given = "load_n" in rolling.model_fields_set
             raise refusal(f"rolling.load_n {'weight' if given else 'missing'}")
         if rolling.resistance is not None:
@@ -296,7 +274,7 @@ def refuse_rolling(rolling: Rolling, values: Values) -> None:
         _refuse_edges(rolling, sphere, plate)
 
 
-def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
+def _refuse_edges(rolling: sections.Rolling, sphere: Sphere, plate: Plate) -> None:
     """Refuse a contact too near an edge of the plate, and more modes than can be moved."""
     assert plate.edges_mm is not None  # asked for by the caller
     load = quantities.load(sphere, rolling)
@@ -314,7 +292,7 @@ def _refuse_edges(rolling: Rolling, sphere: Sphere, plate: Plate) -> None:
         raise refusal("plate.length_mm modes", modes=rounded(modes), most=MOST_MODES)
 
 
-def refuse_numerics(numerics: Numerics, values: Values) -> None:
+def refuse_numerics(numerics: sections.Numerics, values: Values) -> None:
     """Refuse a surface of the sphere, and a track, that whole nodes and steps do not hold."""
     surface, rolling, sphere = (values.get(name) for name in ("surface", "rolling", "sphere"))
     if surface is None or sphere is None:
@@ -327,7 +305,7 @@ def refuse_numerics(numerics: Numerics, values: Values) -> None:
         quantities.track_of(sphere, surface, rolling, numerics, Path())
 
 
-def refuse_memory(numerics: Numerics, values: Values) -> None:
+def refuse_memory(numerics: sections.Numerics, values: Values) -> None:
     """Refuse passes without memory, and memory of parts of nodes or of a rough sphere."""
     plate, rolling, sphere = (values.get(name) for name in ("plate", "rolling", "sphere"))
     if plate is None:
@@ -345,7 +323,7 @@ def refuse_memory(numerics: Numerics, values: Values) -> None:
             raise refusal(f"numerics.{key} memory", **words)
 
 
-def refuse_dynamics(dynamics: Dynamics | None, values: Values) -> None:
+def refuse_dynamics(dynamics: sections.Dynamics | None, values: Values) -> None:
     """Refuse keys that need dynamics without it, and dynamics of bodies without a mass."""
     bodies = {name: values[name] for name in ("sphere", "plate") if name in values}
     dropped = "rolling" in values and values["rolling"].drop_mm is not None
@@ -363,7 +341,7 @@ def refuse_dynamics(dynamics: Dynamics | None, values: Values) -> None:
             raise refusal(f"plate.{key} dynamics")
 
 
-def with_source(sound: Sound, values: Values) -> Sound:
+def with_source(sound: sections.Sound, values: Values) -> sections.Sound:
     """Return the sound with its source; refuse a source that the scene has not."""
     sphere, dynamics = values.get("sphere"), values.get("dynamics", ...)
     if sphere is not None and sound.distance_m <= sphere.radius_mm * 1e-3:
@@ -372,7 +350,7 @@ def with_source(sound: Sound, values: Values) -> Sound:
     if sound.source is None and dynamics is not ...:
         source = "release" if dynamics is None else "vibration"
         sound = sound.model_copy(update={"source": source})
-        refuse_free_factors(sound)
+        sections.refuse_free_factors(sound)
     elif sound.source == "vibration" and dynamics is None:
         raise refusal("sound.source dynamics")
     rolling = values.get("rolling")
@@ -381,7 +359,7 @@ def with_source(sound: Sound, values: Values) -> Sound:
     return sound
 
 
-def refuse_listeners(sound: Sound, values: Values) -> None:
+def refuse_listeners(sound: sections.Sound, values: Values) -> None:
     """Refuse listeners of a plate without edges, and listeners inside the sphere."""
     sphere, plate = values.get("sphere"), values.get("plate")
     if sound.listener_mm is None or sphere is None or plate is None:

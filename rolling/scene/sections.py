@@ -14,35 +14,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
 
 import numpy as np
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    GetJsonSchemaHandler,
-    ValidationError,
-    WithJsonSchema,
-    field_validator,
-    model_validator,
-)
+import pydantic
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene import library
-from rolling.scene.messages import (
-    Plausible,
-    SceneError,
-    cut,
-    dotted,
-    explained,
-    fault,
-    implausible,
-    is_number,
-    numbers,
-    plain,
-    refusal,
-    shown,
-)
+from rolling.scene import library, messages
+from rolling.scene.messages import fault, is_number, numbers, refusal, shown
 from rolling.scene.track import Motion
 
 if TYPE_CHECKING:
@@ -64,7 +41,7 @@ class _SceneErrors(ModelMetaclass):
         if positional:
             name = cls.__name__
             raise TypeError(f"{name} takes keys by name only, as in {name}(key=value)")
-        return cls.from_values(plain(values))  # type: ignore[attr-defined]
+        return cls.from_values(messages.plain(values))  # type: ignore[attr-defined]
 
 
 class Section(BaseModel, metaclass=_SceneErrors):
@@ -86,7 +63,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
         return {name: text for name, text in texts.items() if name in cls.model_fields}
 
     @classmethod
-    def __get_pydantic_json_schema__(cls, core: Any, handler: GetJsonSchemaHandler) -> Any:
+    def __get_pydantic_json_schema__(cls, core: Any, handler: pydantic.GetJsonSchemaHandler) -> Any:
         """Describe the model by its first sentence, and each key by its text."""
         reference = handler(core)
         schema = handler.resolve_ref_schema(reference)
@@ -108,20 +85,20 @@ class Section(BaseModel, metaclass=_SceneErrors):
         """Validate plain values; raise SceneError with all faults, by their keys in a scene."""
         try:
             return cls.model_validate(values)
-        except ValidationError as error:
+        except pydantic.ValidationError as error:
             section, faults = cls.SECTION or cls.__name__.lower(), []
             for listed in error.errors(include_url=False)[:MAX_FAULTS]:
-                key, message = explained(listed, values, cls)
+                key, message = messages.explained(listed, values, cls)
                 key = key if key[:1] == (section,) else (section, *key)
-                faults.append(f"scene: {cut(dotted(key))}: {message}")
-            raise SceneError(faults) from error
+                faults.append(f"scene: {messages.cut(messages.dotted(key))}: {message}")
+            raise messages.SceneError(faults) from error
 
     @model_validator(mode="before")
     @classmethod
     def _of_name(cls, values: Any) -> Any:
         return library.validated(cls.NAMED, values) if cls.NAMED else values
 
-    @field_validator("*")
+    @pydantic.field_validator("*")
     @classmethod
     def _within_reason(cls, value: Any) -> Any:
         """Refuse sizes whose powers and quotients overflow or underflow."""
@@ -167,8 +144,8 @@ LOAD = f"greater than 0, or {WEIGHT}"
 
 
 def number_or(
-    word: str, allowed: str, sizes: Plausible | None = None, **limits: float
-) -> tuple[BeforeValidator, WithJsonSchema]:
+    word: str, allowed: str, sizes: messages.Plausible | None = None, **limits: float
+) -> tuple[BeforeValidator, pydantic.WithJsonSchema]:
     """Return validator and schema of a word, or of a number within limits of JSON Schema."""
     if sizes is not None:
         limits = {"minimum": sizes.least, "maximum": sizes.most}
@@ -182,11 +159,11 @@ def number_or(
             if value > above and least <= value <= most:
                 return float(value)
             if sizes is not None:
-                raise fault(implausible(value, sizes))
+                raise fault(messages.implausible(value, sizes))
         raise fault(f"got {shown(value)}, allowed: {allowed}")
 
     kinds = [{"type": "number", **limits}, {"type": "string", "const": word}]
-    return BeforeValidator(chosen), WithJsonSchema({"anyOf": kinds})
+    return BeforeValidator(chosen), pydantic.WithJsonSchema({"anyOf": kinds})
 
 
 Load = Annotated[float | Literal["weight"], *number_or(WEIGHT, LOAD, exclusiveMinimum=0)]
@@ -354,7 +331,7 @@ _PLACE = {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "numb
 _PLACE_LIST = {"type": "array", "minItems": 1, "maxItems": MOST_LISTENERS, "items": _PLACE}
 Listeners = Annotated[
     tuple[tuple[float, float, float], ...],
-    *(BeforeValidator(_listeners), WithJsonSchema({"anyOf": [_PLACE, _PLACE_LIST]})),
+    *(BeforeValidator(_listeners), pydantic.WithJsonSchema({"anyOf": [_PLACE, _PLACE_LIST]})),
 ]
 
 

@@ -3,13 +3,11 @@
 A sphere's surface has the spacing of the plate's, its width, and the circumference as its period.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
@@ -38,7 +36,7 @@ class MadeSurface(SurfaceKind):
     width_um: float = Field(gt=0)
 
     @model_validator(mode="after")
-    def _whole_width(self) -> MadeSurface:
+    def _whole_width(self) -> Self:
         refuse_width(self.width_um, self.spacing_um)
         return self
 
@@ -93,7 +91,7 @@ class SelfAffine(SelfAffineLaw, MadeSurface):
     faults: list[SurfaceFault] | None = None
 
     @model_validator(mode="after")
-    def _holds_waves(self) -> SelfAffine:
+    def _holds_waves(self) -> Self:
         least = WAVE_NODES * self.spacing_um
         if self.shortest_um < least * (1 - 1e-9):
             words = f"at least {WAVE_NODES} spacings, {rounded(least, 6)}"
@@ -177,7 +175,7 @@ class HeightFile(SurfaceKind):
     faults: list[SurfaceFault] | None = None
 
     @model_validator(mode="after")
-    def _fits_format(self) -> HeightFile:
+    def _fits_format(self) -> Self:
         ending = Path(self.path).suffix.lower()
         if not is_instrument(self.path):
             if self.spacing_um is None:

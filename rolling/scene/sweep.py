@@ -13,7 +13,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import PydanticCustomError
@@ -21,7 +21,6 @@ from pydantic_core import PydanticCustomError
 from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.height_files import file_digest
-from rolling.scene.library import NAME_KEYS
 from rolling.scene.messages import Key, dotted, fault, plain_number, refusal, shown
 from rolling.scene.sections import MAX_FAULTS
 
@@ -33,6 +32,7 @@ LONGEST_LABEL = 100  # letters
 LONGEST_NAME = 120  # bytes; temporary names add to it, and some file systems end at 143
 _LONGEST_TEXT = 40  # letters of a text in a name
 Fault = tuple[Key, str]  # key and message
+_Model = TypeVar("_Model", bound=BaseModel)
 Value = float | str  # number, text, or label of a swept value
 Choice = tuple[Value, Any]  # value as names and tables show it, and its plain form for the scene
 
@@ -235,7 +235,7 @@ def faults_of_runs(
     in_words: dict[Any, Fault] = {}
     for values, forms in product(sweep) if sweep else ():
         swept = with_values(unswept, forms)
-        for error in _errors(swept, root):
+        for error in checked(swept, root)[1]:
             plain = isinstance(error["input"], bool | int | float | str)
             alike = (error["loc"], error["type"], error["msg"], shown(error["input"]) * plain)
             if alike not in in_words:
@@ -256,18 +256,12 @@ def faults_of_runs(
     return list(faults)
 
 
-def _errors(data: Mapping[str, Any], root: type[BaseModel]) -> list[Any]:
-    """List the faults of a scene, before they are put into words."""
+def checked(data: Mapping[str, Any], root: type[_Model]) -> tuple[_Model | None, list[Any]]:
+    """Return the scene of plain values, or its faults: at most one more than are named."""
     try:
-        root.model_validate(data)
+        return root.model_validate(data), []
     except ValidationError as error:
-        return first_errors(error)
-    return []
-
-
-def first_errors(error: ValidationError) -> list[Any]:
-    """List the faults that pydantic reports, at most one more than are named."""
-    return error.errors(include_url=False)[: MAX_FAULTS + 1]
+        return None, error.errors(include_url=False)[: MAX_FAULTS + 1]
 
 
 # ---- identities
@@ -280,7 +274,7 @@ _NOT_CONTACT = {
     *("name", "title", "description", "sound", "sweep", "dynamics", "numerics.error_estimate"),
     *("rolling.speed_m_s", "rolling.duration_s", "rolling.distance_mm", "rolling.resistance"),
     *("rolling.drop_mm", "rolling.passes", "plate.plasticity", "sphere.density_kg_m3"),
-    *NAME_KEYS,
+    *library.NAME_KEYS,
     *(f"plate.{name}" for name in VIBRATING_PLATE),
 }
 

@@ -1,13 +1,11 @@
 """Track of the sphere in whole nodes and whole steps, and its speed along it, in SI."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,14 +47,14 @@ class Motion:
             raise ValueError("the speeds must be finite, not negative, and not all zero")
 
     @classmethod
-    def of(cls, speed: float | Sequence[Sequence[float]]) -> Motion:
+    def of(cls, speed: float | Sequence[Sequence[float]]) -> Self:
         """Make the motion at a constant speed [m/s], or from pairs of time [s] and speed [m/s]."""
         if isinstance(speed, int | float):
             return cls((0.0,), (float(speed),))
         return cls(tuple(float(t) for t, _ in speed), tuple(float(v) for _, v in speed))
 
     @classmethod
-    def rolling_out(cls, speed: float, deceleration: float) -> Motion:
+    def rolling_out(cls, speed: float, deceleration: float) -> Self:
         """Make the motion from a speed [m/s] to rest at a deceleration [m/s2], 0 for none."""
         if not deceleration > 0:
             return cls((0.0,), (speed,))

@@ -256,7 +256,8 @@ def contact_sound(
     mean_power = float(per_metre.mean()) * steps * step / duration
     samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
     if constant:
-        fluctuation = _at_constant_speed(power, closed, duration, samples)
+        signal = resampling.undo_step_mean(power if closed else faded(power, duration))
+        fluctuation = resampling.resample_closed(signal, samples)
     else:
         fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
 
@@ -316,15 +317,6 @@ def _white_rms(per_metre: Array, step: float, speed: Array, step_duration: Array
 def _intensity(scene: Scene, power: Array) -> Array:
     """Return the intensity [W/m2] that a release power [W] makes at the listener."""
     return radiation.intensity(power, scene.sound.distance_m, scene.sound.q)
-
-
-def _at_constant_speed(power: Array, closed: bool, duration: float, samples: int) -> Array:
-    """Return the release power [W] at the samples of the sound.
-
-    Its mean is subtracted if the record does not close.
-    """
-    signal = power if closed else faded(power, duration)
-    return resampling.resample_closed(resampling.undo_step_mean(signal), samples)
 
 
 def _at_changing_speed(

@@ -5,10 +5,7 @@ stereo keeps its differences. A moving contact excites each mode by its shape un
 sphere is heard from the middle of its path, and above the plate only: the baffle hides it below.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -17,10 +14,9 @@ from numpy.typing import NDArray
 
 from acoustics import resampling, wav
 from acoustics.arrays import Array
-from acoustics.baffled_modes import Complex, Listener
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import SOUND_M_S, axis_transfer
-from acoustics.rectangular_plate import RectangularPlate
+from acoustics.rectangular_plate import Complex, Listener, RectangularPlate
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import faded_out
@@ -54,10 +50,20 @@ def pressures(
     lines = np.arange(len(frequency))
     if closed:
         lines = lines[(frequency.real >= AUDIBLE_HZ[0]) & (frequency.real < AUDIBLE_HZ[1])]
+    kept, spectrum = frequency[lines], np.fft.rfft(fallen, n)[lines]
+    if (path := of_scene.contact_path(scene)) is None:
+        points, fixed = None, points_on_path(scene)[0]
+        total = np.array([_at(scene, plate, kept, place, fixed) for place in places]) * spectrum
+    else:
+        points = path(times)
+        total = np.array([_ball(scene, kept, place) for place in places]) * spectrum
+        for modes in _parts(0, _lasting(plate, fallen), n):
+            forces = np.fft.rfft(fallen[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
+            for pressure, place in zip(total, places, strict=True):
+                transfer = plate.mode_transfer(kept, place, _path(scene), modes)
+                pressure += np.einsum("nm,nm->n", transfer, forces)
     records = np.zeros((len(places), len(frequency)), dtype=complex)
-    path = of_scene.contact_path(scene)
-    points = None if path is None else path(times)
-    records[:, lines] = _spectra(scene, plate, fallen, n, frequency[lines], lines, places, points)
+    records[:, lines] = total
     heard = np.fft.irfft(records, n, axis=1)[:, : len(force)] * np.exp(growth * times)
     if closed:
         return np.asarray(heard)
@@ -65,33 +71,6 @@ def pressures(
         heard += _fading(scene, plate, force, places, points)
     ending = [faded_out(record, len(force) / rate) for record in heard]
     return np.array([resampling.band_limit(record, rate) for record in ending])
-
-
-def _spectra(
-    scene: Scene,
-    plate: RectangularPlate,
-    force: Array,
-    n: int,
-    frequency: NDArray[Any],
-    lines: NDArray[np.int64],
-    listeners: Sequence[Listener],
-    points: Array | None,
-) -> Complex:
-    """Return the spectra of the pressure [Pa] at listeners, (listeners, lines).
-
-    A moving contact is at `points` (samples, 2) [m].
-    """
-    path, spectrum = _path(scene), np.fft.rfft(force, n)[lines]
-    if points is None:
-        point = points_on_path(scene)[0]
-        return np.array([_at(scene, plate, frequency, k, point) for k in listeners]) * spectrum
-    total = np.array([_ball(scene, frequency, k) for k in listeners]) * spectrum
-    for modes in _parts(0, _lasting(plate, force), n):
-        forces = np.fft.rfft(force[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
-        for k, listener in enumerate(listeners):
-            transfer = plate.mode_transfer(frequency, listener, path, modes)
-            total[k] += np.einsum("nm,nm->n", transfer, forces)
-    return np.asarray(total)
 
 
 def _lasting(plate: RectangularPlate, force: Array) -> int:

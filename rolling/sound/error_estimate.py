@@ -5,13 +5,11 @@ listener. All levels of accuracy see the same asperities. The ratio of their pow
 known far better than either power. The module takes arrays and plain numbers; it marches nothing.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,7 +105,7 @@ class RecordLevels:
     seconds: float = math.inf
 
     @classmethod
-    def of(cls, levels: SoundLevels, own_factor: bool, seconds: float) -> RecordLevels:
+    def of(cls, levels: SoundLevels, own_factor: bool, seconds: float) -> Self:
         """Make the powers from the band levels of a record."""
         z, a = (
             np.array([np.nan if x is None else 10 ** (x / 10) for x in db.values()])

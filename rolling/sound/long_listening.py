@@ -1,7 +1,5 @@
 """Sound of a run that goes on beyond its solved track."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -6,8 +6,6 @@ two, and the level of the vibration that a run without dynamics leaves out. Its 
 describe the bodies: a steel sphere on a steel plate of 10 mm replaces missing ones.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, NamedTuple
 
@@ -24,7 +22,6 @@ from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.scene.quantities import STEEL_DENSITY
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
@@ -136,8 +133,8 @@ def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
         most = max(_SPEEDS[0], min(most, _MOST_LINES // len(passed)))
     if middle / quality > BROAD * spacing:
         return None
-    count = int(np.clip(16 * NEAR_SPEEDS * quality, _SPEEDS[0], most))
-    ratios = np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count)
+    count = int(np.clip(16 * of_scene.NEAR_SPEEDS * quality, _SPEEDS[0], most))
+    ratios = np.linspace(1 - of_scene.NEAR_SPEEDS, 1 + of_scene.NEAR_SPEEDS, count)
     sums = [float(squares @ weights) for _, squares, weights in map(powers, ratios)]
     mean = float(np.mean(sums))
     if not min(sums) > 0:  # no line is heard

@@ -5,8 +5,6 @@ the axis through the contact or, over a plate with edges, at any listener. The l
 pressure at the first listener, and sound power stands beside them.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property

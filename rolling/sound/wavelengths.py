@@ -7,8 +7,6 @@ apart. The spectrum of the approach under a constant load less that of the surfa
 filter of wheel and rail.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

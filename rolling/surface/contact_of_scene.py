@@ -1,7 +1,5 @@
 """Rolling contact of a scene for the march: surface, bodies and numerics as plain numbers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 

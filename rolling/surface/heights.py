@@ -1,10 +1,8 @@
 """Periodic surface heights: generation by spectral filtering, single faults, statistics."""
 
-from __future__ import annotations
-
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,8 +11,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene.laws import AUTOCORRELATIONS as AUTOCORRELATIONS
-from rolling.scene.laws import SurfaceFault
+from rolling.scene.laws import AUTOCORRELATIONS, HeightLaw, Roughness, SelfAffineLaw, SurfaceFault
 from rolling.surface.parameters import roughness
 
 _NEGLIGIBLE = 1e-7  # autocorrelation
@@ -46,49 +43,26 @@ class Statistics:
     lowest: float
 
 
-def white_noise(shape: tuple[int, int], seed: int | Sequence[int]) -> Array:
-    """Generate white noise of unit variance from a seed."""
-    return np.random.default_rng(seed).standard_normal(shape)
-
-
-def filtered(
-    noise: Array,
-    spacing: float,
-    correlation_length: tuple[float, float],
-    autocorrelation: str,
-    angle: float = 0.0,
-) -> Array:
-    """Filter periodic white noise to heights of zero mean and a variance of about 1.
-
-    Parameters
-    ----------
-    noise : (m, n) array
-        White noise of unit variance.
-    spacing : float, m
-        Node spacing.
-    correlation_length : (float, float), m
-        Correlation lengths along and across the track.
-    autocorrelation : str
-        Key of AUTOCORRELATIONS; its r / L is the norm of (x / L_along, y / L_across).
-    angle : float, rad
-        Angle by which the two directions of correlation are turned.
+def filtered(noise: Array, spacing: float, law: HeightLaw) -> Array:
+    """Filter periodic white noise (m, n) of a spacing [m] to heights of a law and any size.
 
     Raises
     ------
     SurfaceError
         The filter leaves nothing.
     """
-    shape = noise.shape
-    density = spectral_density(shape, spacing, correlation_length, autocorrelation, angle)
-    heights = shaped(noise, density)
+    density = spectral_density(noise.shape, spacing, law)
+    heights: Array = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=noise.shape)
+    heights -= heights.mean()
     # A surface much smaller than its correlation length is flat except for rounding errors, which
     # would pass for roughness if they were scaled up.
-    if not np.abs(heights).mean() > 1e-6 * np.sqrt(density.max() / heights.size):
-        sizes = " x ".join(rounded(n * spacing * 1e6, 4) for n in shape)
+    least = 1e-6 * np.sqrt(density.max() / heights.size)
+    if isinstance(law, Roughness) and not np.abs(heights).mean() > least:
+        sizes = " x ".join(rounded(n * spacing * 1e6, 4) for n in noise.shape)
         # Of a law that falls with (r / L)^exponent the share of roughness falls with its root.
-        exponent = AUTOCORRELATIONS[autocorrelation][1]
-        longest = 0.1 * 1e12 ** (1 / exponent) * max(shape) * spacing * 1e6
-        lengths = " and ".join(rounded(length * 1e6, 4) for length in correlation_length)
+        exponent = AUTOCORRELATIONS[law.autocorrelation][1]
+        longest = 0.1 * 1e12 ** (1 / exponent) * max(noise.shape) * spacing * 1e6
+        lengths = " and ".join(rounded(length * 1e6, 4) for length in law.correlation[0])
         raise SurfaceError(
             f"no roughness left but rounding: got correlation lengths of {lengths} um"
             f" on {sizes} um, allowed: up to about {rounded(longest)} um; enlarge the surface"
@@ -96,71 +70,73 @@ def filtered(
     return heights
 
 
-def shaped(noise: Array, density: Array) -> Array:
-    """Multiply the transform of white noise by the root of a spectral density; remove the mean."""
-    heights: Array = np.fft.irfft2(np.fft.rfft2(noise) * np.sqrt(density), s=noise.shape)
-    heights -= heights.mean()
-    return heights
-
-
-def spectral_density(
-    shape: tuple[int, int],
-    spacing: float,
-    correlation_length: tuple[float, float],
-    autocorrelation: str,
-    angle: float = 0.0,
-) -> Array:
+def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> Array:
     """Return the spectral density of a law on the half plane of waves of a periodic grid.
 
-    Its mean over all waves is 1. Parameters as in `filtered`.
+    Its mean over all waves is 1 [-].
     """
-    decay, exponent = AUTOCORRELATIONS[autocorrelation]
+    if isinstance(law, SelfAffineLaw):
+        density = self_affine(wave_numbers(shape, spacing), law)
+        density[0, 0] = 0.0
+        return np.asarray(density * (shape[0] * shape[1] / (counted(shape) * density).sum()))
+    (first, second), name, angle = law.correlation
+    decay, exponent = AUTOCORRELATIONS[name]
     # Lags along and across.
     x, y = (spacing * np.asarray((np.arange(n) + n // 2) % n - n // 2, float) for n in shape)
-    first, second = correlation_length
 
-    def law(x: Array, y: Array) -> Array:
+    def autocorrelation(x: Array, y: Array) -> Array:
         """Return the autocorrelation at lags along and across [m]."""
         along, across = turned(x[:, None], y, angle)
         r2 = (along / first) ** 2 + (across / second) ** 2
         return np.asarray(np.exp(-decay * r2 ** (exponent / 2)))
 
-    periodic = law(x, y)
+    periodic = autocorrelation(x, y)
     if angle:
         reach = (-np.log(_NEGLIGIBLE) / decay) ** (1 / exponent)
         cosine, sine = np.cos(angle), np.sin(angle)
-        ends = np.hypot(first * cosine, second * sine), np.hypot(first * sine, second * cosine)
-        _add_neighbours(periodic, (x, y), (reach * ends[0], reach * ends[1]), law)
+        ends = reach * np.hypot([first * cosine, first * sine], [second * sine, second * cosine])
+        if 4 * ends[0] * ends[1] > _MOST_LAGS * spacing**2:
+            longest = math.sqrt(_MOST_LAGS / (4 * ends[0] * ends[1])) * spacing
+            raise SurfaceError(
+                "lay_deg: got correlation lengths that reach too far to be turned, allowed: up to"
+                f" {rounded(longest, 2)} times as long"
+            )
+        # The law is added about the neighbouring origins of the grid. Without them a turned law,
+        # which is no function of the magnitudes of both lags, would have a step where a period
+        # ends, and the surface a roughness in short waves.
+        sizes = spacing * np.array(shape)
+        counts = np.maximum(np.ceil(ends / sizes - 0.5), 0).astype(int)
+        for i, j in itertools.product(*(range(-count, count + 1) for count in counts)):
+            if (i, j) != (0, 0):
+                along, across = x + i * sizes[0], y + j * sizes[1]
+                rows = np.flatnonzero(np.abs(along) <= ends[0])
+                periodic[rows] += autocorrelation(along[rows], across)
     # On a periodic grid the law can have slightly negative spectral densities from rounding.
     density = np.maximum(np.fft.rfft2(periodic).real, 0.0)
     return density / periodic[0, 0] if angle else density
 
 
-def _add_neighbours(
-    periodic: Array,
-    lags: tuple[Array, Array],
-    ends: tuple[float, float],
-    law: Callable[[Array, Array], Array],
-) -> None:
-    """Add a turned law about the neighbouring origins of a periodic grid, out to its ends [m].
+def self_affine(wave_number: Array, law: SelfAffineLaw) -> Array:
+    """Return a self-affine spectrum over its plateau at wave numbers [rad/m]."""
+    ratio = wave_number / law.rolloff_rad_m
+    falling = np.maximum(ratio, 1.0) ** (-2 * (1 + law.hurst))
+    # Rounding must not take the shortest wave itself away.
+    return np.where(ratio <= law.rolloff_um / law.shortest_um * (1 + 1e-9), falling, 0.0)
 
-    Without them the law, which is no function of the magnitudes of both lags, would have a step
-    where a period ends, and the surface a roughness in short waves.
-    """
-    spacing = lags[0][1] - lags[0][0]
-    if 4 * ends[0] * ends[1] > _MOST_LAGS * spacing**2:
-        longest = math.sqrt(_MOST_LAGS / (4 * ends[0] * ends[1])) * spacing
-        raise SurfaceError(
-            "lay_deg: got correlation lengths that reach too far to be turned, allowed: up to"
-            f" {rounded(longest, 2)} times as long"
-        )
-    sizes = [len(lag) * spacing for lag in lags]
-    counts = [max(0, math.ceil(end / size - 0.5)) for end, size in zip(ends, sizes, strict=True)]
-    for i, j in itertools.product(*(range(-count, count + 1) for count in counts)):
-        if (i, j) != (0, 0):
-            x, y = lags[0] + i * sizes[0], lags[1] + j * sizes[1]
-            rows = np.flatnonzero(np.abs(x) <= ends[0])
-            periodic[rows] += law(x[rows], y)
+
+def counted(shape: tuple[int, ...]) -> Array:
+    """Return how many waves of the plane each column of the half plane stands for, 1 or 2."""
+    counts = np.full(shape[1] // 2 + 1, 2.0)
+    counts[0] = 1.0
+    if shape[1] % 2 == 0:
+        counts[-1] = 1.0
+    return counts
+
+
+def wave_numbers(shape: tuple[int, ...], spacing: float) -> Array:
+    """Return the wave numbers [rad/m] of the half plane of waves of a periodic grid."""
+    along, across = np.fft.fftfreq(shape[0], spacing), np.fft.rfftfreq(shape[1], spacing)
+    return np.asarray(2 * np.pi * np.hypot(along[:, None], across))
 
 
 def turned(x: Any, y: Any, angle: float) -> tuple[Any, Any]:

@@ -5,8 +5,6 @@ does not lead to its first, and a tilt of the specimen passes for a cliff there.
 removes the tilt.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

@@ -6,8 +6,6 @@ The spectrum comes last, so the waves have the amplitudes of the Gaussian surfac
 Two-parameter corrections then bring skewness and kurtosis to the requested values.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -16,7 +14,7 @@ import numpy as np
 from acoustics.arrays import Array
 from rolling.scene.laws import AUTOCORRELATIONS, HeightLaw, Roughness, SelfAffineLaw
 from rolling.surface import heights as surface
-from rolling.surface.heights import moments
+from rolling.surface.heights import moments, spectral_density
 
 ROUNDS, CORRECTIONS = 40, 30  # maximum numbers
 NEAR, EXACT = 0.05, 1e-4  # differences of skewness and kurtosis that end rounds and corrections
@@ -39,24 +37,17 @@ def of_law(
     SurfaceError
         The filter leaves nothing.
     """
-    heights = filtered(surface.white_noise(shape, seed), spacing, law)
+    heights = surface.filtered(np.random.default_rng(seed).standard_normal(shape), spacing, law)
     if not law.is_gaussian:
         heights = _with_moments(heights, *law.moments)
     heights *= scale(heights, spacing, law)
     return heights
 
 
-def filtered(noise: Array, spacing: float, law: HeightLaw) -> Array:
-    """Filter periodic white noise to Gaussian heights of a law, of zero mean and any size."""
-    if isinstance(law, Roughness):
-        return surface.filtered(noise, spacing, *law.correlation)
-    return surface.shaped(noise, spectral_density(noise.shape, spacing, law))
-
-
 def scale(heights: Array, spacing: float, law: HeightLaw) -> float:
     """Return the factor that gives heights the Ra, Sq or Sdq of a law."""
     if isinstance(law, SelfAffineLaw) and law.rdq is not None:
-        gradients = _powers(heights) * _wave_numbers(heights.shape, spacing) ** 2
+        gradients = _powers(heights) * surface.wave_numbers(heights.shape, spacing) ** 2
         return law.rdq / float(np.sqrt(gradients.sum()))
     if isinstance(law, SelfAffineLaw) and law.rq_um is not None:
         return law.rq_um * 1e-6 / float(np.sqrt(np.mean(heights**2)))
@@ -66,18 +57,6 @@ def scale(heights: Array, spacing: float, law: HeightLaw) -> float:
 # ---- spectra
 
 
-def spectral_density(shape: tuple[int, int], spacing: float, law: HeightLaw) -> Array:
-    """Return the spectral density of a law on the half plane of waves of a periodic grid.
-
-    Its mean over all waves is 1 [-].
-    """
-    if isinstance(law, Roughness):
-        return surface.spectral_density(shape, spacing, *law.correlation)
-    density = _self_affine(_wave_numbers(shape, spacing), law)
-    density[0, 0] = 0.0
-    return np.asarray(density * (shape[0] * shape[1] / (_counted(shape) * density).sum()))
-
-
 def plane_density(law: HeightLaw, along: Array, across: Array) -> Array:
     """Return the two-sided spectral density [m4] of a law over wave numbers [rad/m].
 
@@ -85,7 +64,7 @@ def plane_density(law: HeightLaw, along: Array, across: Array) -> Array:
     """
     if isinstance(law, SelfAffineLaw):
         plateau = law.rq_m**2 / (2 * np.pi * law.rolloff_rad_m**2 * law.integrals[0])
-        return plateau * _self_affine(np.hypot(along, across), law)
+        return plateau * surface.self_affine(np.hypot(along, across), law)
     lengths, name, angle = law.correlation
     decay, exponent = AUTOCORRELATIONS[name]
     first, second = (length * decay ** (-1 / exponent) for length in lengths)
@@ -94,14 +73,6 @@ def plane_density(law: HeightLaw, along: Array, across: Array) -> Array:
     if exponent == 2:
         return np.asarray(law.rq_m**2 * first * second * np.exp(-scaled / 4) / (4 * np.pi))
     return np.asarray(law.rq_m**2 * first * second / (2 * np.pi * (1 + scaled) ** 1.5))
-
-
-def _self_affine(wave_numbers: Array, law: SelfAffineLaw) -> Array:
-    """Return a self-affine spectrum over its plateau at wave numbers [rad/m]."""
-    ratio = wave_numbers / law.rolloff_rad_m
-    falling = np.maximum(ratio, 1.0) ** (-2 * (1 + law.hurst))
-    # Rounding must not take the shortest wave itself away.
-    return np.where(ratio <= law.rolloff_um / law.shortest_um * (1 + 1e-9), falling, 0.0)
 
 
 def has_detail(spacing: float, law: HeightLaw) -> bool:
@@ -205,15 +176,15 @@ def described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -
     if law is None or not is_described(law):
         return {}
     skewness, kurtosis = map(float, moments(heights))
-    counted = _counted(heights.shape)
+    counts = surface.counted(heights.shape)
     density = spectral_density(heights.shape, spacing, law)
     density[0, 0] = 0.0
     with np.errstate(divide="ignore"):
-        nodes = 2 * np.pi / _wave_numbers(heights.shape, spacing) / spacing
+        nodes = 2 * np.pi / surface.wave_numbers(heights.shape, spacing) / spacing
     octave = np.floor(np.log2(np.where(np.isfinite(nodes), nodes, 1.0)) + 1e-9).astype(int).ravel()
     got, wanted, squares = (
         np.bincount(octave, power.ravel())
-        for power in (_powers(heights), counted * density, counted * density**2)
+        for power in (_powers(heights), counts * density, counts * density**2)
     )
     shares, kept = wanted / wanted.sum(), np.flatnonzero(wanted > LEAST_SHARE * wanted.sum())
     # A random wave has an exponentially distributed mean square; the sum of all varies as well.
@@ -231,24 +202,9 @@ def described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -
 
 def _powers(heights: Array) -> Array:
     """Return the mean square [m2] that each wave of the half plane, counted twice, adds."""
-    lines = np.abs(np.fft.rfft2(heights)) ** 2 * _counted(heights.shape)
+    lines = np.abs(np.fft.rfft2(heights)) ** 2 * surface.counted(heights.shape)
     lines[0, 0] = 0.0
     return np.asarray(lines / heights.size**2)
-
-
-def _counted(shape: tuple[int, ...]) -> Array:
-    """Return how many waves of the plane each column of the half plane stands for, 1 or 2."""
-    counted = np.full(shape[1] // 2 + 1, 2.0)
-    counted[0] = 1.0
-    if shape[1] % 2 == 0:
-        counted[-1] = 1.0
-    return counted
-
-
-def _wave_numbers(shape: tuple[int, ...], spacing: float) -> Array:
-    """Return the wave numbers [rad/m] of the half plane of waves of a periodic grid."""
-    along, across = np.fft.fftfreq(shape[0], spacing), np.fft.rfftfreq(shape[1], spacing)
-    return np.asarray(2 * np.pi * np.hypot(along[:, None], across))
 
 
 # ---- Johnson's system of distributions

@@ -4,8 +4,6 @@ A scene knows files. An array is written to a folder of this process under the d
 where the workers read it, and a saved run has a copy.
 """
 
-from __future__ import annotations
-
 import atexit
 import hashlib
 import importlib
@@ -21,19 +19,17 @@ import numpy as np
 from acoustics.arrays import Array, positive
 from rolling.scene import height_files, height_grid
 from rolling.scene.height_files import UNITS, HeightFormatError
-from rolling.scene.height_grid import Measured
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.track import MIN_NODES
 from rolling.surface.levelling import HIGHEST, LARGEST_RA, in_metres
 from rolling.surface.parameters import without_plane
 from rolling.terminal import files
-from rolling.terminal.files import FolderError
 
 WRITTEN = ".npy", ".csv", ".xyz", ".x3p", ".sdf"
 
 
-def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
+def read(path: Path, channel: str | None = None, unit: str = "m") -> height_grid.Measured:
     """Read the heights of a file of any format.
 
     Parameters
@@ -64,7 +60,7 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
     with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused later
         heights = height_files.numbers(path).astype(np.float64) * UNITS[unit]
     heights[~np.isfinite(heights)] = np.nan
-    return Measured(heights, None)
+    return height_grid.Measured(heights, None)
 
 
 def levelled(
@@ -78,16 +74,16 @@ def levelled(
     try:
         measured = read(path, channel, unit)
     except HeightFormatError as error:
-        raise FolderError(error.of(path)) from error
+        raise files.FolderError(error.of(path)) from error
     if (measured.spacing_m is None) == (spacing_um is None):
         words = "missing; the file holds no" if spacing_um is None else "the file holds its own"
-        raise FolderError(f"{path}: --spacing-um: {words} spacing")
+        raise files.FolderError(f"{path}: --spacing-um: {words} spacing")
     sizes = np.abs(measured.heights[np.isfinite(measured.heights)])
     if not sizes.size or sizes.max() > HIGHEST:
-        raise FolderError(f"{path}: holds no heights, or heights above {HIGHEST:g} m")
+        raise files.FolderError(f"{path}: holds no heights, or heights above {HIGHEST:g} m")
     heights = without_plane(measured.heights)
     if np.nanmean(np.abs(heights)) > LARGEST_RA:
-        raise FolderError(f"{path}: --height-unit: Ra would be more than {LARGEST_RA:g} m")
+        raise files.FolderError(f"{path}: --height-unit: Ra would be more than {LARGEST_RA:g} m")
     steps = np.array(measured.spacing_m or (1e-6 * (spacing_um or 0),) * 2)
     return (heights.T, steps[::-1]) if len(heights) == 1 else (heights, steps)
 

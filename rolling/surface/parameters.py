@@ -5,20 +5,15 @@ on at its edges with its other end; a measured one ends there. Heights that are 
 unmeasured and do not count. An undefined parameter, such as the skewness of a flat surface, is NaN.
 """
 
-from __future__ import annotations
-
-import tomllib
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from acoustics.arrays import Array, positive, real_array
+from rolling.scene.messages import table
 
 # Unit in SI and meaning by short name.
-NAMES: dict[str, tuple[str, str]] = tomllib.loads(
-    Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
-)
+NAMES: dict[str, tuple[str, str]] = table("rolling.surface", "parameters")
 DECAY = 0.2  # of the autocorrelation, the default of ISO 25178-3
 CORE = 0.4  # of the material ratio, over which the secant of the core is drawn
 _ROUNDING = 1e-12  # of the heights with their plane; less is no roughness

@@ -5,8 +5,6 @@ heights are resampled to square nodes. The F-operator removes the form, the L-fi
 Last, the end of each side is led into its beginning, so that the surface is periodic.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,17 +20,9 @@ from rolling.scene.height_grid import SAME, HeightGrid, is_other, is_turned
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import levelling, measured
 from rolling.surface.heights import SurfaceError
-from rolling.surface.levelling import Levelling
 from rolling.surface.parameters import roughness, without_plane
 
 NAMES = "Sa", "Sq", "Ssk", "Sku", "Sdq"  # of the roughness before and after a step
-STEP_NAMES = {  # of steps whose key is no word for readers
-    "unmeasured": "unmeasured points",
-    "s_filter": "S-filter",
-    "f_operator": "F-operator",
-    "l_filter": "L-filter",
-    "periodic": "period",
-}
 ALPHA = float(np.sqrt(np.log(2) / np.pi))  # 0.4697, of the Gaussian filter of ISO 16610-61
 NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
 ROBUST = 1.4826  # standard deviation of Gaussian numbers over the median of their magnitudes
@@ -87,7 +77,7 @@ class Preparation:
 
 def prepare(
     heights: Array, surface: HeightFile, grid: HeightGrid
-) -> tuple[Array, Levelling, list[Effect]]:
+) -> tuple[Array, levelling.Levelling, list[Effect]]:
     """Prepare heights [m] about their mean by the keys of the surface.
 
     Returns

@@ -6,8 +6,6 @@ is taken to be flat within the cell of each node. Every grid keeps the line of t
 middle of its width. `numerics.subcells: auto` takes sub-cells on steep surfaces.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ In pure rolling each place of the sphere meets the place of the plate that it ro
 surfaces add up to one that does not move: z(x, y) = plate(x, y) + sphere(x mod 2 pi R, y).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -16,22 +14,15 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
+from rolling.scene import surfaces
 from rolling.scene.height_files import reason_of
 from rolling.scene.height_grid import height_grid
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.scene.surfaces import (
-    GRADES,
-    WAVE_NODES,
-    BallHeightFile,
-    BallSurface,
-    GradedBall,
-    HeightFile,
-)
 from rolling.scene.track import Track
 from rolling.surface import heights as surface
 from rolling.surface import levelling, made, preparation
-from rolling.surface.heights import Correlation, Statistics, add_faults
+from rolling.surface.heights import Statistics, add_faults
 from rolling.surface.levelling import Levelling
 from rolling.surface.preparation import Effect
 from rolling.terminal import progress
@@ -39,7 +30,7 @@ from rolling.terminal import progress
 
 @dataclass(frozen=True, eq=False)
 class SceneSurface:
-    """Heights of a scene and their statistics, each computed when it is first needed."""
+    """Heights of a scene and their statistics, which are computed when they are first needed."""
 
     __repr__ = short_repr
 
@@ -55,17 +46,6 @@ class SceneSurface:
         """Roughness of the heights that are used."""
         with progress.step("roughness of the surface"):
             return surface.statistics(self.heights, self.spacing)
-
-    @cached_property
-    def correlations(self) -> tuple[Correlation, Correlation]:
-        """Correlation of the heights along and across."""
-        along, across = (surface.correlation(self.heights, self.spacing, k) for k in (0, 1))
-        return along, across
-
-    @cached_property
-    def form_share(self) -> float:
-        """Share of the variance of the heights that a plane and a parabola make up."""
-        return levelling.form_share(self.heights)
 
     @property
     def has_seam(self) -> bool:
@@ -153,7 +133,7 @@ def _ra(heights: Array) -> float:
 def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
     """Generate or read the heights of the plate [m], and prepare heights from a file."""
     s, track = scene.surface, scene.track
-    if isinstance(s, HeightFile) and scene.height_path:
+    if isinstance(s, surfaces.HeightFile) and scene.height_path:
         read = preparation.read(scene.height_path, s)
         return preparation.prepare(read, s, height_grid(scene.height_path, s))
     shape = track.n_along, track.n_across
@@ -184,7 +164,7 @@ FORM_ORDERS = range(2, 16)  # that make up the deviation of a grade from spheric
 _ROUGHNESS, _FORM = 1, 2
 
 
-def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, dict[str, Any]]:
+def ball_heights(scene: Scene, ball: surfaces.BallSurface) -> tuple[Array, dict[str, Any]]:
     """Make the heights [m] of a sphere's surface, (nodes of a turn, across), and describe them.
 
     Raises
@@ -196,7 +176,7 @@ def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, dict[str, Any]
     shape, spacing = (track.turn_nodes, track.n_across), track.spacing
     if law is not None:
         heights = made.of_law(shape, spacing, law, (law.seed, _ROUGHNESS))
-    elif isinstance(ball, BallHeightFile):
+    elif isinstance(ball, surfaces.BallHeightFile):
         heights = _read(scene, ball)
     else:
         heights = np.zeros(shape)
@@ -207,7 +187,7 @@ def ball_heights(scene: Scene, ball: BallSurface) -> tuple[Array, dict[str, Any]
     return heights, described
 
 
-def _read(scene: Scene, ball: BallHeightFile) -> Array:
+def _read(scene: Scene, ball: surfaces.BallHeightFile) -> Array:
     """Read the heights [m] of a turn without its wave of order 1, which moves the centre only."""
     path, across = scene.height_paths["sphere.surface"], scene.track.n_across
     heights = levelling.read_heights(path, ball.height_unit)
@@ -219,15 +199,15 @@ def _read(scene: Scene, ball: BallHeightFile) -> Array:
     return np.asarray(heights)
 
 
-def _form(ball: BallSurface, nodes: int) -> Array:
+def _form(ball: surfaces.BallSurface, nodes: int) -> Array:
     """Return the heights [m] of the waves around a circumference of some nodes."""
     angle, line = _angle(nodes), np.zeros(nodes)
-    if isinstance(ball, GradedBall):
+    if isinstance(ball, surfaces.GradedBall):
         phases = np.random.default_rng((ball.seed, _FORM)).uniform(0, 2 * np.pi, len(FORM_ORDERS))
         for order, phase in zip(FORM_ORDERS, phases, strict=True):
-            if order * WAVE_NODES <= nodes:
+            if order * surfaces.WAVE_NODES <= nodes:
                 line += np.cos(order * angle + phase) / order
-        line *= GRADES[ball.grade].deviation_um * 1e-6 / np.ptp(line)
+        line *= surfaces.GRADES[ball.grade].deviation_um * 1e-6 / np.ptp(line)
     for order, amplitude_um in (ball.waviness or {}).items():
         line += amplitude_um * 1e-6 * np.cos(order * angle)
     return line

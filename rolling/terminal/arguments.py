@@ -3,8 +3,6 @@
 commands.toml lists commands and arguments, with their texts.
 """
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import re

@@ -1,7 +1,5 @@
 """Safe writing of whole files, and the error of a folder."""
 
-from __future__ import annotations
-
 import errno
 import json
 import os

@@ -1,7 +1,5 @@
 """Identity of this program: its version, the digest of its sources, and its packages."""
 
-from __future__ import annotations
-
 import hashlib
 import platform
 from functools import cache

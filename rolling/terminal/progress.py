@@ -4,8 +4,6 @@ A command of the command line begins with `begin`. Without it, in a program of s
 are bars on a terminal and in a notebook, and no lines but that of the compilation.
 """
 
-from __future__ import annotations
-
 import sys
 import threading
 import time

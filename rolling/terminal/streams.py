@@ -3,15 +3,13 @@
 None of this may cost a run its work: a command that cannot be heard still finishes.
 """
 
-from __future__ import annotations
-
 import errno
 import io
 import os
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TextIO, cast
@@ -99,6 +97,12 @@ def wrapped(text: str, indent: str = "  ") -> str:
         return text
     width = max(40, shutil.get_terminal_size().columns)
     return textwrap.fill(text, width, subsequent_indent=indent, break_long_words=False)
+
+
+def columns(rows: Sequence[Sequence[str]]) -> str:
+    """Write rows of equal length in aligned columns, two spaces apart, for a terminal."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
 
 
 def _open_closed() -> None:

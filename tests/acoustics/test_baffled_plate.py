@@ -7,9 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from acoustics.baffled_modes import _integrals, mode_pressures, own_resistance
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, axis_transfer
-from acoustics.rectangular_plate import RectangularPlate
+from acoustics.rectangular_plate import (
+    RectangularPlate,
+    _integrals,
+    mode_pressures,
+    own_resistance,
+)
 
 EDGES = 0.4, 0.3
 CONTACT = 0.172, 0.111

@@ -22,7 +22,7 @@ import rolling.report
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture
 from rolling.report import page as report_page
-from rolling.report import scripts, text
+from rolling.report import text
 from rolling.report.charts import COLUMNS, chart_of, numbers
 
 ASSETS = Path(rolling.report.__file__).parent / "assets"
@@ -249,7 +249,7 @@ def opened_charts(tmp_path: Path, opened):
             "</script>"
         )
         css = text.asset("report.css") + text.asset("chart.css")
-        js = scripts.joined("page/chart.js")
+        js = report_page.joined("page/chart.js")
         path = tmp_path / "charts.html"
         path.write_text(body.render(data={"charts": shown}, css=css, js=js))
         return opened(path, **settings)

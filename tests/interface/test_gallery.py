@@ -17,7 +17,7 @@ from PIL import Image
 from report_browser import until
 from report_runs import runs_of
 
-from rolling.report.gallery import gallery
+from rolling.report.page import gallery
 from rolling.results.listening import heard
 
 PHONE = {"width": 390, "height": 844}

@@ -30,8 +30,8 @@ FLOORS = {
     "acoustics": (
         ("arrays", "numbers"),
         ("bands", "radiation", "weighting"),
-        ("baffled_modes", "continued_rows", "plot_style", "resampling", "spectrum"),
-        ("level", "loudness", "modulation", "rectangular_plate", "sound_power"),
+        ("continued_rows", "plot_style", "rectangular_plate", "resampling", "spectrum"),
+        ("level", "loudness", "modulation", "sound_power"),
         ("laps", "plots", "uncertainty", "wav"),
     ),
 }

@@ -15,8 +15,8 @@ from report_runs import runs_of
 from acoustics.arrays import Array
 from acoustics.bands import EDGES_HZ
 from rolling.dynamics import drop, of_scene
+from rolling.dynamics.bodies import Modes
 from rolling.dynamics.force_law import ForceLaw, law_table
-from rolling.dynamics.modes import Modes
 from rolling.dynamics.motion import BodyMotion, Stepping, move
 from rolling.report import live
 from rolling.scene.scene import Scene

@@ -13,7 +13,7 @@ from scipy.signal import butter, sosfilt
 from acoustics import level, wav, weighting
 from acoustics.bands import reliable
 from acoustics.rectangular_plate import RectangularPlate
-from rolling.report.scripts import joined
+from rolling.report.page import joined
 
 STEREO = {"sound.listener_mm": [[100, 150, 500], [250, 60, 700]]}
 EDGED = {**EDGES, "plate.thickness_mm": 10}

@@ -15,8 +15,8 @@ from rolling.marches.next_pieces import next_pieces
 from rolling.marches.observers import SlowMotion
 from rolling.marches.result import MovingRelease
 from rolling.results.result_file import read_result, write_result
-from rolling.results.run_files import read_run, write_run
-from rolling.results.run_result import Run, hear
+from rolling.results.run_folder import RunFolder
+from rolling.results.run_result import Run, hear, read_run, write_run
 from rolling.scene import file
 
 SCENE = f"""\
@@ -51,7 +51,7 @@ def test_all_of_a_run_comes_back_to_the_last_bit(
     assert len({each.pressure.shape for each in whole.result.maps.values()}) > 1  # ragged
     for run, film in ((whole, False), (filmed, True), (moved, False), (estimated, False)):
         write_run(run)
-        again = read_run(run.folder, run.scene, {}, "run")
+        again = read_run(run, "run")
         assert np.isnan(again.result.series["step_time"]).all()
         again.result.series["step_time"] = run.result.series["step_time"]
         for name in vars(again.result):
@@ -136,7 +136,7 @@ def test_long_scenes_large_seeds_and_empty_tables_are_kept(tmp_path: Path) -> No
     run = run_of(scene)
     result = run.result
     result.event_pieces = {0: {name: column[:0] for name, column in (run.events or {}).items()}}
-    short = hear("run", {}, tmp_path, scene, result)
+    short = hear(RunFolder({}, scene, tmp_path), "run", result)
     write_run(short)
     again = read_result(tmp_path / "result.h5", scene)
     assert again.event_pieces[0]["node"].shape == (0, 2)

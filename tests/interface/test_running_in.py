@@ -18,8 +18,8 @@ from rolling import cli
 from rolling.check import cost, refusals
 from rolling.marches.piece import contact_identity
 from rolling.report.page import page
+from rolling.results.listening import PASS_S, PAUSE_S
 from rolling.results.run_result import Run
-from rolling.results.running_in import PASS_S, PAUSE_S
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 

@@ -13,10 +13,9 @@ import pytest
 from finished import run_of
 from scene_text import TINY
 
-from rolling.check.finding import columns
 from rolling.results.labels import labels
-from rolling.results.run_files import write_run
-from rolling.results.run_result import hear
+from rolling.results.run_folder import RunFolder
+from rolling.results.run_result import hear, write_run
 from rolling.results.runs_table import (
     error_line,
     level_text,
@@ -28,6 +27,7 @@ from rolling.results.runs_table import (
 )
 from rolling.scene import file
 from rolling.scene.scene import Scene
+from rolling.terminal.streams import columns
 
 SWEEP = f"""\
 {TINY}sweep:
@@ -71,7 +71,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Stored]:
         for number, (values, scene) in enumerate(file.loads(SWEEP).runs())
     ]
     for run in stored[:-1]:
-        write_run(hear("run", run.values, run.folder, run.scene, run_of(run.scene).result))
+        write_run(hear(run, "run", run_of(run.scene).result))
     return stored
 
 
@@ -175,7 +175,7 @@ def test_the_terminal_shows_levels_with_uncertainty_and_each_caveat_once(
 
 def test_a_level_of_a_fixed_gain_is_none_of_a_share_q(tmp_path: Path) -> None:
     scene = file.loads(TINY, ("sound.gain_pa_per_w_m2=2",))
-    run = hear("run", {}, tmp_path / "gain", scene, run_of(scene).result)
+    run = hear(RunFolder({}, scene, tmp_path / "gain"), "run", run_of(scene).result)
     write_run(run)
     text = levels_table([run])
     assert run.summary["q"] is None and "fixed gain" in text.splitlines()[0]

@@ -20,8 +20,7 @@ from scene_text import PLAIN, TINY
 from acoustics import wav
 from acoustics.level import laeq_db, peak_pressure
 from acoustics.radiation import P_REF_PA
-from rolling.results.run_files import write_run
-from rolling.results.run_result import Run
+from rolling.results.run_result import Run, write_run
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import contact_sound

@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from scene_text import PLAIN
 from acoustics.bands import BAND_NAMES
 from rolling.check.findings import check_scene
 from rolling.results import caveats, runs_table, verdict
-from rolling.results.labels import Labelled
+from rolling.results.run_folder import RunFolder
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 from rolling.terminal import streams
@@ -104,7 +103,7 @@ def test_three_warnings_the_largest_first(monkeypatch: pytest.MonkeyPatch) -> No
     ordered = [caveat.key for caveat in caveats.warnings([("run", summary)])]
     assert ordered == ["slope", "nyquist", "seam", "step_length", "air_load"]
     monkeypatch.setattr(runs_table, "stored_summary", lambda run: summary | FILLED)
-    run = cast(Labelled, SimpleNamespace(values={}, scene=SCENE, folder=Path()))
+    run = RunFolder({}, SCENE, Path())
     text = runs_table.levels_table([run])
     assert text.count("warning: ") == 3 and "2 more warnings" in text.splitlines()[-1]
 

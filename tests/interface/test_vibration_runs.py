@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from finished import VIBRATING, WITHOUT_DYNAMICS, caveat_texts, heard_again, marched, run_of
 
-from rolling.check import error_cost, findings, vibration
+from rolling.check import error_cost, findings, validity
 from rolling.dynamics import of_scene
 from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
 from rolling.results.run_errors import LINEAR
-from rolling.results.run_files import read_run, write_run
-from rolling.results.run_result import Run, hear
+from rolling.results.run_folder import RunFolder
+from rolling.results.run_result import Run, hear, read_run, write_run
 from rolling.scene.file import loads
 
 
@@ -147,7 +147,7 @@ def test_the_check_knows_that_a_sharp_resonance_misses_the_lines_of_a_lap() -> N
         scene = run.scene.with_({"plate.thickness_mm": thickness, "rolling.speed_m_s": speed})
         speeds = [scene.with_({"rolling.speed_m_s": speed * near}) for near in (0.97, 1, 1.03)]
         forces = [np.std(of_scene.motion(near, law).force_n) for near in speeds]
-        assert 0.5 < vibration.force_rms(scene) / np.median(forces) < 2
+        assert 0.5 < validity.force_rms(scene) / np.median(forces) < 2
 
 
 def test_impacts_that_yield_are_marked() -> None:
@@ -157,7 +157,8 @@ def test_impacts_that_yield_are_marked() -> None:
     assert run.summary["impacts"] > 0 and run.summary["impacts_yield"] is False
     # The same motion over a plate whose hardness lies below the pressure of the impacts.
     soft = run.scene.with_({"plate.hardness_gpa": 0.8})
-    assert hear("soft", {}, run.folder, soft, run.result).summary["impacts_yield"] is True
+    soft_run = hear(RunFolder({}, soft, run.folder), "soft", run.result)
+    assert soft_run.summary["impacts_yield"] is True
 
 
 CALM = ["surface.roughness_ra_um=0.02", "rolling.distance_mm=0.4", "rolling.speed_m_s=0.6"]
@@ -186,7 +187,7 @@ def test_a_release_without_a_load_is_of_the_constant_load(tmp_path: Path) -> Non
     assert "loses contact" in caveat_texts(run)["no_moving_release"]
     assert "force_law_error_m" not in run.summary
     write_run(run)
-    again = read_run(tmp_path, run.scene, {}, "run")
+    again = read_run(RunFolder({}, run.scene, tmp_path), "run")
     assert caveat_texts(again) == caveat_texts(run)
 
 

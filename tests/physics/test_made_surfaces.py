@@ -12,7 +12,7 @@ from scene_text import PLAIN
 from scipy.integrate import quad
 
 import rolling as rc
-from rolling.check import findings, vibration
+from rolling.check import findings, validity
 from rolling.report.assumed import surface_words
 from rolling.scene import file as scene_file
 from rolling.scene.laws import Roughness, SelfAffineLaw
@@ -198,7 +198,7 @@ def test_a_turned_lay_on_a_narrow_period_has_the_spectrum_of_its_law(name: str, 
     """
     lengths = {"correlation_length_um": 100, "correlation_length_across_um": 10, "lay_deg": 37}
     law, shape, spacing = roughness(autocorrelation=name, **lengths), (512, nodes), 2e-6
-    density = made.spectral_density(shape, spacing, law)
+    density = surface.spectral_density(shape, spacing, law)
     along, across = np.fft.fftfreq(shape[0], spacing), np.fft.rfftfreq(nodes, spacing)
     waves = 2 * np.pi * along[:, None], 2 * np.pi * across
     kept = np.hypot(*waves) < 2 * np.pi / 32e-6
@@ -223,7 +223,7 @@ def scene(*overrides: str) -> Scene:
 def test_force_estimate_of_a_turned_lay_is_between_those_along_and_across() -> None:
     def force(*keys: str) -> float | None:
         masses = "dynamics={}", "sphere.density_kg_m3=7850", "plate.density_kg_m3=7850"
-        return vibration.force_rms(scene("surface.correlation_length_across_um=4", *masses, *keys))
+        return validity.force_rms(scene("surface.correlation_length_across_um=4", *masses, *keys))
 
     along, across = force(), force("surface.lay_deg=90")
     swapped = force("surface.correlation_length_across_um=20", "surface.correlation_length_um=4")

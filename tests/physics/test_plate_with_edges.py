@@ -23,13 +23,13 @@ from test_ball_on_plate import bodies as of_infinite_plate
 
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.dynamics import _mode_kernels as kernels
-from rolling.dynamics.bodies import Chain, contact_stiffness
+from rolling.dynamics.bodies import Chain, Modes, contact_stiffness, modes_of
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.modes import Modes, modes_of, step_bodies
 from rolling.dynamics.motion import BodyMotion, Stepping, advance, at_rest, move
 
 SIDES = 0.3, 0.4
 POINT = np.array([[0.43 * 0.3, 0.37 * 0.4]])
+SOFT = 1e-20  # stiffness of a contact whose steps are in tune with nothing
 
 
 def rectangle(
@@ -70,7 +70,7 @@ def test_single_mode(damping: float) -> None:
     one = np.ones(1)
     reach = one / (w * np.sqrt(mass))
     modes = Modes(w * one, damping * one, reach, one, np.zeros(0, np.int64), np.ones(2), POINT)
-    stepped = step_bodies(1.0, 0.0, modes, step)
+    stepped = Chain(1.0, 0.0, SOFT, modes).steps(step)
     elastic, kinetic = np.array([0.02]), np.array([-0.01])
     start = np.array([elastic[0] * reach[0], kinetic[0] / np.sqrt(mass), 1.0])
     rate = [[0, 1, 0], [-(w**2), -2 * damping * w, force / mass], [0, 0, 0]]
@@ -83,7 +83,7 @@ def test_single_mode(damping: float) -> None:
 @pytest.mark.kernel
 def test_shapes_by_recurrence() -> None:
     modes = modes_of(rectangle(10), POINT)
-    stepped = step_bodies(MASS, 0.0, modes, 1e-6)
+    stepped = Chain(MASS, 0.0, SOFT, modes).steps(1e-6)
     own = rectangle(10)
     order = np.lexsort(own.orders.T[::-1])
     shape = at_rest(stepped, POINT, 0.0, 0.0, 1.0).modes[0] / stepped.reach
@@ -102,7 +102,7 @@ def test_static_deflection() -> None:
 
 @pytest.mark.law("Modes: force and displacement of two points may be exchanged.")
 def test_reciprocity_in_time() -> None:
-    stepped = step_bodies(MASS, 0.0, modes_of(rectangle(10), POINT), 2e-6)
+    stepped = Chain(MASS, 0.0, SOFT, modes_of(rectangle(10), POINT)).steps(2e-6)
     shapes = [at_rest(stepped, point, 0.0, 0.0, 1.0).modes[0] for point in (POINT, POINT / 2)]
     ends = []
     for struck, heard in (shapes, shapes[::-1]):

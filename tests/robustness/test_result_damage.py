@@ -16,7 +16,8 @@ from finished import run_of
 from scene_text import TINY
 
 from rolling.results.result_file import read_result
-from rolling.results.run_files import read_run, write_run
+from rolling.results.run_folder import RunFolder
+from rolling.results.run_result import read_run, write_run
 from rolling.scene.file import loads
 from rolling.terminal.files import FolderError
 
@@ -225,7 +226,7 @@ def test_a_damaged_summary_is_refused(
         content = json.dumps(json.loads((written / path.name).read_bytes()) | content).encode()
     path.write_bytes(content)
     with pytest.raises(FolderError, match=r"summary\.json: not readable") as error:
-        read_run(tmp_path, SCENE, {}, "run")
+        read_run(RunFolder({}, SCENE, tmp_path), "run")
     assert "\n" not in str(error.value)
 
 
@@ -237,4 +238,4 @@ def test_a_file_of_sixty_gigabytes_is_refused_unread(
         (tmp_path / other).write_bytes((written / other).read_bytes())
     os.truncate(tmp_path / name, 60 * 2**30)  # sparse
     with pytest.raises(FolderError, match=f"{name}.*is larger than"):
-        read_run(tmp_path, SCENE, {}, "run")
+        read_run(RunFolder({}, SCENE, tmp_path), "run")

@@ -20,7 +20,7 @@ from scene_text import TINY
 
 from rolling import cli
 from rolling.marches.piece import contact_identity
-from rolling.results.run_files import write_run
+from rolling.results.run_result import write_run
 from rolling.scene.file import loads
 from rolling.terminal.files import FolderError, write_bytes
 

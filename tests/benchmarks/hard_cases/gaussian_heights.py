@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rolling.surface.heights import filtered, white_noise
+from rolling.scene.laws import Roughness
+from rolling.surface.heights import filtered
 
 
 def gaussian(
@@ -14,9 +15,12 @@ def gaussian(
     spacing: float,
     ra: float,
     lengths: tuple[float, float],
-    law: str,
+    name: str,
     seed: int | Sequence[int],
 ) -> np.ndarray:
     """Generate periodic Gaussian heights [m] of exact Ra and zero mean."""
-    heights = filtered(white_noise(shape, seed), spacing, lengths, law)
+    along, across = (1e6 * length for length in lengths)
+    ellipse = {"correlation_length_um": along, "correlation_length_across_um": across}
+    law = Roughness(autocorrelation=name, roughness_ra_um=1e6 * ra, seed=0, **ellipse)
+    heights = filtered(np.random.default_rng(seed).standard_normal(shape), spacing, law)
     return heights * (ra / np.abs(heights).mean())

@@ -1,16 +1,64 @@
-"""The file summary.json of a run, read with bounds on its size and on the kinds of its values."""
+"""A run of a scene and its folder, whose files tell whether it is done or failed.
 
-from __future__ import annotations
+summary.json is read with bounds on its size and on the kinds of its values.
+"""
 
 import json
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rolling.scene.height_files import read_regular
+from rolling.scene.scene import Scene
+from rolling.scene.sweep import Value
 from rolling.terminal.files import FolderError
 
-MOST_BYTES = 10_000_000
+RESULT, SUMMARY, FAILED = "result.h5", "summary.json", "failed.json"
+PAGE = "report.html"  # of all runs of a folder
+MOST_FAILURE = 1_000_000  # bytes of a failed.json
+
+
+@dataclass(frozen=True, eq=False)
+class RunFolder:
+    """A run of a scene and its folder.
+
+    values : mapping. The swept values of the run, by dotted key.
+    scene : Scene. The scene with these values, without a sweep.
+    folder : Path. The folder of the run.
+    """
+
+    values: Mapping[str, Value]
+    scene: Scene
+    folder: Path
+
+    @property
+    def home(self) -> Path:
+        """The folder that `rolling run` made: the folder of the sweep for a run of a sweep."""
+        return self.folder.parent if self.values else self.folder
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the run is whole: its summary is written after its result."""
+        return (self.folder / RESULT).is_file() and (self.folder / SUMMARY).is_file()
+
+    @property
+    def failure(self) -> str | None:
+        """The reason of the last failure, or None."""
+        try:
+            content = read_regular(self.folder / FAILED, MOST_FAILURE)
+            return str(json.loads(content)["reason"])
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        except (OSError, ValueError, KeyError, TypeError, RecursionError):
+            return "unknown"
+
+
+# ---- summary
+
+
+MOST_SUMMARY = 10_000_000
 _NEEDED = (
     *("laeq_db", "level_db", "steady_level_db", "uncertainty_db", "source", "caveats", "surface"),
     *("third_octave_db", "levelling", "plastic_ratio", "steps", "step_ms"),
@@ -32,7 +80,7 @@ def read_summary(path: Path) -> dict[str, Any]:
     FolderError : the file is damaged, or not written by this program.
     """
     try:
-        summary = json.loads(read_regular(path, MOST_BYTES), parse_constant=_refuse)
+        summary = json.loads(read_regular(path, MOST_SUMMARY), parse_constant=_refuse)
         if not isinstance(summary, dict):
             raise ValueError("no object of names and values")
         if missing := [key for key in _NEEDED if key not in summary]:
