@@ -240,46 +240,52 @@ def _sound_figures() -> dict[tuple[str, str], float]:
     return figures
 
 
-# ---- area of a rough elastic contact
+# ---- area of a rough contact
 
 LOADS_N, LARGE_N, COARSE = (10.0, 20.0, 50.0), (200.0, 500.0, 2000.0), 2
 
 
 def rough_contact() -> Figures:
-    """Compare the area of contact with two theories and another solver."""
+    """Compare the area of contact with two theories, and contacts with other solvers."""
     from scipy.special import erf  # slow to import
 
     scenes = [scene for _, scene in _scene("rough-contact").runs()]
-    tamaas = pd.read_csv(FOLDER / "tamaas.csv", comment="#", index_col="load_n")
     modulus = scenes[0].contact_modulus
     slopes = np.array([statistics(heights(scene), scene.spacing).rms_slope for scene in scenes])
     for load in LOADS_N:
-        areas, coarse, pressure = zip(*(_areas(scene, load) for scene in scenes), strict=True)
-        kappa = np.array(areas) * modulus * slopes / load
+        kappa = np.array([_area(scene, load) for scene in scenes]) * modulus * slopes / load
         for theory in ("Persson", "Bush"):
             yield Figure(f"kappa, {theory}", f"{load:g} N", math.nan, kappa)
-        stored = tamaas.loc[load]  # of the first surface
-        yield Figure("area", f"{load:g} N", stored["area_um2"], 1e12 * coarse[0])
-        yield Figure("pressure", f"{load:g} N", stored["max_pressure_gpa"], 1e-9 * pressure[0])
+    gap, spacing = rough_gap(scenes[0], COARSE)
+    contacts = pd.read_csv(FOLDER / "contact_solvers.csv", comment="#", index_col=[0, 1, 2])
+    for (solver, hardness, load), stored in contacts.iterrows():
+        solved = solve_contact(HalfSpace(spacing, modulus), gap, load, hardness=1e9 * hardness)
+        plastic = np.count_nonzero(solved.pressure >= 1e9 * hardness) * spacing**2
+        areas = {"area": 1e12 * solved.area, "plastic area": 1e12 * float(plastic)}
+        ours = areas | {"pressure": 1e-9 * float(solved.pressure.max())}
+        ours["approach"] = 1e6 * solved.approach
+        kind = f"{hardness:g} GPa" if math.isfinite(hardness) else "elastic"
+        item = f"{load:g} N, {kind}, {solver.partition(' ')[0]}"
+        for quantity, number in stored.dropna().items():
+            yield Figure(quantity, item, number, ours[quantity])
     scenes = [scene.with_({"sphere.radius_mm": scene.sphere.radius_mm / 10}) for scene in scenes]
     for load in LARGE_N:
         disc = math.pi * (0.75 * load * scenes[0].radius / modulus) ** (2 / 3)
         # Persson's law of a flat contact, erf(c) with the pressure, averaged over that of Hertz
         c = math.sqrt(2) * 1.5 * load / disc / (modulus * slopes)
         share = erf(c) * (1 - 0.5 / c**2) + np.exp(-(c**2)) / (math.sqrt(math.pi) * c)
-        ratio = np.array([_areas(scene, load)[0] for scene in scenes]) / disc / share
+        ratio = np.array([_area(scene, load) for scene in scenes]) / disc / share
         yield Figure("area over Persson's", f"{share.mean():.0%}", math.nan, ratio)
 
 
-def _areas(scene: Scene, load: float) -> tuple[float, float, float]:
-    """Return the area [m2] at zero spacing and on the coarse grid, and the pressure there [Pa]."""
+def _area(scene: Scene, load: float) -> float:
+    """Return the area of elastic contact [m2], extrapolated from two grids to zero spacing."""
     areas = []
     for stride in (1, COARSE):
         gap, spacing = rough_gap(scene, stride)
-        pressure = solve_contact(HalfSpace(spacing, scene.contact_modulus), gap, load).pressure
-        areas.append(float(np.count_nonzero(pressure) * spacing**2))
+        areas.append(solve_contact(HalfSpace(spacing, scene.contact_modulus), gap, load).area)
     fine, coarse = areas
-    return (COARSE * fine - coarse) / (COARSE - 1), coarse, float(pressure.max())
+    return (COARSE * fine - coarse) / (COARSE - 1)
 
 
 def rough_gap(scene: Scene, stride: int) -> tuple[Array, float]:
@@ -323,13 +329,15 @@ def wheel_on_rail(scene: Scene, published: pd.DataFrame) -> pd.DataFrame:
     """Compare the contact filter on isotropic and on ridged surfaces with a table.
 
     The filter is the level of the approach under a constant load over the level of the heights
-    under the centre of the contact, in third octaves of wavelength. Nothing is fitted. Another
-    wheel, rail, roughness or set of surfaces is another scene; another load is a column.
+    under the centre of the contact, in third octaves of wavelength. Nothing is fitted. Another load
+    or wheel is another column, without a published filter one of NaN. Another rail, roughness or
+    set of surfaces is another scene.
 
     Parameters
     ----------
     scene : Scene
-        Wheel and rail, with a self-affine surface whose track closes, swept over its seeds.
+        Rail of radius `sphere.radius_across_mm` [mm] and a self-affine surface whose track closes,
+        swept over its seeds. Ridges repeat the heights under the centre of the first.
     published : DataFrame
         Published filters [dB] by nominal wavelength [mm]; the columns are pairs of load [kN] and
         diameter of the wheel [mm], as `published_filters` reads them.
@@ -351,7 +359,8 @@ def wheel_on_rail(scene: Scene, published: pd.DataFrame) -> pd.DataFrame:
         for sample, (_, single) in enumerate(loaded.runs()):
             profile = centre_lines(heights(single))[:, :1]
             ridges = np.repeat(profile, single.track.n_across, axis=1)
-            for surface, given in (("isotropic", None), ("ridges", ridges)):
+            surfaces = {"isotropic": None} | ({} if sample else {"ridges": ridges})
+            for surface, given in surfaces.items():
                 part = _beside(table, filter_db(_run(single, given)))
                 rows.append(
                     part.assign(load_kn=load, wheel_mm=wheel, surface=surface, sample=sample)
@@ -360,10 +369,14 @@ def wheel_on_rail(scene: Scene, published: pd.DataFrame) -> pd.DataFrame:
 
 
 def differences(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return rms and mean difference [dB] by load, wheel, surface and run, from 7.9 to 100 mm."""
+    """Return rms and mean difference [dB] by load, wheel and surface, from 7.9 to 100 mm.
+
+    They are of the filter in dB averaged over runs, which leaves out their scatter.
+    """
     within = rows[rows["wavelength_mm"].between(LEAST_MM, LONGEST_MM)]
-    grouped = within.groupby(["load_kn", "wheel_mm", "surface", "sample"])["difference_db"]
-    return grouped.agg(rms_db=lambda error: np.sqrt(np.mean(error**2)), mean_db="mean")
+    keys = ["load_kn", "wheel_mm", "surface"]
+    mean = within.groupby([*keys, "wavelength_mm"])["difference_db"].mean().groupby(level=keys)
+    return mean.agg(rms_db=lambda error: np.sqrt(np.mean(error**2)), mean_db="mean")
 
 
 def published_filters(path: str) -> pd.DataFrame:
