@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 
 from acoustics import level, plots, resampling, spectrum, uncertainty
 from acoustics.arrays import Array
-from acoustics.bands import BAND_NAMES, EDGES_HZ, NOMINAL_HZ
+from acoustics.bands import BAND_NAMES, EDGES_HZ, NOMINAL_HZ, third_octave_mean_square
 from acoustics.modulation import envelope_spectrum
 from acoustics.radiation import P_REF_PA
 from acoustics.wav import PEAK
@@ -30,12 +30,14 @@ from rolling.results.run_result import Run
 from rolling.scene.height_files import read_regular
 from rolling.terminal.files import FolderError
 
-LEAST_S, MOST_S, LEAST_RATE_HZ, MOST_BYTES = 0.5, 120.0, 16_000, 200_000_000
+LEAST_S, MOST_S, LEAST_RATE_HZ, MOST_RATE_HZ = 0.5, 120.0, 16_000, 192_000
+MOST_BYTES = 200_000_000
 FAINTEST, LARGEST = 1e-9, 1e6  # of full scale; less is silence, more is no sound
 FULL_SCALE, FLAT = 0.99, 3  # equal extreme samples in a row, at full scale, are clipped
 FADE_S, HEARD_S = 0.02, 20.0
 STEADY_DB = 0.3  # largest uncertainty of the level of a tone
 CLEAR_DB = 3.0  # least level of a recording above its background
+MOST_DB = 10.0  # least uncertainty of a band that tells nothing
 MODULATION_HZ = 2.0 ** np.arange(8)  # mid frequencies of octaves of modulation
 COLUMNS = [f"{x}{y}_db" for x in ("run", "recording", "difference") for y in ("", "_uncertainty")]
 _HANN = 1.5  # sum of the squared lines of a tone in a Hann window
@@ -46,6 +48,7 @@ class Recording(NamedTuple):
     """Samples at 48 kHz, recorded [full scale] or computed [Pa], closed or faded at both ends.
 
     `highest` [Hz] is the highest frequency that they resolve, `seconds` [s] the length of a lap.
+    The parts of a drop differ by nature.
     """
 
     name: str
@@ -53,6 +56,12 @@ class Recording(NamedTuple):
     highest: float
     seconds: float
     is_clipped: bool = False
+    is_drop: bool = False
+
+    @property
+    def scatter_db(self) -> float:
+        """Standard uncertainty of LAeq [dB] that the thirds of the record show; 0 for a drop."""
+        return 0.0 if self.is_drop else uncertainty.record_scatter_db(self.samples, RATE) or 0.0
 
 
 # ---- records
@@ -63,13 +72,14 @@ def read(path: Path) -> Recording:
     try:
         with soundfile.SoundFile(io.BytesIO(read_regular(path, MOST_BYTES))) as file:
             rate, seconds = file.samplerate, file.frames / file.samplerate
-            if rate < LEAST_RATE_HZ or not LEAST_S <= seconds <= MOST_S:
-                allowed = f"{LEAST_S:g} to {MOST_S:g} s at {LEAST_RATE_HZ} Hz or more"
+            if not (LEAST_S <= seconds <= MOST_S and LEAST_RATE_HZ <= rate <= MOST_RATE_HZ):
+                allowed = f"{LEAST_S:g} to {MOST_S:g} s at {LEAST_RATE_HZ} to {MOST_RATE_HZ} Hz"
                 raise FolderError(f"{path}: got {seconds:.3g} s at {rate} Hz, allowed: {allowed}")
             heard = file.read(dtype="float64", always_2d=True)[:, 0]
     except (OSError, RuntimeError) as error:
-        reason = f"no sound that can be read ({error}), allowed: WAV, FLAC, OGG, MP3, AIFF"
-        raise FolderError(f"{path}: {reason}") from error
+        reason = getattr(error, "error_string", getattr(error, "strerror", error))
+        words = f"no sound that can be read ({reason}), allowed: WAV, FLAC, OGG, MP3, AIFF"
+        raise FolderError(f"{path}: {words}") from error
     if not FAINTEST < np.ptp(heard) < LARGEST:
         raise FolderError(f"{path}: its first channel is silent, or holds no finite numbers")
     window = resampling.fade(np.ones(len(heard)), round(FADE_S * rate))
@@ -100,7 +110,7 @@ def pascals(calibration: str) -> float:
         return P_REF_PA * 10 ** (value / 20) / _tone_rms(read(Path(path)))
     if not sign and 1 / LARGEST <= value <= LARGEST:
         return value
-    allowed = "TONE.wav=DB, 0 to 200 dB re 20 uPa, or the pressure of full scale in Pa"
+    allowed = "TONE.wav=DB, 0 to 200 dB re 20 uPa, or the pressure of full scale, 1e-6 to 1e6 Pa"
     raise FolderError(f"--calibration: got {calibration}, allowed: {allowed}")
 
 
@@ -109,8 +119,7 @@ def _tone_rms(tone: Recording) -> float:
     frequency, square = spectrum.line_spectrum(tone.samples, RATE)
     octave = frequency[np.argmax(square)] * np.array([0.5, 2]) ** 0.5
     power = float(square[slice(*np.searchsorted(frequency, octave))].sum())
-    scatter = uncertainty.record_scatter_db(tone.samples, RATE) or 0.0
-    if tone.is_clipped or power < 0.5 * square.sum() or scatter > STEADY_DB:
+    if tone.is_clipped or power < 0.5 * square.sum() or tone.scatter_db > STEADY_DB:
         raise FolderError(f"{tone.name}: no steady tone, or it is clipped or lost in noise")
     return math.sqrt(power)
 
@@ -126,15 +135,26 @@ def compare(
     Returns the table, sentences on it, and both records. Differences are the run less the
     recording. Without a calibration the LAeq is made equal.
     """
-    own, recording = of_run(run), read(path)
+    is_drop = run.scene.rolling.drop_mm is not None
+    own, recording = (record._replace(is_drop=is_drop) for record in (of_run(run), read(path)))
     # A long record tells no more about its bands than the solved track that it continues.
     computed, recorded = _bands(own, run.sound.duration / run.laps), _bands(recording)
     known = np.isfinite(computed[1] + recorded[1])
     if background is not None:
         recorded = _without(_bands(read(background)), recorded)
-    common = known & np.isfinite(recorded[1])
+    clear = known & np.isfinite(recorded[1])
+    common = clear & (np.hypot(computed[2], recorded[2]) < MOST_DB)
+    faults = {
+        f"not {CLEAR_DB:g} dB above the background": known & ~clear,
+        f"uncertain by {MOST_DB:g} dB or more": clear & ~common,
+    }
+    left_out = [
+        f"{fault}, left out: {', '.join(np.array(BAND_NAMES)[bands])} Hz"
+        for fault, bands in faults.items()
+        if bands.any()
+    ]
     if not common.any():
-        raise FolderError(f"{path}: no third octave in which this and the run are not silent")
+        raise FolderError("; ".join([f"{path}: no third octave can be compared", *left_out]))
     computed, recorded = (np.where(common, bands, np.nan) for bands in (computed, recorded))
     loudest, laeq = int(np.nanargmax(computed[1])), len(common)  # place of LAeq, behind the bands
     octave = EDGES_HZ[max(loudest - 1, 0)], EDGES_HZ[min(loudest + 2, laeq)]
@@ -155,9 +175,8 @@ def compare(
         f"run: {own.name}, {own.seconds:.3g} s; its level: {verdict.get('word', '-')}",
         f"recording: {recording.name}, first channel, {recording.seconds:.3g} s; {scale}",
         f"modulation: from {octave[0]:.0f} to {octave[1]:.0f} Hz, where the run is loudest",
+        *left_out,
     ]
-    if hidden := [name for name, k in zip(BAND_NAMES, known & ~common, strict=True) if k]:
-        notes.append(f"not {CLEAR_DB:g} dB above the background, left out: {', '.join(hidden)} Hz")
     if recording.is_clipped:
         notes.append("the recording is clipped: repeat it with less gain")
     return table.dropna(subset="difference_db"), notes, {"run": own, "recording": recording}
@@ -166,15 +185,21 @@ def compare(
 def _bands(record: Recording, seconds: float | None = None) -> Array:
     """Return Z and A levels of third octaves and their uncertainty [dB], (3, 31), NaN if silent.
 
-    The uncertainty is that of Gaussian noise of a duration [s], by default of a lap, widened if
-    thirds of the record differ more in LAeq.
+    The uncertainty is that of Gaussian noise of a duration [s], by default of a lap, joined with
+    the part of the scatter of LAeq between thirds that noise rarely has: all bands rise and fall.
     """
     samples, laps = record.samples, len(record.samples) / RATE / (seconds or record.seconds)
     levels = level.sound_levels(samples, RATE, record.highest, closed=False)
     noise = uncertainty.level_uncertainty(samples, RATE, levels, False, laps)
-    noise = uncertainty.widened(noise, uncertainty.record_scatter_db(samples, RATE))
+    # A sharp resonance leaves fewer independent lines in a band than its width does.
+    frequency, square = spectrum.line_spectrum(samples, RATE)
+    sums, squares = (third_octave_mean_square(frequency, square**power) for power in (1, 2))
+    lines = _DB * np.sqrt(laps * squares / 2) / np.where(sums > 0, sums, np.nan)
     parts = levels.third_octave_db, levels.third_octave_a_db, noise.third_octave_db
-    return np.array([[part[name] for name in BAND_NAMES] for part in parts], dtype=float)
+    bands = np.array([[part[name] for name in BAND_NAMES] for part in parts], dtype=float)
+    beyond = max(0.0, record.scatter_db**2 - 9 * (noise.laeq_db or 0.0) ** 2)
+    bands[2] = np.sqrt(np.fmax(bands[2], lines) ** 2 + beyond)
+    return bands
 
 
 def _without(noise: Array, recorded: Array) -> Array:
@@ -190,8 +215,7 @@ def _levels(record: Recording, bands: Array, octave: tuple[float, float]) -> Arr
     power = 10 ** (bands[1] / 10)
     total, spread = np.nansum(power), np.sqrt(np.nansum(np.square(power * bands[2])))
     # The bands of impacts rise and fall together.
-    scatter = uncertainty.record_scatter_db(record.samples, RATE) or 0.0
-    laeq = [[10 * np.log10(total)], [max(spread / total, scatter)]]
+    laeq = [[10 * np.log10(total)], [max(spread / total, record.scatter_db)]]
     return np.hstack([bands[::2], laeq, _modulation(record, octave)])
 
 
