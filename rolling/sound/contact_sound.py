@@ -332,20 +332,20 @@ def _at_changing_speed(
     fine = np.arange(fine_samples) * duration / fine_samples
     in_time = resampling.interpolate_closed(signal, np.asarray(motion.distance(fine)) / step)
     in_time = in_time * np.asarray(motion.speed(fine))
-    in_time = resampling.fade(in_time, fade_length(fine_samples, duration))
+    if closed:  # otherwise it is faded along the distance
+        in_time = faded(in_time, duration)
     return resampling.resample_closed(in_time, samples)
 
 
 def faded(signal: Array, duration: float) -> Array:
-    """Return the faded fluctuation of a signal.
+    """Return the faded fluctuation of a signal, as loud on average as before the fade.
 
     Its mean is zero after the fade, so that a band limit moves the ends little.
     """
-    ends = fade_length(len(signal), duration)
-    share = resampling.fade(np.ones(len(signal)), ends)
+    share = resampling.fade(np.ones(len(signal)), fade_length(len(signal), duration))
     # Of two samples nothing is left, whatever their mean.
     mean = float(signal @ share) / (share.sum() or 1.0)
-    return resampling.fade(signal - mean, ends)
+    return (signal - mean) * share / (np.sqrt(np.mean(np.square(share))) or 1.0)
 
 
 def faded_out(signal: Array, duration: float) -> Array:

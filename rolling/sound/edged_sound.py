@@ -98,7 +98,7 @@ def _fading(
     hop, lead, first_mode = round(_STRETCH_S * rate), rate // 10, _lasting(plate, force)
     n, records = 2 * hop + lead, np.zeros((len(listeners), len(force) + 2 * (hop + lead)))
     if first_mode < modes:
-        stations, places = _stations(scene, points)
+        stations, places = _stations(scene, plate, points)
         frequency, path = np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=float), _path(scene)
         transfers = np.zeros((len(listeners), len(frequency), len(stations)), dtype=complex)
         for part in _parts(first_mode, modes, n):
@@ -117,12 +117,11 @@ def _fading(
     return records[:, lead : lead + len(force)]
 
 
-def _stations(scene: Scene, points: Array) -> tuple[Array, Array]:
+def _stations(scene: Scene, plate: RectangularPlate, points: Array) -> tuple[Array, Array]:
     """Return stations on the path (k, 2) [m], and the place among them of contact points."""
-    (begin, end), bending = points_on_path(scene)[[0, -1]], of_scene.plate(scene)
-    assert bending is not None  # as there is a plate with edges
+    begin, end = points_on_path(scene)[[0, -1]]
     way = math.dist(begin, end)
-    spaces = math.ceil(_PER_WAVE * way / bending.bending_wavelength_m(AUDIBLE_HZ[1]))
+    spaces = math.ceil(_PER_WAVE * way / plate.bending_wavelength_m(AUDIBLE_HZ[1]))
     places = spaces * np.linalg.norm(points - begin, axis=1) / way
     return begin + np.linspace(0, 1, spaces + 1)[:, None] * (end - begin), places
 
