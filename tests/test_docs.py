@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import html
 import importlib.util
 import json
 import os
@@ -12,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 import pytest
 
@@ -219,12 +221,63 @@ def test_site_builds_without_warnings(tmp_path: Path):
     assert built.returncode == 0, built.stdout + built.stderr
     theory = (tmp_path / "site" / "theory.html").read_text(encoding="utf-8")
     assert "<math" in theory and "arithmatex" not in theory
-    for page in (tmp_path / "site").glob("*.html"):
-        loaded = re.findall(
-            r"<(?:script|img|iframe)[^>]*src=\"(https?:)?//|<link[^>]*href=\"https?://",
-            page.read_text(),
-        )
-        assert not loaded, f"{page.name} loads from a network"
+    _no_link_is_broken(tmp_path / "site")
+    _a_thicker_plate_is_two_clicks_away(tmp_path / "site")
+    _each_scene_of_the_gallery_plays(tmp_path / "site")
+
+
+def _content(page: Path) -> str:
+    """Return the content of a built page, without its navigation."""
+    return re.findall(r"<article.*?</article>", page.read_text(encoding="utf-8"), re.DOTALL)[0]
+
+
+def _links(page: Path, text: str) -> Iterator[tuple[Path, str]]:
+    """Yield file and anchor of each link into the site that a text of a built page has."""
+    for link in re.findall(r'(?:href|src)="([^"]+)"', text):
+        url = urlsplit(html.unescape(link))
+        if not url.netloc and url.scheme != "data":
+            target = (page.parent / unquote(url.path)).resolve() if url.path else page
+            yield target, unquote(url.fragment)
+
+
+def _no_link_is_broken(site: Path) -> None:
+    """Links lead to files and anchors of the site, and nothing is loaded from a network."""
+    pages = {page: page.read_text(encoding="utf-8") for page in site.resolve().rglob("*.html")}
+    anchors = {page: {*re.findall(r'\bid="([^"]+)"', text)} for page, text in pages.items()}
+    for page, text in pages.items():
+        assert not re.search(r'\bsrc="(https?:)?//|<link[^>]*href="(https?:)?//', text), page
+        for target, anchor in _links(page, text) if page.name != "404.html" else ():
+            assert target.exists(), (page, target)
+            assert not anchor or target.suffix != ".html" or anchor in anchors[target], (
+                page,
+                anchor,
+            )
+
+
+def _a_thicker_plate_is_two_clicks_away(site: Path) -> None:
+    """The row of the index that names a thicker plate leads to the key of the thickness."""
+    index = (site / "index.html").resolve()
+    rows = re.findall(r"<tr>.*?</tr>", _content(index), re.DOTALL)
+    near = [link for row in rows if "plate thicker" in row for link in _links(index, row)]
+    far = [link for page, _ in near for link in _links(page, _content(page))]
+    sections = (
+        _content(page).partition(f'id="{anchor}"')[2].partition("<h2")[0]
+        for page, anchor in [*near, *far]
+        if anchor and page.suffix == ".html"
+    )
+    assert any("make the plate thicker" in x and "plate.thickness_mm" in x for x in sections)
+
+
+def _each_scene_of_the_gallery_plays(site: Path) -> None:
+    """A player has controls, which the keyboard reaches, a name, and a level with its verdict."""
+    listed = re.findall(r"^- `([\w-]+)`: ", (DOCS / "gallery.md").read_text(encoding="utf-8"), re.M)
+    figures = re.findall(r'<figure class="run">.*?</figure>', _content(site / "gallery.html"), re.S)
+    assert {re.findall(r"<code>([\w-]+)</code>", figure)[0] for figure in figures} == {*listed}
+    for figure in figures:
+        assert re.search(r'<audio controls preload="none" aria-label="[^"]+" src=', figure)
+        assert re.search(r"<b>[\d.]+ ± [\d.]+ dB\(A\)</b>, (trust|indicative|do not quote)", figure)
+    sounds = [*(site / "gallery").glob("*.mp3")]
+    assert len(sounds) == len(figures) and all(5e4 < x.stat().st_size < 5e5 for x in sounds)
 
 
 def test_the_first_table_of_the_readme_has_both_levels_of_the_same_runs():

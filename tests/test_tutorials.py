@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import io
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +14,8 @@ ROOT = Path(__file__).parents[1]
 pytest.importorskip("nbclient", reason="the extra `docs` is not installed")
 pytest.importorskip("mkdocs", reason="the extra `docs` is not installed")
 nbformat = pytest.importorskip("nbformat", reason="the extra `docs` is not installed")
-spec = importlib.util.spec_from_file_location("tutorials", ROOT / "docs/_hooks/tutorials.py")
-assert spec is not None and spec.loader is not None
-tutorials = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(tutorials)
+sys.path.append(str(ROOT / "docs" / "_hooks"))
+tutorials = pytest.importorskip("tutorials")
 NOTEBOOKS = sorted(tutorials.TUTORIALS.glob("*.ipynb"))
 
 

@@ -5,17 +5,26 @@
 Without scenes it runs those of `rolling scenes` whose estimated cost is moderate. A scene that is
 done is not run again. The gallery is OUT/gallery.html. Chromium (extra `dev`) draws its picture
 into scenarios/pictures, and with the quickstart also the pictures of its page and spectrum.
+
+The site runs the scenes that docs/gallery.md lists on shorter tracks, plays them there, and links
+to their gallery.
 """
 
 from __future__ import annotations
 
 import argparse
+import base64
+import html
 import io
+import json
+import re
 import shutil
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+from kept import ROOT, compressed, kept
+
 PICTURES = ROOT / "scenarios" / "pictures"
 LEFT_OUT = {
     "vibrating-ball": "it takes as long as the other scenes together; ball-on-plate is like it",
@@ -29,12 +38,26 @@ LEFT_OUT = {
 GALLERY_SIZE, PAGE_SIZE = (1400, 1400), (1100, 1520)
 COLOURS = 128  # of a picture
 SETTLED_MS = 1500  # until scripts have drawn
+# Settings with which the site runs its scenes, so that they take three minutes on one core.
+BRIEF = "sound.listen_s=6"
+SITE = {
+    "steel-sheet": ["rolling.distance_mm=5", BRIEF],
+    "marble-dropped": ["rolling.distance_mm=8", "surface.spacing_um=4"],
+    "marble-rolling-out": ["rolling.distance_mm=6"],
+    "ball-with-pit": ["rolling.distance_mm=25.134", BRIEF],
+    "bearing-grades": ["rolling.distance_mm=6", BRIEF],
+    "quickstart": ["sweep=", "rolling.duration_s=0.05", "numerics.error_estimate=false", BRIEF],
+    "accelerating": [],
+}
+CARD = "title", "stem", "name", "level", "played", "word", "reason"
+ITEM = re.compile(r"^- `([\w-]+)`: (.*)$", re.MULTILINE)
+SHOWN = "![Gallery of scenes that come with the program](pictures/gallery.png)"
 
 
 def main(words: list[str]) -> int:
     """Run the scenes and write the gallery with its picture; return the exit code."""
     sys.path.insert(0, str(ROOT))
-    from rolling import commands
+    from rolling.commands import PAGE
     from rolling.scene import library
 
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -42,21 +65,29 @@ def main(words: list[str]) -> int:
     parser.add_argument("--out", type=Path, default=Path("outputs") / "gallery")
     parser.add_argument("--workers", type=int, default=0)
     given = parser.parse_args(words)
-    files = library.scenes()
     names = given.scenes or [name for name, _ in library.titles() if name not in LEFT_OUT]
-    for name in names:
-        print(f"== {name}", flush=True)
-        commands.run_scene(files[name], out=given.out / name, workers=given.workers)
-    page = given.out / commands.GALLERY
-    page.unlink(missing_ok=True)
-    print(*commands.gallery([given.out / name for name in names], page))
+    page = made(dict.fromkeys(names, ()), given.out, given.workers)
     draw(page, PICTURES / "gallery.png", GALLERY_SIZE)
     if "quickstart" in names:
         quickstart = given.out / "quickstart"
-        draw(quickstart / commands.PAGE, PICTURES / "quickstart-report.png", PAGE_SIZE)
+        draw(quickstart / PAGE, PICTURES / "quickstart-report.png", PAGE_SIZE)
         spectrum = quickstart / "figures" / "spectrum.png"
         shutil.copyfile(spectrum, PICTURES / "quickstart-spectrum.png")
     return 0
+
+
+def made(scenes: Mapping[str, Sequence[str]], out: Path, workers: int, report: bool = True) -> Path:
+    """Run scenes with their settings into folders of their names; return the gallery of them."""
+    from rolling import commands, read_scene
+
+    for name, settings in scenes.items():
+        print(f"== {name}", flush=True)
+        scene = read_scene(name, settings)
+        commands.run_scene(scene, out / name, workers=workers, report=report)
+    page = out / commands.GALLERY
+    page.unlink(missing_ok=True)
+    print(*commands.gallery([out / name for name in scenes], page))
+    return page
 
 
 def draw(page: Path, picture: Path, size: tuple[int, int]) -> None:
@@ -78,6 +109,79 @@ def draw(page: Path, picture: Path, size: tuple[int, int]) -> None:
         content = view.screenshot()
         browser.close()
     Image.open(io.BytesIO(content)).convert("RGB").quantize(COLOURS).save(picture, optimize=True)
+
+
+# ---- the site
+
+
+def on_files(files, config):
+    """Add the players, the pictures and the gallery of the scenes that the site runs."""
+    from mkdocs.structure.files import File
+
+    for path in sorted(site().glob("*.[hmp]*")):  # pages, sounds and pictures
+        files.append(File.generated(config, f"gallery/{path.name}", abs_src_path=str(path)))
+    return files
+
+
+def on_page_markdown(markdown, page, config, files):
+    """Put a player in place of each scene of the gallery, and a link above its picture."""
+    if page.file.src_uri != "gallery.md":
+        return markdown
+    size = (site() / "gallery.html").stat().st_size / 1e6
+    text = f"The [gallery of the scenes above](gallery/gallery.html) weighs {size:.1f} MB."
+    return ITEM.sub(_figures, markdown).replace(SHOWN, f"{text}\n\n{SHOWN}")
+
+
+def site() -> Path:
+    """Return the folder of the scenes that the site runs."""
+    return kept("gallery/site", Path(__file__).read_bytes(), _make_site)
+
+
+def _make_site(folder: Path) -> None:
+    """Run the scenes of the site, and write sound, picture and level of each run."""
+    from rolling.report import film, text
+    from rolling.results import runs_table
+    from rolling.run.folder import stored_runs
+    from rolling.run.solving import open_runs
+
+    made(SITE, folder, workers=0, report=False)
+    cards: dict[str, list[dict[str, str]]] = {}
+    for name in SITE:
+        for run in open_runs(stored_runs(folder / name)):
+            stem = f"{name}-{len(cards.setdefault(name, [])) + 1}"
+            sound = (run.folder / "listen.wav").read_bytes()
+            (folder / f"{stem}.mp3").write_bytes(compressed(sound))
+            if picture := film.still(run):
+                content = base64.b64decode(picture["png"].partition(",")[2])
+                (folder / f"{stem}.png").write_bytes(content)
+            title = text.titles([run]) + f", {run.label}" * bool(run.values)
+            level = f"{runs_table.level_text(run.summary, 'laeq_db')} dB(A)"
+            played = f"{run.summary['listening']['laeq_db']:.1f} dB(A)"
+            verdict, words = run.summary["verdict"], runs_table.level_name(run.summary)
+            values = title, stem, words, level, played, verdict["word"], verdict["reason"]
+            cards[name].append(dict(zip(CARD, values, strict=True)))
+    (folder / "cards.json").write_text(json.dumps(cards), encoding="utf-8")
+
+
+def _figures(match: re.Match[str]) -> str:
+    """Return picture, level and player of each run of a scene that the page lists."""
+    name, text = match.groups()
+    cards = json.loads((site() / "cards.json").read_text(encoding="utf-8"))[name]
+    return "\n\n".join(_figure(card, html.escape(text), name) for card in cards)
+
+
+def _figure(card: Mapping[str, str], text: str, scene: str) -> str:
+    """Return picture, level and player of a run as HTML."""
+    title, stem, name, level, played, word, reason = (html.escape(card[key]) for key in CARD)
+    return f"""<figure class="run">
+<img src="gallery/{stem}.png" alt="Contact seen from above" loading="lazy">
+<figcaption>
+<strong>{title}</strong> <code>{scene}</code>
+<p>{text[0].upper()}{text[1:]}.</p>
+<p>{name} <b>{level}</b>, {word}: {reason}. The record that plays has {played}.</p>
+<audio controls preload="none" aria-label="{title}" src="gallery/{stem}.mp3"></audio>
+</figcaption>
+</figure>"""
 
 
 if __name__ == "__main__":

@@ -75,6 +75,13 @@ def _table(head: list[str], rows: list[list[str]]) -> str:
 # ---- scene files
 
 
+def keys_of(section: str) -> str:
+    """Return the table of the keys of a section by its class; empty for another class."""
+    schema = _schema()
+    model = schema["$defs"].get(section)
+    return _table(["key", "value", "meaning"], [*_rows(model, schema)]) if model else ""
+
+
 def _schema() -> Json:
     sys.path.insert(0, str(ROOT))
     from rolling.scene.file import schema
@@ -87,34 +94,54 @@ def scene_reference(schema: Json) -> dict[str, str]:
 
     A key that an earlier section of the page has with the same text is only named.
     """
+    return {page: _reference(sections, schema) for page, sections in _by_page(schema).items()}
+
+
+def _by_page(schema: Json) -> dict[str, dict[str, Json]]:
+    """Return the sections of the schema by the page of their reference."""
     sections = _sections("", schema, schema)
     bodies = {title: sections[title] for title in sections if ":" not in title}
     faults = {"faults": bodies.pop("faults")}
     kinds = {title: sections[title] for title in sections if ":" in title}
     kinds = dict(sorted(kinds.items(), key=lambda kind: kind[0].startswith("sphere"))) | faults
-    return {
-        "scene-file.md": _reference({"Keys": schema} | bodies, schema),
-        "surface-keys.md": _reference(kinds, schema),
-    }
+    return {"scene-file.md": {"Keys": schema} | bodies, "surface-keys.md": kinds}
 
 
 def _reference(sections: dict[str, Json], schema: Json) -> str:
     """Return the headings and tables of sections."""
-    parts, earlier = [], dict[str, str]()
+    parts = []
+    for title, shared, new in _new_rows(sections, schema):
+        parts += [f"## {title}", ""]
+        if sections[title] is not schema:
+            parts += [sections[title]["description"], ""]
+        if shared:
+            parts += [f"It also has {_shared(shared)}.", ""]
+        parts += [_table(["key", "value", "meaning"], new), ""] if new else []
+    return "\n".join(parts).rstrip()
+
+
+def _new_rows(
+    sections: dict[str, Json], schema: Json
+) -> Iterator[tuple[str, dict[str, list[str]], list[list[str]]]]:
+    """Yield title, keys by the earlier section that has their text, and other rows of sections."""
+    earlier = dict[str, str]()
     for title, model in sections.items():
         rows = {"|".join(row): row for row in _rows(model, schema)}
         shared = defaultdict(list)
         for text in rows.keys() & earlier.keys():
             shared[earlier[text]].append(rows[text][0])
-        parts += [f"## {title}", ""]
-        if model is not schema:
-            parts += [model["description"], ""]
-        if shared:
-            parts += [f"It also has {_shared(shared)}.", ""]
-        new = [row for text, row in rows.items() if text not in earlier]
-        parts += [_table(["key", "value", "meaning"], new), ""] if new else []
+        yield title, shared, [row for text, row in rows.items() if text not in earlier]
         earlier |= {text: title for text in rows if text not in earlier}
-    return "\n".join(parts).rstrip()
+
+
+def keys(schema: Json) -> list[tuple[str, str]]:
+    """List section and name of every key that has a row in the reference of scene files."""
+    return [
+        (title, row[0].strip("*`"))
+        for sections in _by_page(schema).values()
+        for title, _, rows in _new_rows(sections, schema)
+        for row in rows
+    ]
 
 
 def _shared(keys: dict[str, list[str]]) -> str:

@@ -11,9 +11,10 @@ import ast
 import re
 from pathlib import Path
 
+from generate import keys_of
+from kept import ROOT
 from mkdocs.structure.files import File
 
-ROOT = Path(__file__).parents[2]
 PAGES = {
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
@@ -22,6 +23,8 @@ PAGES = {
 PICTURES = "scenarios/pictures/"
 PACKAGES = ("rolling", "acoustics")
 LINK = re.compile(r"(!?)\[([^\]]*)\]\((?:\.\./)+([^)#\s]+)(#[^)\s]*)?\)")
+# A type with its unit or default, such as `float, N`, which mkdocstrings takes for a tuple.
+TYPE = re.compile(r'<code>\((.*)\)</code>(?=\s*</td>\s*<td>\s*<div class="doc-md-description">)')
 OWN_LINK = re.compile(r"\]\(docs/([^)\s]+)\)")
 
 
@@ -41,6 +44,13 @@ def on_files(files, config):
 def on_page_markdown(markdown, page, config, files):
     """Turn links to files of the repository into links within the site."""
     return LINK.sub(_within_site, markdown.replace(".ipynb)", ".md)"))
+
+
+def on_page_content(content, page, config, files):
+    """Write types with their units as docstrings do."""
+    if page.file.src_uri != "api.md":
+        return content
+    return TYPE.sub(lambda type_: f"<code>{type_[1].replace(' / ', '/')}</code>", content)
 
 
 def _within_site(match):
@@ -78,5 +88,8 @@ def api_page():
     ]
     for package in PACKAGES:
         lines += [f"## {package}", ""]
-        lines += [f"::: {package}.{name}\n" for name in exported_names(package)]
+        for name in exported_names(package):
+            lines.append(f"::: {package}.{name}\n")
+            if keys := keys_of(name):  # its own and those of its bases
+                lines += ["    options: {show_docstring_attributes: false}\n", keys, ""]
     return "\n".join(lines)

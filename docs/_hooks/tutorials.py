@@ -1,30 +1,25 @@
 """Tutorials: notebooks of docs/tutorials/, executed when the site is built, as pages of the site.
 
-An executed notebook is kept in build/tutorials/ under the digest of the notebook and the sources,
-so that it runs again only when one of them changes. Players become compressed files.
+A notebook runs again only when it or a source changes. Players become compressed files.
 """
 
 from __future__ import annotations
 
 import base64
-import hashlib
-import io
 import os
 import re
+from html import escape
 from pathlib import Path
 
 import nbclient
 import nbformat
-import soundfile
-from filelock import FileLock
+from kept import ROOT, compressed, kept
 from mkdocs.structure.files import File
 
-ROOT = Path(__file__).parents[2]
 TUTORIALS = ROOT / "docs" / "tutorials"
-KEPT = ROOT / "build" / "tutorials"
-SOURCES = ("rolling/**/*.py", "acoustics/**/*.py", "scenarios/**/*.yaml", "constraints.txt")
 INLINE = "module://matplotlib_inline.backend_inline"  # pictures as outputs, whatever is set outside
 TIMEOUT_S = 900  # of a cell: the first one of a fresh clone compiles the solver
+STYLE = re.compile(r'<style.*?</style>| border="1" class="dataframe"', re.DOTALL)  # of pandas
 SOUND = re.compile(r'src="data:audio/wav;base64,([^"]+)"')
 
 
@@ -40,17 +35,12 @@ def on_files(files, config):
 
 def executed(path: Path) -> nbformat.NotebookNode:
     """Return a notebook with its outputs; execute it unless it is kept with the same sources."""
-    digest = hashlib.sha256(path.read_bytes())
-    for source in sorted(file for pattern in SOURCES for file in ROOT.glob(pattern)):
-        digest.update(source.read_bytes())
-    kept = KEPT / f"{path.stem}-{digest.hexdigest()[:16]}.ipynb"
-    KEPT.mkdir(parents=True, exist_ok=True)
-    with FileLock(KEPT / f"{path.stem}.lock"):  # a test and the site may want the same notebook
-        if not kept.exists():
-            for old in KEPT.glob(f"{path.stem}-*.ipynb"):
-                old.unlink()
-            nbformat.write(_run(nbformat.read(path, as_version=4)), kept)
-    return nbformat.read(kept, as_version=4)
+
+    def make(part: Path) -> None:
+        nbformat.write(_run(nbformat.read(path, as_version=4)), part)
+
+    name = f"tutorials/{path.stem}"
+    return nbformat.read(kept(name, path.read_bytes(), make), as_version=4)
 
 
 def _run(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
@@ -78,7 +68,7 @@ def page(notebook: nbformat.NotebookNode, stem: str) -> tuple[str, dict[str, byt
 def _shown(output: nbformat.NotebookNode, stem: str, files: dict[str, bytes]) -> str:
     """Return the Markdown of an output, and add its picture or sound to the files."""
     if output.output_type == "stream":
-        return f"```text\n{output.text.rstrip()}\n```" if output.name == "stdout" else ""
+        return _framed(escape(output.text), "pre") if output.name == "stdout" else ""
     data = output.data
     if "image/png" in data:
         name = f"{stem}-{len(files) + 1}.png"
@@ -86,16 +76,14 @@ def _shown(output: nbformat.NotebookNode, stem: str, files: dict[str, bytes]) ->
         return f"![Output of the cell above]({name})"
     if sound := SOUND.search(data.get("text/html", "")):
         name = f"{stem}-{len(files) + 1}.mp3"
-        files[name] = _compressed(base64.b64decode(sound[1]))
-        return f'<audio controls preload="none" src="{name}"></audio>'
+        files[name] = compressed(base64.b64decode(sound[1]))
+        label = 'aria-label="Sound of the cell above"'
+        return f'<audio controls preload="none" {label} src="{name}"></audio>'
     if "text/html" in data:
-        return f'<div class="output">{data["text/html"]}</div>'
-    return f"```text\n{data['text/plain']}\n```"
+        return _framed(STYLE.sub("", data["text/html"]))
+    return _framed(escape(data["text/plain"]), "pre")
 
 
-def _compressed(wav: bytes) -> bytes:
-    """Return a WAV as MP3."""
-    samples, rate = soundfile.read(io.BytesIO(wav))
-    stream = io.BytesIO()
-    soundfile.write(stream, samples, rate, format="MP3")
-    return stream.getvalue()
+def _framed(content: str, tag: str = "div") -> str:
+    """Return an output as HTML."""
+    return f'<{tag} class="output">{content.strip()}</{tag}>'
