@@ -13,10 +13,13 @@ NOMINAL_HZ: tuple[float, ...] = (
 )
 # fmt: on
 BAND_NAMES: tuple[str, ...] = tuple(f"{nominal:g}" for nominal in NOMINAL_HZ)
+"""Names of the 31 bands by their nominal mid frequencies [Hz], "20" to "20000"."""
 
 _N = np.arange(13, 44)
-MID_HZ = 10.0 ** (_N / 10.0)  # exact base-10 mid frequencies (31,)
-EDGES_HZ = 10.0 ** (np.arange(25, 88, 2) / 20.0)  # band b reaches from edge b to edge b + 1 (32,)
+MID_HZ = 10.0 ** (_N / 10.0)
+"""Exact base-10 mid frequencies (31,) [Hz]."""
+EDGES_HZ = 10.0 ** (np.arange(25, 88, 2) / 20.0)
+"""Edges (32,) [Hz]; band b reaches from edge b to edge b + 1."""
 BANDWIDTH_HZ = np.diff(EDGES_HZ)
 for _constant in (MID_HZ, EDGES_HZ, BANDWIDTH_HZ):
     _constant.setflags(write=False)
@@ -38,8 +41,10 @@ def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Ar
 
     Parameters
     ----------
-    frequency_hz : array (n,), Hz. Frequencies of the lines, in any order.
-    line_mean_square : array (n,), any unit. Mean square of each line.
+    frequency_hz : array (n,), Hz
+        Frequencies of the lines, in any order.
+    line_mean_square : array (n,), any unit
+        Mean square of each line.
 
     Returns
     -------
@@ -83,7 +88,8 @@ def band_uncertainty_db(duration_s: float) -> Array:
 
     Parameters
     ----------
-    duration_s : float, s. Duration T of the record.
+    duration_s : float, s
+        Duration T of the record.
 
     Returns
     -------
@@ -109,7 +115,8 @@ def reliable(duration_s: float) -> NDArray[np.bool_]:
 
     Parameters
     ----------
-    duration_s : float, s. Duration T of the record.
+    duration_s : float, s
+        Duration T of the record.
 
     Returns
     -------

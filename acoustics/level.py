@@ -31,17 +31,33 @@ SLOW_S = 1.0
 
 
 @dataclass(frozen=True)
-class SoundLevels:
+class RecordNumbers:
+    """A number of dB for each level of a record; None where there is none."""
+
+    __repr__ = short_repr
+
+    laeq_db: float | None
+    level_db: float | None
+    laf_max_db: float | None
+    las_max_db: float | None
+    lz_peak_db: float | None
+    third_octave_db: dict[str, float | None]
+
+
+@dataclass(frozen=True, repr=False)
+class SoundLevels(RecordNumbers):
     """Levels of one record, dB re 20 uPa; None where there is no sound.
 
     Parameters
     ----------
-    laeq_db, level_db : float or None, dB. LAeq and LZeq of the whole record.
-    laf_max_db, las_max_db : float or None, dB. LAFmax and LASmax, the maximum A-weighted level with
-        time weighting Fast and Slow.
-    lz_peak_db : float or None, dB. LZpeak, the level of the maximum |p| at and between the samples.
-    third_octave_db, third_octave_a_db : dict, dB. Z and A levels by nominal mid frequency, "20" to
-        "20000"; all 31 bands are always present.
+    laeq_db, level_db : float or None, dB
+        LAeq and LZeq of the whole record.
+    laf_max_db, las_max_db : float or None, dB
+        LAFmax and LASmax, the maximum A-weighted level with time weighting Fast and Slow.
+    lz_peak_db : float or None, dB
+        LZpeak, the level of the maximum |p| at and between the samples.
+    third_octave_db, third_octave_a_db : dict, dB
+        Z and A levels by nominal mid frequency, "20" to "20000"; all 31 bands are always present.
 
     Examples
     --------
@@ -52,14 +68,6 @@ class SoundLevels:
     74.84
     """
 
-    __repr__ = short_repr
-
-    laeq_db: float | None
-    level_db: float | None
-    laf_max_db: float | None
-    las_max_db: float | None
-    lz_peak_db: float | None
-    third_octave_db: dict[str, float | None]
     third_octave_a_db: dict[str, float | None]
 
 
@@ -68,8 +76,10 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
 
     Parameters
     ----------
-    mean_square : float, Pa^2. Mean square, or an intensity with its own reference.
-    reference : float, Pa^2. Reference. Default (20 uPa)^2; `I_REF_W_M2` for intensities.
+    mean_square : float, Pa^2
+        Mean square, or an intensity with its own reference.
+    reference : float, Pa^2
+        Reference. Default (20 uPa)^2; `I_REF_W_M2` for intensities.
 
     Returns
     -------
@@ -104,8 +114,10 @@ def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
 
     Parameters
     ----------
-    pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
-    sample_rate_hz : float, Hz. Sample rate.
+    pressure_pa : array (n,), Pa
+        Sound pressure; the record closes on itself or is faded.
+    sample_rate_hz : float, Hz
+        Sample rate.
 
     Returns
     -------
@@ -168,13 +180,17 @@ def sound_levels(
 
     Parameters
     ----------
-    pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
-    sample_rate_hz : float, Hz. Sample rate.
-    highest_hz : float, Hz. Highest frequency that the record resolves, for example the Nyquist
-        frequency of its simulation. A band that reaches above it, or above the record's own Nyquist
-        frequency, is None. Default infinity.
-    closed : bool. If true, the time weightings read the record as a loop; otherwise they start from
-        silence. Default True.
+    pressure_pa : array (n,), Pa
+        Sound pressure; the record closes on itself or is faded.
+    sample_rate_hz : float, Hz
+        Sample rate.
+    highest_hz : float, Hz
+        Highest frequency that the record resolves, for example the Nyquist frequency of its
+        simulation. A band that reaches above it, or above the record's own Nyquist frequency, is
+        None. Default infinity.
+    closed : bool
+        If true, the time weightings read the record as a loop; otherwise they start from silence.
+        Default True.
 
     Returns
     -------

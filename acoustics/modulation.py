@@ -22,9 +22,21 @@ class EnvelopeSpectrum:
 
     Parameters
     ----------
-    frequency_hz : array (n,), Hz. Frequencies of the lines, without 0 Hz.
-    modulation : array (n,). Amplitude of the envelope in each line over its mean [-].
-    band_hz : (float, float), Hz. Edges of the band.
+    frequency_hz : array (n,), Hz
+        Frequencies of the lines, without 0 Hz.
+    modulation : array (n,)
+        Amplitude of the envelope in each line over its mean [-].
+    band_hz : (float, float), Hz
+        Edges of the band.
+
+    Examples
+    --------
+    >>> import numpy as np, acoustics
+    >>> t = np.arange(48000) / 48000
+    >>> tone = (1 + 0.5 * np.cos(2 * np.pi * 4 * t)) * np.sin(2 * np.pi * 1000 * t)
+    >>> envelope = acoustics.envelope_spectrum(tone, 48000, closed=True)
+    >>> [round(edge) for edge in envelope.band_hz], round(envelope.at(4.0), 6)
+    ([562, 1122], 0.5)
     """
 
     __repr__ = short_repr
@@ -38,7 +50,8 @@ class EnvelopeSpectrum:
 
         Parameters
         ----------
-        frequency_hz : float, Hz. Frequency of the modulation.
+        frequency_hz : float, Hz
+            Frequency of the modulation.
 
         Returns
         -------
@@ -53,7 +66,8 @@ class EnvelopeSpectrum:
 
         Parameters
         ----------
-        frequency_hz : float, Hz. Frequency of the modulation.
+        frequency_hz : float, Hz
+            Frequency of the modulation.
 
         Returns
         -------
@@ -76,10 +90,14 @@ def modulated_octave(
 
     Parameters
     ----------
-    signal : array (n,), any unit. Record.
-    sample_rate_hz : float, Hz. Sample rate.
-    frequency_hz : float, Hz. Frequency of the modulation.
-    closed : bool. As in `envelope_spectrum`. Default: false.
+    signal : array (n,), any unit
+        Record.
+    sample_rate_hz : float, Hz
+        Sample rate.
+    frequency_hz : float, Hz
+        Frequency of the modulation.
+    closed : bool
+        As in `envelope_spectrum`. Default: false.
 
     Returns
     -------
@@ -120,8 +138,10 @@ def loudest_octave(signal: Array, sample_rate_hz: float) -> tuple[float, float]:
 
     Parameters
     ----------
-    signal : array (n,), any unit. Record.
-    sample_rate_hz : float, Hz. Sample rate.
+    signal : array (n,), any unit
+        Record.
+    sample_rate_hz : float, Hz
+        Sample rate.
 
     Returns
     -------
@@ -175,11 +195,15 @@ def envelope_spectrum(
 
     Parameters
     ----------
-    signal : array (n,), any unit. Record.
-    sample_rate_hz : float, Hz. Sample rate.
-    band_hz : (float, float), Hz. Edges of the band. Default: `loudest_octave`.
-    closed : bool. If true, the end of the record leads to its beginning, and no window is needed;
-        otherwise the envelope has a Hann window. Default: false.
+    signal : array (n,), any unit
+        Record.
+    sample_rate_hz : float, Hz
+        Sample rate.
+    band_hz : (float, float), Hz
+        Edges of the band. Default: `loudest_octave`.
+    closed : bool
+        If true, the end of the record leads to its beginning, and no window is needed; otherwise
+        the envelope has a Hann window. Default: false.
 
     Returns
     -------

@@ -50,7 +50,8 @@ def level_limits(levels_db: Iterable[float | None]) -> tuple[float, float]:
 
     Parameters
     ----------
-    levels_db : iterable of float or None, dB. Levels; None and values below -300 do not count.
+    levels_db : iterable of float or None, dB
+        Levels; None and values below -300 do not count.
 
     Returns
     -------
@@ -142,8 +143,10 @@ class Lines:
 
     Parameters
     ----------
-    frequency_hz : array (n,), Hz. Rising frequencies of the lines.
-    level_db : array (n,), dB. Their levels; -inf is silence.
+    frequency_hz : array (n,), Hz
+        Rising frequencies of the lines.
+    level_db : array (n,), dB
+        Their levels; -inf is silence.
     """
 
     frequency_hz: Array

@@ -47,11 +47,14 @@ def spectrum(
 
     Parameters
     ----------
-    ax : axes to draw on.
-    curves : sequence of pairs. Label and spectrum in dB; -inf lies below the axis.
-    limits_db : pair of float, dB. Limits of the level axis. Default: `level_limits` of the curves.
-    ordered : bool. Whether the order of the curves has a meaning, such as an ascending load. Three
-        curves or more are then coloured from dark to light. Default: false.
+    ax : axes to draw on
+    curves : sequence of pairs
+        Label and spectrum in dB; -inf lies below the axis.
+    limits_db : pair of float, dB
+        Limits of the level axis. Default: `level_limits` of the curves.
+    ordered : bool
+        Whether the order of the curves has a meaning, such as an ascending load. Three curves or
+        more are then coloured from dark to light. Default: false.
 
     Returns
     -------
@@ -96,15 +99,19 @@ def third_octaves(
 
     Parameters
     ----------
-    ax : axes to draw on.
-    curves : sequence of triples. Label with the weighting, levels in dB re 20 uPa and their
-        standard uncertainty in dB, both by nominal frequency; None is a gap.
-    duration_s : float, s. Duration T of the record; the shortest of several.
-    errors : sequence of pairs. Errors of the levels of each curve in dB, too loud is positive, and
-        their standard uncertainty, both by nominal frequency; None for a curve without. Up to three
-        curves have a diamond at the level less its error, and bands off by more than 1 dB are
-        hatched in the colour of the curve. Default: none.
-    ordered : bool. As in `spectrum`. Default: false.
+    ax : axes to draw on
+    curves : sequence of triples
+        Label with the weighting, levels in dB re 20 uPa and their standard uncertainty in dB, both
+        by nominal frequency; None is a gap.
+    duration_s : float, s
+        Duration T of the record; the shortest of several.
+    errors : sequence of pairs
+        Errors of the levels of each curve in dB, too loud is positive, and their standard
+        uncertainty, both by nominal frequency; None for a curve without. Up to three curves have a
+        diamond at the level less its error, and bands off by more than 1 dB are hatched in the
+        colour of the curve. Default: none.
+    ordered : bool
+        As in `spectrum`. Default: false.
 
     Returns
     -------
@@ -211,10 +218,13 @@ def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limi
 
     Parameters
     ----------
-    ax : axes to draw on; the colour bar stands beside them.
-    shown : Spectrogram. Its rows have equal width on a logarithmic scale.
-    duration_s : float, s. Duration of the record, the whole width of the axes.
-    limits_db : pair of float, dB. Levels of the first and the last colour.
+    ax : axes to draw on; the colour bar stands beside them
+    shown : Spectrogram
+        Its rows have equal width on a logarithmic scale.
+    duration_s : float, s
+        Duration of the record, the whole width of the axes.
+    limits_db : pair of float, dB
+        Levels of the first and the last colour.
 
     Returns
     -------

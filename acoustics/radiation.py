@@ -13,9 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from acoustics.arrays import Array, finite, positive, real_array
 
-P_REF_PA = 20e-6  # reference sound pressure in air
-I_REF_W_M2 = 1e-12  # reference intensity
-RHO_C = 413.3  # characteristic impedance of air at 20 C, Pa s/m
+P_REF_PA = 20e-6
+"""Reference sound pressure in air [Pa]."""
+I_REF_W_M2 = 1e-12
+"""Reference intensity [W/m2]."""
+RHO_C = 413.3
+"""Characteristic impedance of air at 20 C [Pa s/m]."""
 AIR_KG_M3 = 1.204  # density of air at 20 C
 _MOST = 1e300  # of a factor
 SOUND_M_S = 343.2  # speed of sound in air at 20 C
@@ -26,9 +29,12 @@ def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
 
     Parameters
     ----------
-    power_w : array of any shape, W. Release power.
-    distance_m : float, m. Distance r.
-    q : float. Share of the release power that is radiated. Default 1, the upper bound.
+    power_w : array of any shape, W
+        Release power.
+    distance_m : float, m
+        Distance r.
+    q : float
+        Share of the release power that is radiated. Default 1, the upper bound.
 
     Returns
     -------
@@ -60,8 +66,10 @@ def sound_pressure(
 
     Parameters
     ----------
-    intensity_fluctuation : array (n,), W/m^2. I', free of its mean and band-limited.
-    gain_pa_per_w_m2 : float or None, Pa per W/m^2. Fixed factor. Default None.
+    intensity_fluctuation : array (n,), W/m^2
+        I', free of its mean and band-limited.
+    gain_pa_per_w_m2 : float or None, Pa per W/m^2
+        Fixed factor. Default None.
 
     Returns
     -------

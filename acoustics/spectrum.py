@@ -36,12 +36,25 @@ class Psd:
 
     Parameters
     ----------
-    frequency_hz : array (n,), Hz. Frequencies of the lines.
-    psd : array (n,), unit of the record squared per Hz. Density.
-    window : str. Name of the window.
-    line_width_hz : float, Hz. Distance of the lines.
-    enbw_hz : float, Hz. Equivalent noise bandwidth of a line. A tone's mean square is the density
-        of its line times this bandwidth.
+    frequency_hz : array (n,), Hz
+        Frequencies of the lines.
+    psd : array (n,), unit of the record squared per Hz
+        Density.
+    window : str
+        Name of the window.
+    line_width_hz : float, Hz
+        Distance of the lines.
+    enbw_hz : float, Hz
+        Equivalent noise bandwidth of a line. A tone's mean square is the density of its line times
+        this bandwidth.
+
+    Examples
+    --------
+    >>> import numpy as np, acoustics
+    >>> tone = np.sin(2 * np.pi * 1000 * np.arange(48000) / 48000)
+    >>> density = acoustics.welch(tone, 48000)
+    >>> round(float(density.psd.max() * density.enbw_hz), 6)
+    0.5
     """
 
     __repr__ = short_repr
@@ -74,8 +87,10 @@ def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    signal : array (n,), any unit. Record.
-    sample_rate_hz : float, Hz. Sample rate.
+    signal : array (n,), any unit
+        Record.
+    sample_rate_hz : float, Hz
+        Sample rate.
 
     Returns
     -------
@@ -120,8 +135,10 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
 
     Parameters
     ----------
-    signal : array (n,), any unit. Record; Pa gives a density in Pa^2/Hz.
-    sample_rate_hz : float, Hz. Sample rate.
+    signal : array (n,), any unit
+        Record; Pa gives a density in Pa^2/Hz.
+    sample_rate_hz : float, Hz
+        Sample rate.
 
     Returns
     -------

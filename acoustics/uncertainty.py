@@ -13,9 +13,9 @@ from typing import Self
 
 import numpy as np
 
-from acoustics.arrays import Array, instance, positive, real_array, short_repr
+from acoustics.arrays import Array, instance, positive, real_array
 from acoustics.bands import BANDWIDTH_HZ, third_octave_mean_square
-from acoustics.level import FAST_S, SLOW_S, SoundLevels, a_weighted
+from acoustics.level import FAST_S, SLOW_S, RecordNumbers, SoundLevels, a_weighted
 from acoustics.spectrum import checked_record, line_spectrum
 from acoustics.weighting import a_weighting_db
 
@@ -26,8 +26,8 @@ _FEWEST_LINES = 4
 _STUDENT = 1.32  # 68 % of Student's distribution with two degrees of freedom lie within it
 
 
-@dataclass(frozen=True)
-class LevelUncertainty:
+@dataclass(frozen=True, repr=False)
+class LevelUncertainty(RecordNumbers):
     """Standard uncertainty of each level of `SoundLevels`, dB; None where the level is None.
 
     - LZeq, LAeq: 4.34/sqrt(N) with the number N of independent lines,
@@ -44,18 +44,19 @@ class LevelUncertainty:
 
     Parameters
     ----------
-    laeq_db, level_db, laf_max_db, las_max_db, lz_peak_db : float or None, dB. As in `SoundLevels`.
-    third_octave_db : dict, dB. Uncertainty by nominal mid frequency; it holds for Z and A levels.
+    laeq_db, level_db, laf_max_db, las_max_db, lz_peak_db : float or None, dB
+        As in `SoundLevels`.
+    third_octave_db : dict, dB
+        Uncertainty by nominal mid frequency; it holds for Z and A levels.
+
+    Examples
+    --------
+    >>> import numpy as np, acoustics
+    >>> noise = np.random.default_rng(1).standard_normal(48000)
+    >>> levels = acoustics.sound_levels(noise, 48000)
+    >>> round(acoustics.level_uncertainty(noise, 48000, levels, own_factor=False).level_db, 2)
+    0.03
     """
-
-    __repr__ = short_repr
-
-    laeq_db: float | None
-    level_db: float | None
-    laf_max_db: float | None
-    las_max_db: float | None
-    lz_peak_db: float | None
-    third_octave_db: dict[str, float | None]
 
     def mapped(self, change: Callable[[float], float | None]) -> Self:
         """Return the uncertainties with a change to each that is known."""
@@ -91,12 +92,17 @@ def level_uncertainty(
 
     Parameters
     ----------
-    pressure_pa : array (n,), Pa. Sound pressure; the record closes on itself or is faded.
-    sample_rate_hz : float, Hz. Sample rate.
-    levels : SoundLevels. Levels of the record, from `sound_levels`.
-    own_factor : bool. If true, the factor to sound pressure is the record's own, as
-        `sound_pressure` gives it without a gain.
-    laps : float. Number of repetitions in the record; the noise is one lap long. Default 1.
+    pressure_pa : array (n,), Pa
+        Sound pressure; the record closes on itself or is faded.
+    sample_rate_hz : float, Hz
+        Sample rate.
+    levels : SoundLevels
+        Levels of the record, from `sound_levels`.
+    own_factor : bool
+        If true, the factor to sound pressure is the record's own, as `sound_pressure` gives it
+        without a gain.
+    laps : float
+        Number of repetitions in the record; the noise is one lap long. Default 1.
 
     Returns
     -------
@@ -234,7 +240,8 @@ def kurtosis(record: Array) -> float:
 
     Parameters
     ----------
-    record : array (n,), any unit. Record without a mean.
+    record : array (n,), any unit
+        Record without a mean.
 
     Returns
     -------
@@ -263,7 +270,8 @@ def kurtosis_uncertainty(record: Array) -> float:
 
     Parameters
     ----------
-    record : array (n,), any unit. Record without a mean.
+    record : array (n,), any unit
+        Record without a mean.
 
     Returns
     -------

@@ -40,10 +40,12 @@ def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "", loops: boo
 
     Parameters
     ----------
-    pressure_pa : array (n,) or (n, channels), Pa. Sound pressure at 48 kHz.
-    comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each. Default title:
-        empty.
-    loops : bool. Mark the whole record as a loop for samplers and editors. Default: false.
+    pressure_pa : array (n,) or (n, channels), Pa
+        Sound pressure at 48 kHz.
+    comment, title : str
+        Metadata of the file, up to 2000 bytes of UTF-8 each. Default title: empty.
+    loops : bool
+        Mark the whole record as a loop for samplers and editors. Default: false.
 
     Returns
     -------
@@ -89,13 +91,18 @@ def listening(
 
     Parameters
     ----------
-    pressure_pa : array (n,) or (n, channels), Pa. Sound pressure at 48 kHz.
-    gain : float, full scale per Pa. Gain, for example from `listening_gain`. One gain for several
-        records keeps their differences.
-    comment, title : str. Metadata of the file, up to 2000 bytes of UTF-8 each; the comment should
-        state the gain. Default title: empty.
-    bits : 16 or 24. Bits of a sample. Default 24.
-    loops : bool. Mark the whole record as a loop for samplers and editors. Default: false.
+    pressure_pa : array (n,) or (n, channels), Pa
+        Sound pressure at 48 kHz.
+    gain : float, full scale per Pa
+        Gain, for example from `listening_gain`. One gain for several records keeps their
+        differences.
+    comment, title : str
+        Metadata of the file, up to 2000 bytes of UTF-8 each; the comment should state the gain.
+        Default title: empty.
+    bits : 16 or 24
+        Bits of a sample. Default 24.
+    loops : bool
+        Mark the whole record as a loop for samplers and editors. Default: false.
 
     Returns
     -------
@@ -141,11 +148,13 @@ def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float 
 
     Parameters
     ----------
-    pressure_pa : array (n,) or (n, channels), Pa. Sound pressure at 48 kHz. Channels share the
-        gain, which follows their mean power and their maximum.
-    target_rms : float, of full scale. A-weighted rms to reach. Default -23 dB.
-    peak : float, of full scale. Maximum sample; it takes precedence over the target.
-        Default -1 dB.
+    pressure_pa : array (n,) or (n, channels), Pa
+        Sound pressure at 48 kHz. Channels share the gain, which follows their mean power and their
+        maximum.
+    target_rms : float, of full scale
+        A-weighted rms to reach. Default -23 dB.
+    peak : float, of full scale
+        Maximum sample; it takes precedence over the target. Default -1 dB.
 
     Returns
     -------
@@ -175,7 +184,8 @@ def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
 
     Parameters
     ----------
-    path : str or path. Sound file.
+    path : str or path
+        Sound file.
 
     Returns
     -------

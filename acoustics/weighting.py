@@ -44,7 +44,8 @@ def a_weighting_db(frequency_hz: ArrayLike) -> Array:
 
     Parameters
     ----------
-    frequency_hz : float or array of any shape, Hz. Frequencies.
+    frequency_hz : float or array of any shape, Hz
+        Frequencies.
 
     Returns
     -------

@@ -65,8 +65,22 @@ class Runs(dict[Values, Run]):
 class SweepError(ContactError):
     """Runs of a sweep that failed, beside the successful runs.
 
-    failures : dict. Reasons by the label of the run.
-    runs : Runs. The successful runs, as `simulate_sweep` returns them.
+    Attributes
+    ----------
+    failures : dict
+        Reasons by the label of the run.
+    runs : Runs
+        The successful runs, as `simulate_sweep` returns them.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["sweep.rolling.load_n=[1, 1e7]", "rolling.duration_s=0.002"]
+    >>> try:
+    ...     rolling.simulate_sweep(rolling.read_scene("quickstart", words), 1, progress=False)
+    ... except rolling.SweepError as error:
+    ...     print([*error.failures], [*error.runs])
+    ['load 1e+07 N'] [1]
     """
 
     def __init__(self, failures: dict[str, str], runs: Runs) -> None:
@@ -81,23 +95,32 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene. A scene without a sweep.
-    workers : int. Processes; 0: one per core. The numbers do not depend on it. Default: 0.
-    progress : bool. Whether a progress bar is shown. Default: on a terminal and in a notebook.
-    heights : (m, n) array_like, m, or HeightArray. The surface in place of that of the scene; an
-        array has the scene's node spacing. Default: the surface of the scene.
+    scene : Scene
+        A scene without a sweep.
+    workers : int
+        Processes; 0: one per core. The numbers do not depend on it. Default: 0.
+    progress : bool
+        Whether a progress bar is shown. Default: on a terminal and in a notebook.
+    heights : (m, n) array_like, m, or HeightArray
+        The surface in place of that of the scene; an array has the scene's node spacing. Default:
+        the surface of the scene.
 
     Returns
     -------
-    run : the series in SI units, the sound and its levels.
+    run : Run
+        The series in SI units, the sound and its levels.
 
     Raises
     ------
-    ValueError : the heights are no real, finite array along and across.
-    SceneError : the scene sweeps, does not fit into memory, or its surface cannot be read.
-    ContactError : a contact has no solution, for instance because the load exceeds the capacity of
-        the surface.
-    KeyboardInterrupt : Ctrl-C was pressed.
+    ValueError
+        The heights are no real, finite array along and across.
+    SceneError
+        The scene sweeps, does not fit into memory, or its surface cannot be read.
+    ContactError
+        A contact has no solution, for instance because the load exceeds the capacity of the
+        surface.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
 
     Examples
     --------
@@ -135,22 +158,32 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
 
     Parameters
     ----------
-    scene : Scene. A scene with a sweep.
-    workers, progress : as in `simulate`.
+    scene : Scene
+        A scene with a sweep.
+    workers, progress : int, bool
+        As in `simulate`.
 
     Returns
     -------
-    runs : Runs. Dictionary of runs by their swept value, with a table of their numbers.
+    runs : Runs
+        Dictionary of runs by their swept value, with a table of their numbers.
 
     Raises
     ------
-    SceneError : the scene does not sweep, or as in `simulate`.
-    SweepError : a run failed; the error holds the other runs. It is a ContactError.
-    KeyboardInterrupt : Ctrl-C was pressed.
+    SceneError
+        The scene does not sweep, or as in `simulate`.
+    SweepError
+        A run failed; the error holds the other runs. It is a ContactError.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
 
     Examples
     --------
-    As for `Runs`.
+    >>> import rolling
+    >>> words = ["sweep.rolling.load_n=[1, 2]", "rolling.duration_s=0.002"]
+    >>> scene = rolling.read_scene("quickstart", words)
+    >>> [run.label for run in rolling.simulate_sweep(scene, workers=1, progress=False).values()]
+    ['load 1 N', 'load 2 N']
     """
     instance("scene", scene, Scene)
     if not scene.sweep:
@@ -166,21 +199,30 @@ def open_run(folder: Path | str) -> Run:
 
     Parameters
     ----------
-    folder : Path or str. A run folder, or the folder of one run in a sweep.
+    folder : Path or str
+        A run folder, or the folder of one run in a sweep.
 
     Returns
     -------
-    run : Run. The run as `simulate` returns it.
+    run : Run
+        The run as `simulate` returns it.
 
     Raises
     ------
-    FolderError : the folder is not a run folder, belongs to a whole sweep, or is not done.
-    SceneError : the surface of the run cannot be read.
+    FolderError
+        The folder is not a run folder, belongs to a whole sweep, or is not done.
+    SceneError
+        The surface of the run cannot be read.
 
     Examples
     --------
-    `open_run("outputs/mine").series["contact_area"]`
+    >>> import rolling
+    >>> scene = rolling.read_scene("quickstart", ["rolling.load_n=1", "rolling.duration_s=0.005"])
+    >>> run = rolling.simulate(scene, workers=1, progress=False)
+    >>> rolling.open_run(run.save("mine", report=False)).series["contact_area"].shape
+    (251,)
     """
+    instance("folder", folder, str, Path)
     (run,) = open_runs([folders.done_run(Path(folder), "open")])
     return run
 
@@ -190,23 +232,33 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
 
     Parameters
     ----------
-    run : Run. The run.
-    folder : Path or str. The folder to make.
-    report : bool. Write the report page as well. Default: true.
+    run : Run
+        The run.
+    folder : Path or str
+        The folder to make.
+    report : bool
+        Write the report page as well. Default: true.
 
     Returns
     -------
-    folder : Path. The new folder, for `open_run`.
+    folder : Path
+        The new folder, for `open_run`.
 
     Raises
     ------
-    FolderError : the folder holds files already.
+    FolderError
+        The folder holds files already.
 
     Examples
     --------
-    `save_run(simulate(scene), "outputs/mine")`
+    >>> import rolling
+    >>> scene = rolling.read_scene("quickstart", ["rolling.load_n=1", "rolling.duration_s=0.005"])
+    >>> run = rolling.simulate(scene, workers=1, progress=False)
+    >>> sorted(path.name for path in rolling.save_run(run, "kept", report=False).iterdir())
+    ['listen.wav', 'result.h5', 'runs.csv', 'scene.yaml', 'signal.wav', 'summary.json']
     """
     instance("run", run, Run)
+    instance("folder", folder, str, Path)
     folder = Path(folder)
     if folder.exists() and any(folder.iterdir()):
         raise FolderError(f"{folder}: holds files; take another, as {folders.free_name(folder)}")
@@ -231,21 +283,28 @@ def live(runs: Run | Sequence[Run]) -> Any:
 
     Parameters
     ----------
-    runs : Run or sequence of Run. The runs of the page, 24 at most.
+    runs : Run or sequence of Run
+        The runs of the page, 24 at most.
 
     Returns
     -------
-    frame : IPython.display.IFrame in a notebook, otherwise None.
+    frame : IPython.display.IFrame in a notebook, otherwise None
 
     Raises
     ------
-    ValueError : there is no run, or there are too many.
+    ValueError
+        There is no run, or there are too many.
 
     Examples
     --------
-    `live(open_run("outputs/mine"))`
+    >>> import rolling
+    >>> scene = rolling.read_scene("quickstart", ["rolling.load_n=1", "rolling.duration_s=0.005"])
+    >>> rolling.live(rolling.simulate(scene, workers=1, progress=False))
+    live: ...quickstart-live-....html
     """
-    shown = [runs] if isinstance(runs, Run) else list(runs)
+    from rolling.figures.picture import listed
+
+    shown = listed(runs)
     if not 1 <= len(shown) <= defaults.MOST_RUNS_ON_PAGE:
         most = defaults.MOST_RUNS_ON_PAGE
         raise ValueError(f"runs: got {len(shown)}, allowed: 1 to {most} with players on a page")

@@ -1,13 +1,15 @@
 """Plots of runs: each function draws on given or new axes and returns them.
 
-Title and note stand above the axes; `ax.set_title("", loc="left")` takes them away.
+Title and note stand above the axes; `ax.set_title("", loc="left")` takes them away. In the
+examples `run` comes from `simulate`, `runs` come from a sweep over loads and seeds, and `worn` is a
+run over a plate of permanent plasticity.
 
 Examples
 --------
 >>> import matplotlib.pyplot as plt, rolling
->>> fig, ax = plt.subplots(1, 2, layout="constrained")      # doctest: +SKIP
->>> rolling.plot.third_octaves([run], ax=ax[0])             # doctest: +SKIP
->>> rolling.plot.contact_pressure(run, ax=ax[1])            # doctest: +SKIP
+>>> fig, ax = plt.subplots(1, 2, layout="constrained")
+>>> left = rolling.plot.third_octaves([run], ax=ax[0])
+>>> right = rolling.plot.contact_pressure(run, ax=ax[1])
 """
 
 from collections.abc import Callable

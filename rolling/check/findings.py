@@ -138,7 +138,9 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
 
     Examples
     --------
-    `check_scene(read_scene("scenarios/quickstart.yaml"), solve=False).warnings`
+    >>> import rolling
+    >>> len(check_scene(rolling.read_scene("quickstart"), solve=False).runs)
+    3
     """
     refusals.refuse_unavailable(scene)
     resolution.refuse_long_steps(scene)

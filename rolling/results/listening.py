@@ -216,6 +216,8 @@ def reason_against(run: Run) -> str:
 
 def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) -> Listening:
     """Make a long record of a run; raise ListeningError where there is none."""
+    if type(seed) is not int or seed < 0:
+        raise ListeningError(f"seed: got {seed!r}, allowed: a whole number >= 0")
     _refuse(seconds, speed)
     if run.no_long:
         raise ListeningError(run.no_long)
@@ -240,9 +242,10 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
     least, most = defaults.LEAST_LISTENED_SECONDS, defaults.MOST_LISTENED_SECONDS
     if not least <= seconds <= most:
         raise ListeningError(say("refused.seconds", seconds=seconds, least=least, most=most))
-    speeds = () if speed is None else np.atleast_1d(speed).tolist()
-    if speeds and not (all(0 <= v < math.inf for v in speeds) and max(speeds) > 0):
-        got = ":".join(f"{v:g}" for v in speeds)
+    speeds = np.asarray(1.0 if speed is None else speed, dtype=float)
+    most_speed = speeds.max(initial=0.0)
+    if speeds.shape not in ((), (2,)) or not (speeds.min(initial=0.0) >= 0 < most_speed < math.inf):
+        got = ":".join(f"{v:g}" for v in speeds.ravel())
         raise ListeningError(say("refused.speed", got=got))
 
 

@@ -153,23 +153,33 @@ class Run(RunFolder):
 
         Parameters
         ----------
-        seconds : float, s. Length of the record, up to 120. Default: 20.
-        speed : float or pair of float, m/s. Speed, or speeds at start and end, which change evenly.
-            Default: the scene's, which goes on at its last speed.
-        seed : int. Number of the random continuation. Default: 0.
+        seconds : float, s
+            Length of the record, up to 120. Default: 20.
+        speed : float or pair of float, m/s
+            Speed, or speeds at start and end, which change evenly. Default: the scene's, which goes
+            on at its last speed.
+        seed : int
+            Number of the random continuation. Default: 0.
 
         Returns
         -------
-        listening : Listening. Pressure [Pa] at `sample_rate`, and `numbers`, such as `laeq_db`.
+        listening : Listening
+            Pressure [Pa] at `sample_rate`, and `numbers`, such as `laeq_db`.
 
         Raises
         ------
-        ListeningError : a number is not allowed, the run is silent, its solved track too short, or
-            its release unlike noise. It is a ValueError.
+        ListeningError
+            A number is not allowed, the run is silent, its solved track too short, or its release
+            unlike noise. It is a ValueError.
 
         Examples
         --------
-        `open_run("outputs/mine").listen(10, speed=(0.2, 1.5)).numbers["kurtosis"]`
+        >>> import rolling
+        >>> words = ["rolling.load_n=1", "rolling.duration_s=0.01"]
+        >>> scene = rolling.read_scene("quickstart", words)
+        >>> long = rolling.simulate(scene, workers=1, progress=False).listen(2, speed=(0.05, 0.1))
+        >>> f"{long.numbers['seconds']:g} s, {long.numbers['solved_share']:.1%} of it solved"
+        '2 s, 1.0% of it solved'
         """
         return listen(self, seconds, speed, seed)
 
@@ -227,7 +237,7 @@ class Run(RunFolder):
 
         Returns
         -------
-        player : IPython.display.Audio, or None.
+        player : IPython.display.Audio, or None
         """
         if progress.in_notebook():
             from IPython.display import Audio
@@ -272,7 +282,8 @@ class Run(RunFolder):
 
         Returns
         -------
-        tree : xarray.DataTree. Every variable has its unit in `attrs`.
+        tree : xarray.DataTree
+            Every variable has its unit in `attrs`.
         """
         return result_file.tree(self)
 
@@ -285,18 +296,20 @@ class Run(RunFolder):
 
     def _repr_html_(self) -> str:
         """Write levels and caveats for a notebook."""
-        judged = self.summary.get("verdict") or {"word": "-", "reason": ""}
-        level, *levels = (
-            (name, runs_table.level_text(self.summary, key), unit)
+        judged = self.summary.get("verdict")
+        levels = {
+            name: f"{text} {unit}"
             for key, (name, unit) in runs_table.LEVELS.items()
-        )
-        rows = [
-            (runs_table.level_name(self.summary), *level[1:]),
-            ("beside it", runs_table.beside_text([self.summary]) or "-", ""),
-            ("verdict", judged["word"], judged["reason"]),
-            *levels,
-        ]
-        table = "".join(f"<tr><td>{'</td><td>'.join(row)}</td></tr>" for row in rows)
+            if (text := runs_table.level_text(self.summary, key)) != "-"
+        }
+        rows = {
+            runs_table.level_name(self.summary): levels.pop("LAeq"),
+            "beside it": runs_table.beside_text([self.summary]),
+            "verdict": judged and f"{judged['word']}: {judged['reason']}",
+            **levels,
+        }
+        lines = (f"<td>{name}</td><td>{html.escape(x)}</td>" for name, x in rows.items() if x)
+        table = "".join(f"<tr>{line}</tr>" for line in lines)
         texts = (html.escape(caveat["text"]) for caveat in self.summary["caveats"])
         caveats = "".join(f"<li>{text}</li>" for text in texts)
         return f"<h4>{html.escape(self.title)}</h4><table>{table}</table><ul>{caveats}</ul>"

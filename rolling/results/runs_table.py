@@ -16,7 +16,7 @@ from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
 from rolling.results.sentences import say
 from rolling.results.verdict import above_vibration_db
-from rolling.scene.messages import TABLES
+from rolling.scene.messages import TABLES, table
 from rolling.terminal.streams import columns, wrapped
 
 if TYPE_CHECKING:
@@ -25,14 +25,7 @@ if TYPE_CHECKING:
 SEED = "surface.seed"
 MOST_STEPS = 8  # of the preparation of height files that are written; one run has at most 7
 MOST_WARNINGS = 3  # after a run; the page and `rolling check` have all of them
-LEVELS = {  # keys of the summary with name and unit
-    "laeq_db": ("LAeq", "dB(A)"),
-    "level_db": ("LZeq", "dB"),
-    "laf_max_db": ("LAFmax", "dB(A)"),
-    "las_max_db": ("LASmax", "dB(A)"),
-    "lz_peak_db": ("LZpeak", "dB"),
-    "steady_level_db": ("steady level", "dB re 1 pW/m²"),
-}
+LEVELS, MEANS = table("rolling.results", "levels").values()  # keys of the summary with their words
 BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
 
@@ -169,13 +162,6 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
     numbers = estimate | {"label": label, "grid": grid, "grid_spread": grid_spread}
     numbers |= {"detail": detail, "solver": solver, "corrected": corrected}
     return say("errors", **numbers | {"source": summary["source"], "signal": ", ".join(signal)})
-
-
-# Levels of a source that radiates evenly, beside that of a vibration: summary key and words.
-MEANS = {
-    "compact_source_level_db": "a compact source of the same power",
-    "hemisphere_mean_level_db": "the mean over the half sphere",
-}
 
 
 def level_name(summary: Mapping[str, Any]) -> str:

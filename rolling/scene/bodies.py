@@ -50,6 +50,12 @@ class Sphere(Section):
         Poisson's ratio [-]; absent: a rigid sphere
     surface : section, optional
         Surface around the circumference; absent: smooth
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Sphere(radius_mm=5, material="steel-100cr6").density_kg_m3
+    7810.0
     """
 
     NAMED: ClassVar[str] = "sphere"
@@ -134,6 +140,12 @@ class Plate(Section):
         Other end (x, y) [mm] of a path to-and-fro
     contact_loss_factor : float, optional
         Loss factor of the contact stiffness [-] at the contact resonance; absent: 0
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Plate(material="glass", thickness_mm=8).youngs_modulus_gpa
+    70.0
     """
 
     NAMED: ClassVar[str] = "plate"

@@ -15,6 +15,7 @@ from ruamel.yaml.composer import Composer
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent
 
+from acoustics.arrays import instance
 from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE, Sphere
 from rolling.scene.height_files import read_regular, reason_of
@@ -58,9 +59,12 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
 
     Examples
     --------
-    `read_scene("scenarios/quickstart.yaml", ["rolling.load_n=50"])`
+    >>> import rolling
+    >>> rolling.read_scene("quickstart", ["rolling.load_n=50"]).rolling.load_n
+    50.0
     """
-    path = Path(path)
+    instance("path", path, str, Path)
+    path, overrides = Path(path), [overrides] if isinstance(overrides, str) else overrides
     file = library.find(path)
     text = read_text(file)
     is_whole = file == path or library.companions(file)

@@ -285,6 +285,12 @@ class SurfaceFault(Section):
         Length of a scratch [um]
     angle_deg : float, optional
         Angle of a scratch to the track [degrees]; absent: 90
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.SurfaceFault(kind="pit", at_mm=(10, 0), size_um=80, depth_um=3).steepest
+    0.15
     """
 
     SECTION: ClassVar[str] = "faults"

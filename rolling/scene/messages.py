@@ -57,6 +57,13 @@ class SceneError(Exception):
     faults : list of str
         One line for each fault: file and line (or --set, or scene), key, the value and the allowed
         values.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.read_scene("quickstart", ["rolling.load_n=-5"])
+    Traceback (most recent call last):
+    rolling.scene.messages.SceneError: --set: rolling.load_n: got -5, allowed: ...
     """
 
     def __init__(self, faults: Sequence[str]) -> None:

@@ -61,16 +61,14 @@ class Scene(quantities.SceneQuantities):
 
     Examples
     --------
-    >>> from rolling.scene.bodies import Plate, Sphere
-    >>> from rolling.scene.sections import Rolling
-    >>> from rolling.scene.surfaces import Gaussian
-    >>> scene = Scene(
-    ...     sphere=Sphere(radius_mm=5),
-    ...     plate=Plate(youngs_modulus_gpa=210, poissons_ratio=0.3),
-    ...     surface=Gaussian(
+    >>> import rolling
+    >>> scene = rolling.Scene(
+    ...     sphere=rolling.Sphere(radius_mm=5),
+    ...     plate=rolling.Plate(youngs_modulus_gpa=210, poissons_ratio=0.3),
+    ...     surface=rolling.Gaussian(
     ...         spacing_um=1, width_um=256, roughness_ra_um=0.1, correlation_length_um=20, seed=1
     ...     ),
-    ...     rolling=Rolling(load_n=20, speed_m_s=0.1, duration_s=0.1),
+    ...     rolling=rolling.Rolling(load_n=20, speed_m_s=0.1, duration_s=0.1),
     ... )
     >>> scene.with_(load_n=50).load
     50.0

@@ -194,6 +194,12 @@ class Rolling(Section):
     passes : int, optional
         Passes [-] over the track, each on the surface that the pass before left; the record is the
         last; more than 1 needs plate.plasticity: permanent
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Rolling(load_n=20, speed_m_s=[[0, 0.1], [1, 0.3]], duration_s=1).start_um
+    0.0
     """
 
     load_n: Load = WEIGHT
@@ -257,6 +263,12 @@ class Numerics(Section):
     error_estimate : bool
         Estimate the errors of grid and tolerance in every level, for a quarter more time, or 40 %
         under an exponential law
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Numerics(step_nodes=2).tolerance
+    'auto'
     """
 
     step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(default=1.0, gt=0)
@@ -279,6 +291,12 @@ class Recovery(Section):
         Write a table of recovery events
     rule : str
         Pressure of a falling node: mean of both ends of the step, or left_end, the article's
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Recovery(events=True).rule
+    'mean'
     """
 
     events: bool = False
@@ -304,6 +322,12 @@ class Dynamics(Section):
     release : bool, optional
         Release under the moving load, by one more march, in place of the constant load; absent:
         true for sound.source: release
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Dynamics(loads=5).span
+    1.4
     """
 
     loads: Annotated[int, AfterValidator(_odd)] = Field(default=3, ge=3, le=15)
@@ -361,6 +385,12 @@ class Sound(Section):
         record, at least 5 s
     loudness : bool
         Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Sound(distance_m=0.5, listen_s=10).q
+    1.0
     """
 
     source: Literal["release", "vibration"] | None = None

@@ -69,6 +69,12 @@ class Gaussian(Roughness, MadeSurface):
         A random surface by its autocorrelation
     finish : str, optional
         Finish, which gives Ra and correlation length; values beside it win
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Gaussian(finish="ground", spacing_um=2, width_um=512, seed=1).roughness_ra_um
+    0.4
     """
 
     NAMED: ClassVar[str] = "surface"
@@ -85,6 +91,13 @@ class SelfAffine(SelfAffineLaw, MadeSurface):
     ----------
     kind : "self-affine"
         A random surface of a self-affine spectrum
+
+    Examples
+    --------
+    >>> import rolling
+    >>> made = {"spacing_um": 2, "width_um": 512, "seed": 1, "roughness_ra_um": 0.1}
+    >>> rolling.SelfAffine(hurst=0.8, rolloff_um=100, shortest_um=10, **made).n_across
+    256
     """
 
     kind: Literal["self-affine"] = "self-affine"
@@ -109,6 +122,12 @@ class Smooth(MadeSurface):
     ----------
     kind : "smooth"
         A perfectly flat surface
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.Smooth(spacing_um=2, width_um=512).n_across
+    256
     """
 
     kind: Literal["smooth"] = "smooth"
@@ -154,6 +173,12 @@ class HeightFile(SurfaceKind):
         Length [um] of the blend, up to half a side; absent: a tenth of each side
     width_um : float, optional
         Width [um] across the track of a profile of one line, a whole number of nodes, at least 8
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.HeightFile(path="scan.sdf", unmeasured="fill", periodic="blend").level
+    'auto'
     """
 
     SECTION: ClassVar[str] = "surface"
@@ -287,6 +312,12 @@ class GaussianBall(Roughness, RoundSurface):
     ----------
     kind : "gaussian"
         A random surface by its autocorrelation
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.GaussianBall(roughness_ra_um=0.05, correlation_length_um=20, seed=1).autocorrelation
+    'gaussian'
     """
 
     kind: Literal["gaussian"] = "gaussian"
@@ -299,6 +330,13 @@ class SmoothBall(RoundSurface):
     ----------
     kind : "smooth"
         Smooth but for waviness and faults
+
+    Examples
+    --------
+    >>> import rolling
+    >>> pit = rolling.SurfaceFault(kind="pit", at_mm=(10, 0), size_um=80, depth_um=3)
+    >>> rolling.Sphere(radius_mm=5, surface=rolling.SmoothBall(faults=[pit])).surface.kind
+    'smooth'
     """
 
     kind: Literal["smooth"] = "smooth"
@@ -322,6 +360,12 @@ class GradedBall(RoundSurface):
         Correlation length of the roughness [um], which no grade states
     seed : int
         Seed of heights and phases
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.GradedBall(grade="G10", seed=7).law.roughness_ra_um
+    0.02
     """
 
     kind: Literal["graded"] = "graded"
@@ -353,6 +397,12 @@ class BallHeightFile(RoundSurface):
         Unit of the heights in the file
     spacing_um : float
         Node spacing [um], equal to that of the plate's surface
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.BallHeightFile(path="ball.npy", spacing_um=2).height_unit
+    'm'
     """
 
     kind: Literal["file"] = "file"

@@ -152,12 +152,15 @@ def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
 
     Returns
     -------
-    surface : HeightFile. Its file lasts as long as this process.
+    surface : HeightFile
+        Its file lasts as long as this process.
 
     Raises
     ------
-    ValueError : the heights have another shape, or are not real, not finite or too large.
-    SceneError : a key is unknown or does not fit.
+    ValueError
+        The heights have another shape, or are not real, not finite or too large.
+    SceneError
+        A key is unknown or does not fit.
 
     Examples
     --------

@@ -8,8 +8,16 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
+from finished import VIBRATING, marched
+from matplotlib import pyplot
+from report_runs import runs_of
+
+import acoustics
+import rolling
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
@@ -39,17 +47,47 @@ def test_example_runs(script: Path, tmp_path: Path) -> None:
     assert run.stdout.strip()
 
 
+@pytest.mark.parametrize("package", [rolling, acoustics], ids=lambda package: package.__name__)
+def test_every_exported_class_and_function_has_an_example(package: ModuleType) -> None:
+    exported = {name: getattr(package, name) for name in package.__all__}
+    lacking = [
+        x for x, thing in exported.items() if callable(thing) and ">>> " not in thing.__doc__
+    ]
+    assert not lacking
+
+
+# A run that nearly every plot can draw: it vibrates, and its ball has a surface and turns twice.
+DRAWN = (
+    "plate.hardness_gpa=2.1",
+    "sphere.radius_mm=0.1",
+    "rolling.load_n=0.01",
+    "rolling.distance_mm=1.3",
+    "recovery.events=true",
+    "sphere.surface={kind: gaussian, roughness_ra_um: 0.02, correlation_length_um: 10, seed: 1}",
+)
+
+
+@pytest.fixture(scope="module")
+def drawn() -> dict[str, Any]:
+    """Return the names that examples of plots take as given."""
+    (worn,) = runs_of("memory")
+    return {"run": marched(VIBRATING, DRAWN), "runs": runs_of("seeds"), "worn": worn}
+
+
 @pytest.mark.parametrize("module", WITH_DOCTESTS)
 def test_docstrings_say_what_comes_out(
-    module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
     """Examples run in an empty folder; a scene is named by scenarios/."""
+    is_plot = module == "rolling.plot" or module.startswith("rolling.figures.")
     (tmp_path / "scenarios").symlink_to(ROOT / "scenarios")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     outcome = doctest.testmod(
         importlib.import_module(module),
+        extraglobs=request.getfixturevalue("drawn") if is_plot else None,
         optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE,
         verbose=False,
     )
+    pyplot.close("all")
     assert outcome.failed == 0
