@@ -52,7 +52,7 @@ def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.surface(rolling.read_scene("scene.yaml"))  # doctest: +SKIP
+    >>> ax = rolling.plot.surface(rolling.read_scene("quickstart"))
     """
     scene, title = (shown, shown.name) if isinstance(shown, Scene) else (shown.scene, shown.title)
     plate = scene_surface.scene_surface(scene)
@@ -98,7 +98,7 @@ def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.contact_pressure(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.contact_pressure(run)
     """
     snapshot = run.result.snapshot
     if snapshot is None:
@@ -170,7 +170,7 @@ def recovery_events(run: Run, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.recovery_events(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.recovery_events(run)
     """
     table, statistics = recovery_event_table(run), run.event_statistics
     ax, joule = axes_of(ax), EngFormatter("J", places=1)

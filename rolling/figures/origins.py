@@ -50,7 +50,7 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.wavelengths(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.wavelengths(run)
     """
     table, ax = wavelength_table(run), axes_of(ax)
     table = table[table["energy_share"] >= LEAST_SHARE]
@@ -118,7 +118,7 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.modulation(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.modulation(run)
     """
     table, ax = modulation_table(run), axes_of(ax)
     (low, high), turn_hz = run.summary["turn_band_hz"], run.summary["turn_hz"]
@@ -174,7 +174,7 @@ def running_in(run: Run, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.running_in(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.running_in(worn)
     """
     table, ax = running_in_table(run), axes_of(ax)
     for k, (column, (name, unit, factor)) in enumerate(_CURVES.items()):

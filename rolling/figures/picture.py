@@ -10,9 +10,11 @@ from typing import Any
 import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
+from matplotlib.legend import Legend
 from matplotlib.text import Text
 from pandas import DataFrame
 
@@ -28,6 +30,7 @@ _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 _ROW_IN = 0.19  # height of a row in a legend
 _LETTERS_PER_IN = 12  # of a title on axes
 _SMALL_IN, _SMALL_PT = 2.4, 7  # side of small axes, as in a grid, and the size of their letters
+_MOST_HIGH = 0.7  # largest height of a legend over that of its axes
 _DENSE: dict[str, Any] = {"labelspacing": 0.15, "borderpad": 0.2, "handlelength": 1.5}
 _TITLE_LETTERS, _NOTE_LETTERS = 88, 125  # of a line across a figure
 
@@ -76,7 +79,8 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     heading, below = (textwrap.wrap(text, letters[0]) for text in (title, note))
     roomy = not is_small and len(heading + below) < letters[1] / 10
     size: Any = _SMALL_PT if is_small else "medium"
-    _plain([ax.set_title("\n".join(heading + below * roomy), loc="left", fontsize=size)])
+    words = "\n".join(heading + below * roomy)
+    _plain([ax.set_title(words, loc="left", fontsize=size, wrap=True)])
     ax.set_xlabel(_broken(ax.get_xlabel(), letters[0]))
     beside = (other for other in ax.figure.axes if (*other.bbox.bounds,) == (*ax.bbox.bounds,))
     bars = (image.colorbar.ax for image in ax.images if image.colorbar)
@@ -88,17 +92,29 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
                 axis.label.set_fontsize(_SMALL_PT)
     if 0 < len(names) <= MOST_NAMED:
         names = [textwrap.fill(drawable(name), letters[0] - 6) for name in names]
-        rows = sum(name.count("\n") + 1 for name in names)
         look = {"fontsize": _SMALL_PT - 1, **_DENSE} if is_small else {"fontsize": "small"}
-        if not is_small or rows * _SMALL_PT / 72 < 0.6 * ax.bbox.height / ax.figure.dpi:
-            _plain(ax.legend(handles, names, framealpha=0.6, **look).get_texts())
+        legend = ax.legend(handles, names, framealpha=0.6, **look)
+        legend.__class__ = _Legend  # its axes have their final size when they are drawn
+        legend.set_in_layout(False)
+        _plain(legend.get_texts())
     return ax
 
 
+class _Legend(Legend):
+    """A legend that is drawn where it leaves room for the curves of its axes."""
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw the legend if its axes have room for it."""
+        own, room = self.get_window_extent(renderer), self.axes.bbox
+        if own.height < _MOST_HIGH * room.height and own.width < room.width:
+            super().draw(renderer)
+
+
 def _broken(label: str, letters: int) -> str:
-    """Break the label of an axis that is too long before its unit, or between words."""
-    parts = label.replace(" [", "\n[").split("\n") if len(label) > letters else [label]
-    return "\n".join(textwrap.fill(part, letters) for part in parts)
+    """Break the label of an axis that is too long between words, but not within its unit."""
+    words, sign, unit = label.partition(" [")
+    kept = words + sign + unit.replace(" ", "\xa0")
+    return textwrap.fill(kept, letters, break_long_words=False)
 
 
 def subject(runs: Sequence[Run]) -> str:

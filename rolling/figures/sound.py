@@ -59,7 +59,7 @@ def third_octaves(
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.third_octaves([run], a_weighted=True)  # doctest: +SKIP
+    >>> ax = rolling.plot.third_octaves([run], a_weighted=True)
     """
     shown = listed(runs)
     curves = [
@@ -122,7 +122,7 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.spectrum([run])  # doctest: +SKIP
+    >>> ax = rolling.plot.spectrum([run])
     """
     shown = listed(runs)
     lines = picture.common("lines of", [1 / run.sound.duration for run in shown], "Hz")
@@ -154,7 +154,7 @@ def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.power_density([run])  # doctest: +SKIP
+    >>> ax = rolling.plot.power_density([run])
     """
     shown = listed(runs)
     densities = [welch(run.sound.pressure, run.sound.sample_rate) for run in shown]
@@ -213,7 +213,7 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.release_power(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.release_power(run)
     """
     sound, compared = run.sound, listed(among) or [run]
     # The axis spans at least 2 % of the mean, so that a steady power looks steady.
@@ -268,7 +268,7 @@ def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> 
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.spectrogram(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.spectrogram(run)
     """
     shown = _spectrogram(run)
     compared = map(_spectrogram, listed(among) or [run])

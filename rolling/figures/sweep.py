@@ -69,7 +69,7 @@ def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) 
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.levels(runs, "rolling.load_n")  # doctest: +SKIP
+    >>> ax = rolling.plot.levels(runs, "rolling.load_n")
     """
     shown = listed(runs)
     names = dict(LEVELS)
@@ -107,7 +107,7 @@ def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None =
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.contact_areas(runs, "rolling.load_n")  # doctest: +SKIP
+    >>> ax = rolling.plot.contact_areas(runs, "rolling.load_n")
     """
     shown = listed(runs)
     ax = _against_key(shown, key, AREAS, ax, 1e12)
@@ -134,7 +134,7 @@ def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.mean_third_octaves(runs)  # doctest: +SKIP
+    >>> ax = rolling.plot.mean_third_octaves(runs)
     """
     shown = listed(runs)
     return mean_bands(sweep_table(shown), _others(shown, SEED), axes_of(ax), subject(shown))

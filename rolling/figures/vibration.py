@@ -61,7 +61,7 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.sources(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.sources(run)
     """
     _vibration(run)
     names = {
@@ -116,7 +116,7 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.contact_force(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.contact_force(run)
     """
     vibration, table, ax = _vibration(run), contact_force_table(run), axes_of(ax)
     motion, ratio = vibration.motion, vibration.force_ratio
@@ -130,7 +130,7 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
         f"rms {rounded(vibration.rms_ratio, 3)},"
         f" from {rounded(ratio.min(), 3)} to {rounded(ratio.max(), 3)}",
         f"in flight {rounded(100 * motion.flight_share)} % of the time",
-        f"{motion.impacts} impacts",
+        f"{motion.impacts} impact{'s' * (motion.impacts != 1)}",
     ]
     return finish(ax, f"Contact force: {run.title}", facts)
 
@@ -175,7 +175,7 @@ def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.contact_filter(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.contact_filter(run)
     """
     table, ax, radius = contact_filter_table(run), axes_of(ax), 1e6 * semi_axes(run.scene)[0]
     names = {
@@ -245,7 +245,7 @@ def mobilities(run: Run, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> import rolling
-    >>> rolling.plot.mobilities(run)  # doctest: +SKIP
+    >>> ax = rolling.plot.mobilities(run)
     """
     chain, table, ax = _vibration(run).chain, mobility_table(run), axes_of(ax)
     names = {name: name.removesuffix("_s_kg").replace("_", " ") for name in table.columns[1:]}

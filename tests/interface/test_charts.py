@@ -112,7 +112,7 @@ def test_every_figure_keeps_its_axes_and_the_names_of_its_curves(name: str) -> N
         axes = {"x": read["x"], "y": read["y"][0]}
         for side, own in axes.items():
             label = f"{own['label']} [{own['unit']}]" if own["unit"] else own["label"]
-            shown = getattr(ax, f"get_{side}label")().replace("\n", " ")
+            shown = " ".join(getattr(ax, f"get_{side}label")().split())
             assert label == shown.replace(" [-]", ""), picture.name
             assert own["limits"] == pytest.approx(getattr(ax, f"get_{side}lim")(), rel=1e-6)
             assert own["log"] == (getattr(ax, f"get_{side}scale")() == "log")

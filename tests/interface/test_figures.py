@@ -9,10 +9,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import combinations, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from report_runs import runs_of
@@ -127,10 +129,41 @@ def test_texts_stay_in_the_figure_and_off_other_axes(name: str, sides: int) -> N
     assert max(box.y1 - figure.bbox.y1 for box in everything) <= 2
     for box, other in combinations([box.padded(-1) for box in boxes], 2):
         assert not box.overlaps(other)
-    for ax in grid:
-        if legend := ax.get_legend():
-            inside, frame = legend.get_window_extent(), ax.get_window_extent()
-            assert inside.height < frame.height and inside.width < frame.width
+
+
+def pixels(figure: Figure) -> np.ndarray:
+    """Return the drawn letters and curves of a figure, rows from below."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[::-1].astype(int)
+
+
+@pytest.mark.parametrize("sides", [2, 3])
+@pytest.mark.parametrize("layout", [None, "constrained"])
+def test_a_grid_of_plots_has_whole_titles_and_legends_within_the_axes(
+    sides: int, layout: Any
+) -> None:
+    """All plots stand in grids of the default size; a legend changes dots of its axes only."""
+    for first in range(0, len(plot.__all__), sides**2):
+        figure = Figure((6.4, 4.8), layout=layout)
+        grid = figure.subplots(sides, sides).ravel()
+        for name, ax in zip(plot.__all__[first:], grid, strict=False):
+            drawing(name)(ax)
+        for _ in range(2):  # letters that were laid out once
+            figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        drawn = pixels(figure)
+        for ax in grid:
+            title = ax.get_title("left").replace("\n", " ")
+            assert title.startswith(str(ax.get_label()).partition("\n")[0])
+            extent = ax._left_title.get_window_extent()
+            assert extent.x0 >= -2 and extent.x1 <= figure.bbox.x1 + 2
+            if legend := ax.get_legend():
+                legend.set_visible(False)
+                changed = np.argwhere((pixels(figure) != drawn).any(axis=-1))
+                legend.set_visible(True)
+                low, high = ax.bbox.min[::-1] - 2, ax.bbox.max[::-1] + 2
+                assert ((low <= changed) & (changed <= high)).all()
 
 
 def test_the_mark_of_a_run_shows_inside_its_diamond_and_hatches_name_their_run() -> None:
