@@ -92,7 +92,7 @@ def whole(last, subcells):
     return (last // subcells + 1) * subcells
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True)
 def list_strips(place, rows, row, strips):
     """List the nodes near the candidates as strips of a grid that is passed as one long row.
 

@@ -234,7 +234,7 @@ def add_lines(first, line, second, other, out):
         out[k] += first * line[k] + second * other[k]
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True)
 def restrict(values, tile, row_length, out):
     """Sum values of the nodes (rows, columns) on the coarse grid, with bilinear weights.
 
@@ -256,7 +256,7 @@ def restrict(values, tile, row_length, out):
         below[:] = 0.0
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True)
 def prolong(field, factor, tile, row_length, out):
     """Add a multiple of the bilinear interpolation of a flat coarse grid to the nodes."""
     rows, row = out.shape
@@ -273,7 +273,7 @@ def prolong(field, factor, tile, row_length, out):
         here, below = below, here
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True)
 def field_of(loads, table, out):
     """Set `out` to the far field of loads, both flat on the coarse grid.
 
@@ -317,7 +317,7 @@ def mean_of(weights, values):
     return total / sum_of_weights
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True)
 def answer(far):
     """Set the far field to that of the loads and of the answer of all free nodes [Pa].
 

@@ -36,9 +36,10 @@ def contact_modulus(
 
     Examples
     --------
-    >>> f"{contact_modulus(210e9, 0.3) * 1e-9:.1f} GPa"  # a rigid ball on steel
+    >>> from rolling import closed_forms
+    >>> f"{closed_forms.contact_modulus(210e9, 0.3) * 1e-9:.1f} GPa"  # a rigid ball on steel
     '230.8 GPa'
-    >>> f"{contact_modulus(210e9, 0.3, 70e9, 0.22) * 1e-9:.1f} GPa"  # a marble on steel
+    >>> f"{closed_forms.contact_modulus(210e9, 0.3, 70e9, 0.22) * 1e-9:.1f} GPa"  # glass on steel
     '55.8 GPa'
     """
     bodies = (
@@ -72,7 +73,8 @@ def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
 
     Examples
     --------
-    >>> f"{hertz_radius(5.0, 5e-3, 230e9) * 1e6:.2f} um"
+    >>> from rolling import closed_forms
+    >>> f"{closed_forms.hertz_radius(5.0, 5e-3, 230e9) * 1e6:.2f} um"
     '43.36 um'
     """
     load, radius = positive("load", load), positive("radius", radius)
@@ -95,7 +97,8 @@ def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
 
     Examples
     --------
-    >>> f"{hertz_pressure(5.0, 5e-3, 230e9) * 1e-9:.3f} GPa"
+    >>> from rolling import closed_forms
+    >>> f"{closed_forms.hertz_pressure(5.0, 5e-3, 230e9) * 1e-9:.3f} GPa"
     '1.270 GPa'
     """
     contact_radius = hertz_radius(load, radius, contact_modulus)
@@ -117,7 +120,8 @@ def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:
 
     Examples
     --------
-    >>> f"{hertz_approach(5.0, 5e-3, 230e9) * 1e9:.0f} nm"
+    >>> from rolling import closed_forms
+    >>> f"{closed_forms.hertz_approach(5.0, 5e-3, 230e9) * 1e9:.0f} nm"
     '376 nm'
     """
     return hertz_radius(load, radius, contact_modulus) ** 2 / radius
@@ -149,7 +153,8 @@ def hertz_ellipse(radius: float, radius_across: float) -> tuple[float, float, fl
 
     Examples
     --------
-    >>> equivalent, along, across = hertz_ellipse(0.46, 0.3)
+    >>> from rolling import closed_forms
+    >>> equivalent, along, across = closed_forms.hertz_ellipse(0.46, 0.3)
     >>> f"{equivalent:.4f} m, {along:.4f}, {across:.4f}"
     '0.3743 m, 1.1472, 0.8629'
     """
@@ -197,7 +202,8 @@ def hertz_force(energy: float, radius: float, contact_modulus: float) -> float:
 
     Examples
     --------
-    >>> f"{hertz_force(2e-3, 5e-3, 230e9):.0f} N"  # a steel ball from 50 mm
+    >>> from rolling import closed_forms
+    >>> f"{closed_forms.hertz_force(2e-3, 5e-3, 230e9):.0f} N"  # a steel ball from 50 mm
     '567 N'
     """
     energy, radius = positive("energy", energy), positive("radius", radius)
@@ -222,7 +228,8 @@ def hertz_impact_time(mass: float, speed: float, radius: float, contact_modulus:
 
     Examples
     --------
-    >>> f"{hertz_impact_time(4.11e-3, 1.0, 5e-3, 230e9) * 1e6:.0f} us"
+    >>> from rolling import closed_forms
+    >>> f"{closed_forms.hertz_impact_time(4.11e-3, 1.0, 5e-3, 230e9) * 1e6:.0f} us"
     '26 us'
     """
     mass, speed = positive("mass", mass), positive("speed", speed)
@@ -256,7 +263,8 @@ def smooth_release_power(load: float, speed: float, radius: float, contact_modul
 
     Examples
     --------
-    >>> f"{smooth_release_power(5.0, 1.0, 5e-3, 230e9) * 1e3:.3f} mW"
+    >>> from rolling import closed_forms
+    >>> f"{closed_forms.smooth_release_power(5.0, 1.0, 5e-3, 230e9) * 1e3:.3f} mW"
     '8.130 mW'
     """
     contact_radius = hertz_radius(load, radius, contact_modulus)
@@ -284,7 +292,8 @@ def left_end_excess(step: float, contact_radius: float) -> float:
 
     Examples
     --------
-    >>> f"{left_end_excess(1e-6, 50e-6):.3f}"
+    >>> from rolling import closed_forms
+    >>> f"{closed_forms.left_end_excess(1e-6, 50e-6):.3f}"
     '0.027'
     """
     return 4 * positive("step", step) / (3 * positive("contact_radius", contact_radius))

@@ -156,11 +156,11 @@ class HalfSpace:
     --------
     Unit pressure on one cell deflects its centre by 4 ln(1 + sqrt 2) spacing / (pi E*):
 
-    >>> import numpy as np
-    >>> from rolling.contact.half_space import HalfSpace
+    >>> import numpy as np, rolling
     >>> pressure = np.zeros((5, 5))
     >>> pressure[2, 2] = 1e9
-    >>> deflection = HalfSpace(spacing=1e-6, contact_modulus=230e9).deflection(pressure)
+    >>> half_space = rolling.HalfSpace(spacing=1e-6, contact_modulus=230e9)
+    >>> deflection = half_space.deflection(pressure)
     >>> f"{deflection[2, 2] * 1e9:.3f} nm"
     '4.879 nm'
     """

@@ -70,15 +70,12 @@ def march(
     A steel sphere of 5 mm radius rolls over a smooth plate under 5 N; Hertz gives a contact area of
     5906 um2:
 
-    >>> import numpy as np
-    >>> from rolling.contact.half_space import HalfSpace
-    >>> from rolling.contact.march import march
-    >>> from rolling.contact.state import RollingContact
-    >>> contact = RollingContact(
+    >>> import numpy as np, rolling
+    >>> contact = rolling.RollingContact(
     ...     heights=np.zeros((128, 128)), spacing=4e-6, radius=5e-3, contact_modulus=230e9,
     ...     hardness=np.inf, load=5.0, step=4e-6, start=0.0, tolerance=1e-5,
     ... )
-    >>> states = list(march(contact, 0, 3, HalfSpace(contact.spacing, contact.contact_modulus)))
+    >>> states = list(rolling.march(contact, 0, 3, rolling.HalfSpace(4e-6, 230e9)))
     >>> [round(state.contact_area * 1e12, -3) for state in states]
     [6000.0, 6000.0, 6000.0, 6000.0]
     """

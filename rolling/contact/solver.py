@@ -45,6 +45,14 @@ class ContactError(RuntimeError):
     """Error of a contact that cannot be solved.
 
     It tells the limit in numbers, or the methods tried and the residual that they reached.
+
+    Examples
+    --------
+    >>> import numpy as np, rolling
+    >>> steel, flat = rolling.HalfSpace(1e-6, 230e9), np.zeros((8, 8))
+    >>> rolling.solve_contact(steel, flat, load=1.0, hardness=2e9)
+    Traceback (most recent call last):
+    rolling.contact.solver.ContactError: a load of 1 N is more than the surface can carry: ...
     """
 
 
@@ -262,14 +270,12 @@ def solve_contact(
     --------
     A steel sphere of 5 mm radius under 5 N, against Hertz:
 
-    >>> import numpy as np
-    >>> from rolling.contact.closed_forms import hertz_approach
-    >>> from rolling.contact.half_space import HalfSpace
-    >>> from rolling.contact.solver import solve_contact
-    >>> steel = HalfSpace(spacing=2e-6, contact_modulus=230e9)
+    >>> import numpy as np, rolling
+    >>> steel = rolling.HalfSpace(spacing=2e-6, contact_modulus=230e9)
     >>> x = np.arange(-40, 41) * steel.spacing
-    >>> contact = solve_contact(steel, (x[:, None] ** 2 + x**2) / (2 * 5e-3), load=5.0)
-    >>> bool(abs(contact.approach / hertz_approach(5.0, 5e-3, 230e9) - 1) < 1e-3)
+    >>> contact = rolling.solve_contact(steel, (x[:, None] ** 2 + x**2) / (2 * 5e-3), load=5.0)
+    >>> hertz = rolling.closed_forms.hertz_approach(5.0, 5e-3, 230e9)
+    >>> bool(abs(contact.approach / hertz - 1) < 1e-3)
     True
     """
     instance("half_space", half_space, HalfSpace)

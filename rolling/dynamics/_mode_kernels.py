@@ -68,7 +68,7 @@ def free_modes(shape, bodies, elastic, kinetic):
     return start, back, compliance
 
 
-@njit(cache=True, fused=True, inner=True)
+@njit(cache=True, fused=True)
 def move_modes(force, shape, bodies, elastic, kinetic):
     """Move the modes by a step under a constant force [N]."""
     fall, turn, keep = bodies.fall, bodies.turn, bodies.keep
