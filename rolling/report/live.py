@@ -66,8 +66,7 @@ def live_of(run: Run) -> Data | None:
         "fullScale": peak / PEAK or 1.0,
         "level": run.sound.levels.laeq_db,
     }
-    add = _add_release if vibration is None else _add_vibration
-    data = add(run, data, vibration)
+    data = _with_release(run, data) if vibration is None else _with_vibration(run, data, vibration)
     return data | {"remarks": _remarks(run, data.get("law") or data["energy"])}
 
 
@@ -134,9 +133,8 @@ def _remarks(run: Run, rows: Data) -> list[str]:
 # ---- vibration
 
 
-def _add_vibration(run: Run, data: Data, vibration: Vibration | None) -> Data:
+def _with_vibration(run: Run, data: Data, vibration: Vibration) -> Data:
     """Add the force law of a run, and the limits that it sets."""
-    assert vibration is not None  # the caller's choice
     scene, law = run.scene, vibration.law
     wave = shortest_wave(law.approach(law.position_m, scene.load), law.spacing_m)
     # Time steps resolve the shortest waves of the contact up to the highest speed. The grid limits
@@ -253,7 +251,7 @@ def law_error(law: ForceLaw, load_n: float, table: LawTable, seam: float = 0.0) 
 # ---- release
 
 
-def _add_release(run: Run, data: Data, _: Vibration | None) -> Data:
+def _with_release(run: Run, data: Data) -> Data:
     """Add the energy that each step of a lap releases."""
     result, scene = run.result, run.scene
     energy = released(scene, result)[0][: result.solved_steps]

@@ -25,7 +25,7 @@ from rolling import __version__
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
-from rolling.report import assumed, charts, film, hearing, live, maps, records, text
+from rolling.report import assumed, charts, film, live, maps, records, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
 from rolling.results.listening import heard
@@ -76,7 +76,6 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         text=text,
         origins=origins,
         film=film,
-        hearing=hearing,
         caveats=caveats,
         runs_table=runs_table,
         summaries=[(run.label, run.summary) for run in runs],
@@ -332,5 +331,5 @@ def _sentence(run: Run) -> str:
     """Return the description of a scene of one run; in a sweep, a sentence on the run's sound."""
     description = " ".join((run.scene.description or "").split())
     if run.values or not description:
-        return hearing.headline([run])
+        return text.headline([run])
     return printable(description).rstrip(".") + "."

@@ -172,7 +172,7 @@ def made_by(folder: Path) -> str:
 
 def free_name(folder: Path) -> Path:
     """Return the first name like that of a folder which does not exist."""
-    number = 2
+    number, folder = 2, folder if folder.name else folder.resolve()
     while (free := folder.with_name(f"{folder.name}-{number}")).exists():
         number += 1
     return free

@@ -11,7 +11,15 @@ PARTIAL = ".partial"  # end of the names of files that are being written
 
 
 class FolderError(Exception):
-    """Error of a folder or a file in it, with the way out."""
+    """Error of a folder or a file in it, with the way out.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> rolling.open_run("nothing")
+    Traceback (most recent call last):
+    rolling.terminal.files.FolderError: nothing: no run folder, there is no scene.yaml
+    """
 
 
 def make_below(root: Path, folder: Path) -> None:

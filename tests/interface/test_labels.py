@@ -16,6 +16,7 @@ from scene_text import PLAIN
 
 from rolling.results import labels
 from rolling.results.labels import LONGEST
+from rolling.results.run_folder import RunFolder
 from rolling.scene import file, messages
 from rolling.scene.scene import Scene
 
@@ -39,6 +40,7 @@ class Case:
     scene: Scene
     folder: Path = Path("runs/a")
     values: dict[str, float | str] = field(default_factory=dict)
+    home = RunFolder.home
 
 
 def of(*cases: Case) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -11,6 +10,7 @@ import pytest
 from rolling import Scene, SceneError, read_scene
 from rolling.check.findings import findings
 from rolling.results.labels import labels
+from rolling.results.run_folder import RunFolder
 from rolling.scene import library
 from rolling.scene.file import dump, loads, schema
 from rolling.scene.surfaces import Gaussian
@@ -109,7 +109,7 @@ def test_a_sweep_over_names_has_the_values_and_labels_of_each() -> None:
     plates = [run.scene.plate for run in runs.runs()]
     assert [plate.youngs_modulus_gpa for plate in plates] == [70, 70, 3.3, 3.3]
 
-    solved = [SimpleNamespace(**run._asdict(), folder=Path("runs")) for run in runs.runs()]
+    solved = [RunFolder(**run._asdict(), folder=Path("runs")) for run in runs.runs()]
     assert labels(solved) == [
         f"plate {plate}, finish {finish}"
         for plate in ("glass", "oak")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import statistics
-from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
@@ -26,7 +25,6 @@ from rolling.results.runs_table import (
     uncertain,
 )
 from rolling.scene import file
-from rolling.scene.scene import Scene
 from rolling.terminal.streams import columns
 
 SWEEP = f"""\
@@ -53,21 +51,12 @@ def test_a_corrected_level_is_as_uncertain_as_level_and_correction() -> None:
     assert "corrected 49.0 ± 0.5 dB(A)" in error_line("run", summary)
 
 
-@dataclass(frozen=True)
-class Stored:
-    """A run whose files are in its folder."""
-
-    values: dict[str, float | str]
-    scene: Scene
-    folder: Path
-
-
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Stored]:
+def runs(tmp_path_factory: pytest.TempPathFactory) -> list[RunFolder]:
     """Return twelve runs of a sweep, of which the last is not solved."""
     folder = tmp_path_factory.mktemp("table")
     stored = [
-        Stored(dict(values), scene, folder / str(number))
+        RunFolder(dict(values), scene, folder / str(number))
         for number, (values, scene) in enumerate(file.loads(SWEEP).runs())
     ]
     for run in stored[:-1]:
@@ -75,11 +64,11 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Stored]:
     return stored
 
 
-def summary_of(run: Stored) -> dict:
+def summary_of(run: RunFolder) -> dict:
     return json.loads((run.folder / "summary.json").read_text())
 
 
-def test_the_table_has_every_run_and_its_numbers(runs: list[Stored]) -> None:
+def test_the_table_has_every_run_and_its_numbers(runs: list[RunFolder]) -> None:
     table = runs_table(runs)
     keys = ["rolling.load_n", "rolling.speed_m_s", "surface.seed"]
     assert list(table.index.names) == ["run", "folder", *keys]
@@ -102,7 +91,7 @@ def test_the_table_has_every_run_and_its_numbers(runs: list[Stored]) -> None:
         assert read[column][0] == value, column
 
 
-def test_statistics_are_those_of_the_summaries(runs: list[Stored]) -> None:
+def test_statistics_are_those_of_the_summaries(runs: list[RunFolder]) -> None:
     table = seed_statistics(runs_table(runs))
     of_first = table[(table["rolling.load_n"] == 0.005) & (table["rolling.speed_m_s"] == 0.1)]
     summaries = [summary_of(run) for run in runs[:3]]
@@ -136,12 +125,14 @@ def test_statistics_are_those_of_the_summaries(runs: list[Stored]) -> None:
     assert laeq["runs"].tolist() == [3, 3, 3, 2]  # a run is not solved
 
 
-def test_statistics_over_another_key_and_over_all_runs(runs: list[Stored]) -> None:
+def test_statistics_over_another_key_and_over_all_runs(runs: list[RunFolder]) -> None:
     over_speed = seed_statistics(runs_table(runs), "rolling.speed_m_s")
     laeq = over_speed[over_speed["level"] == "laeq_db"]
     assert laeq["runs"].tolist() == [2, 2, 2, 2, 2, 1]
     assert laeq["standard_deviation"].isna().tolist() == [False] * 5 + [True]
-    alone = [Stored({"surface.seed": k}, run.scene, run.folder) for k, run in enumerate(runs[:3])]
+    alone = [
+        RunFolder({"surface.seed": k}, run.scene, run.folder) for k, run in enumerate(runs[:3])
+    ]
     every = seed_statistics(runs_table(alone))
     assert every.columns[0] == "level" and every[every["level"] == "laeq_db"]["runs"].item() == 3
 
@@ -159,7 +150,7 @@ def test_the_record_and_the_total_have_their_own_uncertainty(total: float | None
 
 
 def test_the_terminal_shows_levels_with_uncertainty_and_each_caveat_once(
-    runs: list[Stored],
+    runs: list[RunFolder],
 ) -> None:
     text = levels_table(runs)
     lines = text.splitlines()

@@ -15,7 +15,7 @@ from scene_text import SMALL
 
 from rolling import cli
 from rolling.accuracy import study as studies
-from rolling.accuracy import work_precision
+from rolling.accuracy import variants, work_precision
 from rolling.accuracy.variants import stretch_of, variant_contact, variants_of
 from rolling.contact.solver import ContactError
 from rolling.scene.scene import Scene
@@ -190,14 +190,14 @@ def test_the_same_command_finds_its_study_and_another_scene_is_refused(
 def test_a_failed_variant_is_named_and_a_failed_scene_ends_the_study(
     command: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    march, failing = studies.march_variant, {1e-2}
+    march, failing = variants.march_variant, {1e-2}
 
     def marched(scene, variant, *rest):
         if variant.tolerance in failing:
             raise ContactError("the march failed")
         return march(scene, variant, *rest)
 
-    monkeypatch.setattr(studies, "march_variant", marched)
+    monkeypatch.setattr(variants, "march_variant", marched)
     assert cli.main(command) == 0
     assert "failed: tolerance 1e-2: the march failed" in capsys.readouterr().out
     failing.add(1e-4)

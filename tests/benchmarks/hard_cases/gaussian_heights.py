@@ -21,6 +21,8 @@ def gaussian(
     """Generate periodic Gaussian heights [m] of exact Ra and zero mean."""
     along, across = (1e6 * length for length in lengths)
     ellipse = {"correlation_length_um": along, "correlation_length_across_um": across}
-    law = Roughness(autocorrelation=name, roughness_ra_um=1e6 * ra, seed=0, **ellipse)
+    law = Roughness.model_construct(
+        autocorrelation=name, roughness_ra_um=1e6 * ra, seed=0, **ellipse
+    )
     heights = filtered(np.random.default_rng(seed).standard_normal(shape), spacing, law)
     return heights * (ra / np.abs(heights).mean())
