@@ -38,7 +38,7 @@ LEFT_OUT = {
 GALLERY_SIZE, PAGE_SIZE = (1400, 1400), (1100, 1520)
 COLOURS = 128  # of a picture
 SETTLED_MS = 1500  # until scripts have drawn
-# Settings with which the site runs its scenes, so that they take three minutes on one core.
+# Settings with which the site runs its scenes on short tracks, to be built in minutes.
 BRIEF = "sound.listen_s=6"
 SITE = {
     "steel-sheet": ["rolling.distance_mm=5", BRIEF],

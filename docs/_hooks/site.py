@@ -59,7 +59,7 @@ def _within_site(match):
         return f"{picture}[{text}](pictures/{Path(path).name})"
     if path in PAGES:
         return f"[{text}]({PAGES[path]}{anchor or ''})"
-    return text
+    return match[0] if (ROOT / "docs" / path).is_file() else text  # of a page in a folder
 
 
 def exported_names(package):
