@@ -45,7 +45,7 @@ SITE = {
     "marble-dropped": ["rolling.distance_mm=8", "surface.spacing_um=4"],
     "marble-rolling-out": ["rolling.distance_mm=6"],
     "ball-with-pit": ["rolling.distance_mm=25.134", BRIEF],
-    "bearing-grades": ["rolling.distance_mm=6", BRIEF],
+    "bearing-grades": ["surface.spacing_um=4", BRIEF],
     "quickstart": ["sweep=", "rolling.duration_s=0.05", "numerics.error_estimate=false", BRIEF],
     "accelerating": [],
 }
