@@ -41,9 +41,9 @@ SETTLED_MS = 1500  # until scripts have drawn
 # Settings with which the site runs its scenes on short tracks, to be built in minutes.
 BRIEF = "sound.listen_s=6"
 SITE = {
-    "steel-sheet": ["rolling.distance_mm=5", BRIEF],
+    "steel-sheet": ["rolling.distance_mm=4", BRIEF],
     "marble-dropped": ["rolling.distance_mm=8", "surface.spacing_um=4"],
-    "marble-rolling-out": ["rolling.distance_mm=6"],
+    "marble-rolling-out": ["rolling.distance_mm=4"],
     "ball-with-pit": ["rolling.distance_mm=25.134", BRIEF],
     "bearing-grades": ["surface.spacing_um=4", BRIEF],
     "quickstart": ["sweep=", "rolling.duration_s=0.05", "numerics.error_estimate=false", BRIEF],

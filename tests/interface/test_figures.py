@@ -138,8 +138,7 @@ def pixels(figure: Figure) -> np.ndarray:
     return np.asarray(canvas.buffer_rgba())[::-1].astype(int)
 
 
-@pytest.mark.parametrize("sides", [2, 3])
-@pytest.mark.parametrize("layout", [None, "constrained"])
+@pytest.mark.parametrize("sides, layout", [(2, "constrained"), (3, None)])
 def test_a_grid_of_plots_has_whole_titles_and_legends_within_the_axes(
     sides: int, layout: Any
 ) -> None:
