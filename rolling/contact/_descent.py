@@ -304,7 +304,7 @@ class Descent:
             # Where the check refused a last step once, the residual has waves too long for the
             # model.
             finishing = effort.rounds == 1 and not last
-            self._step(nearly, snap / share, goal, sweeps, effort.moves, finishing)
+            self.step_along(nearly, snap / share, goal, sweeps, effort.moves, finishing)
             if last or not self.step.worst > self.goal:
                 break
             stalled = self.step.worst > STALLED * minimum
@@ -319,7 +319,7 @@ class Descent:
             effort.stuck = 0
             self._convolve(effort)
 
-    def _step(
+    def step_along(
         self, nearly: float, snap: float, goal: float, sweeps: int, moves: int, finishing: bool
     ) -> None:
         """Step along the direction, and find the next one unless the violation is within `goal`."""

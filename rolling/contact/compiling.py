@@ -9,13 +9,15 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache as once
 from pathlib import Path
 from typing import Any
 
 import numba
+from filelock import FileLock
 from numba.core import event
+from numba.core.compiler_lock import global_compiler_lock
 
 _VARIABLE = "NUMBA_CACHE_DIR"
 
@@ -32,24 +34,54 @@ def njit(
     every run on it. An `inner` function is called by compiled code only, and would crash in Python.
     Without the wrapper that takes its arguments from Python, the kernels compile in two thirds of
     the time.
+
+    Both become part of their callers, because a process that compiles would otherwise link another
+    copy of them, with other last digits, than a process that loads the callers from the cache.
     """
     options: dict[str, Any] = {"fastmath": {"reassoc", "contract", "nsz"}} if fused else {}
-    options["no_cpython_wrapper"] = inner
+    options |= {"no_cpython_wrapper": inner, "forceinline": inner or fused}
 
     def compiled(function: Callable[..., Any]) -> Any:
         try:
-            return _tied_to_sources(numba.njit(cache=cache, **options)(function))
+            return _kept(numba.njit(cache=cache, **options)(function), inner)
         except RuntimeError:  # no folder for the cache; a fault of the code shows below as well
             _use_temporary_cache()
         try:
-            return _tied_to_sources(numba.njit(cache=cache, **options)(function))
+            return _kept(numba.njit(cache=cache, **options)(function), inner)
         except RuntimeError:  # no temporary folder either
             return numba.njit(**options)(function)
 
     return compiled
 
 
-def _tied_to_sources(kernel: Any) -> Any:
+def _kept(kernel: Any, inner: bool) -> Any:
+    """Prepare a kernel whose code the cache keeps."""
+    _tie_to_sources(kernel)
+    if not inner:
+        _compile_in_one_process(kernel)
+    return kernel
+
+
+def _compile_in_one_process(kernel: Any) -> None:
+    """Let one process compile a kernel while all others wait, which then take it from the cache."""
+    folder = getattr(getattr(kernel, "_cache", None), "_cache_path", None)
+    if folder is None:  # it is not compiled at all
+        return
+    lock = FileLock(Path(folder) / f"{kernel.__name__}.lock")
+    compile_now = kernel.compile
+
+    def compile_alone(signature: Any) -> Any:
+        # Threads take the lock of the compiler first, so that none waits for a file that another
+        # one of them holds.
+        with global_compiler_lock, ExitStack() as stack:
+            with suppress(OSError, NotImplementedError):  # a folder that is read-only
+                stack.enter_context(lock)
+            return compile_now(signature)
+
+    kernel.compile = compile_alone
+
+
+def _tie_to_sources(kernel: Any) -> None:
     """Tie the cached code of a kernel to the sources of all kernels.
 
     Numba looks at the kernel's own file only. The cached code also holds the kernels that it calls,
@@ -58,7 +90,6 @@ def _tied_to_sources(kernel: Any) -> Any:
     cache_file: Any = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
     if hasattr(cache_file, "_source_stamp"):
         cache_file._source_stamp = cache_file._source_stamp, _digest_of_sources()
-    return kernel
 
 
 @once

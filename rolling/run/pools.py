@@ -58,12 +58,24 @@ class Pool(ExitStack):
     """
 
     slots = 1
+    _is_told = False  # that a process compiles
 
     def __enter__(self) -> Self:
         from rolling.contact import compiling
 
-        self.enter_context(compiling.told(progress.compiling))
+        self.enter_context(compiling.told(self._tell_compiling))
         return self
+
+    def _tell_compiling(self) -> None:
+        """Say once that a process compiles, and let a spare core compile the longest kernels."""
+        if self._is_told:
+            return
+        self._is_told = True
+        progress.compiling()
+        if cost.cores() > 1:
+            compiler = worker.compiler()
+            self.callback(compiler.wait)
+            self.callback(compiler.kill)  # before the wait; kernels that are done stay
 
     def submit(self, task: Task) -> Future[Any]:
         """Hand out a task."""
@@ -147,7 +159,7 @@ class LocalPool(Pool):
     def look(self) -> None:
         """Say once that a process compiles."""
         if self._compiles.is_set():
-            progress.compiling()
+            self._tell_compiling()
 
 
 def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:

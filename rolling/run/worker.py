@@ -134,11 +134,29 @@ def act(task: bytes, program: Program) -> Any:
 
 def _process() -> subprocess.Popen[bytes]:
     """Start a process that does pickled tasks from its standard input, until that ends."""
+    return _started(f"serve({os.getpid()})", subprocess.PIPE)
+
+
+def compiler() -> subprocess.Popen[bytes]:
+    """Start a process that compiles the longest kernels into the cache, and says nothing."""
+    return _started(f"compile_ahead({os.getpid()})", subprocess.DEVNULL, subprocess.DEVNULL)
+
+
+def compile_ahead(parent: int) -> None:
+    """Compile the longest kernels of the solver; end with the parent."""
+    begin(parent)
+    from rolling.contact import compiling_ahead
+
+    compiling_ahead.compile_longest()
+
+
+def _started(call: str, pipe: int, errors: int | None = None) -> subprocess.Popen[bytes]:
+    """Start a process that calls a function of this module."""
     package = str(Path(__file__).parents[2])
     text = f"import sys; sys.path.append({package!r}); from rolling.run import worker; "
-    command = [sys.executable, "-P", "-c", f"{text}worker.serve({os.getpid()})"]
-    pipe = subprocess.PIPE
-    return subprocess.Popen(command, stdin=pipe, stdout=pipe, env=os.environ | ENVIRONMENT)
+    command = [sys.executable, "-P", "-c", f"{text}worker.{call}"]
+    environment = os.environ | ENVIRONMENT
+    return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=errors, env=environment)
 
 
 def serve(parent: int) -> None:

@@ -1,0 +1,101 @@
+"""Processes share the compilation: each kernel is compiled once, and the longest ones ahead."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SLOW_KERNEL = """
+import numpy as np
+from rolling.contact.compiling import njit
+
+@njit(cache=True)
+def slow(x):
+    total = 0.0
+    for a in np.linspace(0.0, 1.0, 5).reshape(-1)[::2]:
+        total += np.sum(np.sort(np.array([a, x, -x])))
+    return total
+"""
+CALL = """
+import sys
+from rolling.contact import compiling
+compiled = []
+compiling.tell_always(lambda: compiled.append(1))
+import slow_kernel
+print(slow_kernel.slow(2.0), len(compiled))
+"""
+SUMS = """
+import hashlib
+import numpy as np
+from rolling.contact import _window_kernels
+
+random, digest = np.random.default_rng(1), hashlib.sha256()
+for _ in range(3000):
+    p_old, u_old, p_new, u_new, work = random.standard_normal((5, 59, 63))
+    sums = _window_kernels.node_work((p_old, u_old), (0, 0), (p_new, u_new), False, 4e-12, work)
+    digest.update(np.array(sums).tobytes())
+print(digest.hexdigest())
+"""
+SAME_TYPES = """
+import numpy as np
+import rolling
+from rolling.contact import _solver_kernels, compiling_ahead
+from rolling.contact.subcells import half_space_of
+
+compiling_ahead.compile_longest()
+heights = 2e-7 * np.random.default_rng(1).standard_normal((96, 96))
+for blended, subcells in ((False, 1), (True, 1), (True, 3)):
+    contact = rolling.RollingContact(
+        heights=heights, spacing=2e-6, radius=2e-3, contact_modulus=115e9, hardness=2.1e9,
+        load=0.5, step=2e-6 * subcells, start=0.0, tolerance=1e-4, blended=blended,
+        subcells=subcells,
+    )
+    list(rolling.march(contact, 0, 4, half_space_of(2e-6, 115e9, subcells)))
+print(len(_solver_kernels.iterate.signatures), len(_solver_kernels.lead.signatures))
+"""
+
+
+def _run(code: str, **environment: str) -> subprocess.Popen[str]:
+    """Start Python with a program."""
+    pipe = subprocess.PIPE
+    return subprocess.Popen(
+        [sys.executable, "-c", code], env=os.environ | environment, stdout=pipe, text=True
+    )
+
+
+def test_one_of_several_processes_compiles_a_kernel(tmp_path: Path) -> None:
+    (tmp_path / "slow_kernel.py").write_text(SLOW_KERNEL, encoding="utf-8")
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
+    processes = [_run(CALL, **cache) for _ in range(3)]
+    answers = [process.communicate()[0].split() for process in processes]
+    assert {value for value, _ in answers} == {"1.5"}
+    assert sorted(int(count) > 0 for _, count in answers) == [False, False, True]
+
+
+def test_a_lock_that_cannot_be_had_does_not_stop_a_kernel(tmp_path: Path) -> None:
+    """The folder of the lock is a file here, as a folder that is read-only refuses it."""
+    (tmp_path / "slow_kernel.py").write_text(SLOW_KERNEL, encoding="utf-8")
+    refuse = (
+        "from rolling.contact import compiling\n"
+        "def refused(*arguments): raise PermissionError\n"
+        "compiling.FileLock.acquire = refused\n"
+    )
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
+    assert _run(refuse + CALL, **cache).communicate()[0].split()[0] == "1.5"
+
+
+def test_a_process_that_compiles_computes_the_digits_of_those_that_load(tmp_path: Path) -> None:
+    """Sums in another order, by another copy of an inner kernel, differ in one step of hundreds."""
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
+    compiling, loading = (_run(SUMS, **cache).communicate()[0] for _ in range(2))
+    assert len(loading) == 65 and compiling == loading
+
+
+@pytest.mark.slow
+def test_kernels_compiled_ahead_are_those_of_a_march() -> None:
+    """A march with sharp edges, blended edges or sub-cells needs no further code of them."""
+    assert _run(SAME_TYPES).communicate()[0].split() == ["1", "1"]
