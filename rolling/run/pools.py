@@ -73,9 +73,10 @@ class Pool(ExitStack):
         self._is_told = True
         progress.compiling()
         if cost.cores() > 1:
-            compiler = worker.compiler()
-            self.callback(compiler.wait)
-            self.callback(compiler.kill)  # before the wait; kernels that are done stay
+            with suppress(OSError):  # no process to be had: all is compiled here
+                compiler = worker.compiler()
+                self.callback(compiler.wait)
+                self.callback(compiler.kill)  # before the wait; kernels that are done stay
 
     def submit(self, task: Task) -> Future[Any]:
         """Hand out a task."""

@@ -6,8 +6,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+
+from rolling.run import pools
 
 SLOW_KERNEL = """
 import numpy as np
@@ -93,6 +96,30 @@ def test_a_process_that_compiles_computes_the_digits_of_those_that_load(tmp_path
     cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
     compiling, loading = (_run(SUMS, **cache).communicate()[0] for _ in range(2))
     assert len(loading) == 65 and compiling == loading
+
+
+@pytest.mark.parametrize("core_count", [1, 2])
+def test_a_spare_core_compiles_ahead_until_the_pool_is_left(
+    monkeypatch: pytest.MonkeyPatch, core_count: int
+) -> None:
+    done: list[str] = []
+    process = SimpleNamespace(kill=lambda: done.append("kill"), wait=lambda: done.append("wait"))
+    monkeypatch.setattr(pools.cost, "cores", lambda: core_count)
+    monkeypatch.setattr(pools.worker, "compiler", lambda: done.append("begin") or process)
+    with pools.Pool() as pool:
+        pool._tell_compiling()
+        pool._tell_compiling()
+    assert done == ([] if core_count == 1 else ["begin", "kill", "wait"])
+
+
+def test_without_a_process_to_compile_ahead_a_pool_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused() -> None:
+        raise BlockingIOError("no more processes")
+
+    monkeypatch.setattr(pools.cost, "cores", lambda: 2)
+    monkeypatch.setattr(pools.worker, "compiler", refused)
+    with pools.Pool() as pool:
+        pool._tell_compiling()
 
 
 @pytest.mark.slow
