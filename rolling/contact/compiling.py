@@ -74,7 +74,8 @@ def _compile_in_one_process(kernel: Any) -> None:
         # Threads take the lock of the compiler first, so that none waits for a file that another
         # one of them holds.
         with global_compiler_lock, ExitStack() as stack:
-            with suppress(OSError, NotImplementedError):  # a folder that is read-only
+            # A folder that is read-only, or on a disk without locks: each process compiles then.
+            with suppress(OSError, NotImplementedError):
                 stack.enter_context(lock)
             return compile_now(signature)
 

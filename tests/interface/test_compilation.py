@@ -24,7 +24,6 @@ def slow(x):
     return total
 """
 CALL = """
-import sys
 from rolling.contact import compiling
 compiled = []
 compiling.tell_always(lambda: compiled.append(1))
@@ -80,7 +79,7 @@ def test_one_of_several_processes_compiles_a_kernel(tmp_path: Path) -> None:
 
 
 def test_a_lock_that_cannot_be_had_does_not_stop_a_kernel(tmp_path: Path) -> None:
-    """The folder of the lock is a file here, as a folder that is read-only refuses it."""
+    """A folder that is read-only refuses the file of the lock."""
     (tmp_path / "slow_kernel.py").write_text(SLOW_KERNEL, encoding="utf-8")
     refuse = (
         "from rolling.contact import compiling\n"

@@ -138,7 +138,8 @@ def pixels(figure: Figure) -> np.ndarray:
     return np.asarray(canvas.buffer_rgba())[::-1].astype(int)
 
 
-@pytest.mark.parametrize("sides, layout", [(2, "constrained"), (3, None)])
+@pytest.mark.parametrize("sides", [2, 3])
+@pytest.mark.parametrize("layout", [None, "constrained"])
 def test_a_grid_of_plots_has_whole_titles_and_legends_within_the_axes(
     sides: int, layout: Any
 ) -> None:
