@@ -3,7 +3,7 @@
 import errno
 import signal
 from collections import Counter, defaultdict, deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,10 +14,12 @@ from rolling.contact.solver import ContactError
 from rolling.marches.next_pieces import next_pieces, own_part
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
+from rolling.run.backlog import Backlog
 from rolling.run.pools import Pool, Task
 from rolling.run.worker import KILLED, MOST_BREAKS, solve_piece
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
+from rolling.surface import scene_surface
 from rolling.terminal import progress
 
 LOOK_SECONDS = 0.5  # between two looks at the pool
@@ -43,8 +45,9 @@ def ended_by_signal() -> Iterator[None]:
 class RunLoop:
     """Loop over the pieces that runs lack. Runs that need equal pieces share them.
 
-    Runs with one contact identity begin together, the longest marches first. A run begins when the
-    pool has room, so that a sweep of many runs keeps few results in memory.
+    Runs with one contact identity begin together, the longest marches first. A run begins when a
+    team of the pool has no other task for a surface of its own, so that a sweep of many runs keeps
+    few results in memory.
 
     Attributes
     ----------
@@ -81,13 +84,16 @@ class RunLoop:
         groups = defaultdict(list)
         for number, scene in enumerate(scenes):
             groups[contact_identity(scene)].append(number)
-        self._groups = deque(sorted(groups.values(), key=lambda group: -self._costs[group[0]]))
-        self._queue: deque[Task] = deque()
-        self._flying: dict[Future[Any], Task] = {}
+        self._surfaces = [scene_surface.identity(scene) for scene in scenes]
+        ordered = sorted(groups.values(), key=lambda group: -self._costs[group[0]])
+        # It holds tasks, and lists of runs that have to begin.
+        self._backlog = Backlog((self._surfaces[group[0]], group) for group in ordered)
+        self._suspects: deque[Task] = deque()
+        self._flying: dict[Future[Any], tuple[Task, Hashable]] = {}  # with the team
         self._wanting: dict[tuple[str, str], list[int]] = {}  # runs by the key of their task
         self._breaks: Counter[tuple[str, str]] = Counter()
         self.failures: dict[int, str] = {}
-        bar.grow(sum(self._costs[group[0]] for group in self._groups))
+        bar.grow(sum(self._costs[group[0]] for group in ordered))
 
     def run(self, pool: Pool) -> None:
         """Hand out all pieces and collect their results.
@@ -98,7 +104,7 @@ class RunLoop:
         KeyboardInterrupt : Ctrl-C or SIGTERM. Files of finished pieces are kept.
         """
         with ended_by_signal():
-            while self._groups or self._queue or self._flying:
+            while self._backlog or self._suspects or self._flying:
                 self._hand_out(pool)
                 done, _ = wait(self._flying, LOOK_SECONDS, FIRST_COMPLETED)
                 pool.look()
@@ -109,22 +115,26 @@ class RunLoop:
 
     def _hand_out(self, pool: Pool) -> None:
         """Fill the slots of the pool; a suspect is alone in it."""
-        while not any(self._breaks[task.key] for task in self._flying.values()):
-            while not self._queue and self._groups:
-                self._begin(self._groups.popleft())
-            if not self._queue:
+        while not any(self._breaks[task.key] for task, _ in self._flying.values()):
+            if self._suspects and self._flying:
                 return
-            task = self._queue[0]
-            if len(self._flying) >= (1 if self._breaks[task.key] else pool.slots):
+            in_hand = Counter(team for _, team in self._flying.values())
+            if self._suspects:
+                team, task = next(iter(pool.teams)), self._suspects.popleft()
+            elif taken := self._backlog.take(pool.teams, in_hand, pool.slots):
+                team, task = taken
+            else:
                 return
-            self._queue.popleft()
+            if isinstance(task, list):
+                self._begin(task)
+                continue
             if not self._wanting.get(task.key):  # its runs have failed
                 self._wanting.pop(task.key, None)
                 continue
             try:
-                self._flying[pool.submit(task)] = task
+                self._flying[pool.submit(task, team)] = task, team
             except BrokenExecutor:
-                self._queue.appendleft(task)
+                self._suspects.appendleft(task)
                 self._suspect(pool)
 
     def _begin(self, group: Sequence[int]) -> None:
@@ -147,26 +157,27 @@ class RunLoop:
         except ContactError as error:
             self._fail(number, str(error))
             return
+        tasks: list[Task] = []
         for piece in pieces:
             key = piece.identity, piece.key
             if key in self._wanting:
                 self._wanting[key].append(number)
             else:
                 self._wanting[key] = [number]
-                self._queue.append(Task(key, solve_piece, (piece, self._pieces), piece))
+                tasks.append(Task(key, solve_piece, (piece, self._pieces), piece))
                 self._bar.grow(piece.cost if piece.kind != "pass" else 0.0)
-        if pieces:
-            return
-        del self._results[number]
-        if task is None:
-            self._finished(number)
-        else:
-            self._wanting[task.key] = [number]
-            self._queue.appendleft(task)  # it frees the memory of its run
+        if not pieces:
+            del self._results[number]
+            if task is None:
+                self._finished(number)
+            else:
+                self._wanting[task.key] = [number]
+                tasks.append(task)  # it frees the memory of its run
+        self._backlog.put(self._surfaces[number], tasks)
 
     def _collect(self, future: Future[Any], pool: Pool) -> bool:
         """Take the value of a task; return false where the pool broke."""
-        task, reason = self._flying[future], ""
+        (task, _), reason = self._flying[future], ""
         try:
             value = future.result()
             if value is None and task.piece is not None:  # its file holds the arrays
@@ -211,10 +222,10 @@ class RunLoop:
     def _suspect(self, pool: Pool) -> None:
         """Rebuild a broken pool; each task in hand is done again, alone."""
         progress.line(LOST)
-        for task in self._flying.values():
+        for task, _ in self._flying.values():
             self._breaks[task.key] += 1
             if self._breaks[task.key] < MOST_BREAKS:
-                self._queue.appendleft(task)
+                self._suspects.appendleft(task)
             else:
                 for number in self._wanting.pop(task.key, []):
                     self._fail(number, KILLED)

@@ -13,7 +13,7 @@ import pickle
 import socket
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 CONNECT_SECONDS = 10.0
 COUNT_SECONDS = 5.0  # between two counts of the workers of a cluster
+MOST_TEAMS = 24  # each needs seven open files, of which some systems allow 256
 PORT = 8786  # of a scheduler whose address names none
 
 
@@ -54,9 +55,12 @@ class Task:
 class Pool(ExitStack):
     """Place where tasks are done, used as a context; this one does each at once in this process.
 
-    slots : int. Number of tasks that may be in hand at the same time.
+    teams : mapping. Number of processes by the name of their team. The processes of a team take the
+        tasks that the team has in hand in turn.
+    slots : int. Number of tasks per process that may be in hand at the same time.
     """
 
+    teams: Mapping[Any, int] = {0: 1}
     slots = 1
     _is_told = False  # that a process compiles
 
@@ -78,8 +82,8 @@ class Pool(ExitStack):
                 self.callback(compiler.wait)
                 self.callback(compiler.kill)  # before the wait; kernels that are done stay
 
-    def submit(self, task: Task) -> Future[Any]:
-        """Hand out a task."""
+    def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
+        """Hand out a task to a team."""
         future: Future[Any] = Future()
         try:
             future.set_result(task.function(*task.arguments))
@@ -117,11 +121,16 @@ class LocalPool(Pool):
     """Pool of processes of this machine that end with this process.
 
     The processes do not import the main module, so scripts need no `__main__` guard.
+
+    workers : int. Number of processes.
+    teams : int. Number of teams that they make up.
     """
 
-    def __init__(self, workers: int) -> None:
+    slots = 2
+
+    def __init__(self, workers: int, teams: int = 1) -> None:
         super().__init__()
-        self._workers, self.slots = workers, 2 * workers
+        self.teams = {team: (workers + team) // teams for team in range(teams)}
 
     def __enter__(self) -> Self:
         self.enter_context(_worker_environment())
@@ -135,21 +144,25 @@ class LocalPool(Pool):
 
         context = get_context("loky")
         self._compiles = context.Event()
-        self._pool = ProcessPoolExecutor(
-            self._workers,
-            context=context,
-            initializer=worker.begin,
-            initargs=(os.getpid(), self._compiles),
-        )
+        self._pools = {
+            team: ProcessPoolExecutor(
+                processes,
+                context=context,
+                initializer=worker.begin,
+                initargs=(os.getpid(), self._compiles),
+            )
+            for team, processes in self.teams.items()
+        }
 
     def _stop(self) -> None:
-        self._pool.shutdown(wait=True, kill_workers=True)
+        for pool in self._pools.values():
+            pool.shutdown(wait=True, kill_workers=True)
 
-    def submit(self, task: Task) -> Future[Any]:
-        """Hand a task to a process, which stores a piece in its file rather than to send it."""
+    def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
+        """Hand a task to a team, which stores a piece in its file rather than to send it."""
         has_file = task.function is worker.solve_piece and task.arguments[1] is not None
         function = worker.store_piece if has_file else task.function
-        future: Future[Any] = self._pool.submit(function, *task.arguments)
+        future: Future[Any] = self._pools[team].submit(function, *task.arguments)
         return future
 
     def rebuild(self) -> None:
@@ -164,8 +177,12 @@ class LocalPool(Pool):
 
 
 def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
-    """Return a pool for scenes; 0 workers: one per core. One piece needs this process only."""
+    """Return a pool for scenes; 0 workers: one per core. One piece needs this process only.
+
+    Scenes with one surface need one team.
+    """
     from rolling.marches.piece import track_pieces
+    from rolling.surface.scene_surface import identity
 
     pieces = sum(len(track_pieces(scene.track.solved_steps)) for scene in scenes)
     workers = min(workers or cost.cores(), pieces)
@@ -184,14 +201,19 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
             file=sys.stderr,
         )
         return Pool()
-    return LocalPool(workers)
+    surfaces = len({identity(scene) for scene in scenes})
+    return LocalPool(workers, min(workers, surfaces, MOST_TEAMS))
 
 
 class Cluster(Pool):
     """Pool of the workers of a Dask scheduler, which share the run folder with this process.
 
+    Each worker is a team, by its address.
+
     address : str. Address of the scheduler, or the name of its scheduler file.
     """
+
+    slots = 2
 
     def __init__(self, address: str) -> None:
         super().__init__()
@@ -238,14 +260,15 @@ class Cluster(Pool):
             raise SceneError([f"--cluster: {self.address}: all workers must run {own}\n{lines}"])
 
     def _count(self) -> None:
-        """Count the workers, of which each has two slots."""
+        """Count the workers; without any, tasks wait at the scheduler for the next one."""
         workers = self._client.scheduler_info(n_workers=-1)["workers"]
-        self.slots, self._counted = 2 * max(1, len(workers)), time.monotonic()
+        self.teams, self._counted = dict.fromkeys(workers or self.teams, 1), time.monotonic()
 
-    def submit(self, task: Task) -> Future[Any]:
+    def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
         """Hand a task to the scheduler, which gives it to another worker if one is killed."""
-        content = pickle.dumps((task.function, task.arguments))
-        future: Future[Any] = self._executor.submit(worker.act, content, program.identity())
+        content = pickle.dumps((task.function, task.arguments)), program.identity()
+        preferred = {"workers": [team], "allow_other_workers": True}
+        future: Future[Any] = self._executor.submit(worker.act, *content, **preferred)
         return future
 
     def rebuild(self) -> None:

@@ -3,8 +3,9 @@
 `python tests/benchmarks/core_study.py [--seeds 4] [--pieces 6]` runs a short sweep in this process,
 measures its parts, and simulates two workers, whose time it measures as well. It then simulates
 `--many` seeds with as many pieces as a second of sound has, on 64 and 1,000 cores, the latter in
-one pool and as parts of 64 cores (`rolling run --part`). A worker makes the surface of each seed
-that it meets; one process hands out all pieces of its pool.
+one pool and as parts of 64 cores (`rolling run --part`). One process hands out all pieces of its
+pool, as the program does (`rolling.run.backlog`). A process makes the surface of each seed that it
+meets, also for the files of a run, and keeps the last one.
 """
 
 from __future__ import annotations
@@ -30,14 +31,15 @@ import numpy as np
 import pandas as pd
 
 from rolling import cli
+from rolling.run.backlog import Backlog
 from rolling.run.executor import RunLoop
-from rolling.run.pools import Pool, Task
+from rolling.run.pools import MOST_TEAMS, LocalPool, Pool, Task
 from rolling.surface.scene_surface import heights
 
 QUICKSTART = Path(__file__).parents[2] / "scenarios" / "quickstart.yaml"
 PIECE_M, SPEED_M_S = 400e-6, 0.1  # of the quickstart: 200 steps of a node
 SECOND = round(SPEED_M_S / PIECE_M)  # pieces of a second of sound
-PART = 64  # cores of a part
+PART = 64  # cores of a part, and most cores of a machine; more have a team each in a cluster
 
 
 @dataclass(frozen=True)
@@ -77,13 +79,13 @@ def clocked(record: list[tuple[str, float]]):
     """Record the seconds of each task of a pool in this process, and of the loop around them."""
     submit, run = Pool.submit, RunLoop.run
 
-    def timed_submit(pool: Pool, task: Task) -> Any:
+    def timed_submit(pool: Pool, task: Task, *team: Any) -> Any:
         began = time.perf_counter()
         if task.piece is not None:
             heights(task.piece.scene)
             record.append(("surface", time.perf_counter() - began))
             began = time.perf_counter()
-        future = submit(pool, task)
+        future = submit(pool, task, *team)
         kind = "finish" if task.piece is None else "piece"
         record.append((kind, time.perf_counter() - began))
         return future
@@ -136,34 +138,45 @@ def start_of_worker(folder: Path) -> float:
 
 def simulate(costs: Costs, seeds: int, pieces: int, cores: int) -> dict[str, float]:
     """Simulate a sweep on so many workers of one pool; return wall time [s] and shares of it."""
-    rng, length = np.random.default_rng(1), pieces * PIECE_M
-    queue = deque((run, "piece") for run in range(seeds) for _ in range(pieces))
-    pending: deque[tuple[float, int, str]] = deque()  # handed out, by the time
+    rng, surface = np.random.default_rng(1), costs.surface * pieces * PIECE_M
+    pool = LocalPool(cores, min(cores, seeds, MOST_TEAMS) if cores <= PART else cores)
+    backlog = Backlog((run, (run, "begin")) for run in range(seeds))
     lacking = Counter(dict.fromkeys(range(seeds), pieces))
-    idle = [(costs.start, worker) for worker in range(cores)]  # with the time since when
-    flying: list[tuple[float, int, int, str]] = []
-    known: list[set[int]] = [set() for _ in range(cores)]
+    in_hand, last = Counter[Any](), dict[tuple[Any, int], int]()
+    # Processes of each team with the time since when they are idle, and tasks by the time.
+    idle = {team: [(costs.start, number) for number in range(n)] for team, n in pool.teams.items()}
+    waiting = {team: deque[tuple[float, int, str]]() for team in pool.teams}
+    flying: list[tuple[float, Any, int, int, str]] = []
     now = main = main_busy = work = surfaces = 0.0
-    while queue or pending or flying:
-        while queue and len(pending) + len(flying) < 2 * cores:
+
+    def start(team: Any) -> None:
+        nonlocal work, surfaces
+        while waiting[team] and idle[team]:
+            (since, number), (handed, run, kind) = heappop(idle[team]), waiting[team].popleft()
+            taken = float(rng.choice(costs.pieces)) if kind == "piece" else costs.finish
+            made = 0.0 if last.get((team, number)) == run else surface
+            last[team, number] = run
+            work, surfaces = work + taken, surfaces + made
+            heappush(flying, (max(since, handed) + taken + made, team, number, run, kind))
+
+    while backlog or flying:
+        while item := backlog.take(pool.teams, in_hand, pool.slots):
+            team, (run, kind) = item
+            if kind == "begin":
+                backlog.put(run, [(run, "piece")] * pieces)
+                continue
             main = max(main, now) + costs.loop
             main_busy += costs.loop
-            pending.append((main, *queue.popleft()))
-        while pending and idle:
-            (since, worker), (handed, run, kind) = heappop(idle), pending.popleft()
-            taken = float(rng.choice(costs.pieces)) if kind == "piece" else costs.finish
-            work += taken
-            if kind == "piece" and run not in known[worker]:
-                known[worker].add(run)
-                surfaces += costs.surface * length
-                taken += costs.surface * length
-            heappush(flying, (max(since, handed) + taken, worker, run, kind))
-        now, worker, run, kind = heappop(flying)
-        heappush(idle, (now, worker))
-        if kind == "piece":
-            lacking[run] -= 1
-            if not lacking[run]:
-                queue.appendleft((run, "finish"))
+            in_hand[team] += 1
+            waiting[team].append((main, run, kind))
+            start(team)
+        now, team, number, run, kind = heappop(flying)
+        in_hand[team] -= 1
+        heappush(idle[team], (now, number))
+        start(team)
+        lacking[run] -= kind == "piece"
+        if kind == "piece" and not lacking[run]:
+            backlog.put(run, [(run, "finish")])
     return {
         "cores": cores,
         "wall s": now,

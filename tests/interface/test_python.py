@@ -250,9 +250,9 @@ def test_compilation_is_said_once_unless_silence_is_asked_for(
     """A first run in a script compiles for a minute, and its terminal says so."""
     submit = pools.Pool.submit
 
-    def compiling(pool: pools.Pool, task: pools.Task) -> Any:
+    def compiling(pool: pools.Pool, task: pools.Task, team: int) -> Any:
         terminal_progress.compiling()
-        return submit(pool, task)
+        return submit(pool, task, team)
 
     monkeypatch.setattr(terminal_progress._voice, "has_told_compiling", False)
     monkeypatch.setattr(pools.Pool, "submit", compiling)
