@@ -217,16 +217,43 @@ def ranges_of_line(
 def move_edges(system, slack):
     """Move the edges of the candidates to the place that the present gaps give them.
 
-    The edge of a node beside a node that is no candidate stays, and so does an edge that would move
-    by less than `slack` [m].
+    Edges that would move by less than `slack` [m] stay. Returns the maximum change of a gap [m].
     """
     p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
-    edge, between_nodes, field, levelled, share = system.edges
-    place, row_length = system.stencil.node, system.stencil.row_length
+    edge, between_nodes, field = system.edges.edge, system.edges.between_nodes, system.edges.field
+    place = system.stencil.node
     for k in range(p.size):
         field[place[k]] = g[k] + edge[k] - compliance[k] * p[k] + between_nodes[k]
+    return follow_field(system, slack)
+
+
+@njit(cache=True, inner=True)
+def lead_edges(system):
+    """Move the edges of the candidates to the place that the gaps of the model give them."""
+    p, compliance, place = system.nodes.p, system.nodes.compliance, system.stencil.node
+    edge, between_nodes, field = system.edges.edge, system.edges.between_nodes, system.edges.field
+    gap, softness = system.model.gap.reshape(-1), 1.0 / system.model.stiffness
+    for k in range(p.size):
+        at = place[k]
+        # The gap of the model leaves changes by compliance out.
+        field[at] = softness * gap[at] + edge[k] - compliance[k] * p[k] + between_nodes[k]
+    follow_field(system, 0.0)
+
+
+@njit(cache=True, inner=True)
+def follow_field(system, slack):
+    """Move the edges of the candidates to the place that the field of gaps gives them.
+
+    The edge of a node beside a node that is no candidate stays, and so does an edge that would move
+    by less than `slack` [m]. The gaps of the candidates and of the model follow the edges. Returns
+    the maximum change of a gap [m].
+    """
+    p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
+    edge, _, field, levelled, share = system.edges
+    place, row_length = system.stencil.node, system.stencil.row_length
     per_hardness = 2.0 / system.limits.hardness
     left, stiffness = system.model.softening.reshape(-1), system.model.stiffness
+    gap, highest = system.model.gap.reshape(-1), 0.0
     for k in range(p.size):
         at = place[k]
         along = field[at + row_length] - field[at - row_length]
@@ -235,7 +262,11 @@ def move_edges(system, slack):
             moved = share * half_range(along, across, levelled)
             if abs(moved - edge[k]) <= slack:  # most often both are zero
                 continue
-            g[k] += (edge[k] - moved) * (1.0 - per_hardness * p[k])
+            lift = (edge[k] - moved) * (1.0 - per_hardness * p[k])
+            highest = max(highest, abs(lift))
+            g[k] += lift
+            gap[at] += stiffness * lift
             edge[k] = moved
             compliance[k] = per_hardness * moved
             left[at] = 1.0 / (1.0 + compliance[k] * stiffness)
+    return highest

@@ -14,6 +14,7 @@ import numpy as np
 from rolling.contact._candidate_kernels import move_edges
 from rolling.contact._condition_kernels import approach_of, project, sum_of
 from rolling.contact._model_kernels import (
+    EDGES_LEAD,
     extrapolate,
     fill,
     follow_model,
@@ -259,14 +260,15 @@ def advance(system, direction, nearly):
 
 
 @njit(cache=True, inner=True)
-def finish(system, approach, last, sweeps):
+def finish(system, approach, last, sweeps, edges_lead):
     """Take a last whole step by the model, which needs no convolution before the final check.
 
-    The grid of the model holds the present state. Returns the sum of the pressures, which carry the
-    load, or 0 where no such step descends.
+    The grid of the model holds the present state. Its gaps move the edges ahead of the step if
+    `edges_lead`. Returns the sum of the pressures, which carry the load, or 0 where no such step
+    descends.
     """
     nodes, limits = system.nodes, system.limits
-    settle(system, sweeps)
+    settle(system, sweeps, edges_lead)
     free, bound = sort_nodes(system)
     following, _ = model_direction(system, approach, last, free, bound)
     if not following.slope < 0.0:
@@ -294,8 +296,7 @@ def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move, finish
     system, direction = unpack(packed), Direction(*direction)
     nodes, limits, work = system.nodes, system.limits, system.work
     alpha = advance(system, direction, nearly) if direction.slope < 0.0 else 1.0
-    if edges_move:
-        move_edges(system, EDGE_SLACK * allowed)
+    lift = move_edges(system, EDGE_SLACK * allowed) if edges_move else 0.0
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
     length = direction.length * min(max(alpha, 0.5), 2.0)
     plain = alpha < LEAST_STEP
@@ -304,14 +305,14 @@ def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move, finish
         length = min(max(length, SHORTEST), 1.0)
         last = Direction(direction.slope, direction.longest, direction.zr, length)
         worst, free, bound, restarts, following = follow_model(
-            system, approach, last, allowed, sweeps
+            system, approach, last, allowed, sweeps, lift
         )
         if worst <= allowed or following.slope < 0.0:
             load = 0.0
             if worst > allowed:
                 scatter(system.transform, work.d)
             elif finishing:
-                load = finish(system, approach, following, sweeps)
+                load = finish(system, approach, following, sweeps, lift > EDGES_LEAD * worst)
             return (approach, worst, free, bound, restarts, 0, load), tuple_of(following)
         length = 1.0
         direction = Direction(0.0, 0.0, 0.0, length)
@@ -355,7 +356,7 @@ def lead(packed, p, u, p_before, u_before, offset, block, sweeps):
     approach = extrapolate(model, nodes, limits.hardness, present, p, u, before, block, *scratch)
     model.gap[:] -= np.float32((approach - present) * model.stiffness)
     know_far_field(model, system.far)
-    settle(system, sweeps)
+    settle(system, sweeps, True)
     free, bound = sort_nodes(system)
     work.r_before[:] = 0.0
     sets = Sets(work.active, free, bound)

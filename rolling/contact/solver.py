@@ -21,7 +21,16 @@ import numpy as np
 from acoustics.arrays import Array, instance, positive, real_array, short_repr
 from acoustics.numbers import rounded
 from rolling.contact import _condition_kernels, _window_kernels
-from rolling.contact._descent import AIM, AIM_FIRST, BlendedEdges, Candidates, Descent, Effort, Goal
+from rolling.contact._descent import (
+    AIM,
+    AIM_FIRST,
+    AIM_FIRST_BLENDED,
+    BlendedEdges,
+    Candidates,
+    Descent,
+    Effort,
+    Goal,
+)
 from rolling.contact._system import Limits, Sets
 from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
@@ -375,10 +384,11 @@ class _Solve:
         if edges is not None:
             edges.find(u if before is None else _extrapolated(u, before))
         near, seen = NEAR if start.close else np.inf, 0
+        first = AIM_FIRST if edges is None else AIM_FIRST_BLENDED
         effort, exhausted, carried = Effort(), False, False
         while True:
             g, (approach, u_max, worst) = _state(gap, u, p, edges, limits, fresh)
-            goal = Goal(self.tolerance, u_max, AIM if effort.rounds else AIM_FIRST)
+            goal = Goal(self.tolerance, u_max, AIM if effort.rounds else first)
             accurate = fresh and worst <= goal.allowed
             if accurate and (carried or abs(p.sum() / limits.total - 1) <= 1e-12):
                 edge, share = (None, 0.0) if edges is None else (edges.edge, edges.share)
