@@ -263,20 +263,38 @@ def deform(gap, u, p, edge, hardness, g):
     return strange
 
 
+@njit(cache=True, fused=True, inner=True)
+def raise_to(values, maxima):
+    """Raise maxima to as many values."""
+    for k in range(maxima.size):
+        maxima[k] = max(maxima[k], values[k])
+
+
+@njit(cache=True, inner=True)
+def maximum_of(values):
+    """Return the maximum of values, at least 0."""
+    maxima = np.zeros(MAXIMA)
+    for k in range(0, values.size, MAXIMA):
+        last = min(k + MAXIMA, values.size)
+        raise_to(values[k:last], maxima[: last - k])
+    return maxima.max()
+
+
 @njit(cache=True)
 def state_of(gap, u, p, edge, hardness, g, fresh):
-    """Return approach [m] and maximum violation [m] of a state.
+    """Return approach, maximum deflection and maximum violation [m] of a state.
 
     The state has undeformed gaps, deflections u and pressures p, as flat arrays. Its deformed gaps
     before the approach is subtracted go into g [m] (see `deform`). The violation of the contact
-    conditions is infinite where numbers are not finite, and unless the deflections are `fresh`.
+    conditions is infinite where numbers are not finite, and unless the deflections are `fresh`;
+    the maximum deflection is not a number where the gaps are none.
     """
     strange = deform(gap, u, p, edge, hardness, g)
     approach = approach_of(p, g, hardness)
-    if strange or not fresh:
-        return approach, np.inf
-    worst, _ = worst_and_load(p, g, approach, hardness)
-    return approach, worst
+    if strange:
+        return approach, np.nan, np.inf
+    worst, _ = worst_and_load(p, g, approach, hardness) if fresh else (np.inf, 0.0)
+    return approach, maximum_of(u), worst
 
 
 @njit(cache=True)

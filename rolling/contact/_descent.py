@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,8 +66,7 @@ class Effort:
         return SWEEPS if self.iterations < MODELLED and not self.stuck else 0
 
 
-@dataclass(frozen=True)
-class Candidates:
+class Candidates(NamedTuple):
     """Nodes of a window that may be in contact, as flat indices, and their block."""
 
     node: NDArray[np.int64]
@@ -121,8 +121,7 @@ class BlendedEdges:
         return difference
 
 
-@dataclass(frozen=True)
-class Goal:
+class Goal(NamedTuple):
     """Violation of the contact conditions that a descent leaves, a share of the allowed violation.
 
     The tolerance is the maximum allowed violation over the maximum deflection `u_max` [m].

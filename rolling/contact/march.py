@@ -7,7 +7,7 @@ quasi-static contact depends on its position, not on its speed.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -106,8 +106,7 @@ def march(
         yield state
 
 
-@dataclass(frozen=True)
-class _Problem:
+class _Problem(NamedTuple):
     """Contact to be solved at position k on a window that holds the overlap up to an approach."""
 
     contact: RollingContact
@@ -137,7 +136,7 @@ class _Problem:
         if overlap is None or self.window.covers(overlap):
             return None
         window = _room([self.window, overlap], self.contact.subcells)
-        return replace(self, window=window, gap=self.contact.gap(self.k, window))
+        return self._replace(window=window, gap=self.contact.gap(self.k, window))
 
 
 def _solve(
@@ -261,9 +260,9 @@ def _towards_the_sphere(
 ) -> tuple[float, Array]:
     """Find the best share of sphere-fixed pressures and mix them with plate-fixed pressures."""
     nodes = round(contact.step / contact.spacing)
-    moved_on = replace(state.window, row=state.window.row + nodes)
+    moved_on = state.window._replace(row=state.window.row + nodes)
     if nodes * contact.spacing != contact.step or not window.covers(
-        replace(state.loaded, row=state.loaded.row + nodes)
+        state.loaded._replace(row=state.loaded.row + nodes)
     ):
         return 0.0, start
     offset = state.window.row - window.row, state.window.column - window.column

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import inf, isfinite
+from typing import NamedTuple
 
 import numpy as np
 
@@ -131,8 +132,7 @@ class Contact:
         )
 
 
-@dataclass(frozen=True)
-class Previous:
+class Previous(NamedTuple):
     """Contact before the start, on a window that begins at a node (row, column) of the solve's."""
 
     pressure: Array
@@ -297,7 +297,7 @@ def solve_contact(
         given["start.pressure"] = pressure = real_array("start.pressure", start.pressure, 2)
         if (deflection := start.deflection) is not None:
             given["start.deflection"] = deflection = real_array("start.deflection", deflection, 2)
-        start = replace(start, pressure=pressure, deflection=deflection)
+        start = replace(start, pressure=pressure.copy(), deflection=deflection)
     for name, array in given.items():
         if array is not None and array.shape != gap.shape:
             allowed = f"allowed: the shape of gap, {gap.shape}"
@@ -315,7 +315,10 @@ def solve(
     tolerance: float,
     single: bool,
 ) -> Contact:
-    """Solve one contact as `solve_contact`, whose checks it leaves out."""
+    """Solve one contact as `solve_contact`, whose checks it leaves out.
+
+    The pressure of the start becomes that of the solution.
+    """
     start = start or _cold_start(half_space, gap, load, hardness)
     limits = Limits(float(hardness), float(load / half_space.spacing**2))
     gap = np.ascontiguousarray(gap, dtype=float)
@@ -323,8 +326,7 @@ def solve(
     return problem.converge(start) if shape is None else problem.blend(start, shape)
 
 
-@dataclass(frozen=True)
-class _Solve:
+class _Solve(NamedTuple):
     """Contact to be solved from a start, with sharp or with blended edges."""
 
     half_space: HalfSpace
@@ -377,7 +379,7 @@ class _Solve:
     def converge(self, start: WarmStart, edges: BlendedEdges | None = None) -> Contact:
         """Iterate from a start until the contact conditions hold."""
         half_space, gap, limits = self.half_space, self.gap, self.limits
-        p, u, before = np.array(start.pressure, dtype=float), start.deflection, start.previous
+        p, u, before = start.pressure, start.deflection, start.previous
         fresh = u is None
         if u is None:
             u = half_space.deflect(p)
@@ -438,7 +440,7 @@ class _Solve:
 
 def _continued(contact: Contact) -> WarmStart:
     """Start from the solution of the same contact with other edges."""
-    return WarmStart(contact.pressure, contact.deflection, close=True)
+    return WarmStart(contact.pressure.copy(), contact.deflection, close=True)
 
 
 def _extrapolated(deflection: Array, previous: Previous) -> Array:
@@ -460,8 +462,7 @@ def _state(
     """
     g = np.empty_like(gap)
     edge = _NO_EDGE if edges is None else edges.edge.ravel()
-    u_max = float(u.max())
-    approach, worst = _condition_kernels.state_of(
+    approach, u_max, worst = _condition_kernels.state_of(
         gap.ravel(), u.ravel(), p.ravel(), edge, limits.hardness, g.ravel(), fresh
     )
     if not isfinite(approach) or not 0 < u_max < inf or (fresh and worst == inf):

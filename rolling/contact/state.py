@@ -14,8 +14,7 @@ from acoustics.arrays import Array, finite, positive, real_array
 from rolling.contact import _window_kernels
 
 
-@dataclass(frozen=True)
-class Window:
+class Window(NamedTuple):
     """Block of nodes on the unrolled plate.
 
     Parameters
@@ -34,9 +33,12 @@ class Window:
     @classmethod
     def around(cls, windows: Sequence[Window]) -> Window:
         """Return the minimum window that covers all given windows."""
-        row, column = min([w.row for w in windows]), min([w.column for w in windows])
-        end = max([w.row + w.rows for w in windows])
-        column_end = max([w.column + w.columns for w in windows])
+        row, column, rows, columns = windows[0]
+        end, column_end = row + rows, column + columns
+        for first, first_column, rows, columns in windows[1:]:
+            row, column = min(row, first), min(column, first_column)
+            end = max(end, first + rows)
+            column_end = max(column_end, first_column + columns)
         return cls(row, column, end - row, column_end - column)
 
     def covers(self, other: Window) -> bool:
@@ -54,6 +56,8 @@ class Window:
 
     def whole(self, subcells: int) -> Window:
         """Widen the window to whole cells of so many nodes along and across."""
+        if subcells == 1:
+            return self
         row, column = self.row // subcells * subcells, self.column // subcells * subcells
         rows = -(-(self.row + self.rows - row) // subcells) * subcells
         columns = -(-(self.column + self.columns - column) // subcells) * subcells
