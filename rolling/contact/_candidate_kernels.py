@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from rolling.contact._system import BORDER
+from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import njit
 
 # Strips are so many nodes long, or a multiple of them, because shorter loops are not vectorized. A
@@ -43,7 +44,7 @@ def mark_low(p, g, highest, marks):
 def mark_neighbours(marks, row, near):
     """Mark the marked nodes of a window with rows of `row` nodes, and the neighbours of each."""
     nodes = near.size
-    near[:] = marks
+    copy_line(marks, near)
     or_line(marks[: nodes - row], near[row:])
     or_line(marks[row:], near[: nodes - row])
     for first in range(0, nodes, row):

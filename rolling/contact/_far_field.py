@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from rolling.contact._system import BORDER
+from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import njit
 from rolling.contact.half_space import love
 
@@ -340,7 +341,7 @@ def answer(far):
     answers = loads  # from here on
     answers[:] = 0.0
     direction[:] = 0.0
-    residual[:] = field
+    copy_line(field, residual)
     before, first = 0.0, 0.0
     for _ in range(ITERATIONS):
         mean = mean_of(stiffness, residual)

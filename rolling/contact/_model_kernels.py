@@ -20,7 +20,7 @@ from rolling.contact._candidate_kernels import lead_edges
 from rolling.contact._condition_kernels import approach_of, project, worst_and_load
 from rolling.contact._far_field import answer, mark_free, prolong, restrict
 from rolling.contact._system import BORDER, Direction, Sets
-from rolling.contact._window_kernels import shared
+from rolling.contact._window_kernels import copy_line, shared
 from rolling.contact.compiling import njit
 
 # Sweeps that settle the model after its far field is known, and further sweeps after its edges
@@ -77,7 +77,7 @@ def extrapolate(model, nodes, hardness, present, p, u, before, block, pressure, 
     for i in range(rows):
         here = block[0] + i
         changed, opened = change[i + BORDER, BORDER:], gap[i + BORDER, BORDER:]
-        changed[:columns] = p[here, first : first + columns]
+        copy_line(p[here, first : first + columns], changed[:columns])
         if row <= here < row + p_before.shape[0]:
             add_changes(
                 p[here, a:b],
@@ -229,7 +229,7 @@ def settle(system, sweeps, edges_lead):
     settle_model(system.model, sweeps)
     add_far_field(system.model, system.far, system.transform.unit)
     last = LAST_SWEEPS
-    if edges_lead and system.nodes.compliance.size and system.influence.coefficients.size:
+    if edges_lead and system.influence.coefficients.size:
         lead_edges(system)
         last += EDGE_SWEEPS
     settle_model(system.model, last)

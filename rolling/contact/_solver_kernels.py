@@ -25,6 +25,7 @@ from rolling.contact._model_kernels import (
     sort_nodes,
 )
 from rolling.contact._system import Direction, Sets, unpack
+from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import njit
 
 # After a step length alpha below it the direction is dropped, because nodes that were put on a
@@ -202,7 +203,7 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
             # The projection descends only if the factor is the same for all nodes.
             trial[k] = p[k] - length * stencil.stiffness * (g[k] - approach)
         slope, longest = project(p, g, approach, trial, Sets(active, p.size, 0), limits, d)
-    r_before[:] = r
+    copy_line(r, r_before)
     return Direction(slope, longest, zr, length), restarts, plain_steps
 
 
@@ -356,7 +357,7 @@ def lead(packed, p, u, p_before, u_before, offset, block, sweeps):
     approach = extrapolate(model, nodes, limits.hardness, present, p, u, before, block, *scratch)
     model.gap[:] -= np.float32((approach - present) * model.stiffness)
     know_far_field(model, system.far)
-    settle(system, sweeps, True)
+    settle(system, sweeps, nodes.compliance.size > 0)
     free, bound = sort_nodes(system)
     work.r_before[:] = 0.0
     sets = Sets(work.active, free, bound)
@@ -379,7 +380,7 @@ def carry_load(packed, approach):
     free = list_inside(nodes.p, limits.hardness, work.active)
     if free == 0:
         return sum_of(nodes.p)
-    work.trial[:] = nodes.p
+    copy_line(nodes.p, work.trial)
     sets = Sets(work.active, free, 0)
     slope, _ = project(nodes.p, nodes.g, approach, work.trial, sets, limits, work.d)
     if slope < np.inf:

@@ -13,6 +13,13 @@ from rolling.contact.compiling import njit
 STRETCH = 16  # nodes of a row whose maximum height is known
 
 
+@njit(cache=True, inner=True)
+def copy_line(source, target):
+    """Copy values; an assignment to a slice would take seconds to compile."""
+    for k in range(target.size):
+        target[k] = source[k]
+
+
 @njit(cache=True)
 def undeformed_gap(heights, spacing, radius, radius_across, x, y, row, column, out):
     """Set `out` to the undeformed gap on the window that begins at node (row, column).
@@ -209,7 +216,8 @@ def extrapolate(u, u_before, row, column, out):
     unknown, `out` is u.
     """
     a, b = shared(column, u_before.shape[1], 0, u.shape[1])
-    out[:] = u
+    for i in range(u.shape[0]):
+        copy_line(u[i], out[i])
     first, last = shared(row, u_before.shape[0], 0, u.shape[0])
     for i in range(first, last):
         extrapolate_line(u[i, a:b], u_before[i - row, a - column : b - column], out[i, a:b])
@@ -233,7 +241,7 @@ def copy_block(source, target, row_offset, column_offset):
     end = max(first, min(source.shape[1], target.shape[1] - column_offset))
     for i in range(max(0, -row_offset), min(source.shape[0], target.shape[0] - row_offset)):
         line = target[i + row_offset, first + column_offset : end + column_offset]
-        line[:] = source[i, first:end]
+        copy_line(source[i, first:end], line)
 
 
 AT_ONCE = 16  # nodes whose sum tells whether any of them is loaded
