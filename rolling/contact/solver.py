@@ -25,7 +25,7 @@ from rolling.contact import _condition_kernels, _window_kernels
 from rolling.contact._descent import (
     AIM,
     AIM_FIRST,
-    AIM_FIRST_BLENDED,
+    AIM_FIRST_LED,
     BlendedEdges,
     Candidates,
     Descent,
@@ -386,7 +386,8 @@ class _Solve(NamedTuple):
         if edges is not None:
             edges.find(u if before is None else _extrapolated(u, before))
         near, seen = NEAR if start.close else np.inf, 0
-        first = AIM_FIRST if edges is None else AIM_FIRST_BLENDED
+        edges_lead = edges is not None and half_space.subcells == 1
+        first = AIM_FIRST_LED if edges_lead else AIM_FIRST
         effort, exhausted, carried = Effort(), False, False
         while True:
             g, (approach, u_max, worst) = _state(gap, u, p, edges, limits, fresh)
