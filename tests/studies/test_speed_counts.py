@@ -19,7 +19,7 @@ from rolling.contact.state import Window
 from rolling.surface.contact_of_scene import rolling_contact
 
 GUARDS = {  # most iterations and convolutions per step: what was measured and 15 %
-    "scene": (3.8, 5.0),
+    "scene": (2.8, 4.1),
     "scene, whole cells": (2.6, 3.7),
     "A": (3.9, 5.1),
     "B": (4.2, 5.5),
