@@ -27,9 +27,9 @@ from rolling.contact.compiling import njit
 # moved.
 LAST_SWEEPS = 1
 EDGE_SWEEPS = 1
-# The gaps of the model move the edges ahead of a step where the step before moved them so that a gap
-# changed by more than this share of its violation. Moved ahead of all steps, they save 2 % more of
-# the convolutions at Ra 0.1 um, but at Ra 0.01 um, where few edges matter, take 10 % more time.
+# The gaps of the model move the edges ahead of a step where the step before moved them so that a
+# gap changed by more than this share of its violation. Moved ahead of all steps, they save 2 % more
+# of the convolutions at Ra 0.1 um, but at Ra 0.01 um, where few edges matter, take 10 % more time.
 EDGES_LEAD = 0.35
 # Up to so many nodes jump to their bound at once. Each takes a pass over the nodes, and so many
 # passes take as long as a convolution.
