@@ -1,8 +1,8 @@
 """The time of a step over the width of its window, with a fit and the machine's limit.
 
-The script marches spheres over plates under loads whose windows are 40 to 1,000 nodes wide, writes
-step-cost.json and step-cost.md, draws step-cost.svg, and prints the table. It takes two minutes on
-a machine on which nothing else runs, `--quick` stops at 350 nodes.
+The script marches spheres over plates under loads whose windows are 40 to 2,000 nodes wide, writes
+step-cost.json and step-cost.md, draws step-cost.svg, and prints the tables. It takes five
+minutes on a machine on which nothing else runs, `--quick` stops at 350 nodes.
 
 python tests/benchmarks/step_cost.py [--quick] [--out FOLDER]
 python tests/benchmarks/step_cost.py --draw scenarios/pictures/step-cost.png    from the last json
@@ -15,6 +15,7 @@ import json
 import os
 import sys
 import time
+import tracemalloc
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -37,7 +38,7 @@ from rolling.surface.contact_of_scene import rolling_contact
 HERE = Path(__file__).parent
 QUICKSTART = HERE.parent.parent / "scenarios" / "quickstart.yaml"
 OUTPUTS = HERE.parent.parent / "outputs" / "benchmarks"
-WIDTHS = (40, 70, 110, 180, 350, 600, 1000)
+WIDTHS = (40, 70, 110, 180, 350, 600, 1000, 2000)
 ELASTIC, SHARP = "plate.hardness_gpa=null", "numerics.edges=sharp"
 WHOLE = (SHARP, "numerics.subcells=1")
 KINDS = {
@@ -65,6 +66,8 @@ class Cost:
         CPU time of a step with its release, lower quartile, and convolutions per step.
     bare : float
         Milliseconds of so many bare convolutions, one of them in double precision.
+    bytes_per_node : float
+        Maximum memory of the arrays of the march, its cold start included, per node of the window.
     """
 
     kind: str
@@ -72,6 +75,12 @@ class Cost:
     milliseconds: float
     convolutions: float
     bare: float
+    bytes_per_node: float
+
+    @property
+    def law(self) -> float:
+        """n^2 log n of the width n."""
+        return float(self.width**2 * np.log(self.width))
 
 
 def scene_of(kind: str, width: float) -> Scene | None:
@@ -107,10 +116,14 @@ def measure(kind: str, scene: Scene, width: int) -> Cost:
     steps = int(np.clip(4000 / width, 5, 40))
     states: list[ContactState] = []
     clock = []
+    tracemalloc.start()  # the first steps only: it takes time itself
     for state in march(contact, 0, FIRST + steps, half_space):
         if states:
             step_energy(states[-1], state, half_space)
         states = [*states[-1:], state]
+        if state.position == FIRST:
+            peak = tracemalloc.get_traced_memory()[1]
+            tracemalloc.stop()
         clock.append((time.thread_time(), state.convolutions, state.window))
     seconds = np.diff([t for t, *_ in clock])[FIRST:]
     counts = np.mean([count for _, count, _ in clock[1 + FIRST :]])
@@ -119,7 +132,8 @@ def measure(kind: str, scene: Scene, width: int) -> Cost:
     block = states[-1].loaded
     bare = bare_seconds(half_space, (windows[-1].rows, windows[-1].columns), False)
     bare += (counts - 1) * bare_seconds(half_space, (block.rows, block.columns), True)
-    return Cost(kind, wide, 1e3 * float(np.quantile(seconds, 0.25)), float(counts), 1e3 * bare)
+    step = 1e3 * float(np.quantile(seconds, 0.25))
+    return Cost(kind, wide, step, float(counts), 1e3 * bare, peak / wide**2)
 
 
 def bare_seconds(half_space: HalfSpace, nodes: tuple[int, int], single: bool) -> float:
@@ -138,27 +152,34 @@ def fit(costs: list[Cost], of: str = "milliseconds") -> tuple[float, float]:
     """Fit a power law; return the milliseconds at 100 nodes and the power."""
     x = np.log([c.width / 100 for c in costs])
     y = np.log([getattr(c, of) for c in costs])
-    power, at_100 = np.polyfit(x, y, 1)
+    power, at_100 = np.polyfit(x, y, 1) if len(costs) > 1 else (np.nan, y[0])
     return float(np.exp(at_100)), float(power)
 
 
 def table(costs: list[Cost]) -> str:
-    """Return the fits and times as a Markdown table with a row per kind."""
-    lines = [
-        "| scene | fit, n x n nodes | nodes | ms per step | of it bare transforms | convolutions |",
+    """Return the fits of the kinds and the rows of their widths as two Markdown tables."""
+    fits = [
+        "| scene | nodes | fit, n x n nodes | power of n^2 log n | of bare transforms |",
+        "|---|---|---|---|---|",
+    ]
+    rows = [
+        "| scene | nodes | ms per step | convolutions | over bare transforms | bytes per node |",
         "|---|---|---|---|---|---|",
     ]
     for kind in dict.fromkeys(c.kind for c in costs):
         mine = [c for c in costs if c.kind == kind]
         at_100, power = fit(mine)
-        columns = [
-            ", ".join(f"{c.width:.0f}" for c in mine),
-            ", ".join(f"{c.milliseconds:.{1 if c.milliseconds < 10 else 0}f}" for c in mine),
-            ", ".join(f"{100 * c.bare / c.milliseconds:.0f} %" for c in mine),
-            ", ".join(f"{c.convolutions:.1f}" for c in mine),
+        nodes = f"{mine[0].width:.0f} to {mine[-1].width:.0f}"
+        law, bare = fit(mine, "law")[1], fit(mine, "bare")[1]
+        fits.append(
+            f"| {kind} | {nodes} | {at_100:.1f} ms (n/100)^{power:.2f} | {law:.2f} | {bare:.2f} |"
+        )
+        rows += [
+            f"| {kind} | {c.width:.0f} | {c.milliseconds:.3g} | {c.convolutions:.1f}"
+            f" | {c.milliseconds / c.bare:.1f} | {c.bytes_per_node:.0f} |"
+            for c in mine
         ]
-        lines.append(f"| {kind} | {at_100:.1f} ms (n/100)^{power:.2f} | {' | '.join(columns)} |")
-    return "\n".join(lines) + "\n"
+    return "\n".join([*fits, "", *rows]) + "\n"
 
 
 def draw(costs: list[Cost], path: Path) -> None:
