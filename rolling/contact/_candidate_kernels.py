@@ -17,9 +17,7 @@ from rolling.contact.compiling import njit
 # further strip takes as long as some 20 nodes, so that strips closer than APART are joined.
 STRIP = 32
 APART = 16
-# Grids of fewer nodes stay in the cache, where strips save time only if few nodes are candidates.
-WIDE = 40_000
-SPARSE = 0.15  # of the nodes of a grid
+WIDE = 40_000  # nodes; smaller grids stay in the cache, where strips save nothing
 # The half range of gaps over a cell is at most so many times the range that pressures level.
 # Without this limit cliffs of many deflections made 2 % of random scenes too soft to converge.
 # Surfaces of Ra 1 um at 2.1 GPa hardly reach it: -29.3 and -29.2 dB without and with it.
@@ -100,12 +98,12 @@ def list_strips(place, rows, row, strips):
     """List the nodes near the candidates as strips of a grid that is passed as one long row.
 
     A move reaches two nodes along and across. Strips are multiples of STRIP nodes long, and strips
-    close to one another are joined. A grid of less than WIDE nodes is a single strip as a whole,
-    unless its candidates are SPARSE. The first node of each strip and the node after its last go
-    into `strips`; their number is returned.
+    close to one another are joined. A grid of less than WIDE nodes is a single strip as a whole.
+    The first node of each strip and the node after its last go into `strips`; their number is
+    returned.
     """
     first, last = 2 * row, (rows - 2) * row
-    if rows * row < WIDE and place.size > SPARSE * rows * row:
+    if rows * row < WIDE:
         strips[0, 0], strips[0, 1] = first, last
         return 1
     words = rows * row // 8 + 1
