@@ -39,7 +39,7 @@ AIM = 0.98
 # The first descent of a solve aims at this multiple, and at the second one where the model moves
 # edges. Its last step needs no convolution of its own and leaves a fifth of the violation.
 # Multiples of 5 take 0.1 convolutions less, but leave up to 3 dB more error of the release, and so
-# does a multiple of 3 where the model moves edges and the contact is 200 nodes wide.
+# does a multiple of 3 where the model moves edges and the window is 190 nodes wide (100 N).
 AIM_FIRST, AIM_FIRST_LED = 3.0, 2.5
 
 
