@@ -32,10 +32,23 @@ def or_line(line, out):
 
 
 @njit(cache=True, fused=True, inner=True)
-def mark_low(p, g, highest, marks):
-    """Mark the nodes that are loaded or lie lower than `highest` [m]."""
+def mark_near(p, g, hardness, lowest, highest, marks):
+    """Mark the nodes lower than `highest` [m] and the loaded nodes, but not those at rest.
+
+    At rest are nodes at the hardness lower than `lowest` [m].
+    """
     for k in range(p.size):
-        marks[k] = (p[k] > 0.0) | (g[k] < highest)
+        resting = (p[k] >= hardness) & (g[k] < lowest)
+        marks[k] = ((p[k] > 0.0) | (g[k] < highest)) & (not resting)
+
+
+@njit(cache=True, fused=True, inner=True)
+def resting_nodes(p, hardness, marks):
+    """Return the number of nodes at the hardness that are not marked."""
+    count = 0.0
+    for k in range(p.size):
+        count += 1.0 if (p[k] >= hardness) & (marks[k] == 0) else 0.0
+    return count
 
 
 @njit(cache=True, inner=True)
@@ -51,25 +64,26 @@ def mark_neighbours(marks, row, near):
 
 
 @njit(cache=True)
-def candidates(p, g, highest, neighbours, subcells, node):
-    """List the nodes of a window that are loaded or lie lower than `highest` [m].
+def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
+    """List the nodes of a window that may move: see `mark_near`.
 
     Their flat indices go into `node`. With `neighbours` the nodes along and across from them are
     listed, too.
 
-    Heights count before the approach is subtracted. Returns the number of candidates, and the first
-    row and column of their block and its numbers of rows and columns, in whole cells of so many
-    sub-cells along and across.
+    Heights count before the approach is subtracted. Returns the number of nodes at rest, the number
+    of candidates, and the first row and column of their block and its numbers of rows and columns,
+    in whole cells of so many sub-cells along and across.
     """
     nodes, columns = p.size, p.shape[1]
     # Most words of eight marks are empty, and a whole word is read as fast as a mark.
     words = nodes // 8 + 1
     marks = np.zeros(8 * words, np.uint8)
-    mark_low(p.ravel(), g.ravel(), highest, marks)
+    mark_near(p.ravel(), g.ravel(), hardness, lowest, highest, marks)
     if neighbours:
         near = np.zeros(8 * words, np.uint8)
         mark_neighbours(marks[:nodes], columns, near[:nodes])
         marks = near
+    resting = resting_nodes(p.ravel(), hardness, marks)
     word, count = marks.view(np.uint64), 0
     for w in range(words):
         if word[w]:
@@ -77,14 +91,15 @@ def candidates(p, g, highest, neighbours, subcells, node):
                 node[count] = k  # the next node overwrites it unless it counts
                 count += marks[k] != 0
     if count == 0:
-        return 0, 0, 0, 0, 0
+        return resting, 0, 0, 0, 0, 0
     in_column = np.zeros(columns, np.uint8)
     first_row, last_row = node[0] // columns, node[count - 1] // columns
     for i in range(first_row, last_row + 1):
         or_line(marks[i * columns : (i + 1) * columns], in_column)
     across = np.flatnonzero(in_column)
     row, column = first_row // subcells * subcells, across[0] // subcells * subcells
-    return count, row, column, whole(last_row - row, subcells), whole(across[-1] - column, subcells)
+    rows, across_rows = whole(last_row - row, subcells), whole(across[-1] - column, subcells)
+    return resting, count, row, column, rows, across_rows
 
 
 @njit(cache=True, inner=True)

@@ -43,6 +43,11 @@ AIM = 0.98
 AIM_FIRST, AIM_FIRST_LED = 3.0, 2.5
 
 
+# Nodes rest unless they bear more than this share of the load: the sum of the other pressures would
+# be lost in its rounding.
+MOST_RESTING = 0.999
+
+
 @dataclass
 class Effort:
     """Work that a solve has done so far."""
@@ -67,32 +72,50 @@ class Effort:
 
 
 class Candidates(NamedTuple):
-    """Nodes of a window that may be in contact, as flat indices, and their block."""
+    """Nodes of a window that may move, as flat indices, their block, and their limits."""
 
     node: NDArray[np.int64]
+    limits: Limits
+    resting: float  # sum of the pressures of the nodes at rest [Pa]
     first_row: int
     first_column: int
     rows: int
     columns: int
 
     @classmethod
-    def below(
+    def near(
         cls,
         pressure: Array,
         gap: Array,
-        highest: float,
+        limits: Limits,
+        approach: float,
+        reach: float,
         subcells: int = 1,
         neighbours: bool = False,
     ) -> Candidates:
-        """Find the nodes that are loaded or lie lower than `highest` [m], and their whole cells.
+        """Find the nodes that may move, whose gap is within the `reach` [m] of the approach.
 
-        With `neighbours` the nodes around them are candidates too.
+        Loaded nodes with a larger gap may move, too. Nodes at the hardness with more overlap rest,
+        unless nearly all of the load rests on them. With `neighbours` the nodes around those that
+        may move are candidates, too. The block is in whole cells.
         """
         listed = np.empty(pressure.size, dtype=np.int64)
-        count, *block = _candidate_kernels.candidates(
-            pressure, gap, highest, neighbours, subcells, listed
-        )
-        return cls(listed[:count], *block)
+        for lowest in (approach - reach, -np.inf):
+            nodes, count, *block = _candidate_kernels.candidates(
+                pressure,
+                gap,
+                limits.hardness,
+                lowest,
+                approach + reach,
+                neighbours,
+                subcells,
+                listed,
+            )
+            resting = nodes * limits.hardness if nodes else 0.0
+            if resting <= MOST_RESTING * limits.total:
+                break
+        moving = Limits(limits.hardness, limits.total - resting)
+        return cls(listed[:count], moving, resting, *block)
 
 
 class BlendedEdges:
@@ -157,11 +180,10 @@ class Descent:
         pressure: Array,
         gap: Array,
         edges: BlendedEdges | None,
-        limits: Limits,
         goal: Goal,
         single: bool,
     ) -> None:
-        self.half_space, self.node, self.limits = half_space, candidates.node, limits
+        self.half_space, self.node, self.limits = half_space, candidates.node, candidates.limits
         self.allowed, self.share = goal.allowed, goal.share
         self.goal = goal.violation
         self.transforms = half_space.convolution(
@@ -172,7 +194,8 @@ class Descent:
         self._listed = self.transforms.cells_of(self.node, gap.shape[1], self._block_at)
         self.blended = edges is not None
         self._vectors = np.zeros((10 if edges else 6, self.node.size))
-        packed = self._pack(pressure, gap, goal.u_max, edges)
+        lift = goal.u_max / (self.limits.total + candidates.resting)
+        packed = self._pack(pressure, gap, float(lift), edges)
         if edges is not None:
             _candidate_kernels.take_edges(
                 self.node,
@@ -192,9 +215,7 @@ class Descent:
         self.direction = Direction(0.0, 0.0, 0.0, _solver_kernels.FIRST_LENGTH)
         self.step = Step(np.nan, np.nan, 0, 0, 0, 0, 0.0)
 
-    def _pack(
-        self, pressure: Array, gap: Array, u_max: float, edges: BlendedEdges | None
-    ) -> Packed:
+    def _pack(self, pressure: Array, gap: Array, lift: float, edges: BlendedEdges | None) -> Packed:
         """Make the arrays of the compiled passes, with the nodes of the candidates."""
         rows, columns = (length + 2 * BORDER for length in self.block)
         unit = self.half_space.unit
@@ -242,7 +263,7 @@ class Descent:
                 self.stiffness,
                 edges.levelled if edges else 0.0,
                 inverse.stiffness,
-                float(u_max / self.limits.total),
+                lift,
                 inverse.own,
                 inverse.common,
                 edges.share if edges else 1.0,

@@ -22,15 +22,23 @@ CROSS = ndimage.generate_binary_structure(2, 1)
 def test_candidates_are_those_of_plain_arrays(
     shape: tuple[int, int], share: float, neighbours: bool, subcells: int
 ) -> None:
-    """Loaded and low nodes are listed in order, with the nodes along and across if asked for."""
+    """Loaded and low nodes are listed in order, with the nodes along and across if asked for.
+
+    Nodes at the hardness that lie deep are counted instead, unless they are beside a listed node.
+    """
     rng = np.random.default_rng(int(100 * share) + shape[1])
     pressure = np.where(rng.random(shape) < 0.5 * share, rng.random(shape), 0.0)
+    hardness = 0.5
+    pressure = np.minimum(pressure, hardness)
     gap = np.where(rng.random(shape) < 0.5 * share, -1.0, 1.0) * rng.random(shape)
-    expected = (pressure > 0) | (gap < 0)
+    resting = (pressure == hardness) & (gap < -0.3)
+    expected = ((pressure > 0) | (gap < 0)) & ~resting
     if neighbours:
         expected = ndimage.binary_dilation(expected, CROSS)
     node = np.full(pressure.size, -1)
-    count, *block = kernels.candidates(pressure, gap, 0.0, neighbours, subcells, node)
+    limits = hardness, -0.3, 0.0
+    at_rest, count, *block = kernels.candidates(pressure, gap, *limits, neighbours, subcells, node)
+    assert at_rest == np.count_nonzero(resting & ~expected)
     np.testing.assert_array_equal(node[:count], np.flatnonzero(expected))
     rows, columns = np.nonzero(expected)
     if count:
