@@ -201,8 +201,8 @@ def half_range(along, across, levelled):
 
 
 @njit(cache=True)
-def cell_ranges(shape, u, levelled, out):
-    """Set `out` to half the range [m] of the deflected gap over each cell.
+def cell_ranges(shape, u, levelled, share, out):
+    """Set `out` to a share of half the range [m] of the deflected gap over each cell.
 
     It is zero on the border of the window, and beside a deflection of zero, which means an unknown
     deflection.
@@ -213,20 +213,20 @@ def cell_ranges(shape, u, levelled, out):
         out[i, 0] = out[i, columns - 1] = 0.0
         left, right = (shape[i, :-2], u[i, :-2]), (shape[i, 2:], u[i, 2:])
         before, after = (shape[i - 1, 1:-1], u[i - 1, 1:-1]), (shape[i + 1, 1:-1], u[i + 1, 1:-1])
-        ranges_of_line(*before, *after, *left, *right, levelled, out[i, 1:-1])
+        ranges_of_line(*before, *after, *left, *right, levelled, share, out[i, 1:-1])
 
 
 @njit(cache=True, inner=True)
 def ranges_of_line(
-    z_before, u_before, z_after, u_after, z_left, u_left, z_right, u_right, levelled, out
+    z_before, u_before, z_after, u_after, z_left, u_left, z_right, u_right, levelled, share, out
 ):
-    """Set a line to half the ranges over its cells, from gaps z and deflections u around them."""
+    """Set a line to a share of half the ranges over its cells, from gaps z and deflections u."""
     for k in range(out.size):
         along = z_after[k] + u_after[k] - z_before[k] - u_before[k]
         across = z_right[k] + u_right[k] - z_left[k] - u_left[k]
         half = half_range(along, across, levelled)
         known = u_after[k] * u_before[k] * u_right[k] * u_left[k] != 0.0
-        out[k] = half if known else 0.0
+        out[k] = share * half if known else 0.0
 
 
 @njit(cache=True, inner=True)

@@ -241,13 +241,14 @@ def _follow(
     gap = contact.gap(k, window)
     pressure = state.window.moved(state.pressure, window)
     known = state.window.covers(needed)
+    deflection = state.window.moved(state.deflection, window) if known else None
     sphere_share = 0.0
     if before is None or state.sphere_share > STEADY_SHARE:
-        sphere_share, pressure = _towards_the_sphere(contact, state, window, gap, pressure)
-        known = known and sphere_share == 0
-    deflection = state.window.moved(state.deflection, window) if known else None
+        sphere_share, pressure, deflection = _towards_the_sphere(
+            contact, state, needed, gap, window, pressure, deflection
+        )
     previous = None
-    if before is not None and deflection is not None:
+    if before is not None and deflection is not None and sphere_share == 0:
         row, column = before.window.row - window.row, before.window.column - window.column
         previous = Previous(before.pressure, before.deflection, row, column)
     problem = _Problem(contact, k, half_space, window, gap, approach)
@@ -256,24 +257,39 @@ def _follow(
 
 
 def _towards_the_sphere(
-    contact: RollingContact, state: ContactState, window: Window, gap: Array, start: Array
-) -> tuple[float, Array]:
-    """Find the best share of sphere-fixed pressures and mix them with plate-fixed pressures."""
+    contact: RollingContact,
+    state: ContactState,
+    needed: Window,
+    gap: Array,
+    window: Window,
+    start: Array,
+    deflection: Array | None,
+) -> tuple[float, Array, Array | None]:
+    """Find the best share of sphere-fixed pressures and mix them with plate-fixed pressures.
+
+    Returns the share, the mixed pressures, and their deflection, or None where it is unknown on
+    nodes that are needed. It is also None where the last start was accepted as it was: a start of
+    known deflection is iterated on before its check.
+    """
     nodes = round(contact.step / contact.spacing)
     moved_on = state.window._replace(row=state.window.row + nodes)
     if nodes * contact.spacing != contact.step or not window.covers(
         state.loaded._replace(row=state.loaded.row + nodes)
     ):
-        return 0.0, start
+        return 0.0, start, deflection
     offset = state.window.row - window.row, state.window.column - window.column
     slope, curvature = _window_kernels.towards_the_sphere(
         state.pressure, state.deflection, gap, *offset, nodes
     )
     share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
     if share < LEAST_SHARE:
-        return 0.0, start
+        return 0.0, start, deflection
     mixed = start + share * (moved_on.moved(state.pressure, window) - start)
-    return share, np.clip(mixed, 0.0, contact.hardness, out=mixed)
+    np.clip(mixed, 0.0, contact.hardness, out=mixed)
+    if deflection is None or state.iterations == 0 or not moved_on.covers(needed):
+        return share, mixed, None
+    deflection += share * (moved_on.moved(state.deflection, window) - deflection)
+    return share, mixed, deflection
 
 
 def _overlaps(contact: RollingContact, k: int, approach: float) -> list[Window]:
