@@ -267,9 +267,9 @@ def _towards_the_sphere(
 ) -> tuple[float, Array, Array | None]:
     """Find the best share of sphere-fixed pressures and mix them with plate-fixed pressures.
 
-    Returns the share, the mixed pressures, and their deflection, or None where it is unknown on
-    nodes that are needed. It is also None where the last start was accepted as it was: a start of
-    known deflection is iterated on before its check.
+    Returns the share, the mixed pressures, and their deflection. That is None where it is unknown
+    on nodes that are needed, and unless the last such start had to be iterated: a smooth sphere
+    accepts it as it is, after a check that computes the deflection anew.
     """
     nodes = round(contact.step / contact.spacing)
     moved_on = state.window._replace(row=state.window.row + nodes)
@@ -286,7 +286,8 @@ def _towards_the_sphere(
         return 0.0, start, deflection
     mixed = start + share * (moved_on.moved(state.pressure, window) - start)
     np.clip(mixed, 0.0, contact.hardness, out=mixed)
-    if deflection is None or state.iterations == 0 or not moved_on.covers(needed):
+    iterated = state.sphere_share > 0 and state.iterations > 0
+    if deflection is None or not iterated or not moved_on.covers(needed):
         return share, mixed, None
     deflection += share * (moved_on.moved(state.deflection, window) - deflection)
     return share, mixed, deflection

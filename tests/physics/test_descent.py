@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers import assert_solved, make_track, roll, rough
+from helpers import assert_solved, make_track, roll, rough, space_of
 
-from rolling.contact import _solver_kernels
+from rolling.contact import _descent, _solver_kernels, solver
 from rolling.contact._descent import Descent, Effort
 from rolling.contact.state import RollingContact
 
@@ -118,3 +118,38 @@ def test_edges_ahead_of_a_step_are_closer_to_those_of_the_solution(
         solved = state.edge.ravel()[node]
         errors += [np.abs(edge - solved).sum() / solved.sum() for edge in edges]
     assert errors[1] < 0.6 * errors[0], errors
+
+
+@pytest.mark.parametrize("blended", [False, True])
+def test_nodes_deep_at_the_hardness_rest(
+    track: RollingContact, descents: list[Descent], monkeypatch: pytest.MonkeyPatch, blended: bool
+) -> None:
+    """A quarter of the candidates or more rest, and the march is that in which all of them move."""
+    track = replace(track, hardness=1e9, load=6.0, blended=blended)
+    states = roll(track, 0, 12)
+    candidates = [descent.node.size for descent in descents][-len(states) // 2 :]
+    descents.clear()
+    monkeypatch.setattr(_descent, "REST", np.inf)
+    all_move = roll(track, 0, 12)
+    most = [descent.node.size for descent in descents][-len(states) // 2 :]
+    assert np.mean(candidates) < 0.75 * np.mean(most), (candidates, most)
+    got = sum(state.convolutions for state in states)
+    assert got <= 1.1 * sum(state.convolutions for state in all_move)
+    for state, other in zip(states, all_move, strict=True):
+        assert_solved(track, state)
+        assert abs(state.approach - other.approach) < track.tolerance * state.max_deflection
+
+
+def test_nodes_that_rest_by_mistake_are_released(track: RollingContact) -> None:
+    """From pressures of another place nodes come to rest that the final check lets move again."""
+    half_space, state = space_of(track), roll(replace(track, hardness=1e9, load=2.0), 0, 0)[0]
+    rng = np.random.default_rng(5)
+    gap = track.gap(0, state.window) + 3e-7 * rng.standard_normal(state.pressure.shape)
+    arguments = half_space, gap, 2.0
+    cold = solver.solve_contact(*arguments, hardness=1e9)
+    # Deflections that are too small by half claim a deep overlap.
+    wrong = solver.WarmStart(state.pressure, 0.5 * state.deflection, close=True)
+    warm = solver.solve_contact(*arguments, wrong, hardness=1e9)
+    assert max(warm.residual, cold.residual) <= 1e-5
+    assert abs(warm.approach - cold.approach) < 1e-5 * cold.max_deflection
+    assert abs(warm.area / cold.area - 1) < 0.01
