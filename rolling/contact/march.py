@@ -240,17 +240,16 @@ def _follow(
     window = _room([needed, *ahead], contact.subcells)
     gap = contact.gap(k, window)
     pressure = state.window.moved(state.pressure, window)
-    known = state.window.covers(needed)
-    deflection = state.window.moved(state.deflection, window) if known else None
-    sphere_share = 0.0
+    sphere_share, deflection, previous = 0.0, None, None
     if before is None or state.sphere_share > STEADY_SHARE:
         sphere_share, pressure, deflection = _towards_the_sphere(
-            contact, state, needed, gap, window, pressure, deflection
+            contact, state, needed, gap, window, pressure
         )
-    previous = None
-    if before is not None and deflection is not None and sphere_share == 0:
-        row, column = before.window.row - window.row, before.window.column - window.column
-        previous = Previous(before.pressure, before.deflection, row, column)
+    if sphere_share == 0 and state.window.covers(needed):
+        deflection = state.window.moved(state.deflection, window)
+        if before is not None:
+            row, column = before.window.row - window.row, before.window.column - window.column
+            previous = Previous(before.pressure, before.deflection, row, column)
     problem = _Problem(contact, k, half_space, window, gap, approach)
     start = WarmStart(pressure, deflection, previous, close=True, sharp=state.edge_share == 0.0)
     return _solve(problem, start, contact.tolerance, sphere_share)
@@ -263,7 +262,6 @@ def _towards_the_sphere(
     gap: Array,
     window: Window,
     start: Array,
-    deflection: Array | None,
 ) -> tuple[float, Array, Array | None]:
     """Find the best share of sphere-fixed pressures and mix them with plate-fixed pressures.
 
@@ -276,19 +274,20 @@ def _towards_the_sphere(
     if nodes * contact.spacing != contact.step or not window.covers(
         state.loaded._replace(row=state.loaded.row + nodes)
     ):
-        return 0.0, start, deflection
+        return 0.0, start, None
     offset = state.window.row - window.row, state.window.column - window.column
     slope, curvature = _window_kernels.towards_the_sphere(
         state.pressure, state.deflection, gap, *offset, nodes
     )
     share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
     if share < LEAST_SHARE:
-        return 0.0, start, deflection
+        return 0.0, start, None
     mixed = start + share * (moved_on.moved(state.pressure, window) - start)
     np.clip(mixed, 0.0, contact.hardness, out=mixed)
     iterated = state.sphere_share > 0 and state.iterations > 0
-    if deflection is None or not iterated or not moved_on.covers(needed):
+    if not (iterated and state.window.covers(needed) and moved_on.covers(needed)):
         return share, mixed, None
+    deflection = state.window.moved(state.deflection, window)
     deflection += share * (moved_on.moved(state.deflection, window) - deflection)
     return share, mixed, deflection
 
