@@ -91,15 +91,15 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     # Most words of eight marks are empty, and a whole word is read as fast as a mark.
     words = nodes // 8 + 1
     marks = np.zeros(8 * words, np.uint8)
-    loads = p.ravel()
-    if count_free(loads, hardness) < LEAST_FREE * subcells * subcells:
+    pressure = p.ravel()
+    if count_free(pressure, hardness) < LEAST_FREE * subcells * subcells:
         lowest = -np.inf
-    mark_near(loads, g.ravel(), hardness, lowest, highest, marks)
+    mark_near(pressure, g.ravel(), hardness, lowest, highest, marks)
     if neighbours:
         near = np.zeros(8 * words, np.uint8)
         mark_neighbours(marks[:nodes], columns, near[:nodes])
         marks = near
-    resting = count_resting(loads, hardness, marks)
+    resting = count_resting(pressure, hardness, marks)
     word, count = marks.view(np.uint64), 0
     for w in range(words):
         if word[w]:
@@ -114,8 +114,8 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
         or_line(marks[i * columns : (i + 1) * columns], in_column)
     across = np.flatnonzero(in_column)
     row, column = first_row // subcells * subcells, across[0] // subcells * subcells
-    rows, across_rows = whole(last_row - row, subcells), whole(across[-1] - column, subcells)
-    return resting, count, row, column, rows, across_rows
+    rows, columns = whole(last_row - row, subcells), whole(across[-1] - column, subcells)
+    return resting, count, row, column, rows, columns
 
 
 @njit(cache=True, inner=True)

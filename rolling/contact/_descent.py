@@ -45,8 +45,6 @@ AIM = 0.98
 # Multiples of 5 take 0.1 convolutions less, but leave up to 3 dB more error of the release, and so
 # does a multiple of 3 where the model moves edges and the window is 190 nodes wide (100 N).
 AIM_FIRST, AIM_FIRST_LED = 3.0, 2.5
-
-
 # Nodes at the hardness rest beyond so many times the reach of the open candidates. With 1 the last
 # check refuses more descents, above all on sub-cells; with 8 the candidates are a tenth more.
 REST = 4
