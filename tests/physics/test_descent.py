@@ -141,16 +141,21 @@ def test_nodes_deep_at_the_hardness_rest(
         assert abs(state.approach - other.approach) < track.tolerance * state.max_deflection
 
 
-def test_nodes_that_rest_by_mistake_are_released(track: RollingContact) -> None:
-    """From pressures of another place nodes come to rest that the final check lets move again."""
-    half_space, state = space_of(track), roll(replace(track, hardness=1e9, load=2.0), 0, 0)[0]
+def test_nodes_that_rest_by_mistake_are_released(descents: list[Descent]) -> None:
+    """Pressures of another place put nodes to rest that the final check lets move again."""
+    track = make_track(rough(160, 160, 1e-7), load=10.0, hardness=1.5e9, tolerance=1e-4)
+    state = roll(track, 0, 0)[0]
     rng = np.random.default_rng(5)
-    gap = track.gap(0, state.window) + 3e-7 * rng.standard_normal(state.pressure.shape)
-    arguments = half_space, gap, 2.0
-    cold = solver.solve_contact(*arguments, hardness=1e9)
-    # Deflections that are too small by half claim a deep overlap.
+    gap = track.gap(0, state.window) + 1e-7 * rng.standard_normal(state.pressure.shape)
+    cold = solver.solve_contact(space_of(track), gap, 10.0, hardness=1.5e9)
+    descents.clear()
+    # Deflections that are too small by half claim a deeper overlap.
     wrong = solver.WarmStart(state.pressure, 0.5 * state.deflection, close=True)
-    warm = solver.solve_contact(*arguments, wrong, hardness=1e9)
+    warm = solver.solve_contact(space_of(track), gap, 10.0, wrong, hardness=1.5e9)
+    moving = np.isin(np.arange(gap.size), descents[0].node)
+    at_rest = (state.pressure.ravel() == 1.5e9) & ~moving
+    assert np.count_nonzero(at_rest & (warm.pressure.ravel() < 1.5e9)) > 10
+    assert len(descents) > 1
     assert max(warm.residual, cold.residual) <= 1e-5
     assert abs(warm.approach - cold.approach) < 1e-5 * cold.max_deflection
     assert abs(warm.area / cold.area - 1) < 0.01
