@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rolling.contact._condition_kernels import sum_inside
 from rolling.contact._system import BORDER
 from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import njit
@@ -44,15 +45,6 @@ def mark_near(p, g, hardness, lowest, highest, marks):
     for k in range(p.size):
         resting = (p[k] >= hardness) & (g[k] < lowest)
         marks[k] = ((p[k] > 0.0) | (g[k] < highest)) & (not resting)
-
-
-@njit(cache=True, fused=True, inner=True)
-def count_free(p, hardness):
-    """Return the number of pressures between the bounds."""
-    count = 0.0
-    for k in range(p.size):
-        count += 1.0 if (p[k] > 0.0) & (p[k] < hardness) else 0.0
-    return count
 
 
 @njit(cache=True, fused=True, inner=True)
@@ -92,7 +84,7 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     words = nodes // 8 + 1
     marks = np.zeros(8 * words, np.uint8)
     pressure = p.ravel()
-    if count_free(pressure, hardness) < LEAST_FREE * subcells * subcells:
+    if sum_inside(pressure, pressure, hardness)[0] < LEAST_FREE * subcells * subcells:
         lowest = -np.inf
     mark_near(pressure, g.ravel(), hardness, lowest, highest, marks)
     if neighbours:
@@ -227,21 +219,17 @@ def cell_ranges(shape, u, levelled, share, out):
     out[0] = out[rows - 1] = 0.0
     for i in range(1, rows - 1):
         out[i, 0] = out[i, columns - 1] = 0.0
-        left, right = (shape[i, :-2], u[i, :-2]), (shape[i, 2:], u[i, 2:])
-        before, after = (shape[i - 1, 1:-1], u[i - 1, 1:-1]), (shape[i + 1, 1:-1], u[i + 1, 1:-1])
-        ranges_of_line(*before, *after, *left, *right, levelled, share, out[i, 1:-1])
+        ranges_of_row(shape[i - 1 : i + 2], u[i - 1 : i + 2], levelled, share, out[i, 1:-1])
 
 
 @njit(cache=True, inner=True)
-def ranges_of_line(
-    z_before, u_before, z_after, u_after, z_left, u_left, z_right, u_right, levelled, share, out
-):
-    """Set a line to a share of half the ranges over its cells, from gaps z and deflections u."""
+def ranges_of_row(z, u, levelled, share, out):
+    """Set a row to a share of half the ranges over its inner cells, from three rows around it."""
     for k in range(out.size):
-        along = z_after[k] + u_after[k] - z_before[k] - u_before[k]
-        across = z_right[k] + u_right[k] - z_left[k] - u_left[k]
+        along = z[2, k + 1] + u[2, k + 1] - z[0, k + 1] - u[0, k + 1]
+        across = z[1, k + 2] + u[1, k + 2] - z[1, k] - u[1, k]
         half = half_range(along, across, levelled)
-        known = u_after[k] * u_before[k] * u_right[k] * u_left[k] != 0.0
+        known = u[2, k + 1] * u[0, k + 1] * u[1, k + 2] * u[1, k] != 0.0
         out[k] = share * half if known else 0.0
 
 

@@ -22,7 +22,7 @@ SWEEPS = 4
 # Sweeps in each iteration on blocks of more than so many nodes. With 4 sweeps the last check
 # refuses a third of the descents on contacts 600 nodes wide at Ra 1 um; on smaller blocks 6 save
 # less time than they take.
-WIDE_SWEEPS, WIDE = 6, 300_000
+WIDE_SWEEPS, WIDE_BLOCK = 6, 300_000
 # After so many iterations the preconditioned residual leads instead of the model, whose steps are
 # fewer but need not lower the energy.
 MODELLED = 15
@@ -46,7 +46,7 @@ AIM = 0.98
 # does a multiple of 3 where the model moves edges and the window is 190 nodes wide (100 N).
 AIM_FIRST, AIM_FIRST_LED = 3.0, 2.5
 # Nodes at the hardness rest beyond so many times the reach of the open candidates. With 1 the last
-# check refuses more descents, above all on sub-cells; with 8 the candidates are a tenth more.
+# check refuses more descents, above all on sub-cells; with 8 the candidates are up to 14 % more.
 REST = 4
 
 
@@ -70,14 +70,13 @@ class Effort:
     def sweeps(self, nodes: int) -> int:
         """Return the sweeps that settle a model of so many nodes, 0 where it does not lead."""
         leads = self.iterations < MODELLED and not self.stuck
-        return (WIDE_SWEEPS if nodes > WIDE else SWEEPS) if leads else 0
+        return (WIDE_SWEEPS if nodes > WIDE_BLOCK else SWEEPS) if leads else 0
 
 
 class Candidates(NamedTuple):
-    """Nodes of a window that may move, as flat indices, their block, and their limits."""
+    """Nodes of a window that may move, as flat indices, and their block."""
 
     node: NDArray[np.int64]
-    limits: Limits
     resting: float  # sum of the pressures of the nodes at rest [Pa]
     first_row: int
     first_column: int
@@ -89,7 +88,7 @@ class Candidates(NamedTuple):
         cls,
         pressure: Array,
         gap: Array,
-        limits: Limits,
+        hardness: float,
         approach: float,
         reach: float,
         subcells: int = 1,
@@ -104,11 +103,9 @@ class Candidates(NamedTuple):
         listed = np.empty(pressure.size, dtype=np.int64)
         heights = approach - REST * reach, approach + reach
         nodes, count, *block = _candidate_kernels.candidates(
-            pressure, gap, limits.hardness, *heights, neighbours, subcells, listed
+            pressure, gap, hardness, *heights, neighbours, subcells, listed
         )
-        resting = nodes * limits.hardness if nodes else 0.0
-        moving = Limits(limits.hardness, limits.total - resting)
-        return cls(listed[:count], moving, resting, *block)
+        return cls(listed[:count], nodes * hardness if nodes else 0.0, *block)
 
 
 class BlendedEdges:
@@ -174,10 +171,12 @@ class Descent:
         pressure: Array,
         gap: Array,
         edges: BlendedEdges | None,
+        limits: Limits,
         goal: Goal,
         single: bool,
     ) -> None:
-        self.half_space, self.node, self.limits = half_space, candidates.node, candidates.limits
+        self.half_space, self.node = half_space, candidates.node
+        self.limits = limits._replace(total=limits.total - candidates.resting)
         self.allowed, self.share = goal.allowed, goal.share
         self.goal = goal.violation
         self.transforms = half_space.convolution(
@@ -188,8 +187,7 @@ class Descent:
         self._listed = self.transforms.cells_of(self.node, gap.shape[1], self._block_at)
         self.blended = edges is not None
         self._vectors = np.zeros((10 if edges else 6, self.node.size))
-        lift = goal.u_max / (self.limits.total + candidates.resting)
-        packed = self._pack(pressure, gap, float(lift), edges)
+        packed = self._pack(pressure, gap, float(goal.u_max / limits.total), edges)
         if edges is not None:
             _candidate_kernels.take_edges(
                 self.node,

@@ -24,9 +24,10 @@ LOOK_AHEAD = 4
 # This is the minimum useful weight of the sphere-fixed start at the second position. Below it the
 # plate-fixed start converges as fast and needs no mixing.
 LEAST_SHARE = 0.2
-# Later positions mix above this weight only, which plates of Ra 1 nm or less reach. Below it the
-# extrapolation of two positions takes fewer convolutions: 5 instead of 7 or 8 per step at weights
-# of 0.3 to 0.7, as many at 0.97, but 5 instead of 3 at 1.
+# Later positions mix above this weight only, which plates of Ra 1 nm or less reach, and yielding
+# contacts of more than some 350 nodes across. Below it the extrapolation of two positions takes
+# fewer convolutions: 5 instead of 7 or 8 per step at weights of 0.3 to 0.7, as many at 0.97, but 5
+# instead of 3 at 1.
 STEADY_SHARE = 0.98
 # The tolerance of a cold start is multiplied by this factor, so that its error does not stand out
 # among warm starts.

@@ -399,15 +399,16 @@ class _Solve(NamedTuple):
                 return Contact(p, u, half_space.spacing, *measures, effort.iterations, edge, share)
             if effort.is_spent:
                 raise self._not_converged(effort, u_max, worst)
+            reach = near * u_max
             candidates = Candidates.near(
-                p, g, limits, approach, near * u_max, half_space.subcells, edges is not None
+                p, g, limits.hardness, approach, reach, half_space.subcells, edges is not None
             )
             # Where a descent went as far as it could and left no new candidates, single precision
             # does not suffice.
             single = self.single and self.tolerance >= SINGLE_TOLERANCE
             if exhausted and candidates.node.size <= seen:
                 single = single and edges is not None and effort.rounds <= 4
-            descent = Descent(half_space, candidates, p, g, edges, goal, single)
+            descent = Descent(half_space, candidates, p, g, edges, limits, goal, single)
             if before is not None and not fresh:
                 offset = before.row, before.column
                 descent.lead(p, u, before.pressure, before.deflection, offset)

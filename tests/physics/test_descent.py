@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from helpers import assert_solved, make_track, roll, rough, space_of
 
+from rolling.contact import _candidate_kernels as kernels
 from rolling.contact import _descent, _solver_kernels, solver
 from rolling.contact._descent import Descent, Effort
 from rolling.contact.state import RollingContact
@@ -139,6 +140,21 @@ def test_nodes_deep_at_the_hardness_rest(
     for state, other in zip(states, all_move, strict=True):
         assert_solved(track, state)
         assert abs(state.approach - other.approach) < track.tolerance * state.max_deflection
+
+
+def test_no_node_rests_where_few_others_take_up_the_load(
+    descents: list[Descent], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a soft plate the approach moves so far that nodes at rest would leave the hardness."""
+    track = make_track(rough(160, 160, 1e-6), load=0.5, hardness=0.25e9, tolerance=1e-4)
+    states = roll(track, 0, 20)
+    inside = [np.count_nonzero((s.pressure > 0) & (s.pressure < 0.25e9)) for s in states]
+    assert max(inside) < kernels.LEAST_FREE
+    got, candidates = [state.convolutions for state in states], [d.node.size for d in descents]
+    descents.clear()
+    monkeypatch.setattr(_descent, "REST", np.inf)
+    assert got == [state.convolutions for state in roll(track, 0, 20)]
+    assert candidates == [descent.node.size for descent in descents]
 
 
 def test_nodes_that_rest_by_mistake_are_released(descents: list[Descent]) -> None:
