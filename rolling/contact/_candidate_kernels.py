@@ -84,14 +84,15 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     words = nodes // 8 + 1
     marks = np.zeros(8 * words, np.uint8)
     pressure = p.ravel()
-    if sum_inside(pressure, pressure, hardness)[0] < LEAST_FREE * subcells * subcells:
+    least = LEAST_FREE * subcells * subcells
+    if hardness == np.inf or sum_inside(pressure, pressure, hardness)[0] < least:
         lowest = -np.inf
     mark_near(pressure, g.ravel(), hardness, lowest, highest, marks)
     if neighbours:
         near = np.zeros(8 * words, np.uint8)
         mark_neighbours(marks[:nodes], columns, near[:nodes])
         marks = near
-    resting = count_resting(pressure, hardness, marks)
+    resting = count_resting(pressure, hardness, marks) if lowest > -np.inf else 0.0
     word, count = marks.view(np.uint64), 0
     for w in range(words):
         if word[w]:
