@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,7 @@ AIM_FIRST, AIM_FIRST_LED = 3.0, 2.5
 # Nodes at the hardness rest beyond so many times the reach of the open candidates. With 1 the last
 # check refuses more descents, above all on sub-cells; with 8 the candidates are up to 14 % more.
 REST = 4
+_NO_SOLUTIONS = *[np.empty((0, 0))] * 4, (0, 0), (0, 0, 0, 0)
 
 
 @dataclass
@@ -289,17 +290,8 @@ class Descent:
 
         The window of the latter begins at the offset (row, column).
         """
-        self._moving, direction = _solver_kernels.lead(
-            self.packed,
-            pressure,
-            deflection,
-            pressure_before,
-            deflection_before,
-            offset,
-            self._block_at,
-            FIRST_SWEEPS,
-        )
-        self.direction = Direction(*direction)
+        solutions = pressure, deflection, pressure_before, deflection_before, offset, self._block_at
+        self._turn(solutions, NEARLY_WHOLE, 0.0, 0.0, FIRST_SWEEPS, False, False)
 
     def iterate(self, effort: Effort) -> None:
         """Step until converged, stuck or out of iterations, with one convolution per step."""
@@ -338,8 +330,12 @@ class Descent:
     ) -> None:
         """Step along the direction, and find the next one unless the violation is within `goal`."""
         edges_move = 0 < moves <= MAX_MOVES
+        self._turn(_NO_SOLUTIONS, nearly, snap, goal, sweeps, edges_move, finishing)
+
+    def _turn(self, solutions: tuple[Any, ...], *how: float) -> None:
+        """Step along the direction or extrapolate the solutions; find the next direction."""
         step, direction = _solver_kernels.iterate(
-            self.packed, tuple(self.direction), nearly, snap, goal, sweeps, edges_move, finishing
+            self.packed, tuple(self.direction), solutions, *how
         )
         self.step, self.direction = Step(*step), Direction(*direction)
         self._moving = self.step.free + self.step.bound

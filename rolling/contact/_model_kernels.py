@@ -61,18 +61,18 @@ def add_changes(p, u, p_before, u_before, stiffness, changed, opened):
 
 
 @njit(cache=True)
-def extrapolate(model, nodes, hardness, present, p, u, before, block, pressure, height):
-    """Add the last changes of pressure and deflection to the grid; return their approach [m].
+def extrapolate(model, nodes, hardness, present, solutions, pressure, height):
+    """Add the changes between two solutions to the grid; return the approach of the sum [m].
 
-    `present` is the approach of the grid; p and u are pressures and deflections on the window.
-    `before` has those of the previous position, and the first row and column of their window in
-    this one; other nodes were unloaded, and their deflections count as unchanged. `block` is the
-    first row and column of the candidates' block on the window, and its numbers of rows and
-    columns. `pressure` and `height` are overwritten.
+    `present` is the approach of the grid. `solutions` has pressures and deflections on the window,
+    those of the previous position, the first row and column of their window in this one, and the
+    block of the candidates on the window: its first row and column, and its numbers of rows and
+    columns. Nodes off the previous window were unloaded, and their deflections count as unchanged.
+    `pressure` and `height` are overwritten.
     """
     compliance, place = nodes.compliance, model.node
     change, gap, stiffness = model.change, model.gap, model.stiffness
-    p_before, u_before, row, column = before
+    p, u, p_before, u_before, (row, column), block = solutions
     first, rows, columns = block[1], block[2], block[3]
     a, b = shared(column, p_before.shape[1], first, first + columns)
     for i in range(rows):
@@ -97,6 +97,23 @@ def extrapolate(model, nodes, hardness, present, p, u, before, block, pressure, 
         if compliance.size:
             height[k] += compliance[k] * changes[at]
     return present + approach_of(pressure, height, hardness)
+
+
+@njit(cache=True, inner=True)
+def lead_model(system, present, solutions):
+    """Add the changes between two solutions to the model; return the approach of the sum [m].
+
+    Changes of pressure and deflection belong together, so the model settles from their sum with the
+    present state, whether that is feasible or not. The far field of the changes is in the gaps.
+    """
+    model, far, work = system.model, system.far, system.work
+    gap, hardness = model.gap.reshape(-1), system.limits.hardness
+    approach = extrapolate(model, system.nodes, hardness, present, solutions, work.trial, work.r)
+    closing = np.float32((approach - present) * model.stiffness)
+    for k in range(gap.size):
+        gap[k] -= closing
+    restrict(model.change, far.tile, far.row_length, far.known)
+    return approach
 
 
 @njit(cache=True, fused=True, inner=True)
@@ -196,12 +213,6 @@ def settle_model(model, sweeps):
         model.change[i, 0] = model.change[i, 1] = model.gap[i, 0] = model.gap[i, 1] = 0.0
         model.change[i, row - 2] = model.change[i, row - 1] = 0.0
         model.gap[i, row - 2] = model.gap[i, row - 1] = 0.0
-
-
-@njit(cache=True, inner=True)
-def know_far_field(model, far):
-    """Take the far field of the changes so far as known: the gaps have it already."""
-    restrict(model.change, far.tile, far.row_length, far.known)
 
 
 @njit(cache=True, inner=True)
@@ -340,28 +351,22 @@ def model_direction(system, approach, last, free, bound):
 
 
 @njit(cache=True, inner=True)
-def follow_model(system, approach, last, allowed, sweeps, lift):
-    """Find the next direction by the model, unless the violation is within `allowed` [m].
+def follow_model(system, approach, last, sweeps, edges_lead, jumps):
+    """Find the next direction by the model, whose grid holds the present state.
 
-    `lift` is the maximum change of a gap by the edges in the last step [m].
+    The model is settled by so many sweeps, with its edges if `edges_lead`. Few nodes on their way
+    to a bound jump there at once if `jumps`.
 
-    Returns the violation [m], the numbers of free nodes, of nodes on their way to a bound and of
-    restarts, and the Direction. Its slope is not negative where none of the model descends.
+    Returns the Direction, whose slope is not negative where none of the model descends, and the
+    numbers of free nodes, of nodes on their way to a bound and of restarts.
     """
-    nodes, limits, model = system.nodes, system.limits, system.model
-    worst, load = fill(model, nodes, limits.hardness, approach)
-    # Nodes that jumped to a bound left their load to the direction.
-    worst += model.lift * abs(limits.total - load)
-    system.far.known[:] = 0.0
-    if worst <= allowed:
-        return worst, list_inside(nodes.p, limits.hardness, system.work.active), 0, 0, last
-    settle(system, sweeps, lift > EDGES_LEAD * worst)
+    settle(system, sweeps, edges_lead)
     free, bound = sort_nodes(system)
     jumped = 0
-    if 0 < bound <= min(JUMPS, free) and system.influence.coefficients.size:
+    if jumps and 0 < bound <= min(JUMPS, free) and system.influence.coefficients.size:
         jump(system, free, bound)
         jumped, bound = bound, 0
     direction, restarts = model_direction(system, approach, last, free, bound)
     if jumped and not direction.slope < 0.0:
         jump(system, free, jumped)
-    return worst, free, bound, restarts, direction
+    return direction, free, bound, restarts

@@ -3,7 +3,7 @@
 r is the residual, the remaining gap or overlap on a free node [m]; z is the preconditioned residual
 and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
 direction. All passes read the candidates of a window, the nodes that may be in contact, as flat
-arrays. Python calls `iterate`, `lead`, `sum_directly` and `carry_load`.
+arrays. Python calls `iterate`, `sum_directly` and `carry_load`.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -15,14 +15,10 @@ from rolling.contact._candidate_kernels import move_edges
 from rolling.contact._condition_kernels import approach_of, project, sum_of
 from rolling.contact._model_kernels import (
     EDGES_LEAD,
-    extrapolate,
     fill,
     follow_model,
-    know_far_field,
+    lead_model,
     list_inside,
-    model_direction,
-    settle,
-    sort_nodes,
 )
 from rolling.contact._system import Direction, Sets, unpack
 from rolling.contact._window_kernels import copy_line
@@ -261,27 +257,15 @@ def advance(system, direction, nearly):
 
 
 @njit(cache=True, inner=True)
-def finish(system, approach, last, sweeps, edges_lead):
-    """Take a last whole step by the model, which needs no convolution before the final check.
-
-    The grid of the model holds the present state. Its gaps move the edges ahead of the step if
-    `edges_lead`. Returns the sum of the pressures, which carry the load, or 0 where no such step
-    descends.
-    """
-    nodes, limits = system.nodes, system.limits
-    settle(system, sweeps, edges_lead)
-    free, bound = sort_nodes(system)
-    following, _ = model_direction(system, approach, last, free, bound)
-    if not following.slope < 0.0:
-        return 0.0
-    d = system.work.d
+def take_whole_step(p, d, hardness):
+    """Add the direction to the pressures within the bounds; return their sum."""
     for k in range(d.size):
-        nodes.p[k] = min(max(nodes.p[k] + d[k], 0.0), limits.hardness)
-    return sum_of(nodes.p)
+        p[k] = min(max(p[k] + d[k], 0.0), hardness)
+    return sum_of(p)
 
 
 @njit(cache=True)
-def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move, finishing):
+def iterate(packed, direction, solutions, nearly, snap, allowed, sweeps, edges_move, finishing):
     """Step along the direction, and find the next direction unless converged.
 
     The step has converged if the violation is within `allowed` [m]. Where `edges_move`, the edges
@@ -290,35 +274,59 @@ def iterate(packed, direction, nearly, snap, allowed, sweeps, edges_move, finish
     The deflection by the direction must be known. The model, settled by so many sweeps, gives the
     next direction. Without sweeps, or where the model has none that descends, the preconditioned
     residual gives it, and nodes within `snap` [Pa] of the bound that they approach are put on it.
+    After a converged step the model takes a last step if `finishing`, which needs no convolution
+    before the final check; the Direction is then unchanged.
 
-    After a converged step the model takes a last step if `finishing`, and the Direction is
-    unchanged. Returns the fields of the Step that was taken and of the Direction to convolve.
+    The first direction of a solve comes from the extrapolation of the last two `solutions` (see
+    `extrapolate`), whose arrays are else empty. No step leads to it, and its slope is 0 where it
+    does not descend.
+
+    Returns the fields of the Step that was taken and of the Direction to convolve. The load of the
+    Step is the sum of the pressures after a last step by the model, or 0.
     """
     system, direction = unpack(packed), Direction(*direction)
-    nodes, limits, work = system.nodes, system.limits, system.work
+    nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
+    leading = solutions[0].size > 0
     alpha = advance(system, direction, nearly) if direction.slope < 0.0 else 1.0
     lift = move_edges(system, EDGE_SLACK * allowed) if edges_move else 0.0
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
     length = direction.length * min(max(alpha, 0.5), 2.0)
     plain = alpha < LEAST_STEP
-    plain_steps = 0
     if sweeps and not plain:
+        worst, load = fill(model, nodes, limits.hardness, approach)
+        # Nodes that jumped to a bound left their load to the direction.
+        worst += model.lift * abs(limits.total - load)
         length = min(max(length, SHORTEST), 1.0)
+        edges_lead = lift > EDGES_LEAD * worst
+        ends = worst <= allowed and not leading
+        if ends and not finishing:
+            return (approach, worst, 0, 0, 0, 0, 0.0), tuple_of(direction)
+        if leading:
+            approach = lead_model(system, approach, solutions)
+            length, edges_lead = 1.0, nodes.compliance.size > 0
+        else:
+            system.far.known[:] = 0.0
         last = Direction(direction.slope, direction.longest, direction.zr, length)
-        worst, free, bound, restarts, following = follow_model(
-            system, approach, last, allowed, sweeps, lift
+        following, free, bound, restarts = follow_model(
+            system, approach, last, sweeps, edges_lead, not (ends or leading)
         )
-        if worst <= allowed or following.slope < 0.0:
-            load = 0.0
-            if worst > allowed:
-                scatter(system.transform, work.d)
-            elif finishing:
-                load = finish(system, approach, following, sweeps, lift > EDGES_LEAD * worst)
-            return (approach, worst, free, bound, restarts, 0, load), tuple_of(following)
+        descends = following.slope < 0.0
+        if ends:
+            load = take_whole_step(nodes.p, work.d, limits.hardness) if descends else 0.0
+            return (approach, worst, free, bound, restarts, 0, load), tuple_of(last)
+        if descends:
+            scatter(system.transform, work.d)
+        if leading:
+            following = Direction(
+                min(following.slope, 0.0), following.longest, 0.0, direction.length
+            )
+        if descends or leading:
+            return (approach, worst, free, bound, restarts, 0, 0.0), tuple_of(following)
         length = 1.0
         direction = Direction(0.0, 0.0, 0.0, length)
     worst, free, bound = find_residual(nodes, system.stencil, work, limits.hardness, approach, snap)
     restarts = 0
+    plain_steps = 0
     if worst > allowed:
         length = min(max(length, SHARES[0]), SHARES[1])
         last = Direction(direction.slope, direction.longest, direction.zr, length)
@@ -336,40 +344,6 @@ def tuple_of(direction):
 
 
 @njit(cache=True)
-def lead(packed, p, u, p_before, u_before, offset, block, sweeps):
-    """Find a first direction by way of the extrapolation of the last solutions.
-
-    Changes of pressure and deflection belong together, so the model settles from their sum with the
-    last solution, whether that is feasible or not. p and u are that solution on its window,
-    p_before and u_before the solution before it, whose window begins at the offset (row, column).
-    `block` is the first row and column of the candidates' block on the window, and its numbers of
-    rows and columns.
-
-    Returns the number of nodes that move and the fields of the Direction; its slope is 0 where no
-    direction descends.
-    """
-    system = unpack(packed)
-    nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
-    present = approach_of(nodes.p, nodes.g, limits.hardness)
-    fill(model, nodes, limits.hardness, present)
-    before = p_before, u_before, offset[0], offset[1]
-    scratch = work.trial, work.r
-    approach = extrapolate(model, nodes, limits.hardness, present, p, u, before, block, *scratch)
-    model.gap[:] -= np.float32((approach - present) * model.stiffness)
-    know_far_field(model, system.far)
-    settle(system, sweeps, nodes.compliance.size > 0)
-    free, bound = sort_nodes(system)
-    work.r_before[:] = 0.0
-    sets = Sets(work.active, free, bound)
-    slope, longest = project(nodes.p, nodes.g, approach, work.trial, sets, limits, work.d)
-    if slope < 0.0:
-        scatter(system.transform, work.d)
-        return free + bound, (slope, longest, 0.0, FIRST_LENGTH)
-    work.d[:] = 0.0
-    return 0, (0.0, 0.0, 0.0, FIRST_LENGTH)
-
-
-@njit(cache=True)
 def carry_load(packed, approach):
     """Shift the nodes between the bounds so that the load is exact, where they can carry it.
 
@@ -384,6 +358,5 @@ def carry_load(packed, approach):
     sets = Sets(work.active, free, 0)
     slope, _ = project(nodes.p, nodes.g, approach, work.trial, sets, limits, work.d)
     if slope < np.inf:
-        for k in range(nodes.p.size):
-            nodes.p[k] = min(max(nodes.p[k] + work.d[k], 0.0), limits.hardness)
+        return take_whole_step(nodes.p, work.d, limits.hardness)
     return sum_of(nodes.p)

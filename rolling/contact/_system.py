@@ -170,8 +170,7 @@ class Packed(NamedTuple):
     lengths: tuple[int, int]  # tile and row length of the FarField
 
 
-@njit(cache=True, inner=True)
-def unpack(packed):
+def system_of(packed):
     """Return the System of the fields of a Packed, as a plain tuple."""
     vectors, indices, image, grids, model, strips, coarse = packed[:7]
     stencil, model_stencil, table, coefficients, numbers, (tile, row_length) = packed[7:]
@@ -223,6 +222,9 @@ def unpack(packed):
         ),
         Influence(coefficients, indices[3]),
     )
+
+
+unpack = njit(cache=True, inner=True)(system_of)
 
 
 class Direction(NamedTuple):

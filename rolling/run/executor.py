@@ -45,9 +45,10 @@ def ended_by_signal() -> Iterator[None]:
 class RunLoop:
     """Loop over the pieces that runs lack. Runs that need equal pieces share them.
 
-    Runs with one contact identity begin together, the longest marches first. A run begins when a
-    team of the pool has no other task for a surface of its own, so that a sweep of many runs keeps
-    few results in memory.
+    Runs with one contact identity begin together: the shortest march first, so that a person soon
+    hears a run, and then the longest, so that no process waits at the end. A run begins when a team
+    of the pool has no other task for a surface of its own, so that a sweep of many runs keeps few
+    results in memory.
 
     Attributes
     ----------
@@ -86,6 +87,7 @@ class RunLoop:
             groups[contact_identity(scene)].append(number)
         self._surfaces = [scene_surface.identity(scene) for scene in scenes]
         ordered = sorted(groups.values(), key=lambda group: -self._costs[group[0]])
+        ordered = ordered[-1:] + ordered[:-1]
         # It holds tasks, and lists of runs that have to begin.
         self._backlog = Backlog((self._surfaces[group[0]], group) for group in ordered)
         self._suspects: deque[Task] = deque()

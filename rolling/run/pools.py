@@ -78,9 +78,10 @@ class Pool(ExitStack):
         progress.compiling()
         if cost.cores() > 1:
             with suppress(OSError):  # no process to be had: all is compiled here
-                compiler = worker.compiler()
-                self.callback(compiler.wait)
-                self.callback(compiler.kill)  # before the wait; kernels that are done stay
+                for part in worker.COMPILED_AHEAD:
+                    compiler = worker.compiler(part)
+                    self.callback(compiler.wait)
+                    self.callback(compiler.kill)  # before the wait; kernels that are done stay
 
     def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
         """Hand out a task to a team."""

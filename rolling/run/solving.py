@@ -11,7 +11,7 @@ from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import labels, result_file
 from rolling.results.run_folder import FAILED, RESULT, RunFolder
-from rolling.results.run_result import Run, hear, read_run
+from rolling.results.run_result import LISTEN, Run, hear, read_run
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.run.executor import RunLoop
@@ -160,6 +160,9 @@ def _solve(
         return Task(("finish", str(number)), worker.finish_run, arguments)
 
     def finished(number: int) -> None:
+        if left.total() == len(lacking) > 1:
+            sound = lacking[number].folder / LISTEN
+            progress.line(f"the first sound, {names[lacking[number].folder]}: {sound}")
         left[marches[number]] -= 1
         if not left[marches[number]]:
             folders.drop_pieces(folder, marches[number])

@@ -47,6 +47,9 @@ ENVIRONMENT = {
 }
 
 
+COMPILED_AHEAD = "compile_step", "compile_parts"  # functions of `compiling_ahead`
+
+
 class OtherProgramError(Exception):
     """A worker of a cluster that runs another version of the program."""
 
@@ -137,17 +140,18 @@ def _process() -> subprocess.Popen[bytes]:
     return _started(f"serve({os.getpid()})", subprocess.PIPE)
 
 
-def compiler() -> subprocess.Popen[bytes]:
-    """Start a process that compiles the longest kernels into the cache, and says nothing."""
-    return _started(f"compile_ahead({os.getpid()})", subprocess.DEVNULL, subprocess.DEVNULL)
+def compiler(part: str) -> subprocess.Popen[bytes]:
+    """Start a process that compiles a part of the solver into the cache, and says nothing."""
+    call = f"compile_ahead({os.getpid()}, {part!r})"
+    return _started(call, subprocess.DEVNULL, subprocess.DEVNULL)
 
 
-def compile_ahead(parent: int) -> None:
-    """Compile the longest kernels of the solver; end with the parent."""
+def compile_ahead(parent: int, part: str) -> None:
+    """Compile a part of the solver, a function of `compiling_ahead`; end with the parent."""
     begin(parent)
     from rolling.contact import compiling_ahead
 
-    compiling_ahead.compile_longest()
+    getattr(compiling_ahead, part)()
 
 
 def _started(call: str, pipe: int, errors: int | None = None) -> subprocess.Popen[bytes]:
