@@ -197,7 +197,7 @@ class Descent:
                 packed.numbers,
                 packed.vectors,
                 packed.indices[2],
-                packed.model[8].ravel(),
+                packed.model[6].ravel(),
             )
         self.packed = tuple(packed)
         # Coefficients of single precision do not serve transforms of double precision; a negative
@@ -220,8 +220,8 @@ class Descent:
         if edges:
             grids[1] = np.nan
         # The passes set the other grids of the model before they read them.
-        model = np.empty((9 if edges else 8, rows, columns), np.float32)
-        model[2:5] = 0.0
+        model = np.empty((7 if edges else 6, rows, columns), np.float32)
+        model[2:6] = 0.0
         image = self.transforms.block(*self.block)
         indices = np.empty((4, self.node.size), np.uint32)
         strips = np.empty((rows * columns // _candidate_kernels.STRIP + 1, 2), np.uint64)

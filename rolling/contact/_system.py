@@ -78,8 +78,8 @@ class Model(NamedTuple):
     gap: Singles  # change of pressure that opens the gap
     low: Singles  # bounds of the change
     high: Singles
-    moved: Singles  # moves of the gaps in a sweep
-    sums: Singles  # (3, rows, columns) sums of moves along the columns of the stencil
+    moved: Singles  # moves of the gaps in a sweep, and in the next; zero off the strips
+    following: Singles
     softening: Singles  # share of stiffness left by compliance; empty where no node is compliant
     node: Indices  # (n,) index of each candidate in the grid
     strips: NDArray[np.uint64]  # (strips, 2) strips of the nodes near candidates
@@ -157,7 +157,7 @@ class Packed(NamedTuple):
     indices: Indices  # (4, n): active ones, in the transforms, in the grid, by distance
     image: NDArray[np.floating]  # array of the transforms
     grids: Array  # (1 or 2, cells): residual, and the gap within cells where edges are blended
-    model: Singles  # (8 or 9, rows, columns): grids of the Model in its order, softening last
+    model: Singles  # (6 or 7, rows, columns): grids of the Model in its order, softening last
     strips: NDArray[np.uint64]
     coarse: Singles  # (7, cells): grids of the FarField
     stencil: Array
@@ -199,8 +199,8 @@ def system_of(packed):
             model[2],
             model[3],
             model[4],
-            model[5:8],
-            model[7 + blended][: model.shape[1] if blended else 0],
+            model[5],
+            model[5 + blended][: model.shape[1] if blended else 0],
             indices[2],
             strips,
             model_stiffness,

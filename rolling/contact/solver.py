@@ -370,7 +370,7 @@ class _Solve(NamedTuple):
                 iterations += solved.iterations
             else:
                 solved = sharp
-        return replace(solved, iterations=iterations)
+        return replace(solved, iterations=iterations) if iterations != solved.iterations else solved
 
     def _sharp(self, start: WarmStart) -> Contact:
         """Solve with sharp edges where edges may be blended: their range over each cell is zero."""

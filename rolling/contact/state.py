@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -212,7 +213,7 @@ class RollingContact:
     @property
     def has_blended_edges(self) -> bool:
         """Whether edges are blended; an elastic contact has no patch at the hardness."""
-        return self.blended and bool(np.isfinite(self.hardness))
+        return self.blended and isfinite(self.hardness)
 
     @property
     def radii(self) -> tuple[float, float]:
