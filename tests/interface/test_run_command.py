@@ -287,6 +287,21 @@ def test_a_resounded_sweep_has_the_bytes_of_a_run(tmp_path: Path, swept: Path) -
     assert contents(out) == contents(new)
 
 
+def test_the_shortest_run_of_a_sweep_is_heard_first(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = TINY + "sweep: {rolling.load_n: [0.02, 0.005, 0.01]}\n"
+    out = tmp_path / "out"
+    words = ["--out", str(out), "--workers", "1", "--no-report"]
+    assert cli.main(["run", str(write(tmp_path, text)), *words]) == 0
+    sound = out / "load_n=0.005" / "listen.wav"
+    assert f"the first sound, load 0.005 N: {sound}\n" in capsys.readouterr().err
+    times = [
+        (out / f"load_n={load}" / sound.name).stat().st_mtime_ns for load in (5e-3, 2e-2, 1e-2)
+    ]
+    assert times == sorted(times)
+
+
 # ---- status, table, plot, report, listen
 
 
