@@ -332,10 +332,10 @@ class Descent:
         edges_move = 0 < moves <= MAX_MOVES
         self._turn(_NO_SOLUTIONS, nearly, snap, goal, sweeps, edges_move, finishing)
 
-    def _turn(self, solutions: tuple[Any, ...], *how: float) -> None:
-        """Step along the direction or extrapolate the solutions; find the next direction."""
+    def _turn(self, solutions: tuple[Any, ...], *arguments: float) -> None:
+        """Step or extrapolate, and find the next direction: see `iterate` of the kernels."""
         step, direction = _solver_kernels.iterate(
-            self.packed, tuple(self.direction), solutions, *how
+            self.packed, tuple(self.direction), solutions, *arguments
         )
         self.step, self.direction = Step(*step), Direction(*direction)
         self._moving = self.step.free + self.step.bound

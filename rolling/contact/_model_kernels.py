@@ -206,13 +206,10 @@ def settle_model(model, sweeps):
     its strip. The border never moves, so that the end of one row does not act on the beginning of
     the next.
     """
-    row, strips, softening = (
-        np.uint64(model.gap.shape[1]),
-        model.strips,
-        model.softening.reshape(-1),
-    )
+    row, strips = np.uint64(model.gap.shape[1]), model.strips
     change, gap = model.change.reshape(-1), model.gap.reshape(-1)
     low, high = model.low.reshape(-1), model.high.reshape(-1)
+    softening = model.softening.reshape(-1)
     sums = np.empty((3, np.int64(CHUNK) + 4), np.float32)
     moves, following = model.moved, model.following
     first_moves(strips, change, gap, low, high, softening, moves.reshape(-1))

@@ -45,8 +45,6 @@ ENVIRONMENT = {
     "NUMBA_NUM_THREADS": "1",
     "LOKY_MAX_MEMORY_LEAK_SIZE": "1e15",
 }
-
-
 COMPILED_AHEAD = "compile_step", "compile_parts"  # functions of `compiling_ahead`
 
 
