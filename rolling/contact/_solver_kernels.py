@@ -18,7 +18,6 @@ from rolling.contact._model_kernels import (
     fill,
     follow_model,
     lead_model,
-    list_inside,
 )
 from rolling.contact._system import Direction, Sets, unpack
 from rolling.contact._window_kernels import copy_line
@@ -278,8 +277,8 @@ def iterate(packed, direction, solutions, nearly, snap, allowed, sweeps, edges_m
     before the final check; the Direction is then unchanged.
 
     The first direction of a solve comes from the extrapolation of the last two `solutions` (see
-    `extrapolate`), whose arrays are else empty. No step leads to it, and its slope is 0 where it
-    does not descend.
+    `extrapolate`), whose arrays are else empty. No step leads to it, and its slope is not negative
+    where it does not descend.
 
     Returns the fields of the Step that was taken and of the Direction to convolve. The load of the
     Step is the sum of the pressures after a last step by the model, or 0.
@@ -317,9 +316,7 @@ def iterate(packed, direction, solutions, nearly, snap, allowed, sweeps, edges_m
         if descends:
             scatter(system.transform, work.d)
         if leading:
-            following = Direction(
-                min(following.slope, 0.0), following.longest, 0.0, direction.length
-            )
+            following = Direction(following.slope, following.longest, 0.0, direction.length)
         if descends or leading:
             return (approach, worst, free, bound, restarts, 0, 0.0), tuple_of(following)
         length = 1.0
@@ -341,6 +338,17 @@ def iterate(packed, direction, solutions, nearly, snap, allowed, sweeps, edges_m
 def tuple_of(direction):
     """Return the fields of a Direction, which cross to Python faster."""
     return direction.slope, direction.longest, direction.zr, direction.length
+
+
+@njit(cache=True, inner=True)
+def list_inside(p, hardness, active):
+    """List the nodes between the bounds in `active`; return their number."""
+    free = 0
+    for k in range(p.size):
+        if 0.0 < p[k] < hardness:
+            active[free] = k
+            free += 1
+    return free
 
 
 @njit(cache=True)

@@ -31,14 +31,14 @@ def pressures_of(moves: np.ndarray) -> np.ndarray:
     return sum(stencil[a, b] * padded[a : a + n, b : b + m] for a in range(5) for b in range(5))
 
 
-def model(seed: int, compliant: bool = False) -> Model:
+def model(seed: int, compliant: bool = False, side: int = SIDE) -> Model:
     """Return a model problem of random gaps and bounds that enclose no change."""
     rng = np.random.default_rng(seed)
-    change, gap, low, high, moved = np.zeros((5, SIDE, SIDE), np.float32)
-    gap[INNER, INNER] = rng.normal(size=(SIDE - 4, SIDE - 4))
-    low[3:-3, 3:-3] = -rng.random((SIDE - 6, SIDE - 6))
-    high[3:-3, 3:-3] = rng.random((SIDE - 6, SIDE - 6))
-    softening = rng.uniform(0.2, 1, (SIDE, SIDE)) if compliant else np.empty((0, SIDE))
+    change, gap, low, high, moved = np.zeros((5, side, side), np.float32)
+    gap[INNER, INNER] = rng.normal(size=(side - 4, side - 4))
+    low[3:-3, 3:-3] = -rng.random((side - 6, side - 6))
+    high[3:-3, 3:-3] = rng.random((side - 6, side - 6))
+    softening = rng.uniform(0.2, 1, (side, side)) if compliant else np.empty((0, side))
     return Model(
         values=(inverse_stencil() / inverse_stencil()[0]).astype(np.float32),
         change=change,
@@ -46,10 +46,10 @@ def model(seed: int, compliant: bool = False) -> Model:
         low=low,
         high=high,
         moved=moved,
-        following=np.zeros((SIDE, SIDE), np.float32),
+        following=np.zeros((side, side), np.float32),
         softening=softening.astype(np.float32),
         node=np.zeros(0, np.uint32),
-        strips=np.array([[2 * SIDE, (SIDE - 2) * SIDE]], np.uint64),
+        strips=np.array([[2 * side, (side - 2) * side]], np.uint64),
         stiffness=1.0,
         lift=0.0,
     )
@@ -122,9 +122,14 @@ def test_changes_are_those_since_the_previous_position(offset: tuple[int, int]) 
 
 
 @pytest.mark.parametrize("compliant", [False, True])
-def test_sweep_is_that_of_plain_arrays(compliant: bool) -> None:
-    """Sweeps over the grid as one long row equal sweeps in double precision to 1e-5."""
-    state = model(1, compliant)
+@pytest.mark.parametrize("side", [SIDE, 3 * SIDE])
+def test_sweep_is_that_of_plain_arrays(compliant: bool, side: int) -> None:
+    """Sweeps over the grid as one long row equal sweeps in double precision to 1e-5.
+
+    The long row of the larger grid is summed in two parts.
+    """
+    state = model(1, compliant, side)
+    assert (state.gap.size > _model_kernels.CHUNK) == (side > SIDE)
     change, gap = (x[INNER, INNER].astype(float) for x in (state.change, state.gap))
     low, high = state.low[INNER, INNER], state.high[INNER, INNER]
     share = state.softening[INNER, INNER] if compliant else 1.0
@@ -134,7 +139,7 @@ def test_sweep_is_that_of_plain_arrays(compliant: bool) -> None:
     _model_kernels.settle_model(state, 3)
     np.testing.assert_allclose(state.change[INNER, INNER], change, rtol=0, atol=1e-5)
     np.testing.assert_allclose(state.gap[INNER, INNER], gap, rtol=0, atol=1e-5)
-    border = np.ones((SIDE, SIDE), bool)
+    border = np.ones((side, side), bool)
     border[INNER, INNER] = False
     assert not state.gap[border].any()
 
