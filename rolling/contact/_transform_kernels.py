@@ -18,10 +18,24 @@ half to a quarter of the time.
 # mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
+from functools import cache as once
+from typing import Any
+
 import numpy as np
 
 from acoustics.arrays import Array
+from rolling.contact._by_address import array_at, execute
 from rolling.contact.compiling import njit
+
+GROUP = 4  # Plans for rows are made for multiples of so many lines.
+APART = 4  # complex numbers between two lines of columns
+
+# Entries of the numbers that describe the transforms of a size to compiled code (see Convolution).
+# The key is the padded length, the padded width and 1 in single precision, else 0.
+(LENGTH, WIDTH, KIND, USED, SUBCELLS, APPLY, EXECUTE, ROW_PLANS) = range(8)
+(FORWARD, BACKWARD) = (8, 10)  # plans of columns, of both halves where they are halved
+(PAIRS, LINES, COLUMNS, MEAN, DIFFERENCE, SINES, COSINES, TURNS, HALF) = range(12, 21)
+(BLOCK, WEIGHTS, OWN_BLOCK, INFLUENCE, INFLUENCE_SIZE, ENTRIES) = range(21, 27)
 
 
 @njit(cache=True, fused=True, inner=True)
@@ -195,6 +209,56 @@ def combine(lines: Array, rows: int, turns: Array) -> None:
             add_turned(lines[i], turn, lines[half + i])
 
 
+def lines_of(rows, length):
+    """Return the number of lines of pairs that hold so many rows, as plans are made for them."""
+    return min(-GROUP * (-rows // (2 * GROUP)), length // 2)
+
+
+_lines_of = njit(cache=True, inner=True)(lines_of)
+
+
+@njit(cache=True, inner=True)
+def plans_of_rows(entry):
+    """Return the addresses of the plans of rows, 0 before they are made: (groups of lines, 2)."""
+    return array_at(entry[ROW_PLANS], (entry[LENGTH] // (2 * GROUP) + 2, 2), entry)
+
+
+@njit(cache=True, inner=True)
+def transform(entry, rows, real, both):
+    """Replace the pressure on the first `rows` rows of cells by their deflection.
+
+    `entry` describes the transforms. `real` and `both` are arrays of their real and complex type.
+    The rows must have plans.
+    """
+    length, n, half = entry[LENGTH] // 2, entry[WIDTH], entry[HALF]
+    lines = _lines_of(rows, entry[LENGTH])
+    row_forward, row_backward = plans_of_rows(entry)[-(-lines // GROUP)]
+    columns = array_at(entry[LINES], (length, n + APART), both)
+    numbers = array_at(entry[COLUMNS], (length, 2 * (n + APART)), real)
+    execute(entry[EXECUTE], row_forward)
+    turns = array_at(entry[TURNS], (half,), both)
+    if half:
+        separate(columns, lines, turns)
+    else:
+        columns[lines:] = 0.0
+    quarter = length // 2 + 1
+    for k in range(2 if half else 1):
+        execute(entry[EXECUTE], entry[FORWARD + k])
+    multiply(
+        numbers,
+        array_at(entry[MEAN], (quarter, n // 2 + 1), real),
+        array_at(entry[DIFFERENCE], (quarter, n // 2 + 1), real),
+        array_at(entry[SINES], (quarter,), real),
+        array_at(entry[COSINES], (quarter,), real),
+        half > 0,
+    )
+    for k in range(2 if half else 1):
+        execute(entry[EXECUTE], entry[BACKWARD + k])
+    if half:
+        combine(columns, lines, turns)
+    execute(entry[EXECUTE], row_backward)
+
+
 @njit(cache=True)
 def cells_of(node, columns, corner, block_columns, subcells, seen, listed):
     """List the cells that hold the given nodes of a window, within a block of whole cells.
@@ -330,3 +394,46 @@ def add_own(own, listed, block, side, fine):
                 for t in range(r * r):
                     total += block[a * r + b, t] * own[c, t]
                 fine[i * r + a, j * r + b] = total
+
+
+@njit(cache=True, inner=True)
+def apply_on_subcells(entry, rows, columns, listed, side, real, both):
+    """Replace the pressure on a block of sub-cells by its deflection: see `Convolution.apply`.
+
+    An empty list of cells stands for all cells.
+    """
+    r, length = len(side), entry[LENGTH]
+    fine = array_at(entry[BLOCK], (rows, columns), real)
+    count = rows // r + 2
+    cells = array_at(entry[PAIRS], (_lines_of(count, length), entry[WIDTH], 2), real)
+    weights = array_at(entry[WEIGHTS], (r, 3), real)
+    block = array_at(entry[OWN_BLOCK], (r * r, r * r), real)
+    loaded = listed
+    if listed.size == 0:
+        loaded = np.empty(fine.size // r**2 + 1, np.int64)
+        loaded = loaded[: loaded_cells(fine, side, loaded)]
+    own = np.empty((loaded.size, r * r), real.dtype)
+    spread(fine, loaded, weights, side, cells, own)
+    transform(entry, count, real, both)
+    if listed.size:
+        gather(cells, listed, weights, block, own, side, fine)
+    else:
+        gather_all(cells, weights, fine)
+        add_own(own, loaded, block, side, fine)
+
+
+@once
+def apply_of(subcells: int, single: bool) -> Any:
+    """Return the kernel of `Convolution.apply` for so many sub-cells along the side of a cell."""
+    side, kind, both_kind = (0,) * subcells, np.float64, np.complex128
+    if single:
+        kind, both_kind = np.float32, np.complex64
+
+    def apply(entry, rows, columns, listed):
+        transform(entry, rows, np.empty(0, kind), np.empty(0, both_kind))
+
+    def apply_on_parts(entry, rows, columns, listed):
+        real, both = np.empty(0, kind), np.empty(0, both_kind)
+        apply_on_subcells(entry, rows, columns, listed, side, real, both)
+
+    return njit(cache=True)(apply if subcells == 1 else apply_on_parts)

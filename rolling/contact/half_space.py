@@ -5,25 +5,20 @@ Love's influence coefficients are convolved with the pressure by zero-padded FFT
 
 from __future__ import annotations
 
-import sys
 from bisect import bisect_left
 from collections import OrderedDict
 from collections.abc import Callable
 from threading import Lock
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array, positive, real_array
-from rolling.contact import _transform_kernels, _window_kernels
-
-# The interface of pyfftw to Dask is not used. It imports all arrays of Dask and pandas, a third of
-# the time that a process of this program takes to start, so its import fails here.
-_unused = sys.modules.setdefault("dask.array.fft", None)  # type: ignore[arg-type]
-import pyfftw  # noqa: E402
-
-if _unused is None:
-    del sys.modules["dask.array.fft"]
+from rolling.contact import _transform_kernels as kernels
+from rolling.contact import _window_kernels
+from rolling.contact._plans import Plan, zeros
+from rolling.contact._transform_kernels import APART, GROUP
 
 # These padded lengths are quick for their size, along columns and across them, by a trial of the
 # even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
@@ -41,10 +36,8 @@ _HALVED = (80, 256)
 # Columns of these lengths are transformed in place, because that is quicker, and longer columns,
 # because it saves memory. Other columns go from one array to another.
 _IN_PLACE = (128, 256, 512, 1024)
-_BACKWARD = "FFTW_BACKWARD"
+_ALL = np.empty(0, np.int64)  # in place of a list of cells
 _MOST = 1e300  # of a length or a modulus in SI
-_APART = 4  # complex numbers between two lines of columns
-GROUP = 4  # Plans for rows are made for multiples of so many lines.
 
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
@@ -208,11 +201,11 @@ class HalfSpace:
         m, n = pressure.shape
         convolution = self.convolution(*_window_kernels.reach(pressure))
         block = convolution.block(m, n)
-        _transform_kernels.load(pressure, block)
+        kernels.load(pressure, block)
         convolution.apply(m, n)
         self.count += 1
         deflection = np.empty((m, n))
-        _transform_kernels.read(block, self.unit, deflection)
+        kernels.read(block, self.unit, deflection)
         return deflection
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
@@ -249,41 +242,60 @@ class Convolution:
     (m / 2, n, 2) holds rows of cells side by side in pairs (see _transform_kernels).
     """
 
-    def __init__(self, m: int, n: int, single: bool, spectrum: Array) -> None:
+    def __init__(self, m: int, n: int, single: bool, spectrum: Array, subcells: int = 1) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
         self.single = single
         self._influence: NDArray[np.float32] | None = None
         length = m // 2
-        self._pairs = pyfftw.zeros_aligned((length, n), both)
+        self._pairs = zeros((length, n), both)
         self.real = self._pairs.view(real).reshape(length, n, 2)
         # Lines of a power of two would meet in the same places of the cache.
-        self._lines = pyfftw.zeros_aligned((length, n + _APART), both)
+        self._lines = zeros((length, n + APART), both)
         in_place = m in _IN_PLACE or m > _IN_PLACE[-1]
-        self._columns = self._lines if in_place else pyfftw.zeros_aligned(self._lines.shape, both)
-        self._numbers = self._columns.view(real)
+        self._columns = self._lines if in_place else zeros(self._lines.shape, both)
         # Transforms there and back multiply by their size.
         first, second = (
             spectrum[: length // 2 + 1] / (length * n),
             spectrum[length - np.arange(length // 2 + 1)] / (length * n),
         )
-        self._mean = (0.5 * (first + second)).astype(real)
-        self._difference = (0.5 * (first - second)).astype(real)
         angle = np.pi / length * np.arange(length // 2 + 1)
-        self._sines, self._cosines = np.sin(angle).astype(real), np.cos(angle).astype(real)
+        halves = 0.5 * (first + second), 0.5 * (first - second)
+        self._factors = [array.astype(real) for array in (*halves, np.sin(angle), np.cos(angle))]
         parts, half = [slice(None)], 0
         if m in _HALVED or m > _HALVED[-1]:
             half = length // 2
             parts = [slice(half), slice(half, length)]
         self._turns = np.exp(-2j * np.pi / length * np.arange(half)).astype(both)
         lines, columns = self._lines[:, :n], self._columns[:, :n]
-        self._columns_forward = [_plan(lines[part], columns[part], 0) for part in parts]
-        self._columns_backward = [_plan(columns[part], lines[part], 0, _BACKWARD) for part in parts]
-        self._row_plans: dict[int, tuple[pyfftw.FFTW, pyfftw.FFTW]] = {}
+        self._plans = [Plan(lines[part], columns[part], 0) for part in parts]
+        self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
+        self._row_plans: dict[int, tuple[Plan, Plan]] = {}
+        self._rows_by_number = np.zeros((length // GROUP + 2, 2), np.int64)
+        self._kernel = kernels.apply_of(subcells, single)
+        entry = self.entry = np.zeros(kernels.ENTRIES, np.int64)
+        entry[[kernels.LENGTH, kernels.WIDTH, kernels.KIND]] = m, n, single
+        entry[[kernels.SUBCELLS, kernels.HALF]] = subcells, half
+        entry[kernels.EXECUTE] = self._plans[0].execute
+        for first_entry, part in ((kernels.FORWARD, 0), (kernels.BACKWARD, len(parts))):
+            for k in range(len(parts)):
+                entry[first_entry + k] = self._plans[part + k].address
+        self._place("ROW_PLANS", self._rows_by_number)
+        self._place("PAIRS", self._pairs)
+        self._place("BLOCK", self._pairs)
+        self._place("LINES", self._lines)
+        self._place("COLUMNS", self._columns)
+        self._place("TURNS", self._turns)
+        for name, factor in zip(("MEAN", "DIFFERENCE", "SINES", "COSINES"), self._factors):
+            self._place(name, factor)
+
+    def _place(self, name: str, array: NDArray[Any]) -> None:
+        """Tell compiled code the address of an array."""
+        self.entry[getattr(kernels, name)] = array.ctypes.data
 
     @property
     def nbytes(self) -> int:
         """Memory of the arrays [bytes]."""
-        arrays = [self.real, self._lines, self._mean, self._difference]
+        arrays = [self.real, self._lines, *self._factors]
         if self._columns is not self._lines:
             arrays.append(self._columns)
         if self._influence is not None:
@@ -321,46 +333,28 @@ class Convolution:
 
     def cells_of(
         self, node: NDArray[np.int64], columns: int, block: tuple[int, int, int, int]
-    ) -> NDArray[np.int64] | None:
-        """Return None, because each node is a cell."""
-        return None
+    ) -> NDArray[np.int64]:
+        """Return an empty list, because each node is a cell."""
+        return _ALL
 
-    def apply(self, rows: int, columns: int, listed: NDArray[np.int64] | None = None) -> None:
+    def apply(self, rows: int, columns: int, listed: NDArray[np.int64] = _ALL) -> None:
         """Replace the pressure on a block of so many rows and columns by its deflection.
 
-        Further rows and columns are invalid afterwards.
+        Further rows and columns are invalid afterwards. Where cells are listed, only they are
+        loaded, and only their deflection is valid.
         """
-        self._transform(rows)
+        self.plan_rows(rows)
+        self._kernel(self.entry, rows, columns, listed)
 
-    def _transform(self, rows: int) -> None:
-        """Convolve the first `rows` rows of cells in the array of the transforms."""
-        pairs = min(-GROUP * (-rows // (2 * GROUP)), len(self.real))
+    def plan_rows(self, rows: int) -> None:
+        """Plan the transforms of the rows of a block of so many rows, unless they are planned."""
+        pairs = int(kernels.lines_of(self.cell_rows(rows), self.entry[kernels.LENGTH]))
         if pairs not in self._row_plans:
             head, lines = self._pairs[:pairs], self._lines[:pairs, : self.real.shape[1]]
-            self._row_plans[pairs] = _plan(head, lines, 1), _plan(lines, head, 1, _BACKWARD)
-        row_forward, row_backward = self._row_plans[pairs]
-        row_forward.execute()
-        halved = self._turns.size > 0
-        if halved:
-            _transform_kernels.separate(self._lines, pairs, self._turns)
-        else:
-            self._lines[pairs:] = 0.0
-        for plan in self._columns_forward:
-            plan.execute()
-        _transform_kernels.multiply(
-            self._numbers, self._mean, self._difference, self._sines, self._cosines, halved
-        )
-        for plan in self._columns_backward:
-            plan.execute()
-        if halved:
-            _transform_kernels.combine(self._lines, pairs, self._turns)
-        row_backward.execute()
+            plans = Plan(head, lines, 1), Plan(lines, head, 1, backward=True)
+            self._row_plans[pairs] = plans
+            self._rows_by_number[-(-pairs // GROUP)] = [plan.address for plan in plans]
 
-
-def _plan(source: Array, target: Array, axis: int, direction: str = "FFTW_FORWARD") -> pyfftw.FFTW:
-    """Plan transforms along an axis, which may destroy their source.
-
-    Plans that are chosen by timing would differ from run to run, and the last digits with them.
-    """
-    flags = ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")
-    return pyfftw.FFTW(source, target, axes=(axis,), direction=direction, flags=flags)
+    def cell_rows(self, rows: int) -> int:
+        """Return the number of rows of cells that a block of so many rows loads."""
+        return rows

@@ -97,19 +97,21 @@ class SubcellConvolution(Convolution):
     def __init__(self, m: int, n: int, single: bool, subcells: int) -> None:
         coefficients = partial(mean_coefficients, subcells=subcells)
         spectrum = half_spectrum(m, n, subcells, coefficients)
-        super().__init__(m, n, single, spectrum)
+        super().__init__(m, n, single, spectrum, subcells)
         self._subcells = subcells
         # Blocks of any shape follow one another without gaps, so that passes over a block touch no
         # more memory than it has.
         self._fine = np.zeros((m - 2) * (n - 2) * subcells**2, self.real.dtype)
         self._weights = interpolation(subcells).astype(self.real.dtype)
-        self._block = own_block(subcells).astype(self.real.dtype)
-        self._own = np.empty((0, subcells**2), self.real.dtype)
+        self._own_block = own_block(subcells).astype(self.real.dtype)
+        self._place("BLOCK", self._fine)
+        self._place("WEIGHTS", self._weights)
+        self._place("OWN_BLOCK", self._own_block)
 
     @property
     def nbytes(self) -> int:
         """Memory of the arrays [bytes]."""
-        return super().nbytes + int(self._fine.nbytes) + int(self._own.nbytes)
+        return super().nbytes + int(self._fine.nbytes)
 
     def influence(self) -> NDArray[np.float32]:
         """Return no coefficients, because they depend on the place within a cell."""
@@ -120,29 +122,9 @@ class SubcellConvolution(Convolution):
         view: Array = self._fine[: rows * columns].reshape(rows, columns, 1)
         return view
 
-    def apply(self, rows: int, columns: int, listed: NDArray[np.int64] | None = None) -> None:
-        """Replace the pressure on a block of sub-cells by its deflection.
-
-        Where cells are listed, only they are loaded, and only their deflection is valid.
-        """
-        r = self._subcells
-        fine, count = self.block(rows, columns)[..., 0], rows // r + 2
-        cells = self.real[: -GROUP * (-count // (2 * GROUP))]
-        loaded, side = listed, (0,) * r
-        if loaded is None:
-            loaded = np.empty(fine.size // r**2 + 1, np.int64)
-            loaded = loaded[: _transform_kernels.loaded_cells(fine, side, loaded)]
-        if len(self._own) < loaded.size:
-            self._own = np.empty((2 * loaded.size, r * r), fine.dtype)
-        _transform_kernels.spread(fine, loaded, self._weights, side, cells, self._own)
-        self._transform(count)
-        if listed is not None:
-            _transform_kernels.gather(
-                cells, listed, self._weights, self._block, self._own, side, fine
-            )
-            return
-        _transform_kernels.gather_all(cells, self._weights, fine)
-        _transform_kernels.add_own(self._own, loaded, self._block, side, fine)
+    def cell_rows(self, rows: int) -> int:
+        """Return the number of rows of cells that a block of so many rows loads."""
+        return rows // self._subcells + 2
 
     def cells_of(
         self, node: NDArray[np.int64], columns: int, block: tuple[int, int, int, int]

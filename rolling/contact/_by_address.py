@@ -1,0 +1,110 @@
+"""Calls by address in compiled code: of planned transforms and of other kernels, and arrays.
+
+A kernel that is called by its address is compiled once, by itself, perhaps in another process. As
+part of its callers it would be compiled with each of them.
+"""
+
+# mypy: disable-error-code="no-untyped-def"
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+from llvmlite import ir
+from numba import carray, types
+from numba.core import cgutils
+from numba.core.errors import TypingError
+from numba.extending import intrinsic, overload
+
+from rolling.contact.compiling import njit
+
+
+@intrinsic
+def _compiled_pointer(_, address):
+    def generate(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.int64), generate
+
+
+@intrinsic
+def _compiled_execute(_, function, plan):
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(ir.VoidType(), [arguments[1].type])
+        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1]])
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64), generate
+
+
+def pointer(address):
+    """Return the pointer to an address."""
+    return ctypes.c_void_p(int(address))
+
+
+def execute(function, plan):
+    """Execute a plan by the address of the function that does so."""
+    ctypes.PYFUNCTYPE(None, ctypes.c_int64)(int(function))(int(plan))
+
+
+@overload(pointer)
+def _pointer(address):
+    return lambda address: _compiled_pointer(address)
+
+
+@overload(execute)
+def _execute(function, plan):
+    return lambda function, plan: _compiled_execute(function, plan)
+
+
+@njit(cache=True, inner=True)
+def array_at(address, shape, like):
+    """Return the array of a shape at an address, with the type of numbers of the array `like`."""
+    return carray(pointer(address), shape, like.dtype)
+
+
+def caller(returned: types.Type, *allowed: tuple[types.Type, ...]) -> Any:
+    """Return a function (address, arguments) of compiled code that calls a kernel by its address.
+
+    Parameters
+    ----------
+    returned : types.Type
+        Type that the kernel returns.
+    allowed : tuples of types
+        Types of the arguments of each variant of the kernel.
+
+    Returns
+    -------
+    intrinsic
+        Function of the address and a tuple of the arguments.
+    """
+
+    @intrinsic
+    def call(_, address, arguments):
+        given = tuple(map(types.unliteral, arguments))
+        if given not in allowed:
+            raise TypingError(f"arguments of a kernel by address: {given}, allowed: {allowed}")
+
+        def generate(context, builder, signature, values):
+            convention = context.call_conv
+            kind = convention.get_function_type(returned, given)
+            kernel = builder.inttoptr(values[0], kind.as_pointer())
+            kernel.function_type = kind
+            parts = cgutils.unpack_tuple(builder, values[1], len(given))
+            status, answer = convention.call_function(builder, kernel, returned, given, parts)
+            with cgutils.if_unlikely(builder, status.is_error):
+                convention.return_status_propagate(builder, status)
+            return answer
+
+        return returned(types.int64, arguments), generate
+
+    return call
+
+
+def address_of(kernel: Any, returned: types.Type, arguments: tuple[types.Type, ...]) -> int:
+    """Compile a kernel for types of arguments, or load it; return the address of its code."""
+    kernel.compile(arguments)
+    variant = kernel.overloads[arguments]
+    if variant.signature.return_type != returned:
+        raise TypeError(f"{kernel.__name__}: returns {variant.signature.return_type}, not {returned}")
+    return int(variant.library.get_pointer_to_function(variant.fndesc.llvm_func_name))
