@@ -89,7 +89,6 @@ def caller(returned: types.Type, *allowed: tuple[types.Type, ...]) -> Any:
             convention = context.call_conv
             kind = convention.get_function_type(returned, given)
             kernel = builder.inttoptr(values[0], kind.as_pointer())
-            kernel.function_type = kind
             parts = cgutils.unpack_tuple(builder, values[1], len(given))
             status, answer = convention.call_function(builder, kernel, returned, given, parts)
             with cgutils.if_unlikely(builder, status.is_error):

@@ -111,6 +111,9 @@ def coarse_grid(rows: int, columns: int) -> tuple[int, int, int]:
     return (rows - 1) // tile + 2, (columns - 1) // tile + 2, tile
 
 
+_coarse_grid = njit(cache=True, inner=True)(coarse_grid)
+
+
 @lru_cache(maxsize=64)
 def far_field(rows: int, columns: int, tile: int) -> NDArray[np.float32]:
     """Return the coefficients of the far field by distance on a coarse grid.

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
@@ -168,6 +169,26 @@ class Packed(NamedTuple):
     # common gap of the FarField, share of the edges
     numbers: tuple[float, ...]
     lengths: tuple[int, int]  # tile and row length of the FarField
+
+
+def packed_type(real: types.Float) -> types.Tuple:
+    """Return the type of a Packed for transforms of a type."""
+    single, double, index = types.float32, types.float64, types.uint32
+    return types.Tuple(
+        [
+            double[:, ::1],
+            index[:, ::1],
+            real[::1],
+            double[:, ::1],
+            single[:, :, ::1],
+            types.uint64[:, ::1],
+            single[:, ::1],
+            double[:, ::1],
+            *[single[::1]] * 3,
+            types.UniTuple(double, 10),
+            types.UniTuple(types.int64, 2),
+        ]
+    )
 
 
 def system_of(packed):

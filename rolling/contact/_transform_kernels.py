@@ -22,9 +22,10 @@ from functools import cache as once
 from typing import Any
 
 import numpy as np
+from numba import types
 
 from acoustics.arrays import Array
-from rolling.contact._by_address import array_at, execute
+from rolling.contact._by_address import address_of, array_at, execute
 from rolling.contact.compiling import njit
 
 GROUP = 4  # Plans for rows are made for multiples of so many lines.
@@ -209,12 +210,72 @@ def combine(lines: Array, rows: int, turns: Array) -> None:
             add_turned(lines[i], turn, lines[half + i])
 
 
+# These padded lengths are quick for their size, along columns and across them, by a trial of the
+# even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
+# longer one, or hardly less.
+_LONG = (1024, 1280, 1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
+_ALONG = np.array([16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, 640, 800, *_LONG])
+_ACROSS = np.array(
+    [
+        *(16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, 640),
+        *(768, 800),
+        *_LONG,
+    ]
+)
+
+MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
+
+
+def padded(reach, subcells, across):
+    """Return the minimum quick length for nodes up to `reach` spacings apart, in cells.
+
+    The coefficients are even, so a distance of half the length is still correct. The length is 0
+    where there is none.
+    """
+    # The interpolation on sub-cells spreads pressure into a border of one cell on both sides.
+    cells = reach if subcells == 1 else -(-reach // subcells) + 2
+    for length in _ACROSS if across else _ALONG:
+        if length >= 2 * cells:
+            return length
+    return 0
+
+
+_padded = njit(cache=True, inner=True)(padded)
+
+
 def lines_of(rows, length):
     """Return the number of lines of pairs that hold so many rows, as plans are made for them."""
     return min(-GROUP * (-rows // (2 * GROUP)), length // 2)
 
 
 _lines_of = njit(cache=True, inner=True)(lines_of)
+
+
+@njit(cache=True, inner=True)
+def block_of(entry, rows, columns, real):
+    """Return the array of a block of nodes: see `Convolution.block`."""
+    if entry[SUBCELLS] > 1:
+        return array_at(entry[BLOCK], (rows, columns, 1), real)
+    lines = min(-(-rows // 2) + GROUP, entry[LENGTH] // 2)
+    return array_at(entry[BLOCK], (lines, entry[WIDTH], 2), real)
+
+
+@njit(cache=True, inner=True)
+def find(table, length, width, kind):
+    """Return the number of the entry with a key, 0 where there is none."""
+    for k in range(1, table.shape[0]):
+        here = table[k]
+        if here[LENGTH] == length and here[WIDTH] == width and here[KIND] == kind:
+            return k
+    return 0
+
+
+@njit(cache=True, inner=True)
+def has_plans(entry, rows):
+    """Tell whether the rows of a block of so many rows have plans."""
+    subcells = entry[SUBCELLS]
+    lines = _lines_of(rows // subcells + 2 if subcells > 1 else rows, entry[LENGTH])
+    return plans_of_rows(entry)[-(-lines // GROUP), 0] != 0
 
 
 @njit(cache=True, inner=True)
@@ -437,3 +498,12 @@ def apply_of(subcells: int, single: bool) -> Any:
         apply_on_subcells(entry, rows, columns, listed, side, real, both)
 
     return njit(cache=True)(apply if subcells == 1 else apply_on_parts)
+
+
+APPLY_TYPES = types.int64[::1], types.int64, types.int64, types.int64[::1]
+
+
+@once
+def apply_address(subcells: int, single: bool) -> int:
+    """Return the address of the kernel of `Convolution.apply`, which is compiled if need be."""
+    return address_of(apply_of(subcells, single), types.none, APPLY_TYPES)

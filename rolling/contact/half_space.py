@@ -5,7 +5,6 @@ Love's influence coefficients are convolved with the pressure by zero-padded FFT
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections import OrderedDict
 from collections.abc import Callable
 from threading import Lock
@@ -18,18 +17,8 @@ from acoustics.arrays import Array, positive, real_array
 from rolling.contact import _transform_kernels as kernels
 from rolling.contact import _window_kernels
 from rolling.contact._plans import Plan, zeros
-from rolling.contact._transform_kernels import APART, GROUP
+from rolling.contact._transform_kernels import APART, GROUP, MOST_NODES
 
-# These padded lengths are quick for their size, along columns and across them, by a trial of the
-# even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
-# longer one, or hardly less.
-_LONG = (1024, 1280, 1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
-_ALONG = (16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, 640, 800, *_LONG)
-_ACROSS = (
-    *(16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, 640),
-    *(768, 800),
-    *_LONG,
-)
 # Columns of these lengths, and all longer columns, are transformed in two halves, because half of a
 # column is zero. Elsewhere this takes longer.
 _HALVED = (80, 256)
@@ -39,28 +28,28 @@ _IN_PLACE = (128, 256, 512, 1024)
 _ALL = np.empty(0, np.int64)  # in place of a list of cells
 _MOST = 1e300  # of a length or a modulus in SI
 
-MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
-
 # Bytes of transforms that a half-space keeps. A rough track asks for some hundred sizes; without a
 # limit they took 4 GB in each process. A step needs few sizes, which fit up to 1,000 nodes across.
 KEPT_BYTES = 2**28
+KEPT_FIELDS = 64  # far fields of coarse grids, of some 10 kB each
 
 MOST_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by distance
 
 OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # coefficient of a unit square at its own centre
 
 
-def padded_length(reach: int, across: bool = False) -> int:
-    """Return the minimum quick length of a transform for nodes up to `reach` spacings apart.
+def padded_length(reach: int, across: bool = False, subcells: int = 1) -> int:
+    """Return the minimum quick length for nodes up to `reach` spacings apart, in cells.
 
-    The coefficients are even, so a distance of half the length is still correct.
+    Raises ValueError where there is none.
     """
-    lengths = _ACROSS if across else _ALONG
-    if 2 * reach > lengths[-1]:
+    length = int(kernels.padded(reach, subcells, across))
+    if length == 0:
         raise ValueError(
-            f"window: got {reach + 1} nodes along a side, allowed: {MOST_NODES} there is room for"
+            f"window: got {reach // subcells + 1} nodes along a side, allowed: {MOST_NODES} there"
+            " is room for"
         )
-    return lengths[bisect_left(lengths, 2 * reach)]
+    return length
 
 
 def love(rows: Array, columns: Array) -> Array:
@@ -162,9 +151,13 @@ class HalfSpace:
         self.spacing = positive("spacing", spacing, _MOST)
         self.contact_modulus = positive("contact_modulus", contact_modulus, _MOST)
         self.unit = self.spacing / (np.pi * self.contact_modulus)
-        self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
-        self.count = 0
         self.subcells = 1
+        self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
+        self._far_fields: dict[tuple[int, int, int], FarField] = {}
+        # Compiled code finds transforms and far fields by their entries in this table. Its first
+        # row has the number of convolutions and of sub-cells.
+        self.table = np.zeros((1, kernels.ENTRIES), np.int64)
+        self.table[0, 1] = self.subcells
 
     def __repr__(self) -> str:
         modulus = f"contact_modulus={self.contact_modulus:g} Pa"
@@ -203,7 +196,7 @@ class HalfSpace:
         block = convolution.block(m, n)
         kernels.load(pressure, block)
         convolution.apply(m, n)
-        self.count += 1
+        self.table[0, 0] += 1
         deflection = np.empty((m, n))
         kernels.read(block, self.unit, deflection)
         return deflection
@@ -213,25 +206,70 @@ class HalfSpace:
 
         The caller that applies them adds to `count`.
         """
-        key = self._length(row_reach, across=False), self._length(column_reach, across=True), single
-        convolution = self._convolutions.pop(key, None)
+        key = (
+            padded_length(row_reach, False, self.subcells),
+            padded_length(column_reach, True, self.subcells),
+            single,
+        )
+        convolution = self._convolutions.get(key)
         if convolution is None:
             convolution = self._make(*key)
             room = KEPT_BYTES - convolution.nbytes
-            sizes = [kept.nbytes for kept in self._convolutions.values()]
+            kept = sorted(self._convolutions.items(), key=lambda item: item[1].entry[kernels.USED])
             # The last size is kept in any case: solves take turns in both precisions.
-            while len(sizes) > 1 and sum(sizes) > room:
-                del self._convolutions[next(iter(self._convolutions))], sizes[0]
-        self._convolutions[key] = convolution  # the last is the one that was used last
+            while len(kept) > 1 and sum(other.nbytes for _, other in kept) > room:
+                del self._convolutions[kept.pop(0)[0]]
+            self._convolutions[key] = convolution
+            self._tabulate()
+        convolution.entry[kernels.USED] = self.count
         return convolution
+
+    def _tabulate(self) -> None:
+        """Make the table anew; the entries of transforms and far fields become its rows."""
+        items = [*self._convolutions.values(), *self._far_fields.values()]
+        table = np.zeros((1 + len(items), kernels.ENTRIES), np.int64)
+        table[0] = self.table[0]
+        for row, item in zip(table[1:], items, strict=True):
+            row[:] = item.entry
+            item.entry = row
+        self.table = table
+
+    def provide(self, row_reach: int, column_reach: int, single: bool, rows: int) -> None:
+        """Prepare transforms for compiled code, on blocks of so many rows."""
+        convolution = self.convolution(row_reach, column_reach, bool(single))
+        convolution.plan_rows(rows)
+        convolution.entry[kernels.APPLY] = kernels.apply_address(self.subcells, bool(single))
+
+    def provide_influence(self, row_reach: int, column_reach: int, single: bool, _: int) -> None:
+        """Compute the coefficients by distance for compiled code."""
+        self.convolution(row_reach, column_reach, bool(single)).influence()
+
+    def keep(self, field: FarField) -> None:
+        """Keep a far field for compiled code."""
+        if len(self._far_fields) >= KEPT_FIELDS:
+            fields = self._far_fields
+            del fields[min(fields, key=lambda key: fields[key].entry[kernels.USED])]
+        rows, columns, kind = map(int, field.entry[:3])
+        self._far_fields[rows, columns, kind] = field
+        self._tabulate()
+
+    @property
+    def count(self) -> int:
+        """Number of convolutions so far."""
+        return int(self.table[0, 0])
 
     def _make(self, m: int, n: int, single: bool) -> Convolution:
         """Make the transforms of a padded size."""
         return Convolution(m, n, single, half_spectrum(m, n, 1, love))
 
-    def _length(self, reach: int, across: bool) -> int:
-        """Return the padded length for nodes up to `reach` spacings from one another."""
-        return padded_length(reach, across)
+
+class FarField:
+    """Far field of a coarse grid, by distance, for compiled code."""
+
+    def __init__(self, rows: int, columns: int, tile: int, table: NDArray[np.float32]) -> None:
+        self.entry = np.zeros(kernels.ENTRIES, np.int64)
+        self.entry[:3] = rows, columns, -tile
+        self.entry[kernels.BLOCK], self._table = table.ctypes.data, table
 
 
 class Convolution:
@@ -285,7 +323,8 @@ class Convolution:
         self._place("LINES", self._lines)
         self._place("COLUMNS", self._columns)
         self._place("TURNS", self._turns)
-        for name, factor in zip(("MEAN", "DIFFERENCE", "SINES", "COSINES"), self._factors):
+        entry[kernels.INFLUENCE_SIZE] = -1  # until they are asked for
+        for name, factor in zip(("MEAN", "DIFFERENCE", "SINES", "COSINES"), self._factors, strict=True):
             self._place(name, factor)
 
     def _place(self, name: str, array: NDArray[Any]) -> None:
@@ -311,11 +350,6 @@ class Convolution:
         view: Array = self.real[: -(-rows // 2) + GROUP]
         return view
 
-    @property
-    def influence_row(self) -> int:
-        """Number of coefficients in a row of `influence`."""
-        return int(2 * (self.real.shape[1] // 2) + 1)
-
     def influence(self) -> NDArray[np.float32]:
         """Return the coefficients by distance along and across, flat, with zero in the middle.
 
@@ -329,13 +363,9 @@ class Convolution:
                 for half in (length, n // 2)
             )
             self._influence = love(rows, columns).astype(np.float32).ravel()
+            self._place("INFLUENCE", self._influence)
+            self.entry[kernels.INFLUENCE_SIZE] = self._influence.size
         return self._influence
-
-    def cells_of(
-        self, node: NDArray[np.int64], columns: int, block: tuple[int, int, int, int]
-    ) -> NDArray[np.int64]:
-        """Return an empty list, because each node is a cell."""
-        return _ALL
 
     def apply(self, rows: int, columns: int, listed: NDArray[np.int64] = _ALL) -> None:
         """Replace the pressure on a block of so many rows and columns by its deflection.

@@ -14,41 +14,31 @@ double-precision check on the full window.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.arrays import Array, instance, positive, real_array, short_repr
 from acoustics.numbers import rounded
-from rolling.contact import _condition_kernels, _window_kernels
-from rolling.contact._descent import (
-    AIM,
-    AIM_FIRST,
-    AIM_FIRST_LED,
-    BlendedEdges,
-    Candidates,
-    Descent,
-    Effort,
-    Goal,
-)
+from rolling.contact import _condition_kernels
+from rolling.contact import _descent_kernels as kernels
+from rolling.contact._far_field import far_field, stencils
 from rolling.contact._system import Limits, Sets
-from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
+from rolling.contact.half_space import OWN_COEFFICIENT, FarField, HalfSpace
 
-# Candidates for contact have a gap below this share of the maximum deflection; shares from 0.001 to
-# 0.1 take the same number of iterations.
-NEAR = 0.01
 # Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
 # converge, so the limit that is named is four times that.
 ROUNDING = 128 * np.finfo(float).eps
-# Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
-SINGLE_TOLERANCE = 1e-6
 # This share of a node's deflection by the hardness on its own cell is the half range of gaps within
 # the cell that pressures below the hardness level. At 0.15 to 0.3 scenes that hardly yield keep the
 # error of sharp edges (measured on three scenes, by 0.3 dB); at 0 the rims of elastic contact grow
 # soft.
 LEVELLED = 0.3
-_NO_EDGE = np.empty(0)
+_NOTHING = np.empty((0, 0))
+_NO_SOLUTION = _NOTHING, _NOTHING, (0, 0)
+_EMPTY = np.empty(0), np.empty(0, np.float32)  # arrays of the transforms' type, double and single
+_steps = [0, 0]  # addresses of the step of a descent, in double and single precision
 
 
 class ContactError(RuntimeError):
@@ -322,8 +312,8 @@ def solve(
     start = start or _cold_start(half_space, gap, load, hardness)
     limits = Limits(float(hardness), float(load / half_space.spacing**2))
     gap = np.ascontiguousarray(gap, dtype=float)
-    problem = _Solve(half_space, gap, limits, tolerance, single)
-    return problem.converge(start) if shape is None else problem.blend(start, shape)
+    problem = _Solve(half_space, gap, shape, limits, tolerance, single)
+    return problem.converge(start) if shape is None else problem.blend(start)
 
 
 class _Solve(NamedTuple):
@@ -331,11 +321,12 @@ class _Solve(NamedTuple):
 
     half_space: HalfSpace
     gap: Array
+    shape: Array | None
     limits: Limits
     tolerance: float
     single: bool
 
-    def blend(self, start: WarmStart, shape: Array) -> Contact:
+    def blend(self, start: WarmStart) -> Contact:
         """Solve with blended edges where the contact yields, and with sharp edges elsewhere.
 
         Between both the maximum overlap at the hardness, over the half range that pressures level,
@@ -350,20 +341,17 @@ class _Solve(NamedTuple):
                 return sharp
             start, iterations = _continued(sharp), sharp.iterations
         levelled = levelled_range(self.half_space, hardness)
-        edges = BlendedEdges(self.gap, shape, levelled)
-        solved = self.converge(start, edges)
+        solved = self.converge(start, share=1.0)
         iterations += solved.iterations
-        p, u = solved.pressure.ravel(), solved.deflection.ravel()
+        p, u, edge = solved.pressure.ravel(), solved.deflection.ravel(), solved.edge
         overlap = _condition_kernels.yielding_overlap(
             self.gap.ravel(), u, p, hardness, solved.approach, levelled
         )
         partial = _condition_kernels.has_partial_cells
-        if overlap < levelled and partial(p, edges.edge.ravel(), hardness):
+        if overlap < levelled and edge is not None and partial(p, edge.ravel(), hardness):
             start = _continued(solved)
             if overlap > 0:
-                solved = self.converge(
-                    start, BlendedEdges(self.gap, shape, levelled, overlap / levelled)
-                )
+                solved = self.converge(start, overlap / levelled)
                 iterations += solved.iterations
             elif sharp is None:
                 solved = self._sharp(start)
@@ -376,55 +364,77 @@ class _Solve(NamedTuple):
         """Solve with sharp edges where edges may be blended: their range over each cell is zero."""
         return replace(self.converge(start), edge=np.zeros_like(self.gap))
 
-    def converge(self, start: WarmStart, edges: BlendedEdges | None = None) -> Contact:
-        """Iterate from a start until the contact conditions hold."""
+    def converge(self, start: WarmStart, share: float | None = None) -> Contact:
+        """Iterate from a start until the contact conditions hold.
+
+        Edges are blended, and take a share of their range, unless the share is None.
+        """
         half_space, gap, limits = self.half_space, self.gap, self.limits
         p, u, before = start.pressure, start.deflection, start.previous
-        fresh = u is None
-        if u is None:
-            u = half_space.deflect(p)
-        if edges is not None:
-            edges.find(u if before is None else _extrapolated(u, before))
-        near, seen = NEAR if start.close else np.inf, 0
-        edges_lead = edges is not None and half_space.subcells == 1
-        first = AIM_FIRST_LED if edges_lead else AIM_FIRST
-        effort, exhausted, carried = Effort(), False, False
+        state = np.zeros(kernels.STATES, np.int64)
+        if u is not None:
+            state[kernels.DEFLECTION] = kernels.GIVEN
+        window = gap, gap if self.shape is None else self.shape
+        given = p, _NOTHING if u is None else u
+        earlier = _NO_SOLUTION
+        if before is not None:
+            earlier = before.pressure, before.deflection, (before.row, before.column)
+        out = np.empty_like(gap), _NOTHING if share is None else np.empty_like(gap)
+        levelled = levelled_range(half_space, limits.hardness) if share is not None else 0.0
+        numbers = (
+            *limits,
+            self.tolerance,
+            half_space.unit,
+            float(1 / (half_space.unit * OWN_COEFFICIENT)),
+            levelled,
+            1.0 if share is None else share,
+        )
+        flags = start.close, self.single
+        inverse = stencils(half_space.unit)
+        single = self.single and self.tolerance >= kernels.SINGLE_TOLERANCE
         while True:
-            g, (approach, u_max, worst) = _state(gap, u, p, edges, limits, fresh)
-            goal = Goal(self.tolerance, u_max, AIM if effort.rounds else first)
-            accurate = fresh and worst <= goal.allowed
-            if accurate and (carried or abs(p.sum() / limits.total - 1) <= 1e-12):
-                edge, share = (None, 0.0) if edges is None else (edges.edge, edges.share)
-                measures = float(approach), float(u_max), float(worst / u_max)
-                return Contact(p, u, half_space.spacing, *measures, effort.iterations, edge, share)
-            if effort.is_spent:
-                raise self._not_converged(effort, u_max, worst)
-            reach = near * u_max
-            candidates = Candidates.near(
-                p, g, limits.hardness, approach, reach, half_space.subcells, edges is not None
+            answer, approach, u_max, worst, missing = kernels.converge(
+                window,
+                given,
+                earlier,
+                out,
+                state,
+                half_space.table,
+                numbers,
+                tuple(inverse),
+                _steps[single],
+                flags,
+                _EMPTY[single],
             )
-            # Where a descent went as far as it could and left no new candidates, single precision
-            # does not suffice.
-            single = self.single and self.tolerance >= SINGLE_TOLERANCE
-            if exhausted and candidates.node.size <= seen:
-                single = single and edges is not None and effort.rounds <= 4
-            descent = Descent(half_space, candidates, p, g, edges, limits, goal, single)
-            if before is not None and not fresh:
-                offset = before.row, before.column
-                descent.lead(p, u, before.pressure, before.deflection, offset)
-            descent.iterate(effort)
-            carried = descent.settle(effort)
-            exhausted = descent.is_exhausted
-            p.ravel()[candidates.node] = descent.pressure
-            u, fresh = half_space.deflect(p), True
-            near, seen = NEAR, candidates.node.size
-            if edges is not None:
-                edges.find(u)
+            if answer == kernels.SOLVED:
+                edge, taken = (None, 0.0) if share is None else (out[1], share)
+                iterations = int(state[kernels.ITERATIONS])
+                residual = worst / u_max
+                return Contact(
+                    p, out[0], half_space.spacing, approach, u_max, residual, iterations, edge, taken
+                )
+            if answer == kernels.SPENT:
+                raise self._not_converged(state, u_max, worst)
+            if answer == kernels.NOT_FINITE:
+                raise ContactError(
+                    "the contact solve met numbers that are not finite: check units of load,"
+                    " modulus and heights"
+                )
+            if answer == kernels.TRANSFORMS:
+                half_space.provide(*missing)
+            elif answer == kernels.INFLUENCES:
+                half_space.provide_influence(*missing)
+            elif answer == kernels.FAR_FIELD:
+                half_space.keep(FarField(*missing[:3], far_field(*missing[:3])))
+            elif answer == kernels.KERNEL:
+                _steps[single] = kernels.step_address(single)
+            else:
+                single = not single
 
-    def _not_converged(self, effort: Effort, u_max: float, worst: float) -> ContactError:
+    def _not_converged(self, state: NDArray[np.int64], u_max: float, worst: float) -> ContactError:
         """Make the error of a solve that stopped, with the tolerance that rounding of gaps allows.
 
-        `u_max` and `worst` are maximum deflection and violation [m].
+        `state` is that of the kernel; `u_max` and `worst` are maximum deflection and violation [m].
         """
         highest = float(np.abs(self.gap).max())
         limit = ROUNDING * highest / u_max
@@ -433,10 +443,10 @@ class _Solve(NamedTuple):
             f" of at least {rounded(limit)} for a deflection of {rounded(u_max)} m"
         )
         return ContactError(
-            f"the contact solve stopped after {effort.iterations} iterations at a residual of"
+            f"the contact solve stopped after {state[kernels.ITERATIONS]} iterations at a residual of"
             f" {rounded(worst / u_max)}, {rounded(self.tolerance)} was asked for (tried:"
-            f" preconditioned conjugate gradients, {effort.restarts} restarts,"
-            f" {effort.plain_steps} plain gradient steps)"
+            f" preconditioned conjugate gradients, {state[kernels.RESTARTS]} restarts,"
+            f" {state[kernels.PLAIN_STEPS]} plain gradient steps)"
             + (rounding if self.tolerance <= limit else "")
         )
 
@@ -444,33 +454,3 @@ class _Solve(NamedTuple):
 def _continued(contact: Contact) -> WarmStart:
     """Start from the solution of the same contact with other edges."""
     return WarmStart(contact.pressure.copy(), contact.deflection, close=True)
-
-
-def _extrapolated(deflection: Array, previous: Previous) -> Array:
-    """Return a deflection [m] that changes once more as it did since the previous position."""
-    expected = np.empty_like(deflection)
-    _window_kernels.extrapolate(
-        deflection, previous.deflection, previous.row, previous.column, expected
-    )
-    return expected
-
-
-def _state(
-    gap: Array, u: Array, p: Array, edges: BlendedEdges | None, limits: Limits, fresh: bool
-) -> tuple[Array, tuple[float, float, float]]:
-    """Return the deformed gap plus approach [m], and measures of the state.
-
-    The measures are approach, maximum deflection and maximum violation [m]; the violation means
-    nothing unless the deflection is `fresh`.
-    """
-    g = np.empty_like(gap)
-    edge = _NO_EDGE if edges is None else edges.edge.ravel()
-    approach, u_max, worst = _condition_kernels.state_of(
-        gap.ravel(), u.ravel(), p.ravel(), edge, limits.hardness, g.ravel(), fresh
-    )
-    if not isfinite(approach) or not 0 < u_max < inf or (fresh and worst == inf):
-        raise ContactError(
-            "the contact solve met numbers that are not finite: check units of load, modulus"
-            " and heights"
-        )
-    return g, (approach, u_max, worst)

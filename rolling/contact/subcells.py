@@ -15,14 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
-from rolling.contact import _transform_kernels
+from rolling.contact import _transform_kernels as kernels
 from rolling.contact.half_space import (
-    GROUP,
     Convolution,
     HalfSpace,
     half_spectrum,
     love,
-    padded_length,
 )
 
 
@@ -79,16 +77,11 @@ class SubcellSpace(HalfSpace):
 
     def __init__(self, spacing: float, contact_modulus: float, subcells: int) -> None:
         super().__init__(spacing, contact_modulus)
-        self.subcells = subcells
+        self.subcells = self.table[0, 1] = subcells
 
     def _make(self, m: int, n: int, single: bool) -> SubcellConvolution:
         """Make the transforms of a padded size of cells."""
         return SubcellConvolution(m, n, single, self.subcells)
-
-    def _length(self, reach: int, across: bool) -> int:
-        """Return the padded length in cells for sub-cells up to `reach` spacings apart."""
-        # The interpolation spreads pressure into a border of one cell on both sides.
-        return padded_length(-(-reach // self.subcells) + 2, across)
 
 
 class SubcellConvolution(Convolution):
@@ -104,6 +97,9 @@ class SubcellConvolution(Convolution):
         self._fine = np.zeros((m - 2) * (n - 2) * subcells**2, self.real.dtype)
         self._weights = interpolation(subcells).astype(self.real.dtype)
         self._own_block = own_block(subcells).astype(self.real.dtype)
+        # Coefficients by distance would depend on the place within a cell.
+        self._influence = np.empty(0, np.float32)
+        self.entry[kernels.INFLUENCE_SIZE] = 0
         self._place("BLOCK", self._fine)
         self._place("WEIGHTS", self._weights)
         self._place("OWN_BLOCK", self._own_block)
@@ -113,10 +109,6 @@ class SubcellConvolution(Convolution):
         """Memory of the arrays [bytes]."""
         return super().nbytes + int(self._fine.nbytes)
 
-    def influence(self) -> NDArray[np.float32]:
-        """Return no coefficients, because they depend on the place within a cell."""
-        return np.empty(0, np.float32)
-
     def block(self, rows: int, columns: int) -> Array:
         """Return the array of a block of so many rows and columns of sub-cells."""
         view: Array = self._fine[: rows * columns].reshape(rows, columns, 1)
@@ -125,20 +117,6 @@ class SubcellConvolution(Convolution):
     def cell_rows(self, rows: int) -> int:
         """Return the number of rows of cells that a block of so many rows loads."""
         return rows // self._subcells + 2
-
-    def cells_of(
-        self, node: NDArray[np.int64], columns: int, block: tuple[int, int, int, int]
-    ) -> NDArray[np.int64]:
-        """List the cells that hold nodes of a window of so many columns, for `apply` on a block.
-
-        The block is its first row and column on the window, and its numbers of rows and columns.
-        """
-        cells, r = np.empty(node.size, np.int64), self._subcells
-        across = block[3] // r
-        seen = np.zeros(block[2] // r * across, np.uint8)
-        return cells[
-            : _transform_kernels.cells_of(node, columns, block[:2], across, r, seen, cells)
-        ]
 
 
 def half_space_of(spacing: float, contact_modulus: float, subcells: int = 1) -> HalfSpace:
