@@ -4,14 +4,14 @@ A kernel that is called by its address is compiled once, by itself, perhaps in a
 part of its callers it would be compiled with each of them.
 """
 
-# mypy: disable-error-code="no-untyped-def"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,call-arg,attr-defined"
 from __future__ import annotations
 
 import ctypes
 from typing import Any
 
 from llvmlite import ir
-from numba import carray, types
+from numba import carray, config, types
 from numba.core import cgutils
 from numba.core.errors import TypingError
 from numba.extending import intrinsic, overload
@@ -37,12 +37,12 @@ def _compiled_execute(_, function, plan):
     return types.void(types.int64, types.int64), generate
 
 
-def pointer(address):
+def pointer(address: int) -> ctypes.c_void_p:
     """Return the pointer to an address."""
     return ctypes.c_void_p(int(address))
 
 
-def execute(function, plan):
+def execute(function: int, plan: int) -> None:
     """Execute a plan by the address of the function that does so."""
     ctypes.PYFUNCTYPE(None, ctypes.c_int64)(int(function))(int(plan))
 
@@ -75,12 +75,12 @@ def caller(returned: types.Type, *allowed: tuple[types.Type, ...]) -> Any:
 
     Returns
     -------
-    intrinsic
+    function
         Function of the address and a tuple of the arguments.
     """
 
     @intrinsic
-    def call(_, address, arguments):
+    def compiled(_, address, arguments):
         given = tuple(map(types.unliteral, arguments))
         if given not in allowed:
             raise TypingError(f"arguments of a kernel by address: {given}, allowed: {allowed}")
@@ -97,13 +97,25 @@ def caller(returned: types.Type, *allowed: tuple[types.Type, ...]) -> Any:
 
         return returned(types.int64, arguments), generate
 
+    def call(address, arguments):
+        return _uncompiled[address](*arguments)
+
+    overload(call)(
+        lambda address, arguments: lambda address, arguments: compiled(address, arguments)
+    )
     return call
+
+
+_uncompiled: dict[int, Any] = {}  # kernels by number, where nothing is compiled
 
 
 def address_of(kernel: Any, returned: types.Type, arguments: tuple[types.Type, ...]) -> int:
     """Compile a kernel for types of arguments, or load it; return the address of its code."""
+    if config.DISABLE_JIT:
+        _uncompiled[number := len(_uncompiled) + 1] = kernel
+        return number
     kernel.compile(arguments)
     variant = kernel.overloads[arguments]
     if variant.signature.return_type != returned:
-        raise TypeError(f"{kernel.__name__}: returns {variant.signature.return_type}, not {returned}")
+        raise TypeError(f"{kernel.__name__} returns {variant.signature.return_type}")
     return int(variant.library.get_pointer_to_function(variant.fndesc.llvm_func_name))

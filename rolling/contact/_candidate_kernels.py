@@ -154,7 +154,7 @@ def list_strips(place, rows, row, strips):
 
 @njit(cache=True)
 def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors, indices, strips):
-    """Set the pressures, the gaps and the indices of the candidates, and the strips (see Packed).
+    """Set the pressures, the gaps and the indices of the candidates, and the strips (see `pack`).
 
     `corner` is the first row and column of the candidates' block in a window of `columns` columns;
     `row_lengths` are the numbers of nodes in a row of the transforms (with the number of rows side
@@ -180,21 +180,22 @@ def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors,
     return list_strips(indices[2], rows, grid_row, strips)
 
 
-@njit(cache=True)
-def take_edges(node, edge, between_nodes, numbers, vectors, place, left):
-    """Set the compliance and the edges of the candidates (see Packed).
+@njit(cache=True, inner=True)
+def take_edges(system, listed, edge, shape, gap):
+    """Set the compliance and the edges of listed candidates from flat arrays on the window.
 
-    `left`, the softening of the Model, has each candidate at its `place`.
+    `shape` is the undeformed gap as it continues within cells, `gap` that of the nodes.
     """
-    per_hardness, stiffness = 2.0 / numbers[0], numbers[5]
+    nodes, edges, place = system.nodes, system.edges, system.model.node
+    left, stiffness = system.model.softening.reshape(-1), system.model.stiffness
+    per_hardness = 2.0 / system.limits.hardness
     left[:] = 1.0
-    for a in range(node.size):
-        k = node[a]
-        compliance = edge[k] * per_hardness
-        vectors[6, a] = compliance
-        vectors[8, a] = edge[k]
-        vectors[9, a] = between_nodes[a]
-        left[place[a]] = 1.0 / (1.0 + compliance * stiffness)
+    for a in range(listed.size):
+        k = listed[a]
+        nodes.compliance[a] = edge[k] * per_hardness
+        edges.edge[a] = edge[k]
+        edges.between_nodes[a] = shape[k] - gap[k]
+        left[place[a]] = 1.0 / (1.0 + nodes.compliance[a] * stiffness)
 
 
 @njit(cache=True, inner=True)

@@ -5,7 +5,7 @@ has to provide something: transforms of a size, the far field of a grid, a kerne
 in the other precision. Its state stays in the arrays of the caller, so that the next call goes on.
 """
 
-# mypy: disable-error-code="no-untyped-def"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
 from __future__ import annotations
 
 from functools import cache as once
@@ -13,38 +13,17 @@ from functools import cache as once
 import numpy as np
 from numba import types
 
-from rolling.contact import _solver_kernels
+from rolling.contact import _candidate_kernels as search
+from rolling.contact import _solver_kernels as solver
+from rolling.contact import _system as parts
+from rolling.contact import _transform_kernels as transforms
 from rolling.contact._by_address import address_of, array_at, caller
-from rolling.contact._candidate_kernels import (
-    STRIP,
-    candidates,
-    cell_ranges,
-    take_edges,
-    take_nodes,
-)
 from rolling.contact._condition_kernels import settle_load, state_of, sum_of
 from rolling.contact._far_field import _coarse_grid
-from rolling.contact._solver_kernels import FIRST_LENGTH, carry_load, sum_directly
-from rolling.contact._system import BORDER, Limits, packed_type
-from rolling.contact._transform_kernels import (
-    APPLY,
-    APPLY_TYPES,
-    BLOCK,
-    INFLUENCE,
-    INFLUENCE_SIZE,
-    LENGTH,
-    USED,
-    WIDTH,
-    _padded,
-    block_of,
-    cells_of,
-    find,
-    has_plans,
-    load,
-    read,
-)
+from rolling.contact._system import BORDER, Direction, Limits, Solutions, Step, System, numba_type
 from rolling.contact._window_kernels import extrapolate, reach
 from rolling.contact.compiling import njit
+from rolling.contact.half_space import OWN_COEFFICIENT
 
 MAX_ITERATIONS = 1000
 # Sweeps before the far field of the model, first from the extrapolation, then in each iteration.
@@ -87,114 +66,91 @@ REST = 4
 SINGLE_TOLERANCE = 1e-6
 
 # Answers of `converge`: the solution, an error, or what Python has to provide.
-(SOLVED, SPENT, NOT_FINITE, TRANSFORMS, INFLUENCES, FAR_FIELD, KERNEL, PRECISION) = range(8)
+(SOLVED, SPENT, NOT_FINITE, TRANSFORMS, FAR_FIELD, KERNEL, PRECISION) = range(7)
 # Entries of the state of a solve, which begins with zeros.
-(ITERATIONS, RESTARTS, PLAIN_STEPS, STUCK, ROUNDS, MOVES, LOAD_MISSED, EXHAUSTED, CARRIED) = range(9)
+(ITERATIONS, RESTARTS, PLAIN_STEPS, STUCK, ROUNDS, MOVES, LOAD_MISSED, EXHAUSTED, CARRIED) = range(
+    9
+)
 (CANDIDATES, DEFLECTION, STATES) = range(9, 12)
 (UNKNOWN, GIVEN, FRESH) = range(3)  # the deflection
-
-STEP = types.Tuple([*[types.float64] * 2, *[types.int64] * 4, types.float64])
-STEPPED = types.Tuple([STEP, types.UniTuple(types.float64, 4)])
-_FIELD = types.float64[:, ::1]
-_SOLUTIONS = types.Tuple(
-    [*[_FIELD] * 4, types.UniTuple(types.int64, 2), types.UniTuple(types.int64, 4)]
-)
 
 
 def step_types(real: types.Float) -> tuple[types.Type, ...]:
     """Return the types of the arguments of `iterate` of the solver for transforms of a type."""
-    numbers = [types.float64] * 3
-    flags = [types.int64, types.boolean, types.boolean]
-    direction = types.UniTuple(types.float64, 4)
-    return packed_type(real), direction, _SOLUTIONS, *numbers, *flags
+    tuples = (numba_type(kind, real) for kind in (System, Direction, Solutions))
+    return *tuples, *[types.float64] * 3, types.int64, types.boolean, types.boolean
 
 
+STEPPED = types.Tuple([numba_type(Step, types.float64), numba_type(Direction, types.float64)])
 step_at = caller(STEPPED, step_types(types.float32), step_types(types.float64))
+apply_at = caller(types.none, transforms.APPLY_TYPES)
 
 
 @once
 def step_address(single: bool) -> int:
     """Return the address of `iterate` of the solver, which is compiled if need be."""
     types_of_step = step_types(types.float32 if single else types.float64)
-    return address_of(_solver_kernels.iterate, STEPPED, types_of_step)
-
-
-apply_at = caller(types.none, APPLY_TYPES)
+    return address_of(solver.iterate, STEPPED, types_of_step)
 
 
 @njit(cache=True, inner=True)
-def pack(window, listed, resting, block, numbers, stencils, u_max, entry, far, real):
-    """Make the arrays of a descent on listed candidates: see `Packed`.
+def system_of(window, listed, resting, block, numbers, stencils, u_max, entry, far, real):
+    """Return the System of a descent on listed candidates.
 
-    `window` has pressures, deformed gaps, edges and the gap as it continues within cells and at the
-    nodes. `far` is the entry of the far field.
+    `window` has pressures, deformed gaps, edges and the undeformed gap as it continues within cells
+    and at the nodes, `resting` is the sum of the pressures of the nodes at rest, and `far` the
+    entry of the far field.
     """
     p, g, edge, shape, gap = window
-    hardness, total, _, unit, stiffness, levelled, share = numbers
-    preconditioner, model_stencil, model_stiffness, own, common = stencils
-    blended, n = edge.size > 0, listed.size
+    hardness, total, _, levelled, share = numbers
+    unit, preconditioner, inverse, centre, own, common = stencils
+    n, blended, single = listed.size, edge.size > 0, np.empty(0, np.float32)
     rows, columns = block[2] + 2 * BORDER, block[3] + 2 * BORDER
-    coarse_rows, coarse_columns, tile = _coarse_grid(rows, columns)
-    row_length = 2 * coarse_columns - 1
-    vectors = np.zeros((10 if blended else 6, n))
+    # Vectors and grids that only blended edges have are else empty slices of others.
+    v, soft = np.zeros((10 if blended else 6, n)), n if blended else 0
     grids = np.zeros((2 if blended else 1, rows * columns))
-    if blended:
-        grids[1] = np.nan
+    field = grids[-1][: grids.shape[1] if blended else 0]
+    field[:] = np.nan
     # The passes set the other grids of the model before they read them.
-    model = np.empty((7 if blended else 6, rows, columns), np.float32)
-    model[2:6] = 0.0
-    indices = np.empty((4, n), np.uint32)
-    strips = np.empty((rows * columns // STRIP + 1, 2), np.uint64)
-    image = block_of(entry, block[2], block[3], real)
-    lengths = (image.shape[1], image.shape[2]), columns, 2 * (entry[WIDTH] // 2) + 1
-    count = take_nodes(
-        listed,
-        p.shape[1],
-        (block[0], block[1]),
-        lengths,
-        rows,
-        p.reshape(-1),
-        g.reshape(-1),
-        vectors,
-        indices,
-        strips,
+    m = np.empty((7 if blended else 6, rows, columns), np.float32)
+    m[2:6] = 0.0
+    left = m[-1][: rows if blended else 0]
+    index = np.empty((4, n), np.uint32)
+    strips = np.empty((rows * columns // search.STRIP + 1, 2), np.uint64)
+    image = transforms.block_of(entry, block[2], block[3], real)
+    lengths = (image.shape[1], image.shape[2]), columns, 2 * (entry[transforms.WIDTH] // 2) + 1
+    pressures, gaps = p.reshape(-1), g.reshape(-1)
+    corner = block[0], block[1]
+    count = search.take_nodes(
+        listed, p.shape[1], corner, lengths, rows, pressures, gaps, v, index, strips
     )
-    values = (
-        hardness,
-        total - resting,
-        unit,
-        stiffness,
-        levelled,
-        model_stiffness,
-        u_max / total,
-        own,
-        common,
-        share,
+    strips, lift = strips[:count], u_max / total
+    coarse_rows, coarse_columns, tile = _coarse_grid(rows, columns)
+    length = 2 * coarse_columns - 1
+    c = np.zeros((7, coarse_rows * length), np.float32)
+    table = array_at(
+        far[transforms.BLOCK], ((2 * coarse_rows - 1) * length + coarse_columns,), single
     )
-    single = np.empty(0, np.float32)
-    packed = (
-        vectors,
-        indices,
-        image.reshape(-1),
-        grids,
-        model,
-        strips[:count],
-        np.zeros((7, coarse_rows * row_length), np.float32),
-        preconditioner,
-        model_stencil,
-        array_at(far[BLOCK], ((2 * coarse_rows - 1) * row_length + coarse_columns,), single),
-        array_at(entry[INFLUENCE], (entry[INFLUENCE_SIZE],), single),
-        values,
-        (tile, row_length),
+    coefficients = array_at(
+        entry[transforms.INFLUENCE], (entry[transforms.INFLUENCE_SIZE],), single
+    )
+    stiffness = 1 / (unit * OWN_COEFFICIENT)
+    system = System(
+        parts.Nodes(v[0], v[1], v[-4][:soft], v[-3][:soft]),
+        parts.Transform(image.reshape(-1), index[1], unit),
+        parts.Stencil(preconditioner, grids[0], index[2], columns, stiffness),
+        parts.Work(v[2], v[3], v[4], v[5], index[0]),
+        Limits(hardness, total - resting),
+        parts.Edges(v[-2][:soft], v[-1][:soft], field, levelled, share),
+        parts.Model(
+            inverse, m[0], m[1], m[2], m[3], m[4], m[5], left, index[2], strips, centre, lift
+        ),
+        parts.FarField(tile, length, own, common, table, c[0], c[1], c[2], c[3], c[4], c[5], c[6]),
+        parts.Influence(coefficients, index[3]),
     )
     if blended:
-        between, within, nodes = np.empty(n), shape.reshape(-1), gap.reshape(-1)
-        for a in range(n):
-            between[a] = within[listed[a]] - nodes[listed[a]]
-        take_edges(
-            listed, edge.reshape(-1), between, values, vectors, indices[2], model[6].reshape(-1)
-        )
-    return packed
+        search.take_edges(system, listed, edge.reshape(-1), shape.reshape(-1), gap.reshape(-1))
+    return system
 
 
 @njit(cache=True, inner=True)
@@ -206,47 +162,46 @@ def sweeps_of(state, nodes):
 
 
 @njit(cache=True, inner=True)
-def convolve(packed, entry, block, moving, most, cells, state, table):
+def convolve(system, entry, block, moving, most, cells, state, table):
     """Replace the direction in the array of the transforms by its deflection.
 
     Few nodes that move deflect the candidates pair by pair, up to `most` pairs.
     """
-    few = moving * packed[0].shape[1] <= most
-    if not (few and sum_directly(packed, most)):
-        apply_at(entry[APPLY], (entry, block[2], block[3], cells))
+    few = moving * system.nodes.p.size <= most
+    if not (few and solver.sum_directly(system, most)):
+        apply_at(entry[transforms.APPLY], (entry, block[2], block[3], cells))
     table[0, 0] += 1
     state[ITERATIONS] += 1
 
 
 @njit(cache=True, inner=True)
-def descend(packed, entry, block, cells, solutions, goal, allowed, single, state, table, kernel):
+def descend(system, entry, block, cells, solutions, goal, allowed, single, state, table, kernel):
     """Descend by conjugate gradients until the violation is within `goal` [m], stuck or spent.
 
     The first direction comes from the last two solutions, unless they are empty.
 
     Returns whether the pressures of the candidates are known to carry the load exactly, and whether
-    the descent went as far as its precision allows. Neither the first descent nor one that the model
-    led to its last iteration did.
+    the descent went as far as its precision allows. Neither the first descent nor one that the
+    model led to its last iteration did.
     """
-    vectors = packed[0]
-    p, g, nodes, blended = vectors[0], vectors[1], vectors.shape[1], vectors.shape[0] > 6
-    limits, stiffness = Limits(packed[11][0], packed[11][1]), packed[11][3]
+    p, g, limits = system.nodes.p, system.nodes.g, system.limits
+    blended = system.nodes.compliance.size > 0
     most = np.int64(-1)  # pairs, which are of single precision; a negative number is never reached
-    if single and packed[10].size:
-        most = PAIRS * entry[LENGTH] * entry[WIDTH]
-    direction, moving = (0.0, 0.0, 0.0, FIRST_LENGTH), 0
-    nothing = np.empty((0, 0))
-    none = nothing, nothing, nothing, nothing, (0, 0), (0, 0, 0, 0)
-    if solutions[0].size:
-        led = packed, direction, solutions, NEARLY_WHOLE, 0.0, 0.0, FIRST_SWEEPS, False, False
+    if single and system.influence.coefficients.size:
+        most = PAIRS * entry[transforms.LENGTH] * entry[transforms.WIDTH]
+    direction, moving = Direction(0.0, 0.0, 0.0, solver.FIRST_LENGTH), 0
+    if solutions.p.size:
+        led = system, direction, solutions, NEARLY_WHOLE, 0.0, 0.0, FIRST_SWEEPS, False, False
         step, direction = step_at(kernel, led)
-        moving = step[2] + step[3]
+        moving = step.free + step.bound
+    nothing = solutions.p[:0]
+    none = Solutions(nothing, nothing, nothing, nothing, 0, 0, block)
     state[ROUNDS] += 1
-    snap = 0.0 if state[LOAD_MISSED] else 0.01 * allowed * stiffness
+    snap = 0.0 if state[LOAD_MISSED] else 0.01 * allowed * system.stencil.stiffness
     # The snap is divided by the number of nodes, so that its sum makes no difference.
-    share = nodes
-    if direction[0] < 0:
-        convolve(packed, entry, block, moving, most, cells, state, table)
+    share = p.size
+    if direction.slope < 0:
+        convolve(system, entry, block, moving, most, cells, state, table)
     minimum, nearly = np.inf, NEARLY_WHOLE
     while True:
         last = state[ITERATIONS] >= MAX_ITERATIONS
@@ -256,41 +211,39 @@ def descend(packed, entry, block, cells, solutions, goal, allowed, single, state
         edges_move = 0 < state[MOVES] <= MAX_MOVES
         # Where the check refused a last step once, the residual has waves too long for the model.
         finishing = state[ROUNDS] == 1 and not last
-        stepped = packed, direction, none, nearly, snap / share, within, sweeps
+        stepped = system, direction, none, nearly, snap / share, within, sweeps
         step, direction = step_at(kernel, (*stepped, edges_move, finishing))
-        _, worst, free, bound, restarts, plain_steps, _ = step
-        moving = free + bound
+        worst, moving = step.worst, step.free + step.bound
         if last or not worst > goal:
             break
         nearly = NEARLY_WHOLE_STALLED if worst > STALLED * minimum else NEARLY_WHOLE
         minimum = min(minimum, worst)
-        share = max(bound, 1)
-        state[RESTARTS] += restarts
-        state[PLAIN_STEPS] += plain_steps
-        if not direction[0] < 0 or (sweeps and state[ITERATIONS] >= MODELLED - 1):
+        share = max(step.bound, 1)
+        state[RESTARTS] += step.restarts
+        state[PLAIN_STEPS] += step.plain_steps
+        if not direction.slope < 0 or (sweeps and state[ITERATIONS] >= MODELLED - 1):
             state[ITERATIONS] += 1
             break
         state[STUCK] = 0
-        convolve(packed, entry, block, moving, most, cells, state, table)
-    approach, worst, load_after = step[0], step[1], step[6]
-    if not worst > goal:
+        convolve(system, entry, block, moving, most, cells, state, table)
+    if not step.worst > goal:
         # A node that was put on a bound took its share of the load along. The last step or the free
         # nodes make up for it, or else the nodes that are nearest to moving.
-        carried = load_after if load_after else carry_load(packed, approach)
+        carried = step.load if step.load else solver.carry_load(system, step.approach)
         if abs(carried / limits.total - 1) <= 1e-13:
             return True, state[ROUNDS] > 1
         state[LOAD_MISSED] = 1
         settle_load(p, g, limits, 0.0)
         return False, state[ROUNDS] > 1
-    descends = direction[0] < 0
+    descends = direction.slope < 0
     trace = 0.0
     if not descends:
         # No step descends, so a feasible restart replaces the pressures. Pressures of the order of
         # rounding errors can pass for free nodes and set the approach, so the projection becomes
         # the state.
         state[STUCK] += 1
-        for k in range(nodes):
-            p[k] += vectors[3, k]
+        for k in range(p.size):
+            p[k] += system.work.d[k]
             trace = max(trace, p[k])
     settle_load(p, g, limits, 1e-9 * trace)
     return False, not descends
@@ -303,16 +256,19 @@ def transforms_for(table, reaches, rows, single):
     `rows` is the number of rows of the block.
     """
     subcells = table[0, 1]
-    length, width = _padded(reaches[0], subcells, False), _padded(reaches[1], subcells, True)
-    place = find(table, length, width, np.int64(single))
-    if place and has_plans(table[place], rows):
-        table[place, USED] = table[0, 0]
+    length, width = (
+        transforms._padded(reaches[0], subcells, False),
+        transforms._padded(reaches[1], subcells, True),
+    )
+    place = transforms.find(table, length, width, np.int64(single))
+    if place and transforms.has_plans(table[place], rows):
+        table[place, transforms.USED] = table[0, 0]
         return place
     return 0
 
 
 @njit(cache=True)
-def converge(window, start, before, out, state, table, numbers, stencils, kernel, flags, real):
+def converge(window, start, before, out, numbers, stencils, flags, state, table, kernel, real):
     """Iterate from a start until the contact conditions hold: see the module.
 
     Parameters
@@ -321,22 +277,23 @@ def converge(window, start, before, out, state, table, numbers, stencils, kernel
         Undeformed gap, and as it continues within cells.
     start : arrays
         Pressure, which becomes that of the solution, and its deflection where it is known.
-    before : arrays and (row, column)
-        Pressure and deflection of the previous position, and where its window begins in this one;
-        arrays are empty where there is none.
+    before : arrays, row and column
+        Pressure and deflection of the previous position, empty where there is none, and the node of
+        the window where theirs begins.
     out : arrays
         Deflection of the solution, and its edges, empty where they are sharp.
+    numbers : tuple
+        Hardness, sum of the pressures, tolerance, levelled range and share of the edges.
+    stencils : tuple
+        Deflection per pressure and coefficient, and the fields of Stencils.
+    flags : tuple of bool
+        Whether the start is close to the solution, and whether single precision may serve.
     state : array
         State of the solve.
     table : array
-        Transforms and far fields of the half-space: see `Kept`.
-    numbers, stencils : tuples
-        Hardness, sum of the pressures, tolerance, unit, stiffness of a node, levelled range and
-        share of the edges, and the fields of Stencils.
+        Entries of the transforms and far fields of the half-space: see `HalfSpace`.
     kernel : int
         Address of `iterate` of the solver, or 0.
-    flags : tuple of bool
-        Whether the start is close to the solution, and whether single precision may serve.
     real : array
         Empty array of the type of the transforms.
 
@@ -348,24 +305,25 @@ def converge(window, start, before, out, state, table, numbers, stencils, kernel
     gap, shape = window
     p, u_given = start
     u_fresh, edge = out
-    hardness, total, tolerance, unit, stiffness, levelled, share = numbers
+    hardness, total, tolerance, levelled, share = numbers
+    unit = stencils[0]
     close, may_be_single = flags
     blended, subcells = edge.size > 0, table[0, 1]
     one = real.itemsize == 4
     double = np.empty(0)
     g, listed = np.empty(gap.shape), np.empty(gap.size, np.int64)
-    nothing = np.empty((0, 0))
+    nothing, none = np.empty((0, 0)), (0, 0, 0, 0, 0)
     rows, columns = gap.shape
     while True:
         if state[DEFLECTION] == UNKNOWN:
             reaches = reach(p)
             place = transforms_for(table, reaches, rows, False)
             if not place:
-                return TRANSFORMS, 0.0, 0.0, 0.0, (reaches[0], reaches[1], np.int64(0), rows)
-            values = block_of(table[place], rows, columns, double)
-            load(p, values)
-            apply_at(table[place, APPLY], (table[place], rows, columns, listed[:0]))
-            read(values, unit, u_fresh)
+                return TRANSFORMS, 0.0, 0.0, 0.0, (*reaches, 0, rows, 0)
+            values = transforms.block_of(table[place], rows, columns, double)
+            transforms.load(p, values)
+            apply_at(table[place, transforms.APPLY], (table[place], rows, columns, listed[:0]))
+            transforms.read(values, unit, u_fresh)
             table[0, 0] += 1
             state[DEFLECTION] = FRESH
         fresh = state[DEFLECTION] == FRESH
@@ -373,28 +331,27 @@ def converge(window, start, before, out, state, table, numbers, stencils, kernel
         leading = not fresh and before[0].size > 0
         if blended:
             if leading:
-                extrapolate(u, before[1], before[2][0], before[2][1], g)
-                cell_ranges(shape, g, levelled, share, edge)
+                extrapolate(u, before[1], before[2], before[3], g)
+                search.cell_ranges(shape, g, levelled, share, edge)
             else:
-                cell_ranges(shape, u, levelled, share, edge)
+                search.cell_ranges(shape, u, levelled, share, edge)
+        pressures, half, height = p.reshape(-1), edge.reshape(-1), g.reshape(-1)
         approach, u_max, worst = state_of(
-            gap.reshape(-1), u.reshape(-1), p.reshape(-1), edge.reshape(-1), hardness,
-            g.reshape(-1), fresh,
+            gap.reshape(-1), u.reshape(-1), pressures, half, hardness, height, fresh
         )
-        none = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
         finite = np.isfinite(approach) and 0 < u_max < np.inf and not (fresh and worst == np.inf)
         if not finite:
             return NOT_FINITE, approach, u_max, worst, none
         allowed = tolerance * u_max
-        if fresh and worst <= allowed:
-            if state[CARRIED] or abs(sum_of(p.reshape(-1)) / total - 1) <= 1e-12:
-                return SOLVED, approach, u_max, worst, none
+        accurate = fresh and worst <= allowed
+        if accurate and (state[CARRIED] or abs(sum_of(pressures) / total - 1) <= 1e-12):
+            return SOLVED, approach, u_max, worst, none
         rounds = state[ROUNDS]
         if state[STUCK] > 1 or state[ITERATIONS] >= MAX_ITERATIONS or rounds > MAX_ITERATIONS:
             return SPENT, approach, u_max, worst, none
         near = (NEAR if close or rounds else np.inf) * u_max
         heights = approach - REST * near, approach + near
-        resting, count, row, column, block_rows, block_columns = candidates(
+        resting, count, row, column, block_rows, block_columns = search.candidates(
             p, g, hardness, heights[0], heights[1], blended, subcells, listed
         )
         block = row, column, block_rows, block_columns
@@ -409,37 +366,37 @@ def converge(window, start, before, out, state, table, numbers, stencils, kernel
             return KERNEL, approach, u_max, worst, none
         reaches = block_rows - 1, block_columns - 1
         place = transforms_for(table, reaches, block_rows, single)
-        missing = reaches[0], reaches[1], np.int64(single), block_rows
-        if not place:
+        if not place or table[place, transforms.INFLUENCE_SIZE] < 0:
+            missing = *reaches, np.int64(single), block_rows, 1
             return TRANSFORMS, approach, u_max, worst, missing
-        if table[place, INFLUENCE_SIZE] < 0:
-            return INFLUENCES, approach, u_max, worst, missing
         coarse = _coarse_grid(block_rows + 2 * BORDER, block_columns + 2 * BORDER)
-        far = find(table, coarse[0], coarse[1], -coarse[2])
+        far = transforms.find(table, coarse[0], coarse[1], -coarse[2])
         if not far:
-            return FAR_FIELD, approach, u_max, worst, (coarse[0], coarse[1], coarse[2], np.int64(0))
-        table[far, USED] = table[0, 0]
+            return FAR_FIELD, approach, u_max, worst, (*coarse, 0, 0)
+        table[far, transforms.USED] = table[0, 0]
         node, entry, cells = listed[:count], table[place], listed[:0]
         if subcells > 1:
             across = block_columns // subcells
             seen = np.zeros(block_rows // subcells * across, np.uint8)
             cells = np.empty(count, np.int64)
-            count_cells = cells_of(node, columns, (row, column), across, subcells, seen, cells)
+            count_cells = transforms.cells_of(
+                node, columns, (row, column), across, subcells, seen, cells
+            )
             cells = cells[:count_cells]
         fields = p, g, edge, shape, gap
         at_rest = resting * hardness if resting else 0.0
-        packed = pack(
+        system = system_of(
             fields, node, at_rest, block, numbers, stencils, u_max, entry, table[far], real
         )
         first = AIM_FIRST_LED if blended and subcells == 1 else AIM_FIRST
         goal = (AIM if rounds else first) * allowed
-        solutions = nothing, nothing, nothing, nothing, (0, 0), block
+        solutions = Solutions(nothing, nothing, nothing, nothing, 0, 0, block)
         if leading:
-            solutions = p, u, before[0], before[1], before[2], block
+            solutions = Solutions(p, u, before[0], before[1], before[2], before[3], block)
         state[CARRIED], state[EXHAUSTED] = descend(
-            packed, entry, block, cells, solutions, goal, allowed, single, state, table, kernel
+            system, entry, block, cells, solutions, goal, allowed, single, state, table, kernel
         )
         state[CANDIDATES] = count
         for a in range(count):
-            p.reshape(-1)[node[a]] = packed[0][0, a]
+            pressures[node[a]] = system.nodes.p[a]
         state[DEFLECTION] = UNKNOWN

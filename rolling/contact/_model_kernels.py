@@ -67,15 +67,12 @@ def add_changes(p, u, p_before, u_before, stiffness, changed, opened):
 def extrapolate(model, nodes, hardness, present, solutions, pressure, height):
     """Add the changes between two solutions to the grid; return the approach of the sum [m].
 
-    `present` is the approach of the grid. `solutions` has pressures and deflections on the window,
-    those of the previous position, the first row and column of their window in this one, and the
-    block of the candidates on the window: its first row and column, and its numbers of rows and
-    columns. Nodes off the previous window were unloaded, and their deflections count as unchanged.
-    `pressure` and `height` are overwritten.
+    `present` is the approach of the grid. Nodes off the previous window were unloaded, and their
+    deflections count as unchanged. `pressure` and `height` are overwritten.
     """
     compliance, place = nodes.compliance, model.node
     change, gap, stiffness = model.change, model.gap, model.stiffness
-    p, u, p_before, u_before, (row, column), block = solutions
+    p, u, p_before, u_before, row, column, block = solutions
     first, rows, columns = block[1], block[2], block[3]
     a, b = shared(column, p_before.shape[1], first, first + columns)
     for i in range(rows):

@@ -13,8 +13,6 @@ from functools import cache as once
 from itertools import count
 from typing import Any
 
-import numpy as np
-
 from acoustics.arrays import Array
 
 # The interface of pyfftw to Dask is not used. It imports all arrays of Dask and pandas, a third of
@@ -77,13 +75,13 @@ _numbers = count()
 _plans: dict[int, Any] = {}  # plans of pyfftw by number
 
 
-@ctypes.PYFUNCTYPE(None, ctypes.c_int64)
+@ctypes.PYFUNCTYPE(None, ctypes.c_int64)  # type: ignore[untyped-decorator]
 def _execute_here(number: int) -> None:
     """Execute a plan of pyfftw by its number."""
     _plans[number].execute()
 
 
-_EXECUTE_HERE = ctypes.cast(_execute_here, ctypes.c_void_p).value
+_EXECUTE_HERE = ctypes.cast(_execute_here, ctypes.c_void_p).value or 0
 
 
 @once
@@ -105,4 +103,4 @@ def _functions(kind: str) -> tuple[Any, Any, int] | None:
     layout = [place, place, whole, whole]
     plan.restype, plan.argtypes = place, [whole, place, whole, *layout, *layout, whole, whole]
     destroy.restype, destroy.argtypes = None, [place]
-    return plan, destroy, int(ctypes.cast(execute, place).value)
+    return plan, destroy, ctypes.cast(execute, place).value or 0

@@ -3,7 +3,7 @@
 r is the residual, the remaining gap or overlap on a free node [m]; z is the preconditioned residual
 and d the direction, both [Pa]; alpha and beta are the step length and the factor of the last
 direction. All passes read the candidates of a window, the nodes that may be in contact, as flat
-arrays. Python calls `iterate`, `sum_directly` and `carry_load`.
+arrays.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -19,7 +19,7 @@ from rolling.contact._model_kernels import (
     follow_model,
     lead_model,
 )
-from rolling.contact._system import Direction, Sets, unpack
+from rolling.contact._system import Direction, Sets, Step
 from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import njit
 
@@ -214,13 +214,12 @@ def scatter(transform, d):
 
 
 @njit(cache=True)
-def sum_directly(packed, most):
+def sum_directly(system, most):
     """Replace the direction in the array of the transforms by its deflection, pair by pair.
 
     Return False, and leave the array as it is, where more than `most` pairs of a node that moves
     and a candidate are there.
     """
-    system = unpack(packed)
     transform, d, deflection = system.transform, system.work.d, system.work.trial
     coefficients, place = system.influence
     moving = 0
@@ -264,7 +263,7 @@ def take_whole_step(p, d, hardness):
 
 
 @njit(cache=True)
-def iterate(packed, direction, solutions, nearly, snap, allowed, sweeps, edges_move, finishing):
+def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_move, finishing):
     """Step along the direction, and find the next direction unless converged.
 
     The step has converged if the violation is within `allowed` [m]. Where `edges_move`, the edges
@@ -276,16 +275,15 @@ def iterate(packed, direction, solutions, nearly, snap, allowed, sweeps, edges_m
     After a converged step the model takes a last step if `finishing`, which needs no convolution
     before the final check; the Direction is then unchanged.
 
-    The first direction of a solve comes from the extrapolation of the last two `solutions` (see
-    `extrapolate`), whose arrays are else empty. No step leads to it, and its slope is not negative
+    The first direction of a solve comes from the extrapolation of the last two `solutions`, whose
+    arrays are else empty. No step leads to it, and its slope is not negative
     where it does not descend.
 
-    Returns the fields of the Step that was taken and of the Direction to convolve. The load of the
+    Returns the Step that was taken and the Direction to convolve. The load of the
     Step is the sum of the pressures after a last step by the model, or 0.
     """
-    system, direction = unpack(packed), Direction(*direction)
     nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
-    leading = solutions[0].size > 0
+    leading = solutions.p.size > 0
     alpha = advance(system, direction, nearly) if direction.slope < 0.0 else 1.0
     lift = move_edges(system, EDGE_SLACK * allowed) if edges_move else 0.0
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
@@ -299,7 +297,7 @@ def iterate(packed, direction, solutions, nearly, snap, allowed, sweeps, edges_m
         edges_lead = lift > EDGES_LEAD * worst
         ends = worst <= allowed and not leading
         if ends and not finishing:
-            return (approach, worst, 0, 0, 0, 0, 0.0), tuple_of(direction)
+            return Step(approach, worst, 0, 0, 0, 0, 0.0), direction
         if leading:
             approach = lead_model(system, approach, solutions)
             length, edges_lead = 1.0, nodes.compliance.size > 0
@@ -312,13 +310,13 @@ def iterate(packed, direction, solutions, nearly, snap, allowed, sweeps, edges_m
         descends = following.slope < 0.0
         if ends:
             load = take_whole_step(nodes.p, work.d, limits.hardness) if descends else 0.0
-            return (approach, worst, free, bound, restarts, 0, load), tuple_of(last)
+            return Step(approach, worst, free, bound, restarts, 0, load), last
         if descends:
             scatter(system.transform, work.d)
         if leading:
             following = Direction(following.slope, following.longest, 0.0, direction.length)
         if descends or leading:
-            return (approach, worst, free, bound, restarts, 0, 0.0), tuple_of(following)
+            return Step(approach, worst, free, bound, restarts, 0, 0.0), following
         length = 1.0
         direction = Direction(0.0, 0.0, 0.0, length)
     worst, free, bound = find_residual(nodes, system.stencil, work, limits.hardness, approach, snap)
@@ -331,13 +329,7 @@ def iterate(packed, direction, solutions, nearly, snap, allowed, sweeps, edges_m
             nodes, system.stencil, work, limits, approach, free, bound, last, plain
         )
         scatter(system.transform, work.d)
-    return (approach, worst, free, bound, restarts, plain_steps, 0.0), tuple_of(direction)
-
-
-@njit(cache=True, inner=True)
-def tuple_of(direction):
-    """Return the fields of a Direction, which cross to Python faster."""
-    return direction.slope, direction.longest, direction.zr, direction.length
+    return Step(approach, worst, free, bound, restarts, plain_steps, 0.0), direction
 
 
 @njit(cache=True, inner=True)
@@ -352,12 +344,11 @@ def list_inside(p, hardness, active):
 
 
 @njit(cache=True)
-def carry_load(packed, approach):
+def carry_load(system, approach):
     """Shift the nodes between the bounds so that the load is exact, where they can carry it.
 
     Returns the sum of the pressures.
     """
-    system = unpack(packed)
     nodes, work, limits = system.nodes, system.work, system.limits
     free = list_inside(nodes.p, limits.hardness, work.active)
     if free == 0:

@@ -1,24 +1,27 @@
 """Named tuples of the contact solve: the system of a descent, its direction and steps.
 
-They stay inside compiled code. Numba unpickles the class of each named tuple that crosses the
-boundary, which takes 1 us or more; plain tuples cross as fast as arguments, and each array takes
-0.1 us. A System therefore crosses as a plain tuple of few arrays (`Packed`, `unpack`).
+Python never sees a System: arrays are made by compiled code and stay there. Annotations give the
+types that a kernel with a System among its arguments is compiled for (see `numba_type`).
 """
 
-# mypy: disable-error-code="no-untyped-def"
+# mypy: disable-error-code="no-untyped-call,no-any-return"
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
-from rolling.contact.compiling import njit
 
-Indices = NDArray[np.uint32]
-Singles = NDArray[np.float32]
+Field = Annotated[Array, types.float64[:, ::1]]
+Strips = Annotated[NDArray[np.uint64], types.uint64[:, ::1]]
+Vector = Annotated[Array, types.float64[::1]]
+Indices = Annotated[NDArray[np.uint32], types.uint32[::1]]
+Singles = Annotated[NDArray[np.float32], types.float32[::1]]
+Image = NDArray[np.floating]  # of the type of the transforms
+Grid = Annotated[NDArray[np.float32], types.float32[:, ::1]]
 
 BORDER = 3  # open nodes around the candidates: one that moves, and the reach of a 5 x 5 stencil
 
@@ -44,16 +47,16 @@ class Nodes(NamedTuple):
     The last two are empty where no node is compliant by itself.
     """
 
-    p: Array  # pressure [Pa]
-    g: Array  # gap before the approach is subtracted [m]
-    compliance: Array  # closing of the gap by the node's own pressure beside the deflection [m/Pa]
-    softening: Array  # square root of the share of stiffness left; the residual sets it
+    p: Vector  # pressure [Pa]
+    g: Vector  # gap before the approach is subtracted [m]
+    compliance: Vector  # closing of the gap by the node's own pressure beside the deflection [m/Pa]
+    softening: Vector  # square root of the share of stiffness left; the residual sets it
 
 
 class Transform(NamedTuple):
     """Array of the transforms: the direction goes in, its deflection comes out."""
 
-    image: NDArray[np.floating]  # pressure times `unit` before, deflection after [m]
+    image: Image  # pressure times `unit` before, deflection after [m]
     node: Indices  # (n,) index of each candidate in `image`
     unit: float  # deflection per pressure and coefficient [m/Pa]
 
@@ -61,8 +64,8 @@ class Transform(NamedTuple):
 class Stencil(NamedTuple):
     """Preconditioner, a short stencil of the inverse half-space, with its grid."""
 
-    values: Array  # (3, 3) stencil [Pa/m]
-    grid: Array  # flat residual on the block of the candidates with a border of open nodes [m]
+    values: Field  # (3, 3) stencil [Pa/m]
+    grid: Vector  # flat residual on the block of the candidates with a border of open nodes [m]
     node: Indices  # (n,) index of each candidate in `grid`
     row_length: int  # nodes in a row of `grid`
     stiffness: float  # pressure on a single node that opens its gap by a metre [Pa/m]
@@ -75,15 +78,15 @@ class Model(NamedTuple):
     """
 
     values: Singles  # (6,) stencil of the inverse half-space over its centre, see `inverse_stencil`
-    change: Singles  # change of pressure
-    gap: Singles  # change of pressure that opens the gap
-    low: Singles  # bounds of the change
-    high: Singles
-    moved: Singles  # moves of the gaps in a sweep, and in the next; zero off the strips
-    following: Singles
-    softening: Singles  # share of stiffness left by compliance; empty where no node is compliant
+    change: Grid  # change of pressure
+    gap: Grid  # change of pressure that opens the gap
+    low: Grid  # bounds of the change
+    high: Grid
+    moved: Grid  # moves of the gaps in a sweep, and in the next; zero off the strips
+    following: Grid
+    softening: Grid  # share of stiffness left by compliance; empty where no node is compliant
     node: Indices  # (n,) index of each candidate in the grid
-    strips: NDArray[np.uint64]  # (strips, 2) strips of the nodes near candidates
+    strips: Strips  # (strips, 2) strips of the nodes near candidates
     stiffness: float  # centre of the stencil [Pa/m]
     lift: float  # violation that counts for a missing sum of pressures [m/Pa]
 
@@ -118,19 +121,19 @@ class Influence(NamedTuple):
 class Work(NamedTuple):
     """Vectors that the passes overwrite, with one entry per candidate."""
 
-    trial: Array  # preconditioned residual, then trial pressure [Pa]
-    d: Array  # direction [Pa]
-    r: Array  # residual of this and of the previous iteration [m]
-    r_before: Array
+    trial: Vector  # preconditioned residual, then trial pressure [Pa]
+    d: Vector  # direction [Pa]
+    r: Vector  # residual of this and of the previous iteration [m]
+    r_before: Vector
     active: Indices  # indices of candidates (see Sets)
 
 
 class Edges(NamedTuple):
     """Edges within the cells of candidates; arrays are empty where edges are sharp."""
 
-    edge: Array  # half of the range of gaps over the cell [m]
-    between_nodes: Array  # undeformed gap as it runs within cells less the gap of the nodes [m]
-    field: Array  # gap as it runs within cells on the grid of the stencil; NaN off candidates [m]
+    edge: Vector  # half of the range of gaps over the cell [m]
+    between_nodes: Vector  # undeformed gap as it runs within cells less the gap of the nodes [m]
+    field: Vector  # gap as it runs within cells on the grid of the stencil; NaN off candidates [m]
     levelled: float  # half range that elastic pressures level [m]
     share: float  # share of the remaining half range that edges take
 
@@ -149,103 +152,25 @@ class System(NamedTuple):
     influence: Influence
 
 
-class Packed(NamedTuple):
-    """Arrays and numbers of a System, few enough to cross to compiled code fast."""
+class Solutions(NamedTuple):
+    """Solutions of the last two positions on their windows, empty where they do not lead."""
 
-    # (6 or 10, n): pressure, gap, trial, direction and both residuals; where edges are blended also
-    # compliance, softening, edge and the gap between nodes
-    vectors: Array
-    indices: Indices  # (4, n): active ones, in the transforms, in the grid, by distance
-    image: NDArray[np.floating]  # array of the transforms
-    grids: Array  # (1 or 2, cells): residual, and the gap within cells where edges are blended
-    model: Singles  # (6 or 7, rows, columns): grids of the Model in its order, softening last
-    strips: NDArray[np.uint64]
-    coarse: Singles  # (7, cells): grids of the FarField
-    stencil: Array
-    model_stencil: Singles
-    table: Singles
-    coefficients: Singles
-    # hardness, total, unit, stiffness, levelled range, stiffness and lift of the Model, own and
-    # common gap of the FarField, share of the edges
-    numbers: tuple[float, ...]
-    lengths: tuple[int, int]  # tile and row length of the FarField
+    p: Field  # pressure and deflection of the last position
+    u: Field
+    p_before: Field  # those of the position before
+    u_before: Field
+    row: int  # first row and column of their window in that of the last position
+    column: int
+    block: Annotated[tuple[int, ...], types.UniTuple(types.int64, 4)]  # of the candidates
 
 
-def packed_type(real: types.Float) -> types.Tuple:
-    """Return the type of a Packed for transforms of a type."""
-    single, double, index = types.float32, types.float64, types.uint32
-    return types.Tuple(
-        [
-            double[:, ::1],
-            index[:, ::1],
-            real[::1],
-            double[:, ::1],
-            single[:, :, ::1],
-            types.uint64[:, ::1],
-            single[:, ::1],
-            double[:, ::1],
-            *[single[::1]] * 3,
-            types.UniTuple(double, 10),
-            types.UniTuple(types.int64, 2),
-        ]
-    )
-
-
-def system_of(packed):
-    """Return the System of the fields of a Packed, as a plain tuple."""
-    vectors, indices, image, grids, model, strips, coarse = packed[:7]
-    stencil, model_stencil, table, coefficients, numbers, (tile, row_length) = packed[7:]
-    hardness, total, unit, stiffness, levelled, model_stiffness, lift, own, common, share = numbers
-    # The rows that only blended edges have are else empty slices of others.
-    blended = vectors.shape[0] > 6
-    n = vectors.shape[1] if blended else 0
-    first = 6 if blended else 2
-    return System(
-        Nodes(vectors[0], vectors[1], vectors[first][:n], vectors[first + 1][:n]),
-        Transform(image, indices[1], unit),
-        Stencil(stencil, grids[0], indices[2], model.shape[2], stiffness),
-        Work(vectors[2], vectors[3], vectors[4], vectors[5], indices[0]),
-        Limits(hardness, total),
-        Edges(
-            vectors[first + 2][:n],
-            vectors[first + 3][:n],
-            grids[grids.shape[0] - 1][: grids.shape[1] if blended else 0],
-            levelled,
-            share,
-        ),
-        Model(
-            model_stencil,
-            model[0],
-            model[1],
-            model[2],
-            model[3],
-            model[4],
-            model[5],
-            model[5 + blended][: model.shape[1] if blended else 0],
-            indices[2],
-            strips,
-            model_stiffness,
-            lift,
-        ),
-        FarField(
-            tile,
-            row_length,
-            own,
-            common,
-            table,
-            coarse[0],
-            coarse[1],
-            coarse[2],
-            coarse[3],
-            coarse[4],
-            coarse[5],
-            coarse[6],
-        ),
-        Influence(coefficients, indices[3]),
-    )
-
-
-unpack = njit(cache=True, inner=True)(system_of)
+def numba_type(field: Any, real: types.Float) -> types.Type:
+    """Return the type of a field, or of a named tuple, for transforms of a type of numbers."""
+    if isinstance(field, type) and issubclass(field, tuple):
+        fields = get_type_hints(field, include_extras=True).values()
+        return types.BaseTuple.from_types([numba_type(part, real) for part in fields], field)
+    plain = {float: types.float64, int: types.int64, Image: real[::1]}
+    return plain[field] if field in plain else field.__metadata__[0]
 
 
 class Direction(NamedTuple):

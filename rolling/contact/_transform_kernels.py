@@ -35,8 +35,8 @@ APART = 4  # complex numbers between two lines of columns
 # The key is the padded length, the padded width and 1 in single precision, else 0.
 (LENGTH, WIDTH, KIND, USED, SUBCELLS, APPLY, EXECUTE, ROW_PLANS) = range(8)
 (FORWARD, BACKWARD) = (8, 10)  # plans of columns, of both halves where they are halved
-(PAIRS, LINES, COLUMNS, MEAN, DIFFERENCE, SINES, COSINES, TURNS, HALF) = range(12, 21)
-(BLOCK, WEIGHTS, OWN_BLOCK, INFLUENCE, INFLUENCE_SIZE, ENTRIES) = range(21, 27)
+(BLOCK, PAIRS, LINES, COLUMNS, MEAN, DIFFERENCE, SINES, COSINES, TURNS, HALF) = range(12, 22)
+(WEIGHTS, OWN_BLOCK, INFLUENCE, INFLUENCE_SIZE, ENTRIES) = range(22, 27)
 
 
 @njit(cache=True, fused=True, inner=True)
@@ -226,7 +226,7 @@ _ACROSS = np.array(
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
 
-def padded(reach, subcells, across):
+def padded(reach: int, subcells: int, across: bool) -> int:
     """Return the minimum quick length for nodes up to `reach` spacings apart, in cells.
 
     The coefficients are even, so a distance of half the length is still correct. The length is 0
@@ -236,14 +236,14 @@ def padded(reach, subcells, across):
     cells = reach if subcells == 1 else -(-reach // subcells) + 2
     for length in _ACROSS if across else _ALONG:
         if length >= 2 * cells:
-            return length
+            return int(length)
     return 0
 
 
 _padded = njit(cache=True, inner=True)(padded)
 
 
-def lines_of(rows, length):
+def lines_of(rows: int, length: int) -> int:
     """Return the number of lines of pairs that hold so many rows, as plans are made for them."""
     return min(-GROUP * (-rows // (2 * GROUP)), length // 2)
 
@@ -486,9 +486,8 @@ def apply_on_subcells(entry, rows, columns, listed, side, real, both):
 @once
 def apply_of(subcells: int, single: bool) -> Any:
     """Return the kernel of `Convolution.apply` for so many sub-cells along the side of a cell."""
-    side, kind, both_kind = (0,) * subcells, np.float64, np.complex128
-    if single:
-        kind, both_kind = np.float32, np.complex64
+    side, kind = (0,) * subcells, np.float32 if single else np.float64
+    both_kind = np.complex64 if single else np.complex128
 
     def apply(entry, rows, columns, listed):
         transform(entry, rows, np.empty(0, kind), np.empty(0, both_kind))

@@ -43,7 +43,7 @@ def padded_length(reach: int, across: bool = False, subcells: int = 1) -> int:
 
     Raises ValueError where there is none.
     """
-    length = int(kernels.padded(reach, subcells, across))
+    length = kernels.padded(reach, subcells, across)
     if length == 0:
         raise ValueError(
             f"window: got {reach // subcells + 1} nodes along a side, allowed: {MOST_NODES} there"
@@ -226,7 +226,7 @@ class HalfSpace:
 
     def _tabulate(self) -> None:
         """Make the table anew; the entries of transforms and far fields become its rows."""
-        items = [*self._convolutions.values(), *self._far_fields.values()]
+        items: list[Any] = [*self._convolutions.values(), *self._far_fields.values()]
         table = np.zeros((1 + len(items), kernels.ENTRIES), np.int64)
         table[0] = self.table[0]
         for row, item in zip(table[1:], items, strict=True):
@@ -234,23 +234,25 @@ class HalfSpace:
             item.entry = row
         self.table = table
 
-    def provide(self, row_reach: int, column_reach: int, single: bool, rows: int) -> None:
-        """Prepare transforms for compiled code, on blocks of so many rows."""
+    def provide(
+        self, row_reach: int, column_reach: int, single: int, rows: int, direct: int
+    ) -> None:
+        """Prepare transforms for compiled code, on blocks of so many rows.
+
+        Where `direct`, the coefficients by distance are there as well.
+        """
         convolution = self.convolution(row_reach, column_reach, bool(single))
         convolution.plan_rows(rows)
         convolution.entry[kernels.APPLY] = kernels.apply_address(self.subcells, bool(single))
+        if direct:
+            convolution.influence()
 
-    def provide_influence(self, row_reach: int, column_reach: int, single: bool, _: int) -> None:
-        """Compute the coefficients by distance for compiled code."""
-        self.convolution(row_reach, column_reach, bool(single)).influence()
-
-    def keep(self, field: FarField) -> None:
-        """Keep a far field for compiled code."""
-        if len(self._far_fields) >= KEPT_FIELDS:
-            fields = self._far_fields
+    def keep(self, rows: int, columns: int, tile: int, far_field: NDArray[np.float32]) -> None:
+        """Keep the far field of a coarse grid for compiled code."""
+        fields = self._far_fields
+        if len(fields) >= KEPT_FIELDS:
             del fields[min(fields, key=lambda key: fields[key].entry[kernels.USED])]
-        rows, columns, kind = map(int, field.entry[:3])
-        self._far_fields[rows, columns, kind] = field
+        fields[rows, columns, tile] = FarField(rows, columns, tile, far_field)
         self._tabulate()
 
     @property
@@ -311,21 +313,16 @@ class Convolution:
         self._rows_by_number = np.zeros((length // GROUP + 2, 2), np.int64)
         self._kernel = kernels.apply_of(subcells, single)
         entry = self.entry = np.zeros(kernels.ENTRIES, np.int64)
-        entry[[kernels.LENGTH, kernels.WIDTH, kernels.KIND]] = m, n, single
-        entry[[kernels.SUBCELLS, kernels.HALF]] = subcells, half
-        entry[kernels.EXECUTE] = self._plans[0].execute
-        for first_entry, part in ((kernels.FORWARD, 0), (kernels.BACKWARD, len(parts))):
-            for k in range(len(parts)):
-                entry[first_entry + k] = self._plans[part + k].address
-        self._place("ROW_PLANS", self._rows_by_number)
-        self._place("PAIRS", self._pairs)
-        self._place("BLOCK", self._pairs)
-        self._place("LINES", self._lines)
-        self._place("COLUMNS", self._columns)
-        self._place("TURNS", self._turns)
+        entry[kernels.LENGTH : kernels.USED] = m, n, single
+        entry[kernels.SUBCELLS], entry[kernels.HALF] = subcells, half
         entry[kernels.INFLUENCE_SIZE] = -1  # until they are asked for
-        for name, factor in zip(("MEAN", "DIFFERENCE", "SINES", "COSINES"), self._factors, strict=True):
-            self._place(name, factor)
+        entry[kernels.EXECUTE] = self._plans[0].execute
+        addresses = [plan.address for plan in self._plans]
+        entry[kernels.FORWARD :][: len(parts)] = addresses[: len(parts)]
+        entry[kernels.BACKWARD :][: len(parts)] = addresses[len(parts) :]
+        arrays = self._pairs, self._pairs, self._lines, self._columns, *self._factors, self._turns
+        entry[kernels.BLOCK : kernels.HALF] = [array.ctypes.data for array in arrays]
+        self._place("ROW_PLANS", self._rows_by_number)
 
     def _place(self, name: str, array: NDArray[Any]) -> None:
         """Tell compiled code the address of an array."""
@@ -378,7 +375,7 @@ class Convolution:
 
     def plan_rows(self, rows: int) -> None:
         """Plan the transforms of the rows of a block of so many rows, unless they are planned."""
-        pairs = int(kernels.lines_of(self.cell_rows(rows), self.entry[kernels.LENGTH]))
+        pairs = kernels.lines_of(self.cell_rows(rows), int(self.entry[kernels.LENGTH]))
         if pairs not in self._row_plans:
             head, lines = self._pairs[:pairs], self._lines[:pairs, : self.real.shape[1]]
             plans = Plan(head, lines, 1), Plan(lines, head, 1, backward=True)

@@ -14,7 +14,8 @@ import numpy as np
 from acoustics.arrays import Array, instance
 from acoustics.numbers import rounded
 from rolling.contact import _window_kernels, closed_forms, solver
-from rolling.contact.half_space import MOST_NODES, HalfSpace
+from rolling.contact._transform_kernels import MOST_NODES
+from rolling.contact.half_space import HalfSpace
 from rolling.contact.solver import Contact, ContactError, Previous, WarmStart
 from rolling.contact.state import ContactState, RollingContact, Window
 
@@ -119,17 +120,9 @@ class _Problem(NamedTuple):
 
     def solve(self, start: WarmStart, tolerance: float) -> Contact:
         """Solve the contact from a warm start to a tolerance."""
-        contact = self.contact
-        return solver.solve(
-            self.half_space,
-            self.gap,
-            contact.load,
-            start,
-            contact.hardness,
-            contact.shape(self.k, self.window, self.gap),
-            tolerance,
-            contact.single,
-        )
+        contact, gap = self.contact, self.gap
+        shape, limits = contact.shape(self.k, self.window, gap), (contact.load, contact.hardness)
+        return solver.solve(self.half_space, gap, shape, *limits, start, tolerance, contact.single)
 
     def wider(self, approach: float) -> _Problem | None:
         """Return the problem on a window for an approach [m]; None if this window holds it."""
@@ -179,24 +172,14 @@ def _state(
         block[3] - block[2] + 1,
     )
     _refuse_wide(contact, loaded.rows * contact.spacing, loaded.columns * contact.spacing)
+    areas = count * cell, capped * cell
+    largest = float(maximum), solved.max_deflection
+    fields = solved.pressure, solved.deflection, solved.approach
+    cost, edges = (iterations, convolutions), (solved.edge, solved.edge_share)
+    energy = 0.5 * float(work) * cell
     return ContactState(
-        position=problem.k,
-        window=window,
-        loaded=loaded,
-        pressure=solved.pressure,
-        deflection=solved.deflection,
-        approach=solved.approach,
-        contact_area=count * cell,
-        plastic_area=capped * cell,
-        max_pressure=float(maximum),
-        max_deflection=solved.max_deflection,
-        stored_energy=0.5 * float(work) * cell,
-        residual=solved.residual,
-        iterations=iterations,
-        convolutions=convolutions,
-        edge=solved.edge,
-        edge_share=solved.edge_share,
-        sphere_share=sphere_share,
+        *(problem.k, window, loaded, *fields, *areas, *largest, energy, solved.residual),
+        *(*cost, *edges, sphere_share),
     )
 
 

@@ -25,7 +25,7 @@ from rolling.contact import _condition_kernels
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact._far_field import far_field, stencils
 from rolling.contact._system import Limits, Sets
-from rolling.contact.half_space import OWN_COEFFICIENT, FarField, HalfSpace
+from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
 
 # Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
 # converge, so the limit that is named is four times that.
@@ -36,7 +36,7 @@ ROUNDING = 128 * np.finfo(float).eps
 # soft.
 LEVELLED = 0.3
 _NOTHING = np.empty((0, 0))
-_NO_SOLUTION = _NOTHING, _NOTHING, (0, 0)
+_NO_SOLUTION = _NOTHING, _NOTHING, 0, 0
 _EMPTY = np.empty(0), np.empty(0, np.float32)  # arrays of the transforms' type, double and single
 _steps = [0, 0]  # addresses of the step of a descent, in double and single precision
 
@@ -292,16 +292,16 @@ def solve_contact(
         if array is not None and array.shape != gap.shape:
             allowed = f"allowed: the shape of gap, {gap.shape}"
             raise ValueError(f"{name}: got an array of shape {array.shape}, {allowed}")
-    return solve(half_space, gap, load, start, hardness, shape, tolerance, single)
+    return solve(half_space, gap, shape, load, hardness, start, tolerance, single)
 
 
 def solve(
     half_space: HalfSpace,
     gap: Array,
-    load: float,
-    start: WarmStart | None,
-    hardness: float,
     shape: Array | None,
+    load: float,
+    hardness: float,
+    start: WarmStart | None,
     tolerance: float,
     single: bool,
 ) -> Contact:
@@ -364,55 +364,35 @@ class _Solve(NamedTuple):
         """Solve with sharp edges where edges may be blended: their range over each cell is zero."""
         return replace(self.converge(start), edge=np.zeros_like(self.gap))
 
-    def converge(self, start: WarmStart, share: float | None = None) -> Contact:
+    def converge(self, start: WarmStart, share: float = 0.0) -> Contact:
         """Iterate from a start until the contact conditions hold.
 
-        Edges are blended, and take a share of their range, unless the share is None.
+        Edges take a share of their range; they are sharp where it is 0.
         """
         half_space, gap, limits = self.half_space, self.gap, self.limits
         p, u, before = start.pressure, start.deflection, start.previous
         state = np.zeros(kernels.STATES, np.int64)
-        if u is not None:
-            state[kernels.DEFLECTION] = kernels.GIVEN
-        window = gap, gap if self.shape is None else self.shape
-        given = p, _NOTHING if u is None else u
-        earlier = _NO_SOLUTION
-        if before is not None:
-            earlier = before.pressure, before.deflection, (before.row, before.column)
-        out = np.empty_like(gap), _NOTHING if share is None else np.empty_like(gap)
-        levelled = levelled_range(half_space, limits.hardness) if share is not None else 0.0
-        numbers = (
-            *limits,
-            self.tolerance,
-            half_space.unit,
-            float(1 / (half_space.unit * OWN_COEFFICIENT)),
-            levelled,
-            1.0 if share is None else share,
+        state[kernels.DEFLECTION] = kernels.UNKNOWN if u is None else kernels.GIVEN
+        deflection, edge = np.empty_like(gap), np.empty_like(gap) if share else _NOTHING
+        problem = (
+            (gap, gap if self.shape is None else self.shape),
+            (p, _NOTHING if u is None else u),
+            _NO_SOLUTION if before is None else tuple(before),
+            (deflection, edge),
+            (*limits, self.tolerance, levelled_range(half_space, limits.hardness), share),
+            (half_space.unit, *stencils(half_space.unit)),
+            (start.close, self.single),
+            state,
         )
-        flags = start.close, self.single
-        inverse = stencils(half_space.unit)
         single = self.single and self.tolerance >= kernels.SINGLE_TOLERANCE
         while True:
             answer, approach, u_max, worst, missing = kernels.converge(
-                window,
-                given,
-                earlier,
-                out,
-                state,
-                half_space.table,
-                numbers,
-                tuple(inverse),
-                _steps[single],
-                flags,
-                _EMPTY[single],
+                *problem, half_space.table, _steps[single], _EMPTY[single]
             )
             if answer == kernels.SOLVED:
-                edge, taken = (None, 0.0) if share is None else (out[1], share)
-                iterations = int(state[kernels.ITERATIONS])
-                residual = worst / u_max
-                return Contact(
-                    p, out[0], half_space.spacing, approach, u_max, residual, iterations, edge, taken
-                )
+                measures = approach, u_max, worst / u_max, int(state[kernels.ITERATIONS])
+                edges = (edge, share) if share else ()
+                return Contact(p, deflection, half_space.spacing, *measures, *edges)
             if answer == kernels.SPENT:
                 raise self._not_converged(state, u_max, worst)
             if answer == kernels.NOT_FINITE:
@@ -422,10 +402,8 @@ class _Solve(NamedTuple):
                 )
             if answer == kernels.TRANSFORMS:
                 half_space.provide(*missing)
-            elif answer == kernels.INFLUENCES:
-                half_space.provide_influence(*missing)
             elif answer == kernels.FAR_FIELD:
-                half_space.keep(FarField(*missing[:3], far_field(*missing[:3])))
+                half_space.keep(*missing[:3], far_field(*missing[:3]))
             elif answer == kernels.KERNEL:
                 _steps[single] = kernels.step_address(single)
             else:
@@ -443,8 +421,8 @@ class _Solve(NamedTuple):
             f" of at least {rounded(limit)} for a deflection of {rounded(u_max)} m"
         )
         return ContactError(
-            f"the contact solve stopped after {state[kernels.ITERATIONS]} iterations at a residual of"
-            f" {rounded(worst / u_max)}, {rounded(self.tolerance)} was asked for (tried:"
+            f"the contact solve stopped after {state[kernels.ITERATIONS]} iterations at a residual"
+            f" of {rounded(worst / u_max)}, {rounded(self.tolerance)} was asked for (tried:"
             f" preconditioned conjugate gradients, {state[kernels.RESTARTS]} restarts,"
             f" {state[kernels.PLAIN_STEPS]} plain gradient steps)"
             + (rounding if self.tolerance <= limit else "")

@@ -12,7 +12,6 @@ from __future__ import annotations
 from functools import lru_cache, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from rolling.contact import _transform_kernels as kernels
