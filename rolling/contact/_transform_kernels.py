@@ -243,9 +243,11 @@ def padded(reach: int, subcells: int, across: bool) -> int:
 _padded = njit(cache=True, inner=True)(padded)
 
 
-def lines_of(rows: int, length: int) -> int:
-    """Return the number of lines of pairs that hold so many rows, as plans are made for them."""
-    return min(-GROUP * (-rows // (2 * GROUP)), length // 2)
+def lines_of(rows: int, subcells: int, length: int) -> int:
+    """Return the number of lines of cells that hold so many rows, as plans are made for them."""
+    # Two rows of cells are a line; on sub-cells the interpolation needs one more on both sides.
+    cells = rows // subcells + 2 if subcells > 1 else rows
+    return min(-GROUP * (-cells // (2 * GROUP)), length // 2)
 
 
 _lines_of = njit(cache=True, inner=True)(lines_of)
@@ -273,8 +275,7 @@ def find(table, length, width, kind):
 @njit(cache=True, inner=True)
 def has_plans(entry, rows):
     """Tell whether the rows of a block of so many rows have plans."""
-    subcells = entry[SUBCELLS]
-    lines = _lines_of(rows // subcells + 2 if subcells > 1 else rows, entry[LENGTH])
+    lines = _lines_of(rows, entry[SUBCELLS], entry[LENGTH])
     return plans_of_rows(entry)[-(-lines // GROUP), 0] != 0
 
 
@@ -286,13 +287,13 @@ def plans_of_rows(entry):
 
 @njit(cache=True, inner=True)
 def transform(entry, rows, real, both):
-    """Replace the pressure on the first `rows` rows of cells by their deflection.
+    """Convolve the cells of a block of so many rows in the array of the transforms.
 
     `entry` describes the transforms. `real` and `both` are arrays of their real and complex type.
     The rows must have plans.
     """
     length, n, half = entry[LENGTH] // 2, entry[WIDTH], entry[HALF]
-    lines = _lines_of(rows, entry[LENGTH])
+    lines = _lines_of(rows, entry[SUBCELLS], entry[LENGTH])
     row_forward, row_backward = plans_of_rows(entry)[-(-lines // GROUP)]
     columns = array_at(entry[LINES], (length, n + APART), both)
     numbers = array_at(entry[COLUMNS], (length, 2 * (n + APART)), real)
@@ -465,8 +466,7 @@ def apply_on_subcells(entry, rows, columns, listed, side, real, both):
     """
     r, length = len(side), entry[LENGTH]
     fine = array_at(entry[BLOCK], (rows, columns), real)
-    count = rows // r + 2
-    cells = array_at(entry[PAIRS], (_lines_of(count, length), entry[WIDTH], 2), real)
+    cells = array_at(entry[PAIRS], (_lines_of(rows, r, length), entry[WIDTH], 2), real)
     weights = array_at(entry[WEIGHTS], (r, 3), real)
     block = array_at(entry[OWN_BLOCK], (r * r, r * r), real)
     loaded = listed
@@ -475,7 +475,7 @@ def apply_on_subcells(entry, rows, columns, listed, side, real, both):
         loaded = loaded[: loaded_cells(fine, side, loaded)]
     own = np.empty((loaded.size, r * r), real.dtype)
     spread(fine, loaded, weights, side, cells, own)
-    transform(entry, count, real, both)
+    transform(entry, rows, real, both)
     if listed.size:
         gather(cells, listed, weights, block, own, side, fine)
     else:

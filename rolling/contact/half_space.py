@@ -284,7 +284,6 @@ class Convolution:
 
     def __init__(self, m: int, n: int, single: bool, spectrum: Array, subcells: int = 1) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
-        self.single = single
         self._influence: NDArray[np.float32] | None = None
         length = m // 2
         self._pairs = zeros((length, n), both)
@@ -309,8 +308,7 @@ class Convolution:
         lines, columns = self._lines[:, :n], self._columns[:, :n]
         self._plans = [Plan(lines[part], columns[part], 0) for part in parts]
         self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
-        self._row_plans: dict[int, tuple[Plan, Plan]] = {}
-        self._rows_by_number = np.zeros((length // GROUP + 2, 2), np.int64)
+        self._row_plans = np.zeros((length // GROUP + 2, 2), np.int64)
         self._kernel = kernels.apply_of(subcells, single)
         entry = self.entry = np.zeros(kernels.ENTRIES, np.int64)
         entry[kernels.LENGTH : kernels.USED] = m, n, single
@@ -322,11 +320,7 @@ class Convolution:
         entry[kernels.BACKWARD :][: len(parts)] = addresses[len(parts) :]
         arrays = self._pairs, self._pairs, self._lines, self._columns, *self._factors, self._turns
         entry[kernels.BLOCK : kernels.HALF] = [array.ctypes.data for array in arrays]
-        self._place("ROW_PLANS", self._rows_by_number)
-
-    def _place(self, name: str, array: NDArray[Any]) -> None:
-        """Tell compiled code the address of an array."""
-        self.entry[getattr(kernels, name)] = array.ctypes.data
+        entry[kernels.ROW_PLANS] = self._row_plans.ctypes.data
 
     @property
     def nbytes(self) -> int:
@@ -360,7 +354,7 @@ class Convolution:
                 for half in (length, n // 2)
             )
             self._influence = love(rows, columns).astype(np.float32).ravel()
-            self._place("INFLUENCE", self._influence)
+            self.entry[kernels.INFLUENCE] = self._influence.ctypes.data
             self.entry[kernels.INFLUENCE_SIZE] = self._influence.size
         return self._influence
 
@@ -375,13 +369,11 @@ class Convolution:
 
     def plan_rows(self, rows: int) -> None:
         """Plan the transforms of the rows of a block of so many rows, unless they are planned."""
-        pairs = kernels.lines_of(self.cell_rows(rows), int(self.entry[kernels.LENGTH]))
-        if pairs not in self._row_plans:
+        length, subcells = (int(self.entry[k]) for k in (kernels.LENGTH, kernels.SUBCELLS))
+        pairs = kernels.lines_of(rows, subcells, length)
+        addresses = self._row_plans[-(-pairs // GROUP)]
+        if not addresses[0]:
             head, lines = self._pairs[:pairs], self._lines[:pairs, : self.real.shape[1]]
             plans = Plan(head, lines, 1), Plan(lines, head, 1, backward=True)
-            self._row_plans[pairs] = plans
-            self._rows_by_number[-(-pairs // GROUP)] = [plan.address for plan in plans]
-
-    def cell_rows(self, rows: int) -> int:
-        """Return the number of rows of cells that a block of so many rows loads."""
-        return rows
+            addresses[:] = [plan.address for plan in plans]
+            self._plans += plans

@@ -14,6 +14,7 @@ import numpy as np
 from acoustics.arrays import Array, instance
 from acoustics.numbers import rounded
 from rolling.contact import _window_kernels, closed_forms, solver
+from rolling.contact._system import Limits
 from rolling.contact._transform_kernels import MOST_NODES
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.solver import Contact, ContactError, Previous, WarmStart
@@ -121,8 +122,10 @@ class _Problem(NamedTuple):
     def solve(self, start: WarmStart, tolerance: float) -> Contact:
         """Solve the contact from a warm start to a tolerance."""
         contact, gap = self.contact, self.gap
-        shape, limits = contact.shape(self.k, self.window, gap), (contact.load, contact.hardness)
-        return solver.solve(self.half_space, gap, shape, *limits, start, tolerance, contact.single)
+        shape = contact.shape(self.k, self.window, gap)
+        limits = Limits(float(contact.hardness), float(contact.load / contact.spacing**2))
+        accuracy = tolerance, contact.single
+        return solver.Problem(self.half_space, gap, shape, limits, *accuracy).solve(start)
 
     def wider(self, approach: float) -> _Problem | None:
         """Return the problem on a window for an approach [m]; None if this window holds it."""
@@ -190,10 +193,8 @@ def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactSta
     stiffness = 4 * contact.contact_modulus / (np.pi * hertz)
     reach = max(hertz, np.sqrt(contact.load / (np.pi * contact.hardness))) * 1.5
     rows, columns = (int(np.ceil(reach * factor / contact.spacing)) + 2 for factor in factors)
-    centre, middle = (
-        round(contact.position(k) / contact.spacing),
-        round(contact.mid_width / contact.spacing),
-    )
+    place = contact.position(k), contact.mid_width
+    centre, middle = (round(distance / contact.spacing) for distance in place)
     around = Window(centre - rows, middle - columns, 2 * rows + 1, 2 * columns + 1)
     window = _room([around, *_overlaps(contact, k, hertz**2 / radius)], contact.subcells)
     gap = contact.gap(k, window)
@@ -314,14 +315,10 @@ def _refuse_the_impossible(contact: RollingContact) -> None:
 
 def _refuse_wide(contact: RollingContact, along: float, across: float) -> None:
     """Raise ContactError for a contact [m] wider than one period of the surface."""
+    rows, columns = contact.heights.shape
     for needed, nodes, way, key in (
-        (
-            along,
-            contact.heights.shape[0],
-            "along the track",
-            "rolling.duration_s or rolling.distance_mm",
-        ),
-        (across, contact.heights.shape[1], "across the track", "surface.width_um"),
+        (along, rows, "along the track", "rolling.duration_s or rolling.distance_mm"),
+        (across, columns, "across the track", "surface.width_um"),
     ):
         period = nodes * contact.spacing
         if needed > period:

@@ -279,45 +279,39 @@ def solve_contact(
     """
     instance("half_space", half_space, HalfSpace)
     instance("start", start, WarmStart, type(None))
-    gap, load = real_array("gap", gap, 2), positive("load", load)
+    gap, load = _plain(real_array("gap", gap, 2)), positive("load", load)
     hardness, tolerance = positive("hardness", hardness), positive("tolerance", tolerance, 1.0)
-    shape = None if shape is None else real_array("shape", shape, 2)
+    shape = None if shape is None else _plain(real_array("shape", shape, 2))
     given = {"shape": shape}
     if start is not None:
         given["start.pressure"] = pressure = real_array("start.pressure", start.pressure, 2)
         if (deflection := start.deflection) is not None:
-            given["start.deflection"] = deflection = real_array("start.deflection", deflection, 2)
-        start = replace(start, pressure=pressure.copy(), deflection=deflection)
+            deflection = _plain(real_array("start.deflection", deflection, 2))
+            given["start.deflection"] = deflection
+        previous = start.previous
+        if previous is not None:
+            arrays = _plain(previous.pressure), _plain(previous.deflection)
+            previous = Previous(*arrays, int(previous.row), int(previous.column))
+        start = replace(start, pressure=pressure.copy(), deflection=deflection, previous=previous)
     for name, array in given.items():
         if array is not None and array.shape != gap.shape:
             allowed = f"allowed: the shape of gap, {gap.shape}"
             raise ValueError(f"{name}: got an array of shape {array.shape}, {allowed}")
-    return solve(half_space, gap, shape, load, hardness, start, tolerance, single)
-
-
-def solve(
-    half_space: HalfSpace,
-    gap: Array,
-    shape: Array | None,
-    load: float,
-    hardness: float,
-    start: WarmStart | None,
-    tolerance: float,
-    single: bool,
-) -> Contact:
-    """Solve one contact as `solve_contact`, whose checks it leaves out.
-
-    The pressure of the start becomes that of the solution.
-    """
     start = start or _cold_start(half_space, gap, load, hardness)
-    limits = Limits(float(hardness), float(load / half_space.spacing**2))
-    gap = np.ascontiguousarray(gap, dtype=float)
-    problem = _Solve(half_space, gap, shape, limits, tolerance, single)
-    return problem.converge(start) if shape is None else problem.blend(start)
+    limits = Limits(hardness, load / half_space.spacing**2)
+    return Problem(half_space, gap, shape, limits, tolerance, single).solve(start)
 
 
-class _Solve(NamedTuple):
-    """Contact to be solved from a start, with sharp or with blended edges."""
+def _plain(array: Array) -> Array:
+    """Return the array as compiled code takes it, or a copy: in C order, and open to writing."""
+    return np.require(array, float, ["C", "W"])
+
+
+class Problem(NamedTuple):
+    """Contact to be solved from a start, with blended edges where there is a shape.
+
+    Its arrays are those of `solve_contact`, in C order and of double precision.
+    """
 
     half_space: HalfSpace
     gap: Array
@@ -325,6 +319,10 @@ class _Solve(NamedTuple):
     limits: Limits
     tolerance: float
     single: bool
+
+    def solve(self, start: WarmStart) -> Contact:
+        """Solve the contact; the pressure of the start becomes that of the solution."""
+        return self.converge(start) if self.shape is None else self.blend(start)
 
     def blend(self, start: WarmStart) -> Contact:
         """Solve with blended edges where the contact yields, and with sharp edges elsewhere.
@@ -403,7 +401,8 @@ class _Solve(NamedTuple):
             if answer == kernels.TRANSFORMS:
                 half_space.provide(*missing)
             elif answer == kernels.FAR_FIELD:
-                half_space.keep(*missing[:3], far_field(*missing[:3]))
+                rows, columns, tile = missing[:3]
+                half_space.keep(rows, columns, tile, far_field(rows, columns, tile))
             elif answer == kernels.KERNEL:
                 _steps[single] = kernels.step_address(single)
             else:

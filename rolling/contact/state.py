@@ -261,12 +261,7 @@ class RollingContact:
         that of the top of each cell, and a border of one node allows for the slope of the sphere.
         """
         row, last_row, column, last_column = _window_kernels.overlap_block(
-            *self.maxima,
-            self.spacing,
-            *self.radii,
-            self.position(k) + self.off_centre,
-            self.mid_width,
-            approach,
+            *self.maxima, *self._sphere(k), approach
         )
         if last_row < row:
             return None
@@ -286,17 +281,12 @@ class RollingContact:
     def _gap(self, k: int, window: Window, heights: Array) -> Array:
         """Compute the undeformed gap over heights on a window at position k [m]."""
         out = np.empty((window.rows, window.columns))
-        _window_kernels.undeformed_gap(
-            heights,
-            self.spacing,
-            *self.radii,
-            self.position(k) + self.off_centre,
-            self.mid_width,
-            window.row,
-            window.column,
-            out,
-        )
+        _window_kernels.undeformed_gap(heights, *self._sphere(k), window.row, window.column, out)
         return out
+
+    def _sphere(self, k: int) -> tuple[float, ...]:
+        """Return the spacing, and radii and place of the sphere at position k, for kernels."""
+        return self.spacing, *self.radii, self.position(k) + self.off_centre, self.mid_width
 
 
 @dataclass(frozen=True)

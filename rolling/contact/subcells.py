@@ -90,7 +90,6 @@ class SubcellConvolution(Convolution):
         coefficients = partial(mean_coefficients, subcells=subcells)
         spectrum = half_spectrum(m, n, subcells, coefficients)
         super().__init__(m, n, single, spectrum, subcells)
-        self._subcells = subcells
         # Blocks of any shape follow one another without gaps, so that passes over a block touch no
         # more memory than it has.
         self._fine = np.zeros((m - 2) * (n - 2) * subcells**2, self.real.dtype)
@@ -99,9 +98,9 @@ class SubcellConvolution(Convolution):
         # Coefficients by distance would depend on the place within a cell.
         self._influence = np.empty(0, np.float32)
         self.entry[kernels.INFLUENCE_SIZE] = 0
-        self._place("BLOCK", self._fine)
-        self._place("WEIGHTS", self._weights)
-        self._place("OWN_BLOCK", self._own_block)
+        places = kernels.BLOCK, kernels.WEIGHTS, kernels.OWN_BLOCK
+        arrays = self._fine, self._weights, self._own_block
+        self.entry[[*places]] = [array.ctypes.data for array in arrays]
 
     @property
     def nbytes(self) -> int:
@@ -112,10 +111,6 @@ class SubcellConvolution(Convolution):
         """Return the array of a block of so many rows and columns of sub-cells."""
         view: Array = self._fine[: rows * columns].reshape(rows, columns, 1)
         return view
-
-    def cell_rows(self, rows: int) -> int:
-        """Return the number of rows of cells that a block of so many rows loads."""
-        return rows // self._subcells + 2
 
 
 def half_space_of(spacing: float, contact_modulus: float, subcells: int = 1) -> HalfSpace:
