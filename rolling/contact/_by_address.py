@@ -4,31 +4,50 @@ A kernel that is called by its address is compiled once, by itself, perhaps in a
 part of its callers it would be compiled with each of them.
 """
 
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,call-arg,attr-defined"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,attr-defined"
 from __future__ import annotations
 
 import ctypes
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
-from numba import carray, config, types
+from numba import config, types
 from numba.core import cgutils
 from numba.core.errors import TypingError
-from numba.extending import intrinsic, overload
-
-from rolling.contact.compiling import njit
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
 
 
 @intrinsic
-def _compiled_pointer(_, address):
+def _array_at(_, address, shape, like):
+    kind = types.Array(like.dtype, len(shape), "C")
+
     def generate(context, builder, signature, arguments):
-        return builder.inttoptr(arguments[0], cgutils.voidptr_t)
+        array = make_array(kind)(context, builder)
+        number = context.get_data_type(kind.dtype)
+        size = step = cgutils.intp_t(context.get_abi_sizeof(number))
+        lengths, strides = cgutils.unpack_tuple(builder, arguments[1]), []
+        for length in reversed(lengths):
+            strides.insert(0, step)
+            step = builder.mul(step, length)
+        data = builder.inttoptr(arguments[0], number.as_pointer())
+        populate_array(array, data, lengths, strides, size, meminfo=None)
+        return array._getvalue()
 
-    return types.voidptr(types.int64), generate
+    whole = types.UniTuple(types.int64, len(shape))
+    return kind(types.int64, whole, like), generate
+
+
+def array_at(address, shape, like):
+    """Return the array of a shape at an address, with the type of numbers of the array `like`."""
+    size = int(np.prod(shape)) * like.itemsize
+    memory = (ctypes.c_char * size).from_address(int(address)) if size else b""
+    return np.frombuffer(memory, like.dtype).reshape(shape)
 
 
 @intrinsic
-def _compiled_execute(_, function, plan):
+def _execute(_, function, plan):
     def generate(context, builder, signature, arguments):
         kind = ir.FunctionType(ir.VoidType(), [arguments[1].type])
         builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1]])
@@ -37,30 +56,15 @@ def _compiled_execute(_, function, plan):
     return types.void(types.int64, types.int64), generate
 
 
-def pointer(address: int) -> ctypes.c_void_p:
-    """Return the pointer to an address."""
-    return ctypes.c_void_p(int(address))
-
-
-def execute(function: int, plan: int) -> None:
+def execute(function, plan):
     """Execute a plan by the address of the function that does so."""
     ctypes.PYFUNCTYPE(None, ctypes.c_int64)(int(function))(int(plan))
 
 
-@overload(pointer)
-def _pointer(address):
-    return lambda address: _compiled_pointer(address)
-
-
-@overload(execute)
-def _execute(function, plan):
-    return lambda function, plan: _compiled_execute(function, plan)
-
-
-@njit(cache=True, inner=True)
-def array_at(address, shape, like):
-    """Return the array of a shape at an address, with the type of numbers of the array `like`."""
-    return carray(pointer(address), shape, like.dtype)
+# Python has these functions where nothing is compiled. Numba's own way to give one function two
+# forms would compile one more function for each combination of types.
+if not config.DISABLE_JIT:
+    array_at, execute = _array_at, _execute  # type: ignore[assignment]
 
 
 def caller(returned: types.Type, *allowed: tuple[types.Type, ...]) -> Any:
@@ -100,10 +104,7 @@ def caller(returned: types.Type, *allowed: tuple[types.Type, ...]) -> Any:
     def call(address, arguments):
         return _uncompiled[address](*arguments)
 
-    overload(call)(
-        lambda address, arguments: lambda address, arguments: compiled(address, arguments)
-    )
-    return call
+    return call if config.DISABLE_JIT else compiled
 
 
 _uncompiled: dict[int, Any] = {}  # kernels by number, where nothing is compiled

@@ -152,7 +152,7 @@ def list_strips(place, rows, row, strips):
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors, indices, strips):
     """Set the pressures, the gaps and the indices of the candidates, and the strips (see `pack`).
 

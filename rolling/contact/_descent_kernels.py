@@ -65,6 +65,8 @@ REST = 4
 # Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
 SINGLE_TOLERANCE = 1e-6
 
+_SINGLE, _DOUBLE = np.empty(0, np.float32), np.empty(0)  # arrays of both types of numbers
+
 # Answers of `converge`: the solution, an error, or what Python has to provide.
 (SOLVED, SPENT, NOT_FINITE, TRANSFORMS, FAR_FIELD, KERNEL, PRECISION) = range(7)
 # Entries of the state of a solve, which begins with zeros.
@@ -79,6 +81,14 @@ def step_types(real: types.Float) -> tuple[types.Type, ...]:
     """Return the types of the arguments of `iterate` of the solver for transforms of a type."""
     tuples = (numba_type(kind, real) for kind in (System, Direction, Solutions))
     return *tuples, *[types.float64] * 3, types.int64, types.boolean, types.boolean
+
+
+def descent_types(real: types.Float) -> tuple[types.Type, ...]:
+    """Return the types of the arguments of `descend` for transforms of a type."""
+    system, _, solutions, goal, *_ = step_types(real)
+    numbers = goal, goal, types.boolean, types.int64[::1], types.int64[:, ::1], types.int64
+    lists = types.int64[::1], types.UniTuple(types.int64, 4), types.int64[::1]
+    return system, *lists, solutions, *numbers
 
 
 STEPPED = types.Tuple([numba_type(Step, types.float64), numba_type(Direction, types.float64)])
@@ -104,7 +114,7 @@ def system_of(window, listed, resting, block, numbers, stencils, u_max, entry, f
     p, g, edge, shape, gap = window
     hardness, total, _, levelled, share = numbers
     unit, preconditioner, inverse, centre, own, common = stencils
-    n, blended, single = listed.size, edge.size > 0, np.empty(0, np.float32)
+    n, blended = listed.size, edge.size > 0
     rows, columns = block[2] + 2 * BORDER, block[3] + 2 * BORDER
     # Vectors and grids that only blended edges have are else empty slices of others.
     v, soft = np.zeros((10 if blended else 6, n)), n if blended else 0
@@ -129,10 +139,10 @@ def system_of(window, listed, resting, block, numbers, stencils, u_max, entry, f
     length = 2 * coarse_columns - 1
     c = np.zeros((7, coarse_rows * length), np.float32)
     table = array_at(
-        far[transforms.BLOCK], ((2 * coarse_rows - 1) * length + coarse_columns,), single
+        far[transforms.BLOCK], ((2 * coarse_rows - 1) * length + coarse_columns,), _SINGLE
     )
     coefficients = array_at(
-        entry[transforms.INFLUENCE], (entry[transforms.INFLUENCE_SIZE],), single
+        entry[transforms.INFLUENCE], (entry[transforms.INFLUENCE_SIZE],), _SINGLE
     )
     stiffness = 1 / (unit * OWN_COEFFICIENT)
     system = System(
@@ -167,14 +177,15 @@ def convolve(system, entry, block, moving, most, cells, state, table):
 
     Few nodes that move deflect the candidates pair by pair, up to `most` pairs.
     """
-    few = moving * system.nodes.p.size <= most
-    if not (few and solver.sum_directly(system, most)):
+    work, influence = system.work, system.influence
+    few = moving * work.d.size <= most
+    if not (few and solver.sum_directly(system.transform, work.d, work.trial, influence, most)):
         apply_at(entry[transforms.APPLY], (entry, block[2], block[3], cells))
     table[0, 0] += 1
     state[ITERATIONS] += 1
 
 
-@njit(cache=True, inner=True)
+@njit(cache=True, apart=True)
 def descend(system, entry, block, cells, solutions, goal, allowed, single, state, table, kernel):
     """Descend by conjugate gradients until the violation is within `goal` [m], stuck or spent.
 
@@ -229,7 +240,11 @@ def descend(system, entry, block, cells, solutions, goal, allowed, single, state
     if not step.worst > goal:
         # A node that was put on a bound took its share of the load along. The last step or the free
         # nodes make up for it, or else the nodes that are nearest to moving.
-        carried = step.load if step.load else solver.carry_load(system, step.approach)
+        carried = (
+            step.load
+            if step.load
+            else solver.carry_load(system.nodes, system.work, limits, step.approach)
+        )
         if abs(carried / limits.total - 1) <= 1e-13:
             return True, state[ROUNDS] > 1
         state[LOAD_MISSED] = 1
@@ -250,17 +265,15 @@ def descend(system, entry, block, cells, solutions, goal, allowed, single, state
 
 
 @njit(cache=True, inner=True)
-def transforms_for(table, reaches, rows, single):
+def transforms_for(table, reaches, rows, kind):
     """Return the number of the entry of the transforms for nodes so far apart, 0 if none is there.
 
-    `rows` is the number of rows of the block.
+    `rows` is the number of rows of the block, `kind` 1 in single precision, else 0.
     """
     subcells = table[0, 1]
-    length, width = (
-        transforms._padded(reaches[0], subcells, False),
-        transforms._padded(reaches[1], subcells, True),
-    )
-    place = transforms.find(table, length, width, np.int64(single))
+    length = transforms._padded(reaches[0], subcells, transforms.ALONG)
+    width = transforms._padded(reaches[1], subcells, transforms.ACROSS)
+    place = transforms.find(table, length, width, kind)
     if place and transforms.has_plans(table[place], rows):
         table[place, transforms.USED] = table[0, 0]
         return place
@@ -310,17 +323,16 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
     close, may_be_single = flags
     blended, subcells = edge.size > 0, table[0, 1]
     one = real.itemsize == 4
-    double = np.empty(0)
     g, listed = np.empty(gap.shape), np.empty(gap.size, np.int64)
     nothing, none = np.empty((0, 0)), (0, 0, 0, 0, 0)
     rows, columns = gap.shape
     while True:
         if state[DEFLECTION] == UNKNOWN:
             reaches = reach(p)
-            place = transforms_for(table, reaches, rows, False)
+            place = transforms_for(table, reaches, rows, np.int64(0))
             if not place:
                 return TRANSFORMS, 0.0, 0.0, 0.0, (*reaches, 0, rows, 0)
-            values = transforms.block_of(table[place], rows, columns, double)
+            values = transforms.block_of(table[place], rows, columns, _DOUBLE)
             transforms.load(p, values)
             apply_at(table[place, transforms.APPLY], (table[place], rows, columns, listed[:0]))
             transforms.read(values, unit, u_fresh)
@@ -365,7 +377,7 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
         if not kernel:
             return KERNEL, approach, u_max, worst, none
         reaches = block_rows - 1, block_columns - 1
-        place = transforms_for(table, reaches, block_rows, single)
+        place = transforms_for(table, reaches, block_rows, np.int64(single))
         if not place or table[place, transforms.INFLUENCE_SIZE] < 0:
             missing = *reaches, np.int64(single), block_rows, 1
             return TRANSFORMS, approach, u_max, worst, missing

@@ -213,15 +213,14 @@ def scatter(transform, d):
         transform.image[transform.node[k]] = transform.unit * d[k]
 
 
-@njit(cache=True)
-def sum_directly(system, most):
+@njit(cache=True, inner=True)
+def sum_directly(transform, d, deflection, influence, most):
     """Replace the direction in the array of the transforms by its deflection, pair by pair.
 
     Return False, and leave the array as it is, where more than `most` pairs of a node that moves
-    and a candidate are there.
+    and a candidate are there. `deflection` is overwritten.
     """
-    transform, d, deflection = system.transform, system.work.d, system.work.trial
-    coefficients, place = system.influence
+    coefficients, place = influence
     moving = 0
     for k in range(d.size):
         moving += d[k] != 0.0
@@ -262,7 +261,7 @@ def take_whole_step(p, d, hardness):
     return sum_of(p)
 
 
-@njit(cache=True)
+@njit(cache=True, apart=True)
 def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_move, finishing):
     """Step along the direction, and find the next direction unless converged.
 
@@ -343,13 +342,12 @@ def list_inside(p, hardness, active):
     return free
 
 
-@njit(cache=True)
-def carry_load(system, approach):
+@njit(cache=True, inner=True)
+def carry_load(nodes, work, limits, approach):
     """Shift the nodes between the bounds so that the load is exact, where they can carry it.
 
     Returns the sum of the pressures.
     """
-    nodes, work, limits = system.nodes, system.work, system.limits
     free = list_inside(nodes.p, limits.hardness, work.active)
     if free == 0:
         return sum_of(nodes.p)

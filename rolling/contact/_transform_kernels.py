@@ -15,7 +15,7 @@ sub-cell along the side of a cell: the compiler knows its length and unrolls the
 half to a quarter of the time.
 """
 
-# mypy: disable-error-code="no-untyped-def"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
 from __future__ import annotations
 
 from functools import cache as once
@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 from numba import types
+from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from rolling.contact._by_address import address_of, array_at, execute
@@ -214,8 +215,8 @@ def combine(lines: Array, rows: int, turns: Array) -> None:
 # even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
 # longer one, or hardly less.
 _LONG = (1024, 1280, 1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
-_ALONG = np.array([16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, 640, 800, *_LONG])
-_ACROSS = np.array(
+ALONG = np.array([16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, 640, 800, *_LONG])
+ACROSS = np.array(
     [
         *(16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, 640),
         *(768, 800),
@@ -226,15 +227,15 @@ _ACROSS = np.array(
 MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
 
-def padded(reach: int, subcells: int, across: bool) -> int:
-    """Return the minimum quick length for nodes up to `reach` spacings apart, in cells.
+def padded(reach: int, subcells: int, lengths: NDArray[np.int64]) -> int:
+    """Return the minimum of quick lengths for nodes up to `reach` spacings apart, in cells.
 
     The coefficients are even, so a distance of half the length is still correct. The length is 0
     where there is none.
     """
     # The interpolation on sub-cells spreads pressure into a border of one cell on both sides.
     cells = reach if subcells == 1 else -(-reach // subcells) + 2
-    for length in _ACROSS if across else _ALONG:
+    for length in lengths:
         if length >= 2 * cells:
             return int(length)
     return 0
@@ -486,14 +487,13 @@ def apply_on_subcells(entry, rows, columns, listed, side, real, both):
 @once
 def apply_of(subcells: int, single: bool) -> Any:
     """Return the kernel of `Convolution.apply` for so many sub-cells along the side of a cell."""
-    side, kind = (0,) * subcells, np.float32 if single else np.float64
-    both_kind = np.complex64 if single else np.complex128
+    side = (0,) * subcells
+    real, both = np.empty(0, "f4" if single else "f8"), np.empty(0, "c8" if single else "c16")
 
     def apply(entry, rows, columns, listed):
-        transform(entry, rows, np.empty(0, kind), np.empty(0, both_kind))
+        transform(entry, rows, real, both)
 
     def apply_on_parts(entry, rows, columns, listed):
-        real, both = np.empty(0, kind), np.empty(0, both_kind)
         apply_on_subcells(entry, rows, columns, listed, side, real, both)
 
     return njit(cache=True)(apply if subcells == 1 else apply_on_parts)

@@ -23,7 +23,7 @@ _VARIABLE = "NUMBA_CACHE_DIR"
 
 
 def njit(
-    *, cache: bool, fused: bool = False, inner: bool = False
+    *, cache: bool, fused: bool = False, inner: bool = False, apart: bool = False
 ) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function as `numba.njit` does; go on without a lasting cache where none can be.
 
@@ -33,13 +33,14 @@ def njit(
     With `fused` sums are ordered and rounded as the processor does them fastest, the same way in
     every run on it. An `inner` function is called by compiled code only, and would crash in Python.
     Without the wrapper that takes its arguments from Python, the kernels compile in two thirds of
-    the time.
+    the time. A function `apart` has none either, and is compiled by one process for its callers.
 
-    Both become part of their callers, because a process that compiles would otherwise link another
-    copy of them, with other last digits, than a process that loads the callers from the cache.
+    Fused and inner functions become part of their callers, because a process that compiles would
+    otherwise link another copy of them, with other last digits, than a process that loads the
+    callers from the cache.
     """
     options: dict[str, Any] = {"fastmath": {"reassoc", "contract", "nsz"}} if fused else {}
-    options |= {"no_cpython_wrapper": inner, "forceinline": inner or fused}
+    options |= {"no_cpython_wrapper": inner or apart, "forceinline": inner or fused}
 
     def compiled(function: Callable[..., Any]) -> Any:
         try:

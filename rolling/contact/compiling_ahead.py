@@ -27,6 +27,7 @@ def compile_parts() -> None:
     _far_field.answer.compile((far,))
     _far_field.restrict.compile((grid, whole, whole, line))
     _far_field.prolong.compile((line, types.float32, whole, whole, grid))
+    _descent_kernels.descend.compile(_descent_kernels.descent_types(types.float32))
     for single in (False, True):
         _transform_kernels.apply_address(1, single)
     both, corner = (types.UniTuple(kind, 2) for kind in (field, whole))  # type: ignore[no-untyped-call]

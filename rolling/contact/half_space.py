@@ -43,7 +43,7 @@ def padded_length(reach: int, across: bool = False, subcells: int = 1) -> int:
 
     Raises ValueError where there is none.
     """
-    length = kernels.padded(reach, subcells, across)
+    length = kernels.padded(reach, subcells, kernels.ACROSS if across else kernels.ALONG)
     if length == 0:
         raise ValueError(
             f"window: got {reach // subcells + 1} nodes along a side, allowed: {MOST_NODES} there"
