@@ -15,7 +15,10 @@ Public modules:
 
 Private modules, mostly compiled:
 
-- `_descent`, `_system`: one descent, and the named tuples that compiled passes take.
+- `_descent_kernels`, `_system`: the solve from its start to the accepted solution in one compiled
+  call (`converge`), its descents, and the named tuples of compiled passes.
+- `_by_address`, `_plans`: calls by address, of kernels that are compiled apart and of the plans of
+  FFTW.
 - `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`) and
   next direction.
 - `_model_kernels`, `_far_field`: the model problem that predicts who bears load next

@@ -27,7 +27,8 @@ def _array_at(_, address, shape, like):
         array = make_array(kind)(context, builder)
         number = context.get_data_type(kind.dtype)
         size = step = cgutils.intp_t(context.get_abi_sizeof(number))
-        lengths, strides = cgutils.unpack_tuple(builder, arguments[1]), []
+        lengths = cgutils.unpack_tuple(builder, arguments[1])
+        strides: list[Any] = []
         for length in reversed(lengths):
             strides.insert(0, step)
             step = builder.mul(step, length)

@@ -265,19 +265,18 @@ def descend(system, entry, block, cells, solutions, goal, allowed, single, state
 
 
 @njit(cache=True, inner=True)
-def transforms_for(table, reaches, rows, kind):
+def transforms_for(table, reaches, kind):
     """Return the number of the entry of the transforms for nodes so far apart, 0 if none is there.
 
-    `rows` is the number of rows of the block, `kind` 1 in single precision, else 0.
+    `kind` is 1 in single precision, else 0.
     """
     subcells = table[0, 1]
     length = transforms._padded(reaches[0], subcells, transforms.ALONG)
     width = transforms._padded(reaches[1], subcells, transforms.ACROSS)
     place = transforms.find(table, length, width, kind)
-    if place and transforms.has_plans(table[place], rows):
+    if place:
         table[place, transforms.USED] = table[0, 0]
-        return place
-    return 0
+    return place
 
 
 @njit(cache=True)
@@ -324,14 +323,14 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
     blended, subcells = edge.size > 0, table[0, 1]
     one = real.itemsize == 4
     g, listed = np.empty(gap.shape), np.empty(gap.size, np.int64)
-    nothing, none = np.empty((0, 0)), (0, 0, 0, 0, 0)
+    nothing, none = np.empty((0, 0)), (0, 0, 0, 0)
     rows, columns = gap.shape
     while True:
         if state[DEFLECTION] == UNKNOWN:
             reaches = reach(p)
-            place = transforms_for(table, reaches, rows, np.int64(0))
+            place = transforms_for(table, reaches, np.int64(0))
             if not place:
-                return TRANSFORMS, 0.0, 0.0, 0.0, (*reaches, 0, rows, 0)
+                return TRANSFORMS, 0.0, 0.0, 0.0, (*reaches, 0, 0)
             values = transforms.block_of(table[place], rows, columns, _DOUBLE)
             transforms.load(p, values)
             apply_at(table[place, transforms.APPLY], (table[place], rows, columns, listed[:0]))
@@ -377,14 +376,14 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
         if not kernel:
             return KERNEL, approach, u_max, worst, none
         reaches = block_rows - 1, block_columns - 1
-        place = transforms_for(table, reaches, block_rows, np.int64(single))
+        place = transforms_for(table, reaches, np.int64(single))
         if not place or table[place, transforms.INFLUENCE_SIZE] < 0:
-            missing = *reaches, np.int64(single), block_rows, 1
+            missing = *reaches, np.int64(single), 1
             return TRANSFORMS, approach, u_max, worst, missing
         coarse = _coarse_grid(block_rows + 2 * BORDER, block_columns + 2 * BORDER)
         far = transforms.find(table, coarse[0], coarse[1], -coarse[2])
         if not far:
-            return FAR_FIELD, approach, u_max, worst, (*coarse, 0, 0)
+            return FAR_FIELD, approach, u_max, worst, (*coarse, 0)
         table[far, transforms.USED] = table[0, 0]
         node, entry, cells = listed[:count], table[place], listed[:0]
         if subcells > 1:

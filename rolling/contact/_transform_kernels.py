@@ -244,14 +244,12 @@ def padded(reach: int, subcells: int, lengths: NDArray[np.int64]) -> int:
 _padded = njit(cache=True, inner=True)(padded)
 
 
-def lines_of(rows: int, subcells: int, length: int) -> int:
+@njit(cache=True, inner=True)
+def lines_of(rows, subcells, length):
     """Return the number of lines of cells that hold so many rows, as plans are made for them."""
     # Two rows of cells are a line; on sub-cells the interpolation needs one more on both sides.
     cells = rows // subcells + 2 if subcells > 1 else rows
     return min(-GROUP * (-cells // (2 * GROUP)), length // 2)
-
-
-_lines_of = njit(cache=True, inner=True)(lines_of)
 
 
 @njit(cache=True, inner=True)
@@ -274,28 +272,15 @@ def find(table, length, width, kind):
 
 
 @njit(cache=True, inner=True)
-def has_plans(entry, rows):
-    """Tell whether the rows of a block of so many rows have plans."""
-    lines = _lines_of(rows, entry[SUBCELLS], entry[LENGTH])
-    return plans_of_rows(entry)[-(-lines // GROUP), 0] != 0
-
-
-@njit(cache=True, inner=True)
-def plans_of_rows(entry):
-    """Return the addresses of the plans of rows, 0 before they are made: (groups of lines, 2)."""
-    return array_at(entry[ROW_PLANS], (entry[LENGTH] // (2 * GROUP) + 2, 2), entry)
-
-
-@njit(cache=True, inner=True)
 def transform(entry, rows, real, both):
     """Convolve the cells of a block of so many rows in the array of the transforms.
 
     `entry` describes the transforms. `real` and `both` are arrays of their real and complex type.
-    The rows must have plans.
     """
     length, n, half = entry[LENGTH] // 2, entry[WIDTH], entry[HALF]
-    lines = _lines_of(rows, entry[SUBCELLS], entry[LENGTH])
-    row_forward, row_backward = plans_of_rows(entry)[-(-lines // GROUP)]
+    lines = lines_of(rows, entry[SUBCELLS], entry[LENGTH])
+    row_plans = array_at(entry[ROW_PLANS], (-(-length // GROUP) + 1, 2), entry)
+    row_forward, row_backward = row_plans[-(-lines // GROUP)]
     columns = array_at(entry[LINES], (length, n + APART), both)
     numbers = array_at(entry[COLUMNS], (length, 2 * (n + APART)), real)
     execute(entry[EXECUTE], row_forward)
@@ -467,7 +452,7 @@ def apply_on_subcells(entry, rows, columns, listed, side, real, both):
     """
     r, length = len(side), entry[LENGTH]
     fine = array_at(entry[BLOCK], (rows, columns), real)
-    cells = array_at(entry[PAIRS], (_lines_of(rows, r, length), entry[WIDTH], 2), real)
+    cells = array_at(entry[PAIRS], (lines_of(rows, r, length), entry[WIDTH], 2), real)
     weights = array_at(entry[WEIGHTS], (r, 3), real)
     block = array_at(entry[OWN_BLOCK], (r * r, r * r), real)
     loaded = listed

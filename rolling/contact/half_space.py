@@ -234,18 +234,12 @@ class HalfSpace:
             item.entry = row
         self.table = table
 
-    def provide(
-        self, row_reach: int, column_reach: int, single: int, rows: int, direct: int
-    ) -> None:
-        """Prepare transforms for compiled code, on blocks of so many rows.
-
-        Where `direct`, the coefficients by distance are there as well.
-        """
+    def provide(self, row_reach: int, column_reach: int, single: int, direct: int) -> None:
+        """Prepare transforms for compiled code, with coefficients by distance if `direct`."""
         convolution = self.convolution(row_reach, column_reach, bool(single))
-        convolution.plan_rows(rows)
         convolution.entry[kernels.APPLY] = kernels.apply_address(self.subcells, bool(single))
         if direct:
-            convolution.influence()
+            convolution.add_influence()
 
     def keep(self, rows: int, columns: int, tile: int, far_field: NDArray[np.float32]) -> None:
         """Keep the far field of a coarse grid for compiled code."""
@@ -308,7 +302,7 @@ class Convolution:
         lines, columns = self._lines[:, :n], self._columns[:, :n]
         self._plans = [Plan(lines[part], columns[part], 0) for part in parts]
         self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
-        self._row_plans = np.zeros((length // GROUP + 2, 2), np.int64)
+        self._row_plans = np.zeros((-(-length // GROUP) + 1, 2), np.int64)
         self._kernel = kernels.apply_of(subcells, single)
         entry = self.entry = np.zeros(kernels.ENTRIES, np.int64)
         entry[kernels.LENGTH : kernels.USED] = m, n, single
@@ -321,6 +315,11 @@ class Convolution:
         arrays = self._pairs, self._pairs, self._lines, self._columns, *self._factors, self._turns
         entry[kernels.BLOCK : kernels.HALF] = [array.ctypes.data for array in arrays]
         entry[kernels.ROW_PLANS] = self._row_plans.ctypes.data
+        for number, count in enumerate([*range(GROUP, length, GROUP), length], 1):
+            head, rows = self._pairs[:count], self._lines[:count, :n]
+            plans = Plan(head, rows, 1), Plan(rows, head, 1, backward=True)
+            self._row_plans[number] = [plan.address for plan in plans]
+            self._plans += plans
 
     @property
     def nbytes(self) -> int:
@@ -341,10 +340,10 @@ class Convolution:
         view: Array = self.real[: -(-rows // 2) + GROUP]
         return view
 
-    def influence(self) -> NDArray[np.float32]:
-        """Return the coefficients by distance along and across, flat, with zero in the middle.
+    def add_influence(self) -> None:
+        """Compute the coefficients by distance along and across, flat, with zero in the middle.
 
-        The array is empty for large transforms, whose memory it would add to.
+        There are none for large transforms, whose memory they would add to.
         """
         if self._influence is None:
             length, n, _ = self.real.shape
@@ -354,9 +353,8 @@ class Convolution:
                 for half in (length, n // 2)
             )
             self._influence = love(rows, columns).astype(np.float32).ravel()
-            self.entry[kernels.INFLUENCE] = self._influence.ctypes.data
-            self.entry[kernels.INFLUENCE_SIZE] = self._influence.size
-        return self._influence
+            places = [kernels.INFLUENCE, kernels.INFLUENCE_SIZE]
+            self.entry[places] = self._influence.ctypes.data, self._influence.size
 
     def apply(self, rows: int, columns: int, listed: NDArray[np.int64] = _ALL) -> None:
         """Replace the pressure on a block of so many rows and columns by its deflection.
@@ -364,16 +362,4 @@ class Convolution:
         Further rows and columns are invalid afterwards. Where cells are listed, only they are
         loaded, and only their deflection is valid.
         """
-        self.plan_rows(rows)
         self._kernel(self.entry, rows, columns, listed)
-
-    def plan_rows(self, rows: int) -> None:
-        """Plan the transforms of the rows of a block of so many rows, unless they are planned."""
-        length, subcells = (int(self.entry[k]) for k in (kernels.LENGTH, kernels.SUBCELLS))
-        pairs = kernels.lines_of(rows, subcells, length)
-        addresses = self._row_plans[-(-pairs // GROUP)]
-        if not addresses[0]:
-            head, lines = self._pairs[:pairs], self._lines[:pairs, : self.real.shape[1]]
-            plans = Plan(head, lines, 1), Plan(lines, head, 1, backward=True)
-            addresses[:] = [plan.address for plan in plans]
-            self._plans += plans

@@ -168,13 +168,10 @@ def _state(
     if edge.size and maximum < contact.hardness:  # there is no patch that could end within a cell
         count, capped, *_ = _window_kernels.measures(*fields, np.empty((0, 0)), levelled)
     cell = contact.spacing**2
-    loaded = Window(
-        window.row + block[0],
-        window.column + block[2],
-        block[1] - block[0] + 1,
-        block[3] - block[2] + 1,
-    )
-    _refuse_wide(contact, loaded.rows * contact.spacing, loaded.columns * contact.spacing)
+    row, last_row, column, last_column = block
+    rows, columns = last_row - row + 1, last_column - column + 1
+    loaded = Window(window.row + row, window.column + column, rows, columns)
+    _refuse_wide(contact, rows * contact.spacing, columns * contact.spacing)
     areas = count * cell, capped * cell
     largest = float(maximum), solved.max_deflection
     fields = solved.pressure, solved.deflection, solved.approach

@@ -394,10 +394,8 @@ class Problem(NamedTuple):
             if answer == kernels.SPENT:
                 raise self._not_converged(state, u_max, worst)
             if answer == kernels.NOT_FINITE:
-                raise ContactError(
-                    "the contact solve met numbers that are not finite: check units of load,"
-                    " modulus and heights"
-                )
+                strange = "the contact solve met numbers that are not finite: check units of load"
+                raise ContactError(f"{strange}, modulus and heights")
             if answer == kernels.TRANSFORMS:
                 half_space.provide(*missing)
             elif answer == kernels.FAR_FIELD:

@@ -301,19 +301,9 @@ class _Run:
         change, work, track, plate_loss, contact_loss, moved = lap.energies
         loss = plate_loss + contact_loss
         apart = force == 0
-        return BodyMotion(
-            time_s=np.asarray((np.arange(len(force)) + 0.5) * self.step),
-            position_m=lap.places,
-            force_n=force,
-            displacement_m=approach + plate,
-            velocity_m_s=velocity,
-            plate_m=plate,
-            time_step_s=self.step,
-            energy_error=abs(change - work - track + loss) / (loss + moved) if moved else 0.0,
-            flight_share=float(np.mean(apart)),
-            impacts=int(np.sum(apart[:-1] & ~apart[1:])),
-            outside_share=self.law.outside(force),
-            laps=laps,
-            settled=settled,
-            transient_s=transient,
-        )
+        time = np.asarray((np.arange(len(force)) + 0.5) * self.step)
+        error = abs(change - work - track + loss) / (loss + moved) if moved else 0.0
+        record = time, lap.places, force, approach + plate, velocity, plate, self.step
+        flight, impacts = float(np.mean(apart)), int(np.sum(apart[:-1] & ~apart[1:]))
+        limits = error, flight, impacts, self.law.outside(force)
+        return BodyMotion(*record, *limits, laps, settled, transient)

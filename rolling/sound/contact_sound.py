@@ -273,25 +273,11 @@ def contact_sound(
         pressure, wav.SAMPLE_RATE_HZ, levels, own_factor, laps=steps / len(lap)
     )
     mean_intensity = float(_intensity(scene, np.array([mean_power]))[0])
-    return ContactSound(
-        pressure=pressure,
-        factor=float(factor),
-        closed=looped,
-        constant_speed=constant,
-        duration=duration,
-        highest=highest,
-        levels=levels,
-        uncertainty=spread,
-        steady_level=level.level_db(mean_intensity, radiation.I_REF_W_M2),
-        steady_uncertainty=uncertainty.steady_uncertainty_db(lap, steps / duration),
-        time=time,
-        step_duration=step_duration,
-        power=power,
-        mean_power=mean_power,
-        audible_rms=audible_rms,
-        resolved_rms=resolved_rms,
-        has_seam=has_seam,
-    )
+    steady_level = level.level_db(mean_intensity, radiation.I_REF_W_M2)
+    steady_spread = uncertainty.steady_uncertainty_db(lap, steps / duration)
+    heard = pressure, float(factor), looped, constant, duration, highest, levels, spread
+    released = time, step_duration, power, mean_power, audible_rms, resolved_rms
+    return ContactSound(*heard, steady_level, steady_spread, *released, has_seam)
 
 
 def oversampling(motion: Motion, duration: float, step: float) -> int:

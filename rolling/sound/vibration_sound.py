@@ -166,23 +166,9 @@ def vibrate(
     if once:  # and no sample of a noise
         spread = spread.mapped(lambda _: 0.0 if spreads else None)
     plate_power, ball_power = powers(scene, force, highest)
-    return Vibration(
-        motion=motion,
-        law=law,
-        chain=chain,
-        load=scene.load,
-        closed=closed,
-        highest=highest,
-        force=force,
-        pressures=pressures,
-        levels=levels,
-        uncertainty=_joined(spread, spreads, chain),
-        spreads=spreads,
-        mean_laeq=lines and lines.mean_laeq_db,
-        plate_power=plate_power,
-        ball_power=ball_power,
-        once=once,
-    )
+    vibrating = motion, law, chain, scene.load, closed, highest, force, pressures
+    loudness = levels, _joined(spread, spreads, chain), spreads, lines and lines.mean_laeq_db
+    return Vibration(*vibrating, *loudness, plate_power, ball_power, once)
 
 
 def _radiated(

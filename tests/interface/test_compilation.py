@@ -45,7 +45,8 @@ print(digest.hexdigest())
 SAME_TYPES = """
 import numpy as np
 import rolling
-from rolling.contact import _far_field, _model_kernels, _solver_kernels, _window_kernels
+from rolling.contact import _descent_kernels, _far_field, _model_kernels, _solver_kernels
+from rolling.contact import _transform_kernels, _window_kernels
 from rolling.contact import compiling_ahead
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
@@ -64,10 +65,11 @@ for blended, subcells in ((False, 1), (True, 1), (True, 3)):
     step_energy(*states[-2:], half_space)
 names = {
     _far_field: "answer restrict prolong", _model_kernels: "settle_model",
-    _solver_kernels: "iterate carry_load",
-    _window_kernels: "measures copy_block node_work towards_the_sphere extrapolate",
+    _solver_kernels: "iterate", _descent_kernels: "descend",
+    _window_kernels: "measures copy_block node_work towards_the_sphere",
 }
 kernels = [getattr(module, name) for module in names for name in names[module].split()]
+kernels += [_transform_kernels.apply_of(1, single) for single in (False, True)]
 print(*{len(kernel.signatures) for kernel in kernels}, len(kernels))
 """
 
@@ -137,4 +139,4 @@ def test_without_a_process_to_compile_ahead_a_pool_goes_on(monkeypatch: pytest.M
 def test_kernels_compiled_ahead_are_those_of_a_march() -> None:
     """A march with sharp edges, blended edges or sub-cells needs no further code of them."""
     signatures, kernels = _run(SAME_TYPES).communicate()[0].split()
-    assert signatures == "1" and int(kernels) == 11
+    assert signatures == "1" and int(kernels) == 12

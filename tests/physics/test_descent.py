@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from helpers import assert_solved, make_track, roll, rough, space_of
 
-from rolling.contact import _candidate_kernels as kernels
-from rolling.contact import _descent, _solver_kernels, solver
-from rolling.contact._descent import Descent, Effort
-from rolling.contact.state import RollingContact
+from rolling.contact import _candidate_kernels, _condition_kernels, solver
+from rolling.contact import _descent_kernels as kernels
+from rolling.contact.march import march
+from rolling.contact.state import ContactState, RollingContact
+
+
+class Call(NamedTuple):
+    """Call of the compiled solve, with the state that it left."""
+
+    answer: int
+    rounds: int
+    double: bool
 
 
 @pytest.fixture(scope="module")
@@ -21,167 +29,117 @@ def track() -> RollingContact:
 
 
 @pytest.fixture
-def descents(monkeypatch: pytest.MonkeyPatch) -> list[Descent]:
-    """Descents of all solves, in the order in which they iterate."""
-    listed: list[Descent] = []
-    iterate = Descent.iterate
+def calls(monkeypatch: pytest.MonkeyPatch) -> list[Call]:
+    """Calls of the compiled solve."""
+    listed: list[Call] = []
+    converge = kernels.converge
 
-    def listing(self: Descent, effort: Effort) -> None:
-        listed.append(self)
-        iterate(self, effort)
+    def listing(*arguments: Any) -> tuple:
+        answer = converge(*arguments)
+        state, real = arguments[7], arguments[-1]
+        listed.append(Call(answer[0], int(state[kernels.ROUNDS]), real.itemsize == 8))
+        return answer
 
-    monkeypatch.setattr(Descent, "iterate", listing)
+    monkeypatch.setattr(kernels, "converge", listing)
     return listed
 
 
 def test_a_second_descent_stays_in_single_precision(
-    track: RollingContact, descents: list[Descent]
+    track: RollingContact, calls: list[Call]
 ) -> None:
     """A first descent that the final check refuses tells nothing about precision."""
-    states = roll(replace(track, tolerance=1e-5), 0, 30)
-    assert len(descents) > len(states)
-    assert all(descent.transforms.single for descent in descents)
+    roll(replace(track, tolerance=1e-5), 0, 30)
+    assert max(call.rounds for call in calls) > 1
+    assert not any(call.double for call in calls)
 
 
 def test_a_tight_tolerance_ends_in_double_precision(
-    track: RollingContact, descents: list[Descent]
+    track: RollingContact, calls: list[Call]
 ) -> None:
     """Near the error of single precision, descents that end there leave too much to the check."""
     states = roll(replace(track, tolerance=1.2e-6), 0, 5)
-    assert not all(descent.transforms.single for descent in descents)
+    assert any(call.double for call in calls)
     assert max(state.residual for state in states) <= 1.2e-6
 
 
-@pytest.mark.parametrize("blended", [False, True])
-def test_without_a_last_step_the_load_is_exact(
-    track: RollingContact, monkeypatch: pytest.MonkeyPatch, blended: bool
+def test_a_solve_that_python_provides_for_ends_with_the_same_digits(
+    track: RollingContact, calls: list[Call]
 ) -> None:
-    """The nodes that carry the load are listed anew, whatever a failed step left in the list."""
-    iterate, carry, carried = _solver_kernels.iterate, _solver_kernels.carry_load, []
-
-    def without_last(packed: tuple, *arguments: object) -> tuple:
-        return iterate(packed, *arguments[:-1], False)
-
-    def disturbed(packed: tuple, *arguments: object) -> tuple:
-        answer = without_last(packed, *arguments)
-        packed[1][0] = 0
-        return answer
-
-    def carrying(packed: tuple, approach: float) -> float:
-        carried.append(approach)
-        return carry(packed, approach)
-
-    track = replace(track, blended=blended)
-    monkeypatch.setattr(_solver_kernels, "iterate", without_last)
-    monkeypatch.setattr(_solver_kernels, "carry_load", carrying)
-    undisturbed = roll(track, 0, 6)
-    assert len(carried) >= len(undisturbed)
-    monkeypatch.setattr(_solver_kernels, "iterate", disturbed)
-    for state, other in zip(roll(track, 0, 6), undisturbed, strict=True):
-        assert_solved(track, state)
+    """A new half-space lacks transforms and far fields; a second march finds all it needs."""
+    space = space_of(track)
+    states = list(march(track, 0, 12, space))
+    answers = {call.answer for call in calls}
+    assert {kernels.TRANSFORMS, kernels.FAR_FIELD, kernels.SOLVED} <= answers
+    del calls[:]
+    for state, other in zip(states, march(track, 0, 12, space), strict=True):
         assert np.array_equal(state.pressure, other.pressure)
+        assert state.convolutions == other.convolutions
+    assert [call.answer for call in calls] == [kernels.SOLVED] * len(states)
 
 
-def test_deflection_by_few_nodes_is_that_of_the_transforms(
-    descents: list[Descent], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Summed pair by pair or transformed, a direction has the same deflection to 1e-6."""
-    sums: list[float] = []
-    directly = _solver_kernels.sum_directly
-
-    def both(packed: tuple, most: int) -> bool:
-        image, node = packed[2], packed[1][1]
-        pressures = image.copy()
-        if not directly(packed, most):
-            return False
-        summed, descent = image[node].copy(), descents[-1]
-        image[:] = pressures
-        descent.transforms.apply(*descent.block, None)
-        sums.append(np.abs(summed - image[node]).max() / np.abs(summed).max())
-        return True
-
-    monkeypatch.setattr(_solver_kernels, "sum_directly", both)
-    peaks = make_track(rough(100, 100, 2e-6), load=0.3, hardness=2.1e9, tolerance=1e-4)
-    states = roll(peaks, 0, 6)
-    assert len(sums) > 6
-    assert max(sums) < 1e-6
-    for state in states:
-        assert_solved(peaks, state)
+def _moving(
+    track: RollingContact, gap: np.ndarray, p: np.ndarray, u: np.ndarray, rest: float
+) -> tuple[float, np.ndarray]:
+    """Return the number of nodes at rest and the candidates of a state of the contact."""
+    g, listed = gap + u, np.empty(p.size, np.int64)
+    approach = _condition_kernels.approach_of(p.ravel(), g.ravel(), track.hardness)
+    reach = kernels.NEAR * u.max()
+    found = _candidate_kernels.candidates(
+        p, g, track.hardness, approach - rest * reach, approach + reach, track.blended, 1, listed
+    )
+    return found[0], listed[: found[1]]
 
 
-def test_edges_ahead_of_a_step_are_closer_to_those_of_the_solution(
-    track: RollingContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The gaps of the model tell where edges will be better than the extrapolated gaps do."""
-    lead, led = Descent.lead, []
-
-    def recording(self: Descent, *arguments: Any) -> None:
-        before = self.packed[0][8].copy()
-        lead(self, *arguments)
-        led.append((self.node, before, self.packed[0][8].copy()))
-
-    monkeypatch.setattr(Descent, "lead", recording)
-    states = roll(replace(track, blended=True), 0, 20)[2:]
-    assert len(led) == len(states)
-    errors = np.zeros(2)
-    for state, (node, *edges) in zip(states, led, strict=True):
-        assert state.edge is not None
-        solved = state.edge.ravel()[node]
-        errors += [np.abs(edge - solved).sum() / solved.sum() for edge in edges]
-    assert errors[1] < 0.6 * errors[0], errors
+def _of_state(track: RollingContact, state: ContactState, rest: float) -> tuple[float, np.ndarray]:
+    """Return the number of nodes at rest and the candidates of a solved state."""
+    gap = track.gap(state.position, state.window)
+    return _moving(track, gap, state.pressure, state.deflection, rest)
 
 
 @pytest.mark.parametrize(("blended", "most"), [(False, 0.4), (True, 0.8)])
-def test_nodes_deep_at_the_hardness_rest(
-    descents: list[Descent], monkeypatch: pytest.MonkeyPatch, blended: bool, most: float
-) -> None:
-    """At most this share of the candidates is left, and the march is that of all of them."""
+def test_nodes_deep_at_the_hardness_rest(blended: bool, most: float) -> None:
+    """At most this share of the candidates is left, and the solve does not take longer for it."""
     track = make_track(rough(160, 160, 1e-7), load=10.0, hardness=1.5e9, tolerance=1e-4)
     track = replace(track, blended=blended)
     states = roll(track, 0, 12)
-    candidates = [descent.node.size for descent in descents][-len(states) // 2 :]
-    descents.clear()
-    monkeypatch.setattr(_descent, "REST", np.inf)
-    all_move = roll(track, 0, 12)
-    all_nodes = [descent.node.size for descent in descents][-len(states) // 2 :]
-    assert np.mean(candidates) < most * np.mean(all_nodes), (candidates, all_nodes)
-    got = sum(state.convolutions for state in states)
-    assert got <= 1.1 * sum(state.convolutions for state in all_move)
-    for state, other in zip(states, all_move, strict=True):
+    sizes = np.array(
+        [
+            [_of_state(track, state, rest)[1].size for rest in (kernels.REST, np.inf)]
+            for state in states
+        ]
+    )
+    assert np.mean(sizes[:, 0]) < most * np.mean(sizes[:, 1]), sizes
+    for state in states:
         assert_solved(track, state)
-        assert abs(state.approach - other.approach) < track.tolerance * state.max_deflection
+    assert np.mean([state.convolutions for state in states[2:]]) < 5
 
 
-def test_no_node_rests_where_few_others_take_up_the_load(
-    descents: list[Descent], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_node_rests_where_few_others_take_up_the_load() -> None:
     """On a soft plate the approach moves so far that nodes at rest would leave the hardness."""
     track = make_track(rough(160, 160, 1e-6), load=0.5, hardness=0.25e9, tolerance=1e-4)
     states = roll(track, 0, 20)
     inside = [np.count_nonzero((s.pressure > 0) & (s.pressure < 0.25e9)) for s in states]
-    assert max(inside) < kernels.LEAST_FREE
-    got, candidates = [state.convolutions for state in states], [d.node.size for d in descents]
-    descents.clear()
-    monkeypatch.setattr(_descent, "REST", np.inf)
-    assert got == [state.convolutions for state in roll(track, 0, 20)]
-    assert candidates == [descent.node.size for descent in descents]
+    assert max(inside) < _candidate_kernels.LEAST_FREE
+    for state in states:
+        assert np.count_nonzero(state.pressure >= 0.25e9) > 0
+        assert _of_state(track, state, kernels.REST)[0] == 0
 
 
-def test_nodes_that_rest_by_mistake_are_released(descents: list[Descent]) -> None:
+def test_nodes_that_rest_by_mistake_are_released(calls: list[Call]) -> None:
     """Pressures of another place put nodes to rest that the final check lets move again."""
     track = make_track(rough(160, 160, 1e-7), load=10.0, hardness=1.5e9, tolerance=1e-4)
     state = roll(track, 0, 0)[0]
     rng = np.random.default_rng(5)
     gap = track.gap(0, state.window) + 1e-7 * rng.standard_normal(state.pressure.shape)
     cold = solver.solve_contact(space_of(track), gap, 10.0, hardness=1.5e9)
-    descents.clear()
+    del calls[:]
     # Deflections that are too small by half claim a deeper overlap.
     wrong = solver.WarmStart(state.pressure, 0.5 * state.deflection, close=True)
     warm = solver.solve_contact(space_of(track), gap, 10.0, wrong, hardness=1.5e9)
-    moving = np.isin(np.arange(gap.size), descents[0].node)
-    at_rest = (state.pressure.ravel() == 1.5e9) & ~moving
+    _, node = _moving(track, gap, state.pressure, 0.5 * state.deflection, kernels.REST)
+    at_rest = (state.pressure.ravel() == 1.5e9) & ~np.isin(np.arange(gap.size), node)
     assert np.count_nonzero(at_rest & (warm.pressure.ravel() < 1.5e9)) > 10
-    assert len(descents) > 1
+    assert calls[-1].rounds > 1
     assert max(warm.residual, cold.residual) <= 1e-5
     assert abs(warm.approach - cold.approach) < 1e-5 * cold.max_deflection
     assert abs(warm.area / cold.area - 1) < 0.01

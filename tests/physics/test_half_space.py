@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import gc
 import weakref
 
 import numpy as np
 import pytest
 from hard_cases.dense import influence_matrix
-from helpers import STEEL
+from helpers import STEEL, make_track, roll, rough, space_of
 
-from rolling.contact import _transform_kernels, half_space
+from rolling.contact import _plans, _transform_kernels, half_space
 from rolling.contact.half_space import HalfSpace, love, padded_length
+from rolling.contact.march import march
 from rolling.contact.subcells import half_space_of
 
 SPACING = 2e-6
@@ -187,3 +189,19 @@ def test_kept_spectra_stay_within_their_memory(monkeypatch: pytest.MonkeyPatch) 
     np.testing.assert_array_equal(again, first)
     distances = [np.minimum(np.arange(k), k - np.arange(k)) for k in (40, 48)]
     np.testing.assert_array_equal(again, np.fft.rfft2(love(*distances)).real[:21])
+
+
+def test_plans_of_pyfftw_serve_where_the_library_tells_no_functions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Compiled code then calls Python for each plan, and the digits are the same."""
+    track = make_track(rough(64, 64, 1e-7), load=0.1, hardness=2.1e9, tolerance=1e-4)
+    states = roll(track, 0, 4)
+    monkeypatch.setattr(_plans, "_functions", lambda kind: None)
+    planned = len(_plans._plans)
+    for state, other in zip(states, march(track, 0, 4, space := space_of(track)), strict=True):
+        assert np.array_equal(state.pressure, other.pressure)
+    assert len(_plans._plans) > planned
+    del space, state, other
+    gc.collect()
+    assert len(_plans._plans) == planned

@@ -106,7 +106,7 @@ def test_changes_are_those_since_the_previous_position(offset: tuple[int, int]) 
         free,
         np.inf,
         0.5,
-        (p, u, p_before, u_before, offset, block),
+        (p, u, p_before, u_before, *offset, block),
         *scratch,
     )
     known = np.zeros((13, 11))
