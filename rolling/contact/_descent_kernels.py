@@ -70,10 +70,8 @@ _SINGLE, _DOUBLE = np.empty(0, np.float32), np.empty(0)  # arrays of both types 
 # Answers of `converge`: the solution, an error, or what Python has to provide.
 (SOLVED, SPENT, NOT_FINITE, TRANSFORMS, FAR_FIELD, KERNEL, PRECISION) = range(7)
 # Entries of the state of a solve, which begins with zeros.
-(ITERATIONS, RESTARTS, PLAIN_STEPS, STUCK, ROUNDS, MOVES, LOAD_MISSED, EXHAUSTED, CARRIED) = range(
-    9
-)
-(CANDIDATES, DEFLECTION, STATES) = range(9, 12)
+(ITERATIONS, RESTARTS, PLAIN_STEPS, STUCK, ROUNDS, MOVES, LOAD_MISSED, EXHAUSTED) = range(8)
+(CARRIED, CANDIDATES, DEFLECTION, STATES) = range(8, 12)
 (UNKNOWN, GIVEN, FRESH) = range(3)  # the deflection
 
 
@@ -138,12 +136,10 @@ def system_of(window, listed, resting, block, numbers, stencils, u_max, entry, f
     coarse_rows, coarse_columns, tile = _coarse_grid(rows, columns)
     length = 2 * coarse_columns - 1
     c = np.zeros((7, coarse_rows * length), np.float32)
-    table = array_at(
-        far[transforms.BLOCK], ((2 * coarse_rows - 1) * length + coarse_columns,), _SINGLE
-    )
-    coefficients = array_at(
-        entry[transforms.INFLUENCE], (entry[transforms.INFLUENCE_SIZE],), _SINGLE
-    )
+    distances = (2 * coarse_rows - 1) * length + coarse_columns
+    table = array_at(far[transforms.BLOCK], (distances,), _SINGLE)
+    size = entry[transforms.INFLUENCE_SIZE]
+    coefficients = array_at(entry[transforms.INFLUENCE], (size,), _SINGLE)
     stiffness = 1 / (unit * OWN_COEFFICIENT)
     system = System(
         parts.Nodes(v[0], v[1], v[-4][:soft], v[-3][:soft]),
@@ -240,11 +236,9 @@ def descend(system, entry, block, cells, solutions, goal, allowed, single, state
     if not step.worst > goal:
         # A node that was put on a bound took its share of the load along. The last step or the free
         # nodes make up for it, or else the nodes that are nearest to moving.
-        carried = (
-            step.load
-            if step.load
-            else solver.carry_load(system.nodes, system.work, limits, step.approach)
-        )
+        carried = step.load
+        if carried == 0:
+            carried = solver.carry_load(system.nodes, system.work, limits, step.approach)
         if abs(carried / limits.total - 1) <= 1e-13:
             return True, state[ROUNDS] > 1
         state[LOAD_MISSED] = 1

@@ -237,7 +237,6 @@ class HalfSpace:
     def provide(self, row_reach: int, column_reach: int, single: int, direct: int) -> None:
         """Prepare transforms for compiled code, with coefficients by distance if `direct`."""
         convolution = self.convolution(row_reach, column_reach, bool(single))
-        convolution.entry[kernels.APPLY] = kernels.apply_address(self.subcells, bool(single))
         if direct:
             convolution.add_influence()
 
@@ -309,6 +308,7 @@ class Convolution:
         entry[kernels.SUBCELLS], entry[kernels.HALF] = subcells, half
         entry[kernels.INFLUENCE_SIZE] = -1  # until they are asked for
         entry[kernels.EXECUTE] = self._plans[0].execute
+        entry[kernels.APPLY] = kernels.apply_address(subcells, single)
         addresses = [plan.address for plan in self._plans]
         entry[kernels.FORWARD :][: len(parts)] = addresses[: len(parts)]
         entry[kernels.BACKWARD :][: len(parts)] = addresses[len(parts) :]
