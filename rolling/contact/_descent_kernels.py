@@ -26,6 +26,9 @@ from rolling.contact.compiling import njit
 from rolling.contact.half_space import OWN_COEFFICIENT
 
 MAX_ITERATIONS = 1000
+# A descent ends after so many iterations, and a call of `converge` after as many, so that Python
+# learns of an interrupt.
+LONGEST = 100
 # Sweeps before the far field of the model, first from the extrapolation, then in each iteration.
 # With half as many, steps take 0.1 to 0.7 convolutions more.
 FIRST_SWEEPS = 8
@@ -68,7 +71,7 @@ SINGLE_TOLERANCE = 1e-6
 _SINGLE, _DOUBLE = np.empty(0, np.float32), np.empty(0)  # arrays of both types of numbers
 
 # Answers of `converge`: the solution, an error, or what Python has to provide.
-(SOLVED, SPENT, NOT_FINITE, TRANSFORMS, FAR_FIELD, KERNEL, PRECISION) = range(7)
+(SOLVED, SPENT, NOT_FINITE, TRANSFORMS, FAR_FIELD, KERNEL, PRECISION, UNFINISHED) = range(8)
 # Entries of the state of a solve, which begins with zeros.
 (ITERATIONS, RESTARTS, PLAIN_STEPS, STUCK, ROUNDS, MOVES, LOAD_MISSED, EXHAUSTED) = range(8)
 (CARRIED, CANDIDATES, DEFLECTION, STATES) = range(8, 12)
@@ -209,7 +212,7 @@ def descend(system, entry, block, cells, solutions, goal, allowed, single, state
     share = p.size
     if direction.slope < 0:
         convolve(system, entry, block, moving, most, cells, state, table)
-    minimum, nearly = np.inf, NEARLY_WHOLE
+    minimum, nearly, end = np.inf, NEARLY_WHOLE, state[ITERATIONS] + LONGEST
     while True:
         last = state[ITERATIONS] >= MAX_ITERATIONS
         sweeps = sweeps_of(state, block[2] * block[3])
@@ -228,7 +231,8 @@ def descend(system, entry, block, cells, solutions, goal, allowed, single, state
         share = max(step.bound, 1)
         state[RESTARTS] += step.restarts
         state[PLAIN_STEPS] += step.plain_steps
-        if not direction.slope < 0 or (sweeps and state[ITERATIONS] >= MODELLED - 1):
+        model_ends = sweeps and state[ITERATIONS] >= MODELLED - 1
+        if not direction.slope < 0 or model_ends or state[ITERATIONS] >= end:
             state[ITERATIONS] += 1
             break
         state[STUCK] = 0
@@ -319,6 +323,7 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
     g, listed = np.empty(gap.shape), np.empty(gap.size, np.int64)
     nothing, none = np.empty((0, 0)), (0, 0, 0, 0)
     rows, columns = gap.shape
+    end = state[ITERATIONS] + LONGEST
     while True:
         if state[DEFLECTION] == UNKNOWN:
             reaches = reach(p)
@@ -354,6 +359,8 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
         rounds = state[ROUNDS]
         if state[STUCK] > 1 or state[ITERATIONS] >= MAX_ITERATIONS or rounds > MAX_ITERATIONS:
             return SPENT, approach, u_max, worst, none
+        if state[ITERATIONS] >= end:
+            return UNFINISHED, approach, u_max, worst, none
         near = (NEAR if close or rounds else np.inf) * u_max
         heights = approach - REST * near, approach + near
         resting, count, row, column, block_rows, block_columns = search.candidates(

@@ -403,7 +403,7 @@ class Problem(NamedTuple):
                 half_space.keep(rows, columns, tile, far_field(rows, columns, tile))
             elif answer == kernels.KERNEL:
                 _steps[single] = kernels.step_address(single)
-            else:
+            elif answer == kernels.PRECISION:
                 single = not single
 
     def _not_converged(self, state: NDArray[np.int64], u_max: float, worst: float) -> ContactError:

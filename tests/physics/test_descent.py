@@ -11,6 +11,7 @@ from helpers import assert_solved, make_track, roll, rough, space_of
 
 from rolling.contact import _candidate_kernels, _condition_kernels, solver
 from rolling.contact import _descent_kernels as kernels
+from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import ContactState, RollingContact
 
@@ -148,3 +149,11 @@ def test_nodes_that_rest_by_mistake_are_released(calls: list[Call]) -> None:
     assert max(warm.residual, cold.residual) <= 1e-5
     assert abs(warm.approach - cold.approach) < 1e-5 * cold.max_deflection
     assert abs(warm.area / cold.area - 1) < 0.01
+
+
+def test_a_solve_that_takes_long_lets_python_hear_an_interrupt(calls: list[Call]) -> None:
+    """Far from zero, gaps are rounded so coarsely that no iteration reaches the tolerance."""
+    gap = 100.0 + 1e-6 * np.random.default_rng(3).standard_normal((160, 160))
+    with pytest.raises(solver.ContactError, match="stopped after 1000 iterations"):
+        solver.solve_contact(HalfSpace(1e-6, 1e11), gap, 1.0, hardness=2e9, tolerance=1e-9)
+    assert [call.answer for call in calls].count(kernels.UNFINISHED) > 5
