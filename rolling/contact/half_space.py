@@ -153,7 +153,7 @@ class HalfSpace:
         self.unit = self.spacing / (np.pi * self.contact_modulus)
         self.subcells = 1
         self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
-        self._far_fields: dict[tuple[int, int, int], FarField] = {}
+        self._far_fields: dict[tuple[int, int, int], KeptField] = {}
         # Compiled code finds transforms and far fields by their entries in this table. Its first
         # row has the number of convolutions and of sub-cells.
         self.table = np.zeros((1, kernels.ENTRIES), np.int64)
@@ -245,7 +245,7 @@ class HalfSpace:
         fields = self._far_fields
         if len(fields) >= KEPT_FIELDS:
             del fields[min(fields, key=lambda key: fields[key].entry[kernels.USED])]
-        fields[rows, columns, tile] = FarField(rows, columns, tile, far_field)
+        fields[rows, columns, tile] = KeptField(rows, columns, tile, far_field)
         self._tabulate()
 
     @property
@@ -258,7 +258,7 @@ class HalfSpace:
         return Convolution(m, n, single, half_spectrum(m, n, 1, love))
 
 
-class FarField:
+class KeptField:
     """Far field of a coarse grid, by distance, for compiled code."""
 
     def __init__(self, rows: int, columns: int, tile: int, table: NDArray[np.float32]) -> None:

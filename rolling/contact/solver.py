@@ -377,12 +377,12 @@ class Problem(NamedTuple):
             (p, _NOTHING if u is None else u),
             _NO_SOLUTION if before is None else tuple(before),
             (deflection, edge),
-            (*limits, self.tolerance, levelled_range(half_space, limits.hardness), share),
+            (*limits, float(self.tolerance), levelled_range(half_space, limits.hardness), share),
             (half_space.unit, *stencils(half_space.unit)),
-            (start.close, self.single),
+            (bool(start.close), bool(self.single)),
             state,
         )
-        single = self.single and self.tolerance >= kernels.SINGLE_TOLERANCE
+        single = bool(self.single and self.tolerance >= kernels.SINGLE_TOLERANCE)
         while True:
             answer, approach, u_max, worst, missing = kernels.converge(
                 *problem, half_space.table, _steps[single], _EMPTY[single]

@@ -15,7 +15,6 @@ import platform
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -83,35 +82,25 @@ class Row:
 # ---- one step
 
 
-def clocked(half_space: HalfSpace) -> HalfSpace:
-    """Make the half-space add the time of its convolutions in `.seconds`.
+def convolving_seconds(half_space: HalfSpace, states: list[ContactState]) -> np.ndarray:
+    """Return the time of the convolutions of each step but the first.
 
-    The time includes the clearing of the work arrays.
+    Compiled code convolves without a clock, so that one convolution on the last window is timed in
+    each precision. The check of a solve takes one in double precision, its descents all others.
     """
-
-    def timed(method: Callable) -> Callable:
-        def call(*args: Any, **kwargs: Any) -> Any:
-            outermost, began = not half_space.busy, time.perf_counter()
-            half_space.busy = True
-            try:
-                return method(*args, **kwargs)
-            finally:
-                if outermost:
-                    half_space.busy = False
-                    half_space.seconds += time.perf_counter() - began
-
-        return call
-
-    def convolution(*args: Any, **kwargs: Any) -> Any:
-        made = untimed(*args, **kwargs)
-        if not hasattr(made, "clocked"):
-            made.clocked, made.apply = True, timed(made.apply)
-        return made
-
-    half_space.seconds, half_space.busy = 0.0, False
-    untimed, half_space.convolution = half_space.convolution, convolution
-    half_space.deflection = timed(half_space.deflection)
-    return half_space
+    rows, columns = states[-1].window[2:]
+    seconds = {}
+    for single in (False, True):
+        transforms = half_space.convolution(rows - 1, columns - 1, single)
+        clock = []
+        for _ in range(31):
+            transforms.block(rows, columns)[:] = 1.0
+            began = time.perf_counter()
+            transforms.apply(rows, columns)
+            clock.append(time.perf_counter() - began)
+        seconds[single] = np.median(clock)
+    counts = np.array([state.convolutions for state in states[1:]])
+    return seconds[False] + (counts - 1) * seconds[True]
 
 
 @dataclass
@@ -126,14 +115,15 @@ class Timed:
 
 def timed_march(track: RollingContact, steps: int) -> Timed:
     """March and compute the release as a run does, without the cold start."""
-    half_space = clocked(HalfSpace(track.spacing, track.contact_modulus))
+    half_space = HalfSpace(track.spacing, track.contact_modulus)
     states, release, clock = [], [], []
     for state in march(track, 0, steps, half_space):
         if states:
             release.append(step_energy(states[-1], state, half_space).release)
         states.append(state)
-        clock.append((time.perf_counter(), half_space.seconds))
-    return Timed(states, np.array(release), *np.diff(clock, axis=0).T)
+        clock.append(time.perf_counter())
+    convolving = convolving_seconds(half_space, states)
+    return Timed(states, np.array(release), np.diff(clock), convolving)
 
 
 def bare_convolution(

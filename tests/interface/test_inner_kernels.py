@@ -38,7 +38,8 @@ def test_python_calls_no_inner_kernel() -> None:
     inner = inner_kernels()
     assert sum(map(len, inner.values())) > 50
     kernels = {path for path in ROOT.glob("rolling/*/_*.py") if path.stem in inner}
-    others = {*ROOT.glob("rolling/**/*.py"), *ROOT.glob("tests/**/*.py")} - kernels
+    uncompiled = ROOT / "tests/physics/test_disturbed_descent.py"
+    others = {*ROOT.glob("rolling/**/*.py"), *ROOT.glob("tests/**/*.py")} - kernels - {uncompiled}
     named = {str(path): [*calls(path, inner)] for path in others}
     assert not {path: names for path, names in named.items() if names}
 
