@@ -117,7 +117,8 @@ def test_nodes_deep_at_the_hardness_rest(blended: bool, most: float) -> None:
     assert np.mean(sizes[:, 0]) < most * np.mean(sizes[:, 1]), sizes
     for state in states:
         assert_solved(track, state)
-    assert np.mean([state.convolutions for state in states[2:]]) < 5
+    # 3.3 with sharp edges and 3.1 with blended ones are measured, and 15 % allowed.
+    assert np.mean([state.convolutions for state in states[2:]]) < (3.6 if blended else 3.8)
 
 
 def test_no_node_rests_where_few_others_take_up_the_load() -> None:
