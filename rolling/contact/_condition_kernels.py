@@ -14,6 +14,9 @@ import numpy as np
 
 from rolling.contact.compiling import njit
 
+# Share of the load that rounding may lose in a direction; each direction makes up for the last.
+LOAD_ROUNDING = 1e-14
+
 
 @njit(cache=True, fused=True, inner=True)
 def sum_of(values):
@@ -36,57 +39,71 @@ def project(p, g, approach, trial, sets, limits, d):
     (inf, 0) where the free nodes cannot take up the load.
     """
     active, hardness, total = sets.active, limits.hardness, limits.total
-    target = total - sum_of(p)
-    d[:] = 0.0
-    for a in range(sets.free + sets.bound):
-        target += p[active[a]]
-    for a in range(sets.free, sets.free + sets.bound):
-        k = active[a]
-        d[k] = trial[k] - p[k]
-        target -= d[k] + p[k]
+    bound = active[sets.free : sets.free + sets.bound]
+    target = total - sum_of(p) + sum_listed(p, active[: sets.free]) + sum_listed(p, bound)
+    target -= sum_listed(trial, bound)
     if sets.free == 0:
         if abs(target) > 1e-13 * total:
             return np.inf, 0.0
     elif target < 0.0 or target > sets.free * hardness * (1.0 + 1e-13):
         return np.inf, 0.0
-    shift = find_shift(trial, sets, target, limits)
-    for a in range(sets.free):
-        k = active[a]
-        trial[k] = min(max(trial[k] + shift, 0.0), hardness)
-    restore_load(trial, g, sets, target, limits)
-    for a in range(sets.free):
+    free = d[: sets.free]  # trial pressures of the free nodes side by side, until d is set
+    for a in range(free.size):
+        free[a] = trial[active[a]]
+    shift = find_shift(free, target, limits)
+    for a in range(free.size):
+        free[a] = min(max(free[a] + shift, 0.0), hardness)
+    restore_load(free, g, active, target, limits)
+    for a in range(free.size):
+        trial[active[a]] = free[a]
+    d[:] = 0.0
+    for a in range(sets.free + sets.bound):
         k = active[a]
         d[k] = trial[k] - p[k]
     return slope_and_longest_step(p, g, approach, sets, hardness, d)
 
 
+@njit(cache=True, fused=True, inner=True)
+def sum_listed(values, listed):
+    """Return the sum of listed values."""
+    total = 0.0
+    for a in range(listed.size):
+        total += values[listed[a]]
+    return total
+
+
+@njit(cache=True, fused=True, inner=True)
+def carried_by(values, shift, hardness):
+    """Return the sum of shifted pressures within the bounds, and how many are between them."""
+    carried, moving = 0.0, 0.0
+    for a in range(values.size):
+        v = values[a] + shift
+        carried += min(max(v, 0.0), hardness)
+        moving += 1.0 if 0.0 < v < hardness else 0.0
+    return carried, moving
+
+
 @njit(cache=True, inner=True)
-def find_shift(trial, sets, target, limits):
-    """Find the shift [Pa] of the free trial pressures that makes them carry `target` [Pa].
+def find_shift(free, target, limits):
+    """Find the shift [Pa] of the trial pressures of free nodes that makes them carry `target` [Pa].
 
     Their sum within the bounds then equals `target`.
 
     The sum is a monotone, piecewise linear function of the shift. Newton's method finds it within a
     shrinking bracket.
     """
-    active, hardness = sets.active, limits.hardness
+    hardness = limits.hardness
     top = min(hardness, target)
     low = np.inf
     high = -np.inf
-    for a in range(sets.free):
-        v = trial[active[a]]
-        low = min(low, -v)
-        high = max(high, top - v)
+    for a in range(free.size):
+        low = min(low, -free[a])
+        high = max(high, top - free[a])
     shift = 0.0 if low < 0.0 < high else 0.5 * (low + high)
     for _ in range(200):
-        carried = 0.0
-        moving = 0
-        for a in range(sets.free):
-            v = trial[active[a]] + shift
-            carried += min(max(v, 0.0), hardness)
-            moving += 0.0 < v < hardness
+        carried, moving = carried_by(free, shift, hardness)
         error = target - carried
-        if abs(error) <= 1e-15 * limits.total or sets.free == 0:
+        if abs(error) <= LOAD_ROUNDING * limits.total or free.size == 0:
             break
         if error > 0.0:
             low = shift
@@ -102,35 +119,32 @@ def find_shift(trial, sets, target, limits):
 
 
 @njit(cache=True, inner=True)
-def restore_load(trial, g, sets, target, limits):
+def restore_load(free, g, active, target, limits):
     """Spread the load that rounding of the shift has lost over the free nodes.
 
-    Only nodes between the bounds take part.
+    Only nodes between the bounds take part. `free` has the trial pressures of the first nodes in
+    `active`.
 
     The shift is rounded coarsely where the direction is much larger than the pressures. Where no
     node lies between the bounds, the lowest open node takes the missing part, or the highest loaded
     node gives the excess up.
     """
-    active, hardness = sets.active, limits.hardness
+    hardness = limits.hardness
     for turn in range(64):
-        error = target
-        moving = 0
-        nearest = -1
-        for a in range(sets.free):
-            k = active[a]
-            error -= trial[k]
-            if 0.0 < trial[k] < hardness:
-                moving += 1
-        if abs(error) <= (1e-15 if turn < 4 else 1e-13) * limits.total:
+        carried, moving = carried_by(free, 0.0, hardness)
+        error = target - carried
+        if abs(error) <= (LOAD_ROUNDING if turn < 4 else 10 * LOAD_ROUNDING) * limits.total:
             break
-        for a in range(sets.free):
-            k = active[a]
-            if 0.0 < trial[k] < hardness:
-                trial[k] = min(max(trial[k] + error / moving, 0.0), hardness)
-            elif moving == 0 and (nearest < 0 or (g[k] < g[nearest]) == (error > 0.0)):
-                nearest = k if (trial[k] < hardness if error > 0.0 else trial[k] > 0.0) else nearest
+        nearest = -1
+        for a in range(free.size):
+            if 0.0 < free[a] < hardness:
+                free[a] = min(max(free[a] + error / moving, 0.0), hardness)
+            elif moving == 0 and (
+                nearest < 0 or (g[active[a]] < g[active[nearest]]) == (error > 0.0)
+            ):
+                nearest = a if (free[a] < hardness if error > 0.0 else free[a] > 0.0) else nearest
         if nearest >= 0:
-            trial[nearest] = min(max(trial[nearest] + error, 0.0), hardness)
+            free[nearest] = min(max(free[nearest] + error, 0.0), hardness)
 
 
 @njit(cache=True, inner=True)

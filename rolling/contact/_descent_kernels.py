@@ -194,7 +194,7 @@ def descend(system, entry, block, cells, solutions, goal, allowed, single, state
     the descent went as far as its precision allows. Neither the first descent nor one that the
     model led to its last iteration did.
     """
-    p, g, limits = system.nodes.p, system.nodes.g, system.limits
+    p, g = system.nodes.p, system.nodes.g
     blended = system.nodes.compliance.size > 0
     most = np.int64(-1)  # pairs, which are of single precision; a negative number is never reached
     if single and system.influence.coefficients.size:
@@ -238,28 +238,44 @@ def descend(system, entry, block, cells, solutions, goal, allowed, single, state
         state[STUCK] = 0
         convolve(system, entry, block, moving, most, cells, state, table)
     if not step.worst > goal:
-        # A node that was put on a bound took its share of the load along. The last step or the free
-        # nodes make up for it, or else the nodes that are nearest to moving.
-        carried = step.load
-        if carried == 0:
-            carried = solver.carry_load(system.nodes, system.work, limits, step.approach)
-        if abs(carried / limits.total - 1) <= 1e-13:
-            return True, state[ROUNDS] > 1
-        state[LOAD_MISSED] = 1
-        settle_load(p, g, limits, 0.0)
-        return False, state[ROUNDS] > 1
-    descends = direction.slope < 0
-    trace = 0.0
-    if not descends:
-        # No step descends, so a feasible restart replaces the pressures. Pressures of the order of
-        # rounding errors can pass for free nodes and set the approach, so the projection becomes
-        # the state.
-        state[STUCK] += 1
-        for k in range(p.size):
-            p[k] += system.work.d[k]
-            trace = max(trace, p[k])
-    settle_load(p, g, limits, 1e-9 * trace)
-    return False, not descends
+        return carry(system, step, state), state[ROUNDS] > 1
+    if not direction.slope < 0:
+        restart(system, state)
+        return False, True
+    settle_load(p, g, system.limits, 0.0)
+    return False, False
+
+
+@njit(cache=True, inner=True)
+def carry(system, step, state):
+    """Make the pressures carry the load after a descent; tell whether they do so exactly.
+
+    A node that was put on a bound took its share of the load along. The last step or the free nodes
+    make up for it, or else the nodes that are nearest to moving.
+    """
+    nodes, limits, carried = system.nodes, system.limits, step.load
+    if carried == 0:
+        carried = solver.carry_load(nodes, system.work, limits, step.approach)
+    if abs(carried / limits.total - 1) <= 1e-13:
+        return True
+    state[LOAD_MISSED] = 1
+    settle_load(nodes.p, nodes.g, limits, 0.0)
+    return False
+
+
+@njit(cache=True, inner=True)
+def restart(system, state):
+    """Replace the pressures by a feasible restart where no step descends.
+
+    Pressures of the order of rounding errors can pass for free nodes and set the approach, so the
+    projection becomes the state.
+    """
+    p, trace = system.nodes.p, 0.0
+    state[STUCK] += 1
+    for k in range(p.size):
+        p[k] += system.work.d[k]
+        trace = max(trace, p[k])
+    settle_load(p, system.nodes.g, system.limits, 1e-9 * trace)
 
 
 @njit(cache=True, inner=True)
@@ -275,6 +291,54 @@ def transforms_for(table, reaches, kind):
     if place:
         table[place, transforms.USED] = table[0, 0]
     return place
+
+
+@njit(cache=True, inner=True)
+def entries_of(table, block, single):
+    """Return the numbers of the entries of transforms and far field for a block of candidates.
+
+    The answer before them names what is missing, of a size that follows, or is SOLVED.
+    """
+    rows, columns, tile = _coarse_grid(block[2] + 2 * BORDER, block[3] + 2 * BORDER)
+    reaches = block[2] - 1, block[3] - 1
+    place, far = (
+        transforms_for(table, reaches, single),
+        transforms.find(table, rows, columns, -tile),
+    )
+    if not place or table[place, transforms.INFLUENCE_SIZE] < 0:
+        return TRANSFORMS, (*reaches, single, 1), place, far
+    if not far:
+        return FAR_FIELD, (rows, columns, tile, 0), place, far
+    table[far, transforms.USED] = table[0, 0]
+    return SOLVED, (0, 0, 0, 0), place, far
+
+
+@njit(cache=True, inner=True)
+def deflect(p, unit, entry, table, u):
+    """Set u to the deflection of a window by its pressures."""
+    rows, columns = p.shape
+    values = transforms.block_of(entry, rows, columns, _DOUBLE)
+    transforms.load(p, values)
+    apply_at(entry[transforms.APPLY], (entry, rows, columns, np.empty(0, np.int64)))
+    transforms.read(values, unit, u)
+    table[0, 0] += 1
+
+
+@njit(cache=True, inner=True)
+def judge(window, p, u, before, numbers, fresh, edge, g):
+    """Set the edges and the deformed gaps of a state; return its numbers as `state_of` does.
+
+    Edges follow the deflection u, or its extrapolation where there is a position `before`.
+    """
+    (gap, shape), (hardness, _, _, levelled, share) = window, numbers
+    if edge.size:
+        field = u
+        if before[0].size:
+            extrapolate(u, before[1], before[2], before[3], g)
+            field = g
+        search.cell_ranges(shape, field, levelled, share, edge)
+    flat = gap.reshape(-1), u.reshape(-1), p.reshape(-1), edge.reshape(-1)
+    return state_of(flat[0], flat[1], flat[2], flat[3], hardness, g.reshape(-1), fresh)
 
 
 @njit(cache=True)
@@ -312,17 +376,13 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
     tuple
         Answer, approach, maximum deflection and maximum violation [m], and what is missing.
     """
-    gap, shape = window
     p, u_given = start
     u_fresh, edge = out
-    hardness, total, tolerance, levelled, share = numbers
-    unit = stencils[0]
+    hardness, total, tolerance, _, _ = numbers
     close, may_be_single = flags
-    blended, subcells = edge.size > 0, table[0, 1]
-    one = real.itemsize == 4
-    g, listed = np.empty(gap.shape), np.empty(gap.size, np.int64)
+    blended, subcells, columns = edge.size > 0, table[0, 1], p.shape[1]
+    g, listed, pressures = np.empty(p.shape), np.empty(p.size, np.int64), p.reshape(-1)
     nothing, none = np.empty((0, 0)), (0, 0, 0, 0)
-    rows, columns = gap.shape
     end = state[ITERATIONS] + LONGEST
     while True:
         if state[DEFLECTION] == UNKNOWN:
@@ -330,25 +390,12 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
             place = transforms_for(table, reaches, np.int64(0))
             if not place:
                 return TRANSFORMS, 0.0, 0.0, 0.0, (*reaches, 0, 0)
-            values = transforms.block_of(table[place], rows, columns, _DOUBLE)
-            transforms.load(p, values)
-            apply_at(table[place, transforms.APPLY], (table[place], rows, columns, listed[:0]))
-            transforms.read(values, unit, u_fresh)
-            table[0, 0] += 1
+            deflect(p, stencils[0], table[place], table, u_fresh)
             state[DEFLECTION] = FRESH
         fresh = state[DEFLECTION] == FRESH
         u = u_fresh if fresh else u_given
-        leading = not fresh and before[0].size > 0
-        if blended:
-            if leading:
-                extrapolate(u, before[1], before[2], before[3], g)
-                search.cell_ranges(shape, g, levelled, share, edge)
-            else:
-                search.cell_ranges(shape, u, levelled, share, edge)
-        pressures, half, height = p.reshape(-1), edge.reshape(-1), g.reshape(-1)
-        approach, u_max, worst = state_of(
-            gap.reshape(-1), u.reshape(-1), pressures, half, hardness, height, fresh
-        )
+        last = (nothing, nothing, 0, 0) if fresh else before
+        approach, u_max, worst = judge(window, p, u, last, numbers, fresh, edge, g)
         finite = np.isfinite(approach) and 0 < u_max < np.inf and not (fresh and worst == np.inf)
         if not finite:
             return NOT_FINITE, approach, u_max, worst, none
@@ -366,36 +413,23 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
         resting, count, row, column, block_rows, block_columns = search.candidates(
             p, g, hardness, heights[0], heights[1], blended, subcells, listed
         )
-        block = row, column, block_rows, block_columns
+        block, node = (row, column, block_rows, block_columns), listed[:count]
         # Where a descent went as far as it could and left no new candidates, single precision does
         # not suffice.
         single = may_be_single and tolerance >= SINGLE_TOLERANCE
         if state[EXHAUSTED] and count <= state[CANDIDATES]:
             single = single and blended and rounds <= 4
-        if single != one:
+        if single != (real.itemsize == 4):
             return PRECISION, approach, u_max, worst, none
         if not kernel:
             return KERNEL, approach, u_max, worst, none
-        reaches = block_rows - 1, block_columns - 1
-        place = transforms_for(table, reaches, np.int64(single))
-        if not place or table[place, transforms.INFLUENCE_SIZE] < 0:
-            missing = *reaches, np.int64(single), 1
-            return TRANSFORMS, approach, u_max, worst, missing
-        coarse = _coarse_grid(block_rows + 2 * BORDER, block_columns + 2 * BORDER)
-        far = transforms.find(table, coarse[0], coarse[1], -coarse[2])
-        if not far:
-            return FAR_FIELD, approach, u_max, worst, (*coarse, 0)
-        table[far, transforms.USED] = table[0, 0]
-        node, entry, cells = listed[:count], table[place], listed[:0]
+        answer, missing, place, far = entries_of(table, block, np.int64(single))
+        if answer != SOLVED:
+            return answer, approach, u_max, worst, missing
+        cells, entry = listed[:0], table[place]
         if subcells > 1:
-            across = block_columns // subcells
-            seen = np.zeros(block_rows // subcells * across, np.uint8)
-            cells = np.empty(count, np.int64)
-            count_cells = transforms.cells_of(
-                node, columns, (row, column), across, subcells, seen, cells
-            )
-            cells = cells[:count_cells]
-        fields = p, g, edge, shape, gap
+            cells = transforms.cells_of(node, columns, block, subcells)
+        fields = p, g, edge, window[1], window[0]
         at_rest = resting * hardness if resting else 0.0
         system = system_of(
             fields, node, at_rest, block, numbers, stencils, u_max, entry, table[far], real
@@ -403,8 +437,8 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
         first = AIM_FIRST_LED if blended and subcells == 1 else AIM_FIRST
         goal = (AIM if rounds else first) * allowed
         solutions = Solutions(nothing, nothing, nothing, nothing, 0, 0, block)
-        if leading:
-            solutions = Solutions(p, u, before[0], before[1], before[2], before[3], block)
+        if last[0].size:
+            solutions = Solutions(p, u, last[0], last[1], last[2], last[3], block)
         state[CARRIED], state[EXHAUSTED] = descend(
             system, entry, block, cells, solutions, goal, allowed, single, state, table, kernel
         )

@@ -13,12 +13,7 @@ import numpy as np
 
 from rolling.contact._candidate_kernels import move_edges
 from rolling.contact._condition_kernels import approach_of, project, sum_of
-from rolling.contact._model_kernels import (
-    EDGES_LEAD,
-    fill,
-    follow_model,
-    lead_model,
-)
+from rolling.contact._model_kernels import EDGES_LEAD, fill, follow_model, lead_model
 from rolling.contact._system import Direction, Sets, Step
 from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import njit

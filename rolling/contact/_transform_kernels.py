@@ -308,22 +308,23 @@ def transform(entry, rows, real, both):
 
 
 @njit(cache=True)
-def cells_of(node, columns, corner, block_columns, subcells, seen, listed):
-    """List the cells that hold the given nodes of a window, within a block of whole cells.
+def cells_of(node, columns, block, subcells):
+    """List the cells that hold the given nodes of a window of `columns` columns.
 
-    `corner` is the first row and column of the block in the window of `columns` columns, and
-    `block_columns` the number of cells in a row of the block; `seen` is a scratch array of a zero
-    per cell. Returns the number of cells.
+    Cells count within a block of whole cells: its first row and column in the window, and its
+    numbers of rows and columns.
     """
-    count = 0
+    row, column, across = block[0], block[1], block[3] // subcells
+    seen = np.zeros(block[2] // subcells * across, np.uint8)
+    listed, count = np.empty(node.size, np.int64), 0
     for a in range(node.size):
         i, j = divmod(node[a], columns)
-        cell = (i - corner[0]) // subcells * block_columns + (j - corner[1]) // subcells
+        cell = (i - row) // subcells * across + (j - column) // subcells
         if not seen[cell]:
             seen[cell] = 1
             listed[count] = cell
             count += 1
-    return count
+    return listed[:count]
 
 
 @njit(cache=True)

@@ -66,12 +66,7 @@ class Window(NamedTuple):
 
     def cells(self, subcells: int) -> Window:
         """Return the cells of a window of whole cells."""
-        return Window(
-            self.row // subcells,
-            self.column // subcells,
-            self.rows // subcells,
-            self.columns // subcells,
-        )
+        return Window(*(number // subcells for number in self))
 
     def moved(self, values: Array, target: Window) -> Array:
         """Copy values (rows, columns) into the target window, with zeros off this window."""
@@ -185,15 +180,8 @@ class RollingContact:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "heights", real_array("heights", self.heights, 2))
-        for name in (
-            "spacing",
-            "radius",
-            "contact_modulus",
-            "hardness",
-            "load",
-            "step",
-            "tolerance",
-        ):
+        lengths = "spacing", "radius", "step"
+        for name in (*lengths, "contact_modulus", "hardness", "load", "tolerance"):
             positive(name, getattr(self, name))
         if self.radius_across is not None:
             positive("radius_across", self.radius_across)

@@ -15,12 +15,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.contact import _transform_kernels as kernels
-from rolling.contact.half_space import (
-    Convolution,
-    HalfSpace,
-    half_spectrum,
-    love,
-)
+from rolling.contact.half_space import Convolution, HalfSpace, half_spectrum, love
 
 
 def interpolation(subcells: int) -> Array:
