@@ -214,8 +214,7 @@ def half_range(along, across, levelled):
 def cell_ranges(shape, u, levelled, share, out):
     """Set `out` to a share of half the range [m] of the deflected gap over each cell.
 
-    It is zero on the border of the window, and beside a deflection of zero, which means an unknown
-    deflection.
+    It is zero on the border of the window.
     """
     rows, columns = u.shape
     out[0] = out[rows - 1] = 0.0
@@ -230,9 +229,7 @@ def ranges_of_row(z, u, levelled, share, out):
     for k in range(out.size):
         along = z[2, k + 1] + u[2, k + 1] - z[0, k + 1] - u[0, k + 1]
         across = z[1, k + 2] + u[1, k + 2] - z[1, k] - u[1, k]
-        half = half_range(along, across, levelled)
-        known = u[2, k + 1] * u[0, k + 1] * u[1, k + 2] * u[1, k] != 0.0
-        out[k] = share * half if known else 0.0
+        out[k] = share * half_range(along, across, levelled)
 
 
 @njit(cache=True, inner=True)

@@ -94,7 +94,6 @@ def descent_types(real: types.Float) -> tuple[types.Type, ...]:
 
 STEPPED = types.Tuple([numba_type(Step, types.float64), numba_type(Direction, types.float64)])
 step_at = caller(STEPPED, step_types(types.float32), step_types(types.float64))
-apply_at = caller(types.none, transforms.APPLY_TYPES)
 
 
 @once
@@ -179,7 +178,7 @@ def convolve(system, entry, block, moving, most, cells, state, table):
     work, influence = system.work, system.influence
     few = moving * work.d.size <= most
     if not (few and solver.sum_directly(system.transform, work.d, work.trial, influence, most)):
-        apply_at(entry[transforms.APPLY], (entry, block[2], block[3], cells))
+        transforms.apply_at(entry[transforms.APPLY], (entry, block[2], block[3], cells))
     table[0, 0] += 1
     state[ITERATIONS] += 1
 
@@ -301,27 +300,14 @@ def entries_of(table, block, single):
     """
     rows, columns, tile = _coarse_grid(block[2] + 2 * BORDER, block[3] + 2 * BORDER)
     reaches = block[2] - 1, block[3] - 1
-    place, far = (
-        transforms_for(table, reaches, single),
-        transforms.find(table, rows, columns, -tile),
-    )
+    place = transforms_for(table, reaches, single)
+    far = transforms.find(table, rows, columns, -tile)
     if not place or table[place, transforms.INFLUENCE_SIZE] < 0:
         return TRANSFORMS, (*reaches, single, 1), place, far
     if not far:
         return FAR_FIELD, (rows, columns, tile, 0), place, far
     table[far, transforms.USED] = table[0, 0]
     return SOLVED, (0, 0, 0, 0), place, far
-
-
-@njit(cache=True, inner=True)
-def deflect(p, unit, entry, table, u):
-    """Set u to the deflection of a window by its pressures."""
-    rows, columns = p.shape
-    values = transforms.block_of(entry, rows, columns, _DOUBLE)
-    transforms.load(p, values)
-    apply_at(entry[transforms.APPLY], (entry, rows, columns, np.empty(0, np.int64)))
-    transforms.read(values, unit, u)
-    table[0, 0] += 1
 
 
 @njit(cache=True, inner=True)
@@ -390,14 +376,13 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
             place = transforms_for(table, reaches, np.int64(0))
             if not place:
                 return TRANSFORMS, 0.0, 0.0, 0.0, (*reaches, 0, 0)
-            deflect(p, stencils[0], table[place], table, u_fresh)
+            transforms.deflect(p, stencils[0], table[place], table, u_fresh)
             state[DEFLECTION] = FRESH
         fresh = state[DEFLECTION] == FRESH
         u = u_fresh if fresh else u_given
         last = (nothing, nothing, 0, 0) if fresh else before
         approach, u_max, worst = judge(window, p, u, last, numbers, fresh, edge, g)
-        finite = np.isfinite(approach) and 0 < u_max < np.inf and not (fresh and worst == np.inf)
-        if not finite:
+        if not (np.isfinite(approach) and 0 < u_max < np.inf) or (fresh and worst == np.inf):
             return NOT_FINITE, approach, u_max, worst, none
         allowed = tolerance * u_max
         accurate = fresh and worst <= allowed

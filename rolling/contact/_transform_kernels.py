@@ -26,9 +26,10 @@ from numba import types
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
-from rolling.contact._by_address import address_of, array_at, execute
+from rolling.contact._by_address import address_of, array_at, caller, execute
 from rolling.contact.compiling import njit
 
+_DOUBLE = np.empty(0)  # array of double precision
 GROUP = 4  # Plans for rows are made for multiples of so many lines.
 APART = 4  # complex numbers between two lines of columns
 
@@ -254,7 +255,11 @@ def lines_of(rows, subcells, length):
 
 @njit(cache=True, inner=True)
 def block_of(entry, rows, columns, real):
-    """Return the array of a block of nodes: see `Convolution.block`."""
+    """Return the array (lines, columns, rows side by side) of a block of nodes.
+
+    It has further rows, and columns unless nodes are sub-cells; they hold zeros before a
+    convolution.
+    """
     if entry[SUBCELLS] > 1:
         return array_at(entry[BLOCK], (rows, columns, 1), real)
     lines = min(-(-rows // 2) + GROUP, entry[LENGTH] // 2)
@@ -447,7 +452,7 @@ def add_own(own, listed, block, side, fine):
 
 @njit(cache=True, inner=True)
 def apply_on_subcells(entry, rows, columns, listed, side, real, both):
-    """Replace the pressure on a block of sub-cells by its deflection: see `Convolution.apply`.
+    """Replace the pressure on a block of sub-cells by its deflection: see `apply_of`.
 
     An empty list of cells stands for all cells.
     """
@@ -472,7 +477,12 @@ def apply_on_subcells(entry, rows, columns, listed, side, real, both):
 
 @once
 def apply_of(subcells: int, single: bool) -> Any:
-    """Return the kernel of `Convolution.apply` for so many sub-cells along the side of a cell."""
+    """Return the kernel for so many sub-cells along the side of a cell that convolves a block.
+
+    It replaces the pressure on a block of so many rows and columns in the array of the transforms
+    by its deflection in units of spacing / (pi E*). Further rows and columns are invalid
+    afterwards. Where cells are listed, only they are loaded, and only their deflection is valid.
+    """
     side = (0,) * subcells
     real, both = np.empty(0, "f4" if single else "f8"), np.empty(0, "c8" if single else "c16")
 
@@ -486,9 +496,24 @@ def apply_of(subcells: int, single: bool) -> Any:
 
 
 APPLY_TYPES = types.int64[::1], types.int64, types.int64, types.int64[::1]
+apply_at = caller(types.none, APPLY_TYPES)
 
 
 @once
 def apply_address(subcells: int, single: bool) -> int:
-    """Return the address of the kernel of `Convolution.apply`, which is compiled if need be."""
+    """Return the address of the kernel of `apply_of`, which is compiled if need be."""
     return address_of(apply_of(subcells, single), types.none, APPLY_TYPES)
+
+
+@njit(cache=True)
+def deflect(pressure, unit, entry, table, out):
+    """Set `out` to the deflection [m] of a window by its pressures.
+
+    The convolution with the transforms of an entry is counted in the table of the half-space.
+    """
+    rows, columns = pressure.shape
+    values = block_of(entry, rows, columns, _DOUBLE)
+    load(pressure, values)
+    apply_at(entry[APPLY], (entry, rows, columns, np.empty(0, np.int64)))
+    read(values, unit, out)
+    table[0, 0] += 1

@@ -66,12 +66,12 @@ def cell_tops(heights, out):
 
 @njit(cache=True)
 def overlap_block(
-    heights, stretches, row_highest, highest, spacing, radius, radius_across, x, y, approach
+    heights, stretches, row_highest, highest, spacing, radius, radius_across, x, y, approach, far
 ):
     """Find the bounding block of the nodes whose gap is below the approach.
 
     `stretches` are the maximum heights of each STRETCH nodes of a row, `row_highest` of each row,
-    and `highest` of all.
+    and `highest` of all. `far` is the minimum deflection to add to the gap (see `far_deflection`).
 
     The block is (first row, last row, first column, last column).
 
@@ -88,7 +88,7 @@ def overlap_block(
     low = int(np.ceil((x - reach) / spacing))
     high = int(np.floor((x + reach) / spacing))
     plate = heights, stretches, row_highest
-    sphere = spacing, radius, radius_across, x, y, approach
+    sphere = spacing, radius, radius_across, x, y, approach, far
     # The first and the last row give the first columns. Of all rows between them only the nodes
     # beyond the columns so far can widen the block.
     empty = 1, 0
@@ -117,6 +117,17 @@ def overlap_block(
 
 
 @njit(cache=True, inner=True)
+def far_deflection(far, distance2):
+    """Return the minimum deflection [m] at a node by the whole load.
+
+    `far` has the load over pi E* [m2], and the mean square distance [m2] of the load from a node
+    less `distance2`, the squared distance of the node from the centre. The deflection by a load
+    falls as 1/r, which is convex: its mean is at least that at the root mean square distance.
+    """
+    return far[0] / np.sqrt(distance2 + far[1])
+
+
+@njit(cache=True, inner=True)
 def overlap_of_row(plate, sphere, i, columns):
     """Widen columns (first, last) to those of the nodes of row i whose gap is below the approach.
 
@@ -124,10 +135,13 @@ def overlap_of_row(plate, sphere, i, columns):
     `overlap_block`.
     """
     heights, stretches, row_highest = plate
-    spacing, radius, radius_across, x, y, approach = sphere
+    spacing, radius, radius_across, x, y, approach, far = sphere
     along, across = heights.shape
     dx = i * spacing - x
     width2 = 2 * radius * (approach + row_highest[i % along]) - dx * dx
+    if width2 <= 0.0:
+        return columns
+    width2 -= 2 * radius * far_deflection(far, dx * dx + width2 * (radius_across / radius))
     if width2 <= 0.0:
         return columns
     width = min(np.sqrt(width2 * (radius_across / radius)), (across + 0.5) * spacing)
@@ -135,28 +149,29 @@ def overlap_of_row(plate, sphere, i, columns):
     right = int(np.floor((y + width) / spacing))
     row = heights[i % along], stretches[i % along]
     rise = dx * dx / (2 * radius) - approach
+    sphere = spacing, radius_across, y, (far[0], far[1] + dx * dx)
     if columns[0] > columns[1]:
-        first = search_row(row, rise, spacing, radius_across, y, left, right, 1)
+        first = search_row(row, rise, sphere, left, right, 1)
         if first > right:
             return columns
         columns = first, first
     else:
-        first = search_row(row, rise, spacing, radius_across, y, left, columns[0] - 1, 1)
+        first = search_row(row, rise, sphere, left, columns[0] - 1, 1)
         columns = min(first, columns[0]), columns[1]
     end = max(columns[1] + 1, left)
-    last = search_row(row, rise, spacing, radius_across, y, right, end, -1)
+    last = search_row(row, rise, sphere, right, end, -1)
     return columns[0], max(last, columns[1])
 
 
 @njit(cache=True, inner=True)
-def search_row(row, rise, spacing, radius_across, y, begin, end, step):
+def search_row(row, rise, sphere, begin, end, step):
     """Return the first node of a row from `begin` to `end` whose gap is below the approach.
 
     Return the node after `end` if there is none. `row` has the heights and the maximum heights of
     stretches, `rise` is the height of the sphere above the approach in the middle of the row, and
     `step` is 1 or -1.
     """
-    z, tops = row
+    (z, tops), (spacing, radius_across, y, far) = row, sphere
     j = begin
     node = begin % z.size
     while (end - j) * step >= 0:
@@ -168,9 +183,12 @@ def search_row(row, rise, spacing, radius_across, y, begin, end, step):
         # Where the highest node nearest to the sphere is not below, none of the stretch is.
         here, there = j * spacing - y, last * spacing - y
         nearest = min(abs(here), abs(there)) if here * there > 0.0 else 0.0
-        if rise + nearest**2 / (2 * radius_across) - tops[stretch] < 0.0:
+        least = rise + far_deflection(far, max(abs(here), abs(there)) ** 2)
+        if least + nearest**2 / (2 * radius_across) - tops[stretch] < 0.0:
             for k in range(j, last + step, step):
-                if rise + (k * spacing - y) ** 2 / (2 * radius_across) - z[node + k - j] < 0.0:
+                apart2 = (k * spacing - y) ** 2
+                gap = rise + apart2 / (2 * radius_across) - z[node + k - j]
+                if gap + far_deflection(far, apart2) < 0.0:
                     return k
         node += last + step - j
         node = 0 if node == z.size else z.size - 1 if node < 0 else node
@@ -231,17 +249,21 @@ def extrapolate_line(values, before, out):
 
 
 @njit(cache=True)
-def copy_block(source, target, row_offset, column_offset):
+def copy_block(source, target, row_offset, column_offset, continued):
     """Set target[i + row_offset, j + column_offset] to source[i, j] where both exist.
 
-    The target is 0 elsewhere.
+    The target is 0 elsewhere, or that of the nearest node if `continued`.
     """
     target[:] = 0.0
-    first = max(0, -column_offset)
-    end = max(first, min(source.shape[1], target.shape[1] - column_offset))
-    for i in range(max(0, -row_offset), min(source.shape[0], target.shape[0] - row_offset)):
-        line = target[i + row_offset, first + column_offset : end + column_offset]
-        copy_line(source[i, first:end], line)
+    last_row, last_column = source.shape[0] - 1, source.shape[1] - 1
+    first, end = shared(column_offset, source.shape[1], 0, target.shape[1])
+    for i in range(target.shape[0]):
+        row, line = source[min(max(i - row_offset, 0), last_row)], target[i]
+        if continued or 0 <= i - row_offset <= last_row:
+            copy_line(row[first - column_offset : end - column_offset], line[first:end])
+        if continued:
+            line[:first] = row[min(max(first - column_offset, 0), last_column)]
+            line[end:] = row[min(max(end - 1 - column_offset, 0), last_column)]
 
 
 AT_ONCE = 16  # nodes whose sum tells whether any of them is loaded
@@ -292,25 +314,31 @@ def reach(pressure):
 
 
 @njit(cache=True)
-def measures(pressure, deflection, hardness, edge, levelled):
+def measures(pressure, deflection, hardness, edge, levelled, centre, reach):
     """Measure the loaded nodes of a window.
 
     Returns the numbers of nodes in contact and at the hardness, the maximum pressure, the sum of p
-    u, and the block of the loaded nodes.
+    u, the spread of the load [nodes], and the block of the loaded nodes.
 
     A cell that the edge of a patch crosses is in contact and at the hardness on its share of the
     hardness. It counts so as far as its range of gaps counts (see `cell_ranges`), and as an elastic
     node for the rest. An empty `edge` means sharp edges.
+
+    The mean square distance of the load from a node within `reach` [nodes] of the centre, a row and
+    a column of the window, is at most the square of the node's distance from it plus that of the
+    spread, less 1: with it even a node's own deflection is no less than `far_deflection`.
     """
     count, capped, maximum, work = 0.0, 0.0, 0.0, 0.0
+    load, along, across, square = 0.0, 0.0, 0.0, 0.0
     first_row, last_row, first_column, last_column = pressure.shape[0], -1, pressure.shape[1], -1
+    apart = np.arange(pressure.shape[1]) - centre[1]
     for i in range(pressure.shape[0]):
         row = pressure[i]
         first, end = loaded_range(row)
         if first == end:
             continue
-        p = row[first:end]
-        touching, full, highest, pu = measure_row(p, deflection[i, first:end], hardness)
+        p, u = row[first:end], deflection[i, first:end]
+        touching, full, highest, pu, moments = measure_row(p, u, hardness, apart[first:end])
         if edge.size:
             crossing, in_contact, at_hardness = shares_of_row(
                 p, edge[i, first:end], hardness, levelled
@@ -321,21 +349,34 @@ def measures(pressure, deflection, hardness, edge, levelled):
         capped += full
         maximum = max(maximum, highest)
         work += pu
+        load += moments[0]
+        along += moments[0] * (i - centre[0])
+        across += moments[1]
+        square += moments[2] + moments[0] * (i - centre[0]) ** 2
         first_row, last_row = min(first_row, i), i
         first_column, last_column = min(first_column, first), max(last_column, end - 1)
-    return count, capped, maximum, work, first_row, last_row, first_column, last_column
+    spread = np.sqrt(1.0 + (square + 2.0 * reach * np.hypot(along, across)) / load)
+    block = first_row, last_row, first_column, last_column
+    return count, capped, maximum, work, spread, block
 
 
 @njit(cache=True, fused=True, inner=True)
-def measure_row(p, u, hardness):
-    """Return the numbers of nodes in contact and at the hardness, max p, and the sum of p u."""
+def measure_row(p, u, hardness, apart):
+    """Return the numbers of nodes in contact and at the hardness, max p, and the sum of p u.
+
+    The sum of pressures and those of their first and second moments follow.
+    """
     count, capped, highest, work = 0.0, 0.0, 0.0, 0.0
+    load, moment, square = 0.0, 0.0, 0.0
     for k in range(p.size):
         count += 1.0 if p[k] > 0.0 else 0.0
         capped += 1.0 if p[k] >= hardness else 0.0
         highest = max(highest, p[k])
         work += p[k] * u[k]
-    return count, capped, highest, work
+        load += p[k]
+        moment += p[k] * apart[k]
+        square += p[k] * apart[k] * apart[k]
+    return count, capped, highest, work, (load, moment, square)
 
 
 @njit(cache=True, fused=True, inner=True)

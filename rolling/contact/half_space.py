@@ -25,7 +25,6 @@ _HALVED = (80, 256)
 # Columns of these lengths are transformed in place, because that is quicker, and longer columns,
 # because it saves memory. Other columns go from one array to another.
 _IN_PLACE = (128, 256, 512, 1024)
-_ALL = np.empty(0, np.int64)  # in place of a list of cells
 _MOST = 1e300  # of a length or a modulus in SI
 
 # Bytes of transforms that a half-space keeps. A rough track asks for some hundred sizes; without a
@@ -191,14 +190,9 @@ class HalfSpace:
 
     def deflect(self, pressure: Array) -> Array:
         """Compute the deflection [m] as `deflection`, whose check it leaves out."""
-        m, n = pressure.shape
         convolution = self.convolution(*_window_kernels.reach(pressure))
-        block = convolution.block(m, n)
-        kernels.load(pressure, block)
-        convolution.apply(m, n)
-        self.table[0, 0] += 1
-        deflection = np.empty((m, n))
-        kernels.read(block, self.unit, deflection)
+        deflection = np.empty(pressure.shape)
+        kernels.deflect(pressure, self.unit, convolution.entry, self.table, deflection)
         return deflection
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
@@ -270,9 +264,9 @@ class KeptField:
 class Convolution:
     """Transforms of one padded size and their work arrays.
 
-    Write the pressure to a `block`, call `apply`, then read the deflection. In single precision
-    their error is about 1e-7 of the maximum deflection, and they are up to twice as fast. `real`
-    (m / 2, n, 2) holds rows of cells side by side in pairs (see _transform_kernels).
+    Compiled code uses them by their `entry` (see _transform_kernels). In single precision their
+    error is about 1e-7 of the maximum deflection, and they are up to twice as fast. `real`
+    (m / 2, n, 2) holds rows of cells side by side in pairs.
     """
 
     def __init__(self, m: int, n: int, single: bool, spectrum: Array, subcells: int = 1) -> None:
@@ -302,7 +296,6 @@ class Convolution:
         self._plans = [Plan(lines[part], columns[part], 0) for part in parts]
         self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
         self._row_plans = np.zeros((-(-length // GROUP) + 1, 2), np.int64)
-        self._kernel = kernels.apply_of(subcells, single)
         entry = self.entry = np.zeros(kernels.ENTRIES, np.int64)
         entry[kernels.LENGTH : kernels.USED] = m, n, single
         entry[kernels.SUBCELLS], entry[kernels.HALF] = subcells, half
@@ -331,15 +324,6 @@ class Convolution:
             arrays.append(self._influence)
         return sum(int(array.nbytes) for array in arrays)
 
-    def block(self, rows: int, columns: int) -> Array:
-        """Return the array (lines, columns, 2) of a block of nodes, with further rows and columns.
-
-        It holds the pressure before `apply`, with zeros on the further rows and columns, and the
-        deflection in units of spacing / (pi E*) afterwards. Row i is `block[i // 2, :, i % 2]`.
-        """
-        view: Array = self.real[: -(-rows // 2) + GROUP]
-        return view
-
     def add_influence(self) -> None:
         """Compute the coefficients by distance along and across, flat, with zero in the middle.
 
@@ -355,11 +339,3 @@ class Convolution:
             self._influence = love(rows, columns).astype(np.float32).ravel()
             places = [kernels.INFLUENCE, kernels.INFLUENCE_SIZE]
             self.entry[places] = self._influence.ctypes.data, self._influence.size
-
-    def apply(self, rows: int, columns: int, listed: NDArray[np.int64] = _ALL) -> None:
-        """Replace the pressure on a block of so many rows and columns by its deflection.
-
-        Further rows and columns are invalid afterwards. Where cells are listed, only they are
-        loaded, and only their deflection is valid.
-        """
-        self._kernel(self.entry, rows, columns, listed)

@@ -7,6 +7,7 @@ quasi-static contact depends on its position, not on its speed.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,8 @@ LEAST_SHARE = 0.2
 # fewer convolutions: 5 instead of 7 or 8 per step at weights of 0.3 to 0.7, as many at 0.97, but 5
 # instead of 3 at 1.
 STEADY_SHARE = 0.98
+# A window has room for a load spread so many times as wide as at the position before.
+ROOM = 1.1
 # The tolerance of a cold start is multiplied by this factor, so that its error does not stand out
 # among warm starts.
 COLD_TIGHTENING = 0.1
@@ -110,7 +113,7 @@ def march(
 
 
 class _Problem(NamedTuple):
-    """Contact to be solved at position k on a window that holds the overlap up to an approach."""
+    """Contact to be solved at position k on a window that holds it up to an approach and spread."""
 
     contact: RollingContact
     k: int
@@ -118,6 +121,7 @@ class _Problem(NamedTuple):
     window: Window
     gap: Array
     approach: float
+    spread: float
 
     def solve(self, start: WarmStart, tolerance: float) -> Contact:
         """Solve the contact from a warm start to a tolerance."""
@@ -127,9 +131,11 @@ class _Problem(NamedTuple):
         accuracy = tolerance, contact.single
         return solver.Problem(self.half_space, gap, shape, limits, *accuracy).solve(start)
 
-    def wider(self, approach: float) -> _Problem | None:
-        """Return the problem on a window for an approach [m]; None if this window holds it."""
-        overlap = self.contact.overlap(self.k, approach) if approach > self.approach else None
+    def wider(self, state: ContactState) -> _Problem | None:
+        """Return the problem on a window for a state; None if this window holds all contact."""
+        if state.approach <= self.approach and state.spread <= self.spread:
+            return None
+        overlap = self.contact.overlap(self.k, state.approach, state.spread)
         if overlap is None or self.window.covers(overlap):
             return None
         window = _room([self.window, overlap], self.contact.subcells)
@@ -139,7 +145,7 @@ class _Problem(NamedTuple):
 def _solve(
     problem: _Problem, start: WarmStart, tolerance: float, sphere_share: float = 0.0
 ) -> ContactState:
-    """Solve the problem, again on a larger window where the overlap leaves the window.
+    """Solve the problem, again on a larger window where contact may be outside of the window.
 
     `sphere_share` is the share of the start that moved with the sphere.
     """
@@ -147,26 +153,31 @@ def _solve(
     while True:
         solved = problem.solve(start, tolerance)
         iterations += solved.iterations
-        wider = problem.wider(solved.approach)
+        cost = iterations, problem.half_space.count - before
+        state = _state(problem, solved, cost, sphere_share)
+        wider = problem.wider(state)
         if wider is None:
-            break
+            return state
         start = WarmStart(problem.window.moved(solved.pressure, wider.window), close=True)
         problem = wider
-    convolutions = problem.half_space.count - before
-    return _state(problem, solved, iterations, convolutions, sphere_share)
 
 
 def _state(
-    problem: _Problem, solved: Contact, iterations: int, convolutions: int, sphere_share: float
+    problem: _Problem, solved: Contact, cost: tuple[int, int], sphere_share: float
 ) -> ContactState:
     """Measure a solved contact: its loaded block, areas, maxima and energy."""
     contact, window = problem.contact, problem.window
     edge = np.empty((0, 0)) if solved.edge is None else solved.edge
     fields = solved.pressure, solved.deflection, contact.hardness
-    levelled = solver.levelled_range(problem.half_space, contact.hardness)
-    count, capped, maximum, work, *block = _window_kernels.measures(*fields, edge, levelled)
+    *_, x, y = contact.sphere(problem.k)
+    centre = x / contact.spacing - window.row, y / contact.spacing - window.column
+    overlap = max(solved.approach + contact.maxima.highest, 0.0)
+    reach = sqrt(2 * max(contact.radii) * overlap) / contact.spacing
+    numbers = solver.levelled_range(problem.half_space, contact.hardness), centre, reach
+    measured = _window_kernels.measures(*fields, edge, *numbers)
+    count, capped, maximum, work, spread, block = measured
     if edge.size and maximum < contact.hardness:  # there is no patch that could end within a cell
-        count, capped, *_ = _window_kernels.measures(*fields, np.empty((0, 0)), levelled)
+        count, capped, *_ = _window_kernels.measures(*fields, np.empty((0, 0)), *numbers)
     cell = contact.spacing**2
     row, last_row, column, last_column = block
     rows, columns = last_row - row + 1, last_column - column + 1
@@ -175,11 +186,10 @@ def _state(
     areas = count * cell, capped * cell
     largest = float(maximum), solved.max_deflection
     fields = solved.pressure, solved.deflection, solved.approach
-    cost, edges = (iterations, convolutions), (solved.edge, solved.edge_share)
-    energy = 0.5 * float(work) * cell
+    edges, energy = (solved.edge, solved.edge_share), 0.5 * float(work) * cell
     return ContactState(
         *(problem.k, window, loaded, *fields, *areas, *largest, energy, solved.residual),
-        *(*cost, *edges, sphere_share),
+        *(*cost, *edges, sphere_share, contact.spacing * float(spread)),
     )
 
 
@@ -193,10 +203,10 @@ def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactSta
     place = contact.position(k), contact.mid_width
     centre, middle = (round(distance / contact.spacing) for distance in place)
     around = Window(centre - rows, middle - columns, 2 * rows + 1, 2 * columns + 1)
-    window = _room([around, *_overlaps(contact, k, hertz**2 / radius)], contact.subcells)
+    window = _room([around, contact.overlap(k, hertz**2 / radius)], contact.subcells)
     gap = contact.gap(k, window)
     pressure = solver.foundation(gap, contact.load, contact.spacing, stiffness, contact.hardness)
-    problem = _Problem(contact, k, half_space, window, gap, -np.inf)
+    problem = _Problem(contact, k, half_space, window, gap, -np.inf, np.inf)
     return _solve(problem, WarmStart(pressure), COLD_TIGHTENING * contact.tolerance)
 
 
@@ -215,35 +225,27 @@ def _follow(
     """
     change = abs(state.approach - before.approach) if before else np.inf
     approach = state.approach + min(4 * change, 0.1 * state.max_deflection)
-    needed = Window.around([state.loaded, *_overlaps(contact, k, approach)])
-    ahead = (
-        _overlaps(contact, k + 1, approach) if contact.step <= LOOK_AHEAD * contact.spacing else []
-    )
-    window = _room([needed, *ahead], contact.subcells)
-    gap = contact.gap(k, window)
+    limits = approach, ROOM * state.spread
+    needed = Window.around([state.loaded, contact.overlap(k, *limits)])
+    near = contact.step <= LOOK_AHEAD * contact.spacing
+    ahead = contact.overlap(k + 1, *limits) if near else None
+    window = _room([needed, ahead], contact.subcells)
+    problem = _Problem(contact, k, half_space, window, contact.gap(k, window), *limits)
     pressure = state.window.moved(state.pressure, window)
     sphere_share, deflection, previous = 0.0, None, None
     if before is None or state.sphere_share > STEADY_SHARE:
-        sphere_share, pressure, deflection = _towards_the_sphere(
-            contact, state, needed, gap, window, pressure
-        )
+        sphere_share, pressure, deflection = _towards_the_sphere(problem, state, needed, pressure)
     if sphere_share == 0 and state.window.covers(needed):
-        deflection = state.window.moved(state.deflection, window)
+        deflection = state.window.moved(state.deflection, window, continued=True)
         if before is not None:
             row, column = before.window.row - window.row, before.window.column - window.column
             previous = Previous(before.pressure, before.deflection, row, column)
-    problem = _Problem(contact, k, half_space, window, gap, approach)
     start = WarmStart(pressure, deflection, previous, close=True, sharp=state.edge_share == 0.0)
     return _solve(problem, start, contact.tolerance, sphere_share)
 
 
 def _towards_the_sphere(
-    contact: RollingContact,
-    state: ContactState,
-    needed: Window,
-    gap: Array,
-    window: Window,
-    start: Array,
+    problem: _Problem, state: ContactState, needed: Window, start: Array
 ) -> tuple[float, Array, Array | None]:
     """Find the best share of sphere-fixed pressures and mix them with plate-fixed pressures.
 
@@ -251,6 +253,7 @@ def _towards_the_sphere(
     on nodes that are needed, and unless the last such start had to be iterated: a smooth sphere
     accepts it as it is, after a check that computes the deflection anew.
     """
+    contact, window = problem.contact, problem.window
     nodes = round(contact.step / contact.spacing)
     moved_on = state.window._replace(row=state.window.row + nodes)
     if nodes * contact.spacing != contact.step or not window.covers(
@@ -259,7 +262,7 @@ def _towards_the_sphere(
         return 0.0, start, None
     offset = state.window.row - window.row, state.window.column - window.column
     slope, curvature = _window_kernels.towards_the_sphere(
-        state.pressure, state.deflection, gap, *offset, nodes
+        state.pressure, state.deflection, problem.gap, *offset, nodes
     )
     share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
     if share < LEAST_SHARE:
@@ -269,18 +272,12 @@ def _towards_the_sphere(
     iterated = state.sphere_share > 0 and state.iterations > 0
     if not (iterated and state.window.covers(needed) and moved_on.covers(needed)):
         return share, mixed, None
-    deflection = state.window.moved(state.deflection, window)
-    deflection += share * (moved_on.moved(state.deflection, window) - deflection)
+    deflection = state.window.moved(state.deflection, window, continued=True)
+    deflection += share * (moved_on.moved(state.deflection, window, continued=True) - deflection)
     return share, mixed, deflection
 
 
-def _overlaps(contact: RollingContact, k: int, approach: float) -> list[Window]:
-    """Return the overlap at position k as a list of one window, or as an empty list."""
-    overlap = contact.overlap(k, approach)
-    return [] if overlap is None else [overlap]
-
-
-def _room(windows: list[Window], subcells: int) -> Window:
+def _room(windows: list[Window | None], subcells: int) -> Window:
     """Return the window of the solve: the given windows and a border, in whole cells."""
     window = Window.around(windows).bordered().whole(subcells)
     rows, columns = window.rows // subcells, window.columns // subcells

@@ -6,13 +6,17 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite
+from math import inf, isfinite, pi
 from typing import NamedTuple
 
 import numpy as np
 
 from acoustics.arrays import Array, finite, positive, real_array
 from rolling.contact import _window_kernels
+
+# Share of the minimum deflection by a load that counts. The interpolation between sub-cells and the
+# slope of the deflection within a cell take less than the rest.
+SURE = 0.99
 
 
 class Window(NamedTuple):
@@ -32,11 +36,12 @@ class Window(NamedTuple):
     columns: int
 
     @classmethod
-    def around(cls, windows: Sequence[Window]) -> Window:
-        """Return the minimum window that covers all given windows."""
-        row, column, rows, columns = windows[0]
+    def around(cls, windows: Sequence[Window | None]) -> Window:
+        """Return the minimum window that covers all given windows; None stands for no window."""
+        given = filter(None, windows)
+        row, column, rows, columns = next(given)
         end, column_end = row + rows, column + columns
-        for first, first_column, rows, columns in windows[1:]:
+        for first, first_column, rows, columns in given:
             row, column = min(row, first), min(column, first_column)
             end = max(end, first + rows)
             column_end = max(column_end, first_column + columns)
@@ -68,10 +73,13 @@ class Window(NamedTuple):
         """Return the cells of a window of whole cells."""
         return Window(*(number // subcells for number in self))
 
-    def moved(self, values: Array, target: Window) -> Array:
-        """Copy values (rows, columns) into the target window, with zeros off this window."""
-        out = np.empty((target.rows, target.columns))
-        _window_kernels.copy_block(values, out, self.row - target.row, self.column - target.column)
+    def moved(self, values: Array, target: Window, continued: bool = False) -> Array:
+        """Copy values (rows, columns) into the target window, with zeros off this window.
+
+        Where they are `continued`, the nearest ones are there instead.
+        """
+        out, offset = np.empty(target[2:]), (self.row - target.row, self.column - target.column)
+        _window_kernels.copy_block(values, out, *offset, continued)
         return out
 
 
@@ -242,37 +250,39 @@ class RollingContact:
         """Distance from the first node of a cell to the centre of the cell [m]."""
         return (self.subcells - 1) / 2 * self.spacing
 
-    def overlap(self, k: int, approach: float) -> Window | None:
-        """Find the window where the undeformed gap is below the approach [m] at position k, if any.
+    def overlap(self, k: int, approach: float, spread: float = inf) -> Window | None:
+        """Find the window where contact at an approach [m] can be at position k, if any.
 
-        Contact at this approach or a smaller approach lies inside. With blended edges the gap is
-        that of the top of each cell, and a border of one node allows for the slope of the sphere.
+        The gap, with the minimum deflection by a load of this spread [m], is below the approach
+        there. Contact at a smaller approach, or of a smaller spread, lies inside. With blended
+        edges the gap is that of the top of each cell, and a border of one node allows for the slope
+        of the sphere.
         """
+        far = SURE * self.load / (pi * self.contact_modulus), spread**2
         row, last_row, column, last_column = _window_kernels.overlap_block(
-            *self.maxima, *self._sphere(k), approach
+            *self.maxima, *self.sphere(k), approach, far
         )
         if last_row < row:
             return None
         window = Window(row, column, last_row - row + 1, last_column - column + 1)
         return window.bordered() if self.has_blended_edges else window
 
-    def gap(self, k: int, window: Window) -> Array:
-        """Compute the undeformed gap on a window at position k, a (rows, columns) array [m]."""
-        return self._gap(k, window, self.heights)
+    def gap(self, k: int, window: Window, heights: Array | None = None) -> Array:
+        """Compute the undeformed gap on a window at position k, a (rows, columns) array [m].
+
+        It is that over the surface unless other heights are given.
+        """
+        out, z = np.empty(window[2:]), self.heights if heights is None else heights
+        _window_kernels.undeformed_gap(z, *self.sphere(k), window.row, window.column, out)
+        return out
 
     def shape(self, k: int, window: Window, gap: Array) -> Array | None:
         """Return the gap within cells, of the sphere alone on flat cells; None for sharp edges."""
         if not self.has_blended_edges:
             return None
-        return gap if self.slopes else self._gap(k, window, np.zeros((1, 1)))
+        return gap if self.slopes else self.gap(k, window, np.zeros((1, 1)))
 
-    def _gap(self, k: int, window: Window, heights: Array) -> Array:
-        """Compute the undeformed gap over heights on a window at position k [m]."""
-        out = np.empty((window.rows, window.columns))
-        _window_kernels.undeformed_gap(heights, *self._sphere(k), window.row, window.column, out)
-        return out
-
-    def _sphere(self, k: int) -> tuple[float, ...]:
+    def sphere(self, k: int) -> tuple[float, ...]:
         """Return the spacing, and radii and place of the sphere at position k, for kernels."""
         return self.spacing, *self.radii, self.position(k) + self.off_centre, self.mid_width
 
@@ -313,6 +323,9 @@ class ContactState:
         Share of the range of gaps over each cell that its edge takes: 0 where all are sharp.
     sphere_share : float
         Share of the initial pressures that moved with the sphere; the rest stayed with the plate.
+    spread : float, m
+        Root mean square distance of the load from the centre of the sphere, and more where the load
+        is not in the middle.
 
     Examples
     --------
@@ -349,3 +362,4 @@ class ContactState:
     edge: Array | None = None
     edge_share: float = 0.0
     sphere_share: float = 0.0
+    spread: float = inf

@@ -102,11 +102,6 @@ class SubcellConvolution(Convolution):
         """Memory of the arrays [bytes]."""
         return super().nbytes + int(self._fine.nbytes)
 
-    def block(self, rows: int, columns: int) -> Array:
-        """Return the array of a block of so many rows and columns of sub-cells."""
-        view: Array = self._fine[: rows * columns].reshape(rows, columns, 1)
-        return view
-
 
 def half_space_of(spacing: float, contact_modulus: float, subcells: int = 1) -> HalfSpace:
     """Return the half-space for nodes of this spacing [m], so many along the side of a cell."""

@@ -30,6 +30,7 @@ import numpy as np
 from against_peers import loosest, ours, quickest, theirs
 from whole_run import scene_20_n
 
+from rolling.contact._transform_kernels import apply_of
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -92,11 +93,12 @@ def convolving_seconds(half_space: HalfSpace, states: list[ContactState]) -> np.
     seconds = {}
     for single in (False, True):
         transforms = half_space.convolution(rows - 1, columns - 1, single)
+        convolve, every = apply_of(1, single), np.empty(0, np.int64)
         clock = []
         for _ in range(31):
-            transforms.block(rows, columns)[:] = 1.0
+            transforms.real[:] = 1.0
             began = time.perf_counter()
-            transforms.apply(rows, columns)
+            convolve(transforms.entry, rows, columns, every)
             clock.append(time.perf_counter() - began)
         seconds[single] = np.median(clock)
     counts = np.array([state.convolutions for state in states[1:]])

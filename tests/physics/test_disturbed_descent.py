@@ -15,7 +15,7 @@ from helpers import assert_solved, make_track, roll, rough
 
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact import _solver_kernels
-from rolling.contact._transform_kernels import APPLY
+from rolling.contact._transform_kernels import APPLY, apply_at
 from rolling.contact.state import RollingContact
 
 pytestmark = [
@@ -81,7 +81,7 @@ def test_deflection_by_few_nodes_is_that_of_the_transforms(
         if summed == [True]:
             sums = image[node].copy()
             image[:] = direction
-            kernels.apply_at(entry[APPLY], (entry, block[2], block[3], np.empty(0, np.int64)))
+            apply_at(entry[APPLY], (entry, block[2], block[3], np.empty(0, np.int64)))
             errors.append(np.abs(sums - image[node]).max() / np.abs(sums).max())
 
     monkeypatch.setattr(kernels, "convolve", both)

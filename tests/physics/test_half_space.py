@@ -148,10 +148,10 @@ def test_single_precision_is_told_from_double_by_1e_7() -> None:
     space = HalfSpace(SPACING, STEEL)
     pressure = rng.random((40, 30)) * 1e9
     single = space.convolution(39, 29, single=True)
-    block, got = single.block(40, 30), np.empty_like(pressure)
-    _transform_kernels.load(pressure, block)
-    single.apply(40, 30)
-    _transform_kernels.read(block, space.unit, got)
+    every, got = np.empty(0, np.int64), np.empty_like(pressure)
+    _transform_kernels.load(pressure, single.real)
+    _transform_kernels.apply_of(1, True)(single.entry, 40, 30, every)
+    _transform_kernels.read(single.real, space.unit, got)
     error = np.abs(got - space.deflection(pressure)).max() / space.deflection(pressure).max()
     assert 1e-9 < error < 1e-6
 

@@ -110,10 +110,10 @@ def test_changes_are_those_since_the_previous_position(offset: tuple[int, int]) 
         *scratch,
     )
     known = np.zeros((13, 11))
-    _window_kernels.copy_block(p_before, known, *offset)
+    _window_kernels.copy_block(p_before, known, *offset, False)
     change = (p - known)[nodes]
     known[:] = 0.0
-    _window_kernels.copy_block(u_before, known, *offset)
+    _window_kernels.copy_block(u_before, known, *offset, False)
     opened = np.where(known > 0, 2.0 * (u - known), 0.0)[nodes]
     np.testing.assert_allclose(state.change[inner, inner], change, atol=1e-6)
     np.testing.assert_allclose(state.gap[inner, inner], gaps + opened, atol=1e-6)

@@ -31,10 +31,15 @@ def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
     )
     rise = (rows * SPACING - x)[:, None] ** 2 / (2 * RADIUS)
     rise = rise + (columns * SPACING - y) ** 2 / (2 * radius_across)
+    # Half of the scenes add the minimum deflection by a load.
+    load = rng.choice([0.0, 1.0]) * heights.max() * 20 * SPACING
+    spread = rng.uniform(0.5, 20) * SPACING
+    distance2 = (rows * SPACING - x)[:, None] ** 2 + (columns * SPACING - y) ** 2
     gap = rise - heights[np.ix_(rows % along, columns % across)]
-    below = np.argwhere(gap < approach)
+    below = np.argwhere(gap + load / np.sqrt(distance2 + spread**2) < approach)
     maxima = maxima_of(heights, rising=False)
-    got = _window_kernels.overlap_block(*maxima, SPACING, RADIUS, radius_across, x, y, approach)
+    sphere = SPACING, RADIUS, radius_across, x, y
+    got = _window_kernels.overlap_block(*maxima, *sphere, approach, (load, spread**2))
     if below.size == 0:
         assert got[1] < got[0]
         return
@@ -43,17 +48,17 @@ def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
     assert got == expected
 
 
+@pytest.mark.parametrize("continued", [False, True])
 @pytest.mark.parametrize("offset", [(0, 0), (3, -4), (-6, 2), (40, 0), (0, 40), (-40, -40)])
-def test_blocks_are_copied_where_both_exist(offset: tuple[int, int]) -> None:
-    """Nodes that a window lacks are 0; a window far away shares none."""
+def test_blocks_are_copied_where_both_exist(offset: tuple[int, int], continued: bool) -> None:
+    """Nodes that a window lacks are 0 or their nearest node; a window far away shares none."""
     source, target = np.random.default_rng(1).random((9, 11)), np.full((12, 8), np.nan)
-    _window_kernels.copy_block(source, target, *offset)
-    expected = np.zeros_like(target)
-    for i, j in np.ndindex(*source.shape):
-        a, b = i + offset[0], j + offset[1]
-        if 0 <= a < 12 and 0 <= b < 8:
-            expected[a, b] = source[i, j]
-    np.testing.assert_array_equal(target, expected)
+    _window_kernels.copy_block(source, target, *offset, continued)
+    for i, j in np.ndindex(*target.shape):
+        a, b = i - offset[0], j - offset[1]
+        nearest = np.clip(a, 0, 8), np.clip(b, 0, 10)
+        held = continued or (a, b) == nearest
+        assert target[i, j] == (source[nearest] if held else 0.0)
 
 
 @pytest.mark.parametrize("offset", [(0, 0), (3, -4), (-6, 2), (0, 40), (-40, -40)])
@@ -63,5 +68,5 @@ def test_deflections_change_once_more_where_both_are_known(offset: tuple[int, in
     u, before, out = rng.random((12, 8)), rng.random((9, 11)), np.empty((12, 8))
     _window_kernels.extrapolate(u, before, *offset, out)
     shared = np.zeros((12, 8))
-    _window_kernels.copy_block(before, shared, *offset)
+    _window_kernels.copy_block(before, shared, *offset, False)
     np.testing.assert_array_equal(out, np.where(shared > 0, u + (u - shared), u))

@@ -65,15 +65,21 @@ def test_measures_of_loaded_nodes_are_those_of_plain_arrays(seed: int, blended: 
         crossed = np.where(crosses, edge / np.maximum(edge, 0.5 * edge + LEVELLED), 0.0)
     share = p / HARDNESS
     rows, columns = np.nonzero(p)
+    centre, reach = (6.3, 4.8), 17.0
+    along, across = np.mgrid[: p.shape[0], : p.shape[1]] - np.reshape(centre, (2, 1, 1))
+    moment = np.hypot((p * along).sum(), (p * across).sum())
+    square = (p * (along**2 + across**2)).sum() + 2 * reach * moment
     expected = (
         ((p > 0) - crossed * (1 - share)).sum(),
         ((p >= HARDNESS) + crossed * share).sum(),
         p.max(),
         (p * u).sum(),
-        *(rows.min(), rows.max(), columns.min(), columns.max()),
+        np.sqrt(square / p.sum() + 1),
     )
-    got = _window_kernels.measures(p, u, HARDNESS, edge if blended else np.empty((0, 0)), LEVELLED)
+    edge = edge if blended else np.empty((0, 0))
+    *got, block = _window_kernels.measures(p, u, HARDNESS, edge, LEVELLED, centre, reach)
     assert got == pytest.approx(expected, rel=1e-12)
+    assert block == (rows.min(), rows.max(), columns.min(), columns.max())
 
 
 @pytest.mark.parametrize("left_end", [False, True])
