@@ -120,9 +120,10 @@ def overlap_block(
 def far_deflection(far, distance2):
     """Return the minimum deflection [m] at a node by the whole load.
 
-    `far` has the load over pi E* [m2], and the mean square distance [m2] of the load from a node
-    less `distance2`, the squared distance of the node from the centre. The deflection by a load
-    falls as 1/r, which is convex: its mean is at least that at the root mean square distance.
+    `far` has the load over pi E* [m2] and a square [m2]: the mean square distance of the load from
+    the node is at most the sum of that and `distance2`, the squared distance of the node from the
+    centre. Deflections fall as 1/r, which is convex in r^2: their mean is no less than that at the
+    mean square distance (Jensen's inequality).
     """
     return far[0] / np.sqrt(distance2 + far[1])
 
@@ -168,8 +169,9 @@ def search_row(row, rise, sphere, begin, end, step):
     """Return the first node of a row from `begin` to `end` whose gap is below the approach.
 
     Return the node after `end` if there is none. `row` has the heights and the maximum heights of
-    stretches, `rise` is the height of the sphere above the approach in the middle of the row, and
-    `step` is 1 or -1.
+    stretches, `rise` is the height of the sphere above the approach in the middle of the row,
+    `sphere` the spacing, the radius and the place across, and `far` in the row, and `step` is 1 or
+    -1.
     """
     (z, tops), (spacing, radius_across, y, far) = row, sphere
     j = begin

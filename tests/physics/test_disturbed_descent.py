@@ -112,7 +112,7 @@ def test_edges_ahead_of_a_step_are_closer_to_those_of_the_solution(
 
     monkeypatch.setattr(kernels, "system_of", listing)
     monkeypatch.setattr(kernels, "step_at", recording)
-    track = make_track(rough(100, 100, 3e-7), load=0.2, hardness=2.1e9, tolerance=1e-4)
+    track = make_track(rough(100, 100, 2e-7), load=0.2, hardness=2.1e9, tolerance=1e-4)
     states = roll(replace(track, blended=True), 0, 5)[2:]
     assert len(led) == len(states)
     errors = np.zeros(2)
