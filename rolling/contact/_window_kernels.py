@@ -66,12 +66,13 @@ def cell_tops(heights, out):
 
 @njit(cache=True)
 def overlap_block(
-    heights, stretches, row_highest, highest, spacing, radius, radius_across, x, y, approach, far
+    heights, stretches, row_highest, highest, spacing, radius, radius_across, x, y, *limits
 ):
     """Find the bounding block of the nodes whose gap is below the approach.
 
     `stretches` are the maximum heights of each STRETCH nodes of a row, `row_highest` of each row,
-    and `highest` of all. `far` is the minimum deflection to add to the gap (see `far_deflection`).
+    and `highest` of all. The limits are the approach and the numbers of the minimum deflection,
+    which adds to the gap (see `far_deflection`).
 
     The block is (first row, last row, first column, last column).
 
@@ -79,6 +80,7 @@ def overlap_block(
     side, because an island may lie outside any earlier window. An empty block has its last row
     before its first.
     """
+    approach, far = limits[0], limits[1:]
     reach2 = 2 * radius * (approach + highest)
     if reach2 <= 0.0:
         return 1, 0, 1, 0
@@ -185,12 +187,13 @@ def search_row(row, rise, sphere, begin, end, step):
         # Where the highest node nearest to the sphere is not below, none of the stretch is.
         here, there = j * spacing - y, last * spacing - y
         nearest = min(abs(here), abs(there)) if here * there > 0.0 else 0.0
-        least = rise + far_deflection(far, max(abs(here), abs(there)) ** 2)
-        if least + nearest**2 / (2 * radius_across) - tops[stretch] < 0.0:
+        farthest = max(abs(here), abs(there))
+        gap = rise + nearest**2 / (2 * radius_across) - tops[stretch]
+        if gap < 0.0 and gap + far_deflection(far, farthest**2) < 0.0:
             for k in range(j, last + step, step):
                 apart2 = (k * spacing - y) ** 2
                 gap = rise + apart2 / (2 * radius_across) - z[node + k - j]
-                if gap + far_deflection(far, apart2) < 0.0:
+                if gap < 0.0 and gap + far_deflection(far, apart2) < 0.0:
                     return k
         node += last + step - j
         node = 0 if node == z.size else z.size - 1 if node < 0 else node
@@ -316,7 +319,7 @@ def reach(pressure):
 
 
 @njit(cache=True)
-def measures(pressure, deflection, hardness, edge, levelled, centre, reach):
+def measures(pressure, deflection, hardness, edge, levelled, row, column, reach):
     """Measure the loaded nodes of a window.
 
     Returns the numbers of nodes in contact and at the hardness, the maximum pressure, the sum of p
@@ -326,20 +329,19 @@ def measures(pressure, deflection, hardness, edge, levelled, centre, reach):
     hardness. It counts so as far as its range of gaps counts (see `cell_ranges`), and as an elastic
     node for the rest. An empty `edge` means sharp edges.
 
-    The mean square distance of the load from a node within `reach` [nodes] of the centre, a row and
-    a column of the window, is at most the square of the node's distance from it plus that of the
-    spread, less 1: with it even a node's own deflection is no less than `far_deflection`.
+    The mean square distance of the load from a node within `reach` [nodes] of a row and a column,
+    the centre, is at most the square of the node's distance from it plus that of the spread, less
+    1: with it even a node's own deflection is no less than `far_deflection`.
     """
     count, capped, maximum, work = 0.0, 0.0, 0.0, 0.0
     load, along, across, square = 0.0, 0.0, 0.0, 0.0
     first_row, last_row, first_column, last_column = pressure.shape[0], -1, pressure.shape[1], -1
-    apart = np.arange(pressure.shape[1]) - centre[1]
+    apart = np.arange(pressure.shape[1]) - column
     for i in range(pressure.shape[0]):
-        row = pressure[i]
-        first, end = loaded_range(row)
+        first, end = loaded_range(pressure[i])
         if first == end:
             continue
-        p, u = row[first:end], deflection[i, first:end]
+        p, u = pressure[i, first:end], deflection[i, first:end]
         touching, full, highest, pu, moments = measure_row(p, u, hardness, apart[first:end])
         if edge.size:
             crossing, in_contact, at_hardness = shares_of_row(
@@ -352,14 +354,13 @@ def measures(pressure, deflection, hardness, edge, levelled, centre, reach):
         maximum = max(maximum, highest)
         work += pu
         load += moments[0]
-        along += moments[0] * (i - centre[0])
+        along += moments[0] * (i - row)
         across += moments[1]
-        square += moments[2] + moments[0] * (i - centre[0]) ** 2
+        square += moments[2] + moments[0] * (i - row) ** 2
         first_row, last_row = min(first_row, i), i
         first_column, last_column = min(first_column, first), max(last_column, end - 1)
     spread = np.sqrt(1.0 + (square + 2.0 * reach * np.hypot(along, across)) / load)
-    block = first_row, last_row, first_column, last_column
-    return count, capped, maximum, work, spread, block
+    return count, capped, maximum, work, spread, first_row, last_row, first_column, last_column
 
 
 @njit(cache=True, fused=True, inner=True)

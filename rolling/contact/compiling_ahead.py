@@ -30,9 +30,8 @@ def compile_parts() -> None:
     _descent_kernels.descend.compile(_descent_kernels.descent_types(types.float32))
     for single in (False, True):
         _transform_kernels.apply_address(1, single)
-    pairs = (types.UniTuple(kind, 2) for kind in (field, whole, number))  # type: ignore[no-untyped-call]
-    both, corner, places = pairs
-    windows.measures.compile((field, field, number, field, number, places, number))
+    both, corner = (types.UniTuple(kind, 2) for kind in (field, whole))  # type: ignore[no-untyped-call]
+    windows.measures.compile((field, field, number, field, *[number] * 4))
     windows.copy_block.compile((field, field, whole, whole, types.boolean))
     windows.towards_the_sphere.compile((field, field, field, whole, whole, whole))
     windows.node_work.compile((both, corner, both, types.boolean, number, field))

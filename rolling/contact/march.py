@@ -169,13 +169,13 @@ def _state(
     contact, window = problem.contact, problem.window
     edge = np.empty((0, 0)) if solved.edge is None else solved.edge
     fields = solved.pressure, solved.deflection, contact.hardness
-    *_, x, y = contact.sphere(problem.k)
-    centre = x / contact.spacing - window.row, y / contact.spacing - window.column
+    spacing, *radii, x, y = contact.sphere(problem.k)
     overlap = max(solved.approach + contact.maxima.highest, 0.0)
-    reach = sqrt(2 * max(contact.radii) * overlap) / contact.spacing
-    numbers = solver.levelled_range(problem.half_space, contact.hardness), centre, reach
+    reach = sqrt(2 * max(radii) * overlap) / spacing
+    centre = x / spacing - window.row, y / spacing - window.column
+    numbers = solver.levelled_range(problem.half_space, contact.hardness), *centre, reach
     measured = _window_kernels.measures(*fields, edge, *numbers)
-    count, capped, maximum, work, spread, block = measured
+    count, capped, maximum, work, spread, *block = measured
     if edge.size and maximum < contact.hardness:  # there is no patch that could end within a cell
         count, capped, *_ = _window_kernels.measures(*fields, np.empty((0, 0)), *numbers)
     cell = contact.spacing**2

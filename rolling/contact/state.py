@@ -258,9 +258,9 @@ class RollingContact:
         edges the gap is that of the top of each cell, and a border of one node allows for the slope
         of the sphere.
         """
-        far = SURE * self.load / (pi * self.contact_modulus), spread**2
+        limits = approach, SURE * self.load / (pi * self.contact_modulus), spread**2
         row, last_row, column, last_column = _window_kernels.overlap_block(
-            *self.maxima, *self.sphere(k), approach, far
+            *self.maxima, *self.sphere(k), *limits
         )
         if last_row < row:
             return None

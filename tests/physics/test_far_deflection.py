@@ -32,7 +32,7 @@ def test_no_deflection_is_below_that_at_the_root_mean_square_distance(
     edge = np.empty((0, 0))
     load = SURE * pressure.sum() * SPACING / (np.pi * MODULUS)
     for reach in (distance.max(), 0.5 * distance.max()):
-        measured = _window_kernels.measures(pressure, u, np.inf, edge, 0.0, centre, reach)
+        measured = _window_kernels.measures(pressure, u, np.inf, edge, 0.0, *centre, reach)
         least = load / np.sqrt(distance**2 + measured[4] ** 2)
         assert (u >= least)[distance <= reach].all()
 

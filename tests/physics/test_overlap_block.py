@@ -39,7 +39,7 @@ def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
     below = np.argwhere(gap + load / np.sqrt(distance2 + spread**2) < approach)
     maxima = maxima_of(heights, rising=False)
     sphere = SPACING, RADIUS, radius_across, x, y
-    got = _window_kernels.overlap_block(*maxima, *sphere, approach, (load, spread**2))
+    got = _window_kernels.overlap_block(*maxima, *sphere, approach, load, spread**2)
     if below.size == 0:
         assert got[1] < got[0]
         return
