@@ -18,10 +18,10 @@ RISE = 1.5
 # The time of a step grows with this power of the sub-cells along the side of a cell: 2 x 2 took 2.2
 # to 3 times as long, 4 x 4 ten times.
 SUBCELL_POWER = 1.6
-# A step with its release at tolerance 1e-4 takes c (n/100)^k milliseconds on a window of n by n
-# nodes. c and k follow the fits of tests/benchmarks/step_cost.py, from 40 to 1,000 nodes, with an
-# allowance of 10 to 30 % for machines that are not idle. Elastic and yielding plates share a law at
-# sharp edges.
+# A step with its release at tolerance 1e-4 takes c (n/100)^k milliseconds on an overlap of n by n
+# nodes, of which the window leaves out up to a quarter. c and k follow the fits of
+# tests/benchmarks/step_cost.py, from 40 to 1,000 nodes, with an allowance of 10 to 30 % for
+# machines that are not idle. Elastic and yielding plates share a law at sharp edges.
 STEP_LAWS = {"smooth": (0.65, 1.45), "sharp": (0.8, 2.3), "blended": (1.2, 2.25)}
 # On a smoother surface [m] pressures move with the sphere, and a solve hardly iterates.
 SMOOTH = 1e-9
@@ -97,7 +97,10 @@ def overlap_width(scene: Scene, rq: float) -> float:
 
 
 def window_nodes(scene: Scene, rq: float) -> float:
-    """Estimate the nodes along the side of a square of the area of the window, at both ends."""
+    """Estimate the nodes along the side of a square of the area of the overlap, at both ends.
+
+    The window is up to 15 % narrower (see `RollingContact.overlap`).
+    """
     side = math.sqrt(overlap_radius(scene, rq) * overlap_width(scene, rq))
     return 2 * side / scene.spacing + max(1.0, scene.numerics.step_nodes)
 
