@@ -16,7 +16,7 @@ from rolling.contact import _window_kernels
 
 # Share of the minimum deflection by a load that counts; the slope of the deflection within a cell
 # takes less than the rest. Between sub-cells the interpolation deflects nodes near a load less than
-# 1/r: by 36 % beside it, by more than 1 % up to 5 cells away. The load counts as so much farther.
+# 1/r: by 36 to 66 % beside it, by 1 % up to 5 cells away. The load counts as so much farther away.
 SURE, NEAR_CELLS = 0.99, 6.0
 
 
