@@ -26,8 +26,8 @@ Private modules, mostly compiled:
 - `_candidate_kernels`: nodes that may be in contact, and edges within their cells (`move_edges`).
 - `_condition_kernels`: pressures within the bounds with the load restored (`project`,
   `restore_load`, `settle_load`), approach and violation.
-- `_window_kernels`: loaded nodes of a solved state, release of each node (`node_work`), events.
+- `_window_kernels`: gap, window of a position (`overlap_block`), extrapolation; loaded nodes of a
+  solved state (`measures`), release of each node (`node_work`), events.
 - `_transform_kernels`: passes around transforms of two rows of cells at a time (`multiply`), and
   between cells and sub-cells.
-- `_window_kernels`: gap, overlap, extrapolation.
 """

@@ -68,7 +68,7 @@ REST = 4
 # Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
 SINGLE_TOLERANCE = 1e-6
 
-_SINGLE, _DOUBLE = np.empty(0, np.float32), np.empty(0)  # arrays of both types of numbers
+_SINGLE = np.empty(0, np.float32)  # array of single precision
 
 # Answers of `converge`: the solution, an error, or what Python has to provide.
 (SOLVED, SPENT, NOT_FINITE, TRANSFORMS, FAR_FIELD, KERNEL, PRECISION, UNFINISHED) = range(8)

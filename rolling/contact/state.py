@@ -326,8 +326,8 @@ class ContactState:
     sphere_share : float
         Share of the initial pressures that moved with the sphere; the rest stayed with the plate.
     spread : float, m
-        Root mean square distance of the load from the centre of the sphere, and more where the load
-        is not in the middle.
+        Root mean square distance of the load from the centre of the sphere, and a bound for loads
+        beside it: see `measures` of `_window_kernels`.
 
     Examples
     --------
