@@ -14,7 +14,8 @@ import numpy as np
 
 from rolling.contact.compiling import njit
 
-# Share of the load that rounding may lose in a direction; each direction makes up for the last.
+# Share of the load that rounding may lose in a direction; each direction makes up for the last. At
+# 1e-15, near the rounding of a sum of thousands of pressures, 5 of 8 trials took a further pass.
 LOAD_ROUNDING = 1e-14
 
 
