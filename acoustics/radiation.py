@@ -7,6 +7,7 @@ has the time of the force that made it. The listener is far away, at many ball r
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -100,6 +101,15 @@ def sound_pressure(
         rms = float(np.sqrt(np.mean(np.square(fluctuation))))
         factor = float(np.sqrt(RHO_C / rms)) if rms > 0.0 else 0.0
     return factor * fluctuation, factor
+
+
+@cache
+def legendre(count: int) -> tuple[Array, Array]:
+    """Return the nodes and weights of a Gauss-Legendre quadrature from -1 to 1."""
+    from scipy.special import roots_legendre  # slow to import; NumPy is tens of times slower
+
+    nodes, weights = roots_legendre(count)
+    return nodes, weights
 
 
 @dataclass(frozen=True)

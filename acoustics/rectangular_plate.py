@@ -7,7 +7,7 @@ the pressure at a listener by Rayleigh's integral, and the sound power over wave
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -16,13 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
-from acoustics.radiation import AIR_KG_M3, SOUND_M_S, ThinPlate
+from acoustics.radiation import AIR_KG_M3, SOUND_M_S, ThinPlate, legendre
 
 Complex = NDArray[np.complex128]
 Edges = tuple[float, float]
 Orders = NDArray[np.int64]
 Listener = tuple[float, float, float]
-_legendre = cache(np.polynomial.legendre.leggauss)
 _PANEL_RAD = 60.0  # phase along a panel of the quadrature
 _MARGIN = 10  # nodes of a panel beyond half its phase; they resolve 1/R at the panel's own distance
 _POINTS = 6  # frequencies of a table that a polynomial joins
@@ -279,7 +278,7 @@ def _panels(edge: float, at: float, near: float, wave_number: float) -> tuple[Ar
     for left, right in pairwise(ends):
         pieces = int(np.ceil(wave_number * (right - left) / _PANEL_RAD)) or 1
         half = (right - left) / pieces / 2
-        u, w = _legendre(int(np.ceil(wave_number * half)) + _MARGIN)
+        u, w = legendre(int(np.ceil(wave_number * half)) + _MARGIN)
         middles = left + half * (1 + 2 * np.arange(pieces))
         nodes.append((middles[:, None] + half * u).ravel())
         weights.append(np.tile(half * w, pieces))
@@ -333,7 +332,7 @@ def _blocks(edges_m: Edges | None, frequency_hz: Array, ratio: float = _RATIO) -
 def _resistances(edges_m: Edges, orders: Orders, frequency_hz: float) -> Array:
     """Return the radiation resistance [W s2/m2] of each mode over a quarter of the half-space."""
     k = 2 * np.pi * frequency_hz / SOUND_M_S
-    (u, wu), (v, wv) = (_legendre(int(np.ceil(k * edge / 2)) + _MARGIN) for edge in edges_m)
+    (u, wu), (v, wv) = (legendre(int(np.ceil(k * edge / 2)) + _MARGIN) for edge in edges_m)
     alpha, beta = np.pi / 4 * (u + 1), np.pi / 4 * (v + 1)
     (m, rows), (n, columns) = (np.unique(order, return_inverse=True) for order in orders.T)
     along = _squares(m, edges_m[0], k * np.sin(alpha)) * (wu * np.cos(alpha))

@@ -1,16 +1,13 @@
 """Sound power that a force radiates through an infinite plate and through a ball."""
 
-from functools import cache
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, third_octave_mean_square
-from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, ThinPlate
+from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, ThinPlate, legendre
 from acoustics.spectrum import audible_lines
 
-_legendre = cache(np.polynomial.legendre.leggauss)  # slow: eigenvalues of a matrix
 _NODES = 300  # of the quadrature over directions; 600 change no band by 1e-3 dB
 _GRID = np.geomspace(*AUDIBLE_HZ, 300)  # between these the power per force is interpolated,
 _NEAR = np.geomspace(1e-4, 0.3, 100)  # and at these relative distances from coincidence
@@ -56,7 +53,7 @@ def plate_power_per_force(frequency_hz: ArrayLike, plate: ThinPlate, sides: int 
     loss = plate.loss_factor + air / np.maximum(peak, np.sqrt(air))
     width = loss / np.maximum(4 * np.sqrt(squared) * peak, np.sqrt(loss))
     low, high = np.arcsinh(-peak / width), np.arcsinh((1 - peak) / width)
-    nodes, weights = _legendre(_NODES)
+    nodes, weights = legendre(_NODES)
     t = low + (high - low) * (nodes + 1) / 2
     u = np.clip(peak + width * np.sinh(t), 1e-12, 1.0)
     mass = 1 - squared * (1 - u**2) ** 2 * (1 + 1j * plate.loss_factor)
@@ -85,7 +82,7 @@ def ball_power_per_force(frequency_hz: ArrayLike, ball: Ball, plane: bool = True
     free = area * AIR_KG_M3 * SOUND_M_S / (ball.mass_kg * w) ** 2 * ka**4 / (4 + ka**4)
     if not plane:
         return np.asarray(free)
-    nodes, weights = _legendre(64)
+    nodes, weights = legendre(64)
     u = (nodes + 1) / 2
     image = np.square(u * np.sin(ka[..., None] * u)) @ weights * 3  # mean of 6 cos^2 sin^2(ka cos)
     return np.asarray(free * image)
