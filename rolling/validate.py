@@ -453,13 +453,13 @@ def synthetic_recording() -> Figures:
         change = 10 * np.log10((power * 10 ** (gain[is_band] / 10)).sum() / power.sum())  # of LAeq
         table = table.assign(run=number, gain=np.where(is_band, gain, change))
         tables.append(table[table["quantity"] != "modulation"].fillna({"frequency_hz": 0}))
-    found = pd.concat(tables, ignore_index=True)
-    for hertz, part in found.groupby("frequency_hz"):
+    changes = pd.concat(tables, ignore_index=True)
+    for hertz, part in changes.groupby("frequency_hz"):
         if hertz in (0, *SHOWN_HZ):
             item, known = f"{hertz:g} Hz" if hertz else "LAeq", part["gain"].mean()
             bound = 2 * part["difference_uncertainty_db"].mean()
             yield Figure("filter", item, known, -part["difference_db"], bound)
-    bands = found[found["frequency_hz"] > 0]
+    bands = changes[changes["frequency_hz"] > 0]
     error = (bands["difference_db"] + bands["gain"]).abs()
     within = (error <= 2 * bands["difference_uncertainty_db"]).groupby(bands["run"]).mean()
     yield Figure("bands within 2 u", "", math.nan, within)

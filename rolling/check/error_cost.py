@@ -17,7 +17,7 @@ STRETCHES = 4, 8
 STRETCH_STEPS = 64, 400  # minimum and maximum number of steps of a stretch
 # Steps that a cold start costs beside its own: 6.5 on the run's grid and 7.7 at half the spacing,
 # the mean of ten scenes at three to five places (3 at Ra 0.01 um and 20 N, 12 to 15 at Ra 1 um).
-START_STEPS = 7
+COLD_STEPS = 7
 TIGHTER = 10.0  # the scene's tolerance over the tight tolerance
 LEAST_TOLERANCE = 1e-10  # rounding does not let a solve come closer
 # The cost of a step, as it is counted here, grows with this power of the nodes along a side. It
@@ -80,11 +80,11 @@ def layout(scene: Scene) -> Layout | None:
     solved, per_step = scene.track.solved_steps, _step_cost(scene)
     paid = SHARE * marched_steps(scene) / per_step  # steps and cold starts of all stretches
     fewest, most = STRETCHES
-    steps = int(min(paid / fewest - START_STEPS, solved / fewest, STRETCH_STEPS[1]))
+    steps = int(min(paid / fewest - COLD_STEPS, solved / fewest, STRETCH_STEPS[1]))
     if steps < STRETCH_STEPS[0]:
         return None
     slots = solved // steps
-    count = min(most, slots, int(paid / (steps + START_STEPS) + 1e-9))
+    count = min(most, slots, int(paid / (steps + COLD_STEPS) + 1e-9))
     firsts = tuple(k * slots // count * steps for k in range(count))
     marches = [(first, level) for first in firsts for level in LEVELS]
     if has_detail(scene):
@@ -97,7 +97,7 @@ def too_short(scene: Scene) -> str | None:
     if scene.is_smooth or layout(scene) is not None:
         return None
     solved = scene.track.solved_steps
-    least = STRETCHES[0] * (STRETCH_STEPS[0] + START_STEPS) * _step_cost(scene) / SHARE
+    least = STRETCHES[0] * (STRETCH_STEPS[0] + COLD_STEPS) * _step_cost(scene) / SHARE
     needed = math.ceil(least * solved / marched_steps(scene))
     words = f"the track has {solved} different steps, and the estimate needs {needed} to stay below"
     return f"{words} {SHARE:.0%} of the run's cost"
@@ -111,7 +111,7 @@ def cost_share(scene: Scene, power: float = COST_POWER) -> float:
     if (stretches := layout(scene)) is None:
         return 0.0
     per_step = sum(level_cost(scene, level, power) for _, level in stretches.marches)
-    return (stretches.steps + START_STEPS) * per_step / marched_steps(scene)
+    return (stretches.steps + COLD_STEPS) * per_step / marched_steps(scene)
 
 
 def _step_cost(scene: Scene) -> float:

@@ -1,7 +1,7 @@
 """A few solved positions of a scene: contact areas, pressure and time of a step.
 
 The closed forms of a smooth sphere cannot tell whether asperities yield. Eight cold starts along
-the track can, for less than a hundredth of the cost of a run.
+the track can, at the cost of some 90 steps of the march.
 """
 
 import math
@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.check import cost, error_cost
+from rolling.check import cost
+from rolling.check.error_cost import COLD_STEPS
 from rolling.check.finding import Finding, clock, computing, sentence, si, surface_time
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
@@ -32,7 +33,6 @@ from rolling.terminal import progress
 
 POSITIONS = 8
 WARM_STEPS = 3  # after each cold start, for the time of a step
-COLD_STEPS = 1 + error_cost.START_STEPS  # cost of a cold position in steps
 MAX_NODES = 10_000_000  # maximum for a generated surface, which takes about 4 s and 400 MB
 MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of all runs of a sweep
 # If a sweep has more runs, or slow runs, only its first and last runs are solved.
@@ -129,7 +129,7 @@ def probes(scenes: Sequence[Scene]) -> list[Probe]:
     chosen.sort(key=lambda k: str(scene_surface.identity(scenes[k])))
     result = [Probe(left_out=reason) for reason in reasons]
     bar = progress.Bar(POSITIONS * len(chosen), "solving positions")
-    with bar, compiling.told(progress.compiling):
+    with bar, compiling.reporting(progress.compiling):
         for k in chosen:
             began = time.perf_counter()
             contact = rolling_contact(scenes[k])
@@ -188,7 +188,7 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
     for scene in scenes:
         nodes = (scene.track.n_along + scene.track.turn_nodes) * scene.track.n_across
         nodes = 0 if isinstance(scene.surface, HeightFile) else nodes
-        solving = POSITIONS * (COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
+        solving = POSITIONS * (1 + COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
         reason = ""
         if nodes > MAX_NODES:
             reason = sentence("positions", "nodes", nodes=nodes / 1e6, most=MAX_NODES / 1e6)

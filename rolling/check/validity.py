@@ -22,7 +22,7 @@ from rolling.dynamics import drop, of_scene
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import library
 from rolling.scene.laws import HeightLaw
-from rolling.scene.quantities import STEEL_DENSITY, plate_modes
+from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA, STEEL_POISSON, plate_modes
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
 from rolling.scene.surfaces import HeightFile
@@ -37,7 +37,6 @@ NEAR = 3.0  # sphere radii within which a listener is too near
 # -5 to -15 dB at 0.7, relative to the release within hearing.
 FELT = 0.2
 DOMINANT = 0.7
-STEEL_GPA, STEEL_POISSON = 210.0, 0.3
 MAX_CONTACT = 0.2  # contact radius over sphere radius
 LOWEST_MODE = 0.84  # frequency of the lowest mode times diameter over the speed of shear waves
 PEAKS = 4.0  # standard deviations of Gaussian noise that some 10^4 periods exceed once

@@ -7,11 +7,12 @@ Public modules:
   `subcells`: the same for pressures on parts of cells (`SubcellSpace`).
 - `solver`: one contact under a load (`solve_contact`, `WarmStart`, `ContactError`).
 - `state`: windows (`Window`), the rolling contact and its state at a position (`RollingContact`,
-  `ContactState`); `of_scene`: the rolling contact of a scene.
+  `ContactState`).
 - `march`: the contact at successive positions, the choice of each window and the warm starts.
 - `recovery`: release from state to state, energy ledger, recovery events (`step_energy`,
   `EventTable`).
-- `compiling`: compilation by numba, with a cache wherever one can be kept.
+- `compiling`, `compiling_ahead`: compilation by numba, with a cache wherever one can be kept, and
+  ahead of the first march on spare cores; `memory`: the plate that remembers its indentation.
 
 Private modules, mostly compiled:
 

@@ -15,9 +15,9 @@ from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import njit
 
 # Strips are so many nodes long, or a multiple of them, because shorter loops are not vectorized. A
-# further strip takes as long as some 20 nodes, so that strips closer than APART are joined.
+# further strip takes as long as some 20 nodes, so that strips closer than STRIP_GAP are joined.
 STRIP = 32
-APART = 16
+STRIP_GAP = 16
 WIDE = 40_000  # nodes; smaller grids stay in the cache, where strips save nothing
 # Nodes rest where so many cells are between the bounds, which take up the changes of the load. In
 # random scenes with fewer the approach moves so far that nodes at rest leave the hardness, and the
@@ -143,7 +143,7 @@ def list_strips(place, rows, row, strips):
         begin, stop = max(8 * w - 8, first), min(8 * w + 10, last)
         if word[w] == 0 or stop <= end:
             continue
-        if count == 0 or begin > end + APART:
+        if count == 0 or begin > end + STRIP_GAP:
             strips[count, 0] = begin
             count += 1
         begin = np.int64(strips[count - 1, 0])
@@ -154,7 +154,7 @@ def list_strips(place, rows, row, strips):
 
 @njit(cache=True, inner=True)
 def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors, indices, strips):
-    """Set the pressures, the gaps and the indices of the candidates, and the strips (see `pack`).
+    """Set the pressures, gaps and indices of the candidates, and the strips (see `list_strips`).
 
     `corner` is the first row and column of the candidates' block in a window of `columns` columns;
     `row_lengths` are the numbers of nodes in a row of the transforms (with the number of rows side

@@ -2,9 +2,6 @@
 
 Candidates lie between the bounds or on one of them in no order that a processor could foresee, and
 a wrong guess costs as much as ten sums. The passes therefore select values instead of branching.
-
-The cache of Numba for `_solver_kernels` misses changes here and in `_system`: delete `__pycache__`
-after an edit.
 """
 
 # mypy: disable-error-code="no-untyped-def"

@@ -21,7 +21,7 @@ from rolling.contact._by_address import address_of, array_at, caller
 from rolling.contact._condition_kernels import settle_load, state_of, sum_of
 from rolling.contact._far_field import _coarse_grid
 from rolling.contact._system import BORDER, Direction, Limits, Solutions, Step, System, numba_type
-from rolling.contact._window_kernels import extrapolate, reach
+from rolling.contact._window_kernels import extrapolate_deflection, reach
 from rolling.contact.compiling import njit
 from rolling.contact.half_space import OWN_COEFFICIENT
 
@@ -49,7 +49,7 @@ STALLED = 0.9
 NEARLY_WHOLE_STALLED = 0.55
 # Few nodes deflect the candidates pair by pair, where the pairs are at most so many times the nodes
 # of the transforms: a pair takes 0.5 ns, and a transform forth and back 1.1 ns per node.
-PAIRS = 2
+DIRECT_PAIRS = 2
 MAX_MOVES = 100  # of the edges in a solve, one in each iteration, before they stay
 # The descent aims at this share of the tolerance. The rest allows for the difference between the
 # updated deflection and a recomputed deflection.
@@ -116,7 +116,7 @@ def system_of(window, listed, resting, block, numbers, stencils, u_max, entry, f
     unit, preconditioner, inverse, centre, own, common = stencils
     n, blended = listed.size, edge.size > 0
     rows, columns = block[2] + 2 * BORDER, block[3] + 2 * BORDER
-    # Vectors and grids that only blended edges have are else empty slices of others.
+    # Vectors and grids that only blended edges have are otherwise empty slices of others.
     v, soft = np.zeros((10 if blended else 6, n)), n if blended else 0
     grids = np.zeros((2 if blended else 1, rows * columns))
     field = grids[-1][: grids.shape[1] if blended else 0]
@@ -190,14 +190,14 @@ def descend(system, entry, block, cells, solutions, goal, allowed, single, state
     The first direction comes from the last two solutions, unless they are empty.
 
     Returns whether the pressures of the candidates are known to carry the load exactly, and whether
-    the descent went as far as its precision allows. Neither the first descent nor one that the
-    model led to its last iteration did.
+    the descent went as far as its precision allows. The latter is false for the first descent and
+    for one that the model led to its last iteration.
     """
     p, g = system.nodes.p, system.nodes.g
     blended = system.nodes.compliance.size > 0
     most = np.int64(-1)  # pairs, which are of single precision; a negative number is never reached
     if single and system.influence.coefficients.size:
-        most = PAIRS * entry[transforms.LENGTH] * entry[transforms.WIDTH]
+        most = DIRECT_PAIRS * entry[transforms.LENGTH] * entry[transforms.WIDTH]
     direction, moving = Direction(0.0, 0.0, 0.0, solver.FIRST_LENGTH), 0
     if solutions.p.size:
         led = system, direction, solutions, NEARLY_WHOLE, 0.0, 0.0, FIRST_SWEEPS, False, False
@@ -296,7 +296,7 @@ def transforms_for(table, reaches, kind):
 def entries_of(table, block, single):
     """Return the numbers of the entries of transforms and far field for a block of candidates.
 
-    The answer before them names what is missing, of a size that follows, or is SOLVED.
+    The answer before them is SOLVED, or names the missing entry, whose size follows.
     """
     rows, columns, tile = _coarse_grid(block[2] + 2 * BORDER, block[3] + 2 * BORDER)
     reaches = block[2] - 1, block[3] - 1
@@ -320,7 +320,7 @@ def judge(window, p, u, before, numbers, fresh, edge, g):
     if edge.size:
         field = u
         if before[0].size:
-            extrapolate(u, before[1], before[2], before[3], g)
+            extrapolate_deflection(u, before[1], before[2], before[3], g)
             field = g
         search.cell_ranges(shape, field, levelled, share, edge)
     flat = gap.reshape(-1), u.reshape(-1), p.reshape(-1), edge.reshape(-1)

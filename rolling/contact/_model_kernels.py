@@ -64,7 +64,7 @@ def add_changes(p, u, p_before, u_before, stiffness, changed, opened):
 
 
 @njit(cache=True)
-def extrapolate(model, nodes, hardness, present, solutions, pressure, height):
+def extrapolate_model(model, nodes, hardness, present, solutions, pressure, height):
     """Add the changes between two solutions to the grid; return the approach of the sum [m].
 
     `present` is the approach of the grid. Nodes off the previous window were unloaded, and their
@@ -108,7 +108,9 @@ def lead_model(system, present, solutions):
     """
     model, far, work = system.model, system.far, system.work
     gap, hardness = model.gap.reshape(-1), system.limits.hardness
-    approach = extrapolate(model, system.nodes, hardness, present, solutions, work.trial, work.r)
+    approach = extrapolate_model(
+        model, system.nodes, hardness, present, solutions, work.trial, work.r
+    )
     closing = np.float32((approach - present) * model.stiffness)
     for k in range(gap.size):
         gap[k] -= closing

@@ -235,7 +235,7 @@ def sum_directly(transform, d, deflection, influence, most):
 
 
 @njit(cache=True)
-def advance(system, direction, nearly):
+def step_along(system, direction, nearly):
     """Step along the direction as far as the energy falls; return the step length alpha.
 
     A step longer than `nearly` becomes whole, so that nodes on their way to a bound arrive.
@@ -270,15 +270,15 @@ def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_m
     before the final check; the Direction is then unchanged.
 
     The first direction of a solve comes from the extrapolation of the last two `solutions`, whose
-    arrays are else empty. No step leads to it, and its slope is not negative
-    where it does not descend.
+    arrays are otherwise empty. No step leads to it, and its slope is not negative where it does not
+    descend.
 
     Returns the Step that was taken and the Direction to convolve. The load of the
     Step is the sum of the pressures after a last step by the model, or 0.
     """
     nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
     leading = solutions.p.size > 0
-    alpha = advance(system, direction, nearly) if direction.slope < 0.0 else 1.0
+    alpha = step_along(system, direction, nearly) if direction.slope < 0.0 else 1.0
     lift = move_edges(system, EDGE_SLACK * allowed) if edges_move else 0.0
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
     length = direction.length * min(max(alpha, 0.5), 2.0)

@@ -31,7 +31,7 @@ from rolling.contact.compiling import njit
 
 _DOUBLE = np.empty(0)  # array of double precision
 GROUP = 4  # Plans for rows are made for multiples of so many lines.
-APART = 4  # complex numbers between two lines of columns
+COLUMN_GAP = 4  # complex numbers between two lines of columns
 
 # Entries of the numbers that describe the transforms of a size to compiled code (see Convolution).
 # The key is the padded length, the padded width and 1 in single precision, else 0.
@@ -286,8 +286,8 @@ def transform(entry, rows, real, both):
     lines = lines_of(rows, entry[SUBCELLS], entry[LENGTH])
     row_plans = array_at(entry[ROW_PLANS], (-(-length // GROUP) + 1, 2), entry)
     row_forward, row_backward = row_plans[-(-lines // GROUP)]
-    columns = array_at(entry[LINES], (length, n + APART), both)
-    numbers = array_at(entry[COLUMNS], (length, 2 * (n + APART)), real)
+    columns = array_at(entry[LINES], (length, n + COLUMN_GAP), both)
+    numbers = array_at(entry[COLUMNS], (length, 2 * (n + COLUMN_GAP)), real)
     execute(entry[EXECUTE], row_forward)
     turns = array_at(entry[TURNS], (half,), both)
     if half:

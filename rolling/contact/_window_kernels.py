@@ -72,7 +72,7 @@ def overlap_block(
 
     `stretches` are the maximum heights of each STRETCH nodes of a row, `row_highest` of each row,
     and `highest` of all. The limits are the approach and the numbers of the minimum deflection,
-    which adds to the gap (see `far_deflection`).
+    which adds to the gap (see `least_deflection`).
 
     The block is (first row, last row, first column, last column).
 
@@ -80,7 +80,7 @@ def overlap_block(
     side, because an island may lie outside any earlier window. An empty block has its last row
     before its first.
     """
-    approach, far = limits[0], limits[1:]
+    approach, load = limits[0], limits[1:]
     reach2 = 2 * radius * (approach + highest)
     if reach2 <= 0.0:
         return 1, 0, 1, 0
@@ -90,8 +90,8 @@ def overlap_block(
     low = int(np.ceil((x - reach) / spacing))
     high = int(np.floor((x + reach) / spacing))
     plate = heights, stretches, row_highest
-    sphere = spacing, radius, radius_across, x, y, approach, far
-    # The first and the last row give the first columns. Of all rows between them only the nodes
+    sphere = spacing, radius, radius_across, x, y, approach, load
+    # The first and the last row give the first columns. In the rows between them, only the nodes
     # beyond the columns so far can widen the block.
     empty = 1, 0
     first_row, columns = low, empty
@@ -119,15 +119,15 @@ def overlap_block(
 
 
 @njit(cache=True, inner=True)
-def far_deflection(far, distance2):
+def least_deflection(load, distance2):
     """Return the minimum deflection [m] at a node by the whole load.
 
-    `far` has the load over pi E* [m2] and a square [m2]: the mean square distance of the load from
+    `load` has itself over pi E* [m2] and a square [m2]: the mean square distance of the load from
     the node is at most the sum of that and `distance2`, the squared distance of the node from the
     centre. Deflections fall as 1/r, which is convex in r^2: their mean is no less than that at the
     mean square distance (Jensen's inequality).
     """
-    return far[0] / np.sqrt(distance2 + far[1])
+    return load[0] / np.sqrt(distance2 + load[1])
 
 
 @njit(cache=True, inner=True)
@@ -138,13 +138,13 @@ def overlap_of_row(plate, sphere, i, columns):
     `overlap_block`.
     """
     heights, stretches, row_highest = plate
-    spacing, radius, radius_across, x, y, approach, far = sphere
+    spacing, radius, radius_across, x, y, approach, load = sphere
     along, across = heights.shape
     dx = i * spacing - x
     width2 = 2 * radius * (approach + row_highest[i % along]) - dx * dx
     if width2 <= 0.0:
         return columns
-    width2 -= 2 * radius * far_deflection(far, dx * dx + width2 * (radius_across / radius))
+    width2 -= 2 * radius * least_deflection(load, dx * dx + width2 * (radius_across / radius))
     if width2 <= 0.0:
         return columns
     width = min(np.sqrt(width2 * (radius_across / radius)), (across + 0.5) * spacing)
@@ -152,7 +152,7 @@ def overlap_of_row(plate, sphere, i, columns):
     right = int(np.floor((y + width) / spacing))
     row = heights[i % along], stretches[i % along]
     rise = dx * dx / (2 * radius) - approach
-    sphere = spacing, radius_across, y, (far[0], far[1] + dx * dx)
+    sphere = spacing, radius_across, y, (load[0], load[1] + dx * dx)
     if columns[0] > columns[1]:
         first = search_row(row, rise, sphere, left, right, 1)
         if first > right:
@@ -172,10 +172,10 @@ def search_row(row, rise, sphere, begin, end, step):
 
     Return the node after `end` if there is none. `row` has the heights and the maximum heights of
     stretches, `rise` is the height of the sphere above the approach in the middle of the row,
-    `sphere` the spacing, the radius and the place across, and `far` in the row, and `step` is 1 or
+    `sphere` the spacing, the radius and the place across, and `load` in the row, and `step` is 1 or
     -1.
     """
-    (z, tops), (spacing, radius_across, y, far) = row, sphere
+    (z, tops), (spacing, radius_across, y, load) = row, sphere
     j = begin
     node = begin % z.size
     while (end - j) * step >= 0:
@@ -189,11 +189,11 @@ def search_row(row, rise, sphere, begin, end, step):
         nearest = min(abs(here), abs(there)) if here * there > 0.0 else 0.0
         farthest = max(abs(here), abs(there))
         gap = rise + nearest**2 / (2 * radius_across) - tops[stretch]
-        if gap < 0.0 and gap + far_deflection(far, farthest**2) < 0.0:
+        if gap < 0.0 and gap + least_deflection(load, farthest**2) < 0.0:
             for k in range(j, last + step, step):
                 apart2 = (k * spacing - y) ** 2
                 gap = rise + apart2 / (2 * radius_across) - z[node + k - j]
-                if gap < 0.0 and gap + far_deflection(far, apart2) < 0.0:
+                if gap < 0.0 and gap + least_deflection(load, apart2) < 0.0:
                     return k
         node += last + step - j
         node = 0 if node == z.size else z.size - 1 if node < 0 else node
@@ -232,7 +232,7 @@ def shared(first, length, begin, end):
 
 
 @njit(cache=True)
-def extrapolate(u, u_before, row, column, out):
+def extrapolate_deflection(u, u_before, row, column, out):
     """Set `out` to the deflections u with their change since the previous position once more.
 
     The previous window begins at (row, column) in the window of u. Off it, where deflections are
@@ -331,7 +331,7 @@ def measures(pressure, deflection, hardness, edge, levelled, row, column, reach)
 
     The mean square distance of the load from a node within `reach` [nodes] of a row and a column,
     the centre, is at most the square of the node's distance from it plus that of the spread, less
-    1: with it even a node's own deflection is no less than `far_deflection`.
+    1: with it even a node's own deflection is no less than `least_deflection`.
     """
     count, capped, maximum, work = 0.0, 0.0, 0.0, 0.0
     load, along, across, square = 0.0, 0.0, 0.0, 0.0

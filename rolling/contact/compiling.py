@@ -148,7 +148,7 @@ def tell_always(tell: Callable[[], object]) -> None:
 
 
 @contextmanager
-def told(tell: Callable[[], object]) -> Iterator[None]:
+def reporting(tell: Callable[[], object]) -> Iterator[None]:
     """Call a function in this context when a kernel begins to be compiled."""
     listener = _Listener(tell)
     event.register(_KIND, listener)  # type: ignore[no-untyped-call]

@@ -17,7 +17,7 @@ from acoustics.arrays import Array, positive, real_array
 from rolling.contact import _transform_kernels as kernels
 from rolling.contact import _window_kernels
 from rolling.contact._plans import Plan, zeros
-from rolling.contact._transform_kernels import APART, GROUP, MOST_NODES
+from rolling.contact._transform_kernels import COLUMN_GAP, GROUP, MOST_NODES
 
 # Columns of these lengths, and all longer columns, are transformed in two halves, because half of a
 # column is zero. Elsewhere this takes longer.
@@ -25,7 +25,7 @@ _HALVED = (80, 256)
 # Columns of these lengths are transformed in place, because that is quicker, and longer columns,
 # because it saves memory. Other columns go from one array to another.
 _IN_PLACE = (128, 256, 512, 1024)
-_MOST = 1e300  # of a length or a modulus in SI
+MOST = 1e300  # of a length, a modulus or a load in SI
 
 # Bytes of transforms that a half-space keeps. A rough track asks for some hundred sizes; without a
 # limit they took 4 GB in each process. A step needs few sizes, which fit up to 1,000 nodes across.
@@ -147,8 +147,8 @@ class HalfSpace:
     """
 
     def __init__(self, spacing: float, contact_modulus: float) -> None:
-        self.spacing = positive("spacing", spacing, _MOST)
-        self.contact_modulus = positive("contact_modulus", contact_modulus, _MOST)
+        self.spacing = positive("spacing", spacing, MOST)
+        self.contact_modulus = positive("contact_modulus", contact_modulus, MOST)
         self.unit = self.spacing / (np.pi * self.contact_modulus)
         self.subcells = 1
         self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
@@ -276,7 +276,7 @@ class Convolution:
         self._pairs = zeros((length, n), both)
         self.real = self._pairs.view(real).reshape(length, n, 2)
         # Lines of a power of two would meet in the same places of the cache.
-        self._lines = zeros((length, n + APART), both)
+        self._lines = zeros((length, n + COLUMN_GAP), both)
         in_place = m in _IN_PLACE or m > _IN_PLACE[-1]
         self._columns = self._lines if in_place else zeros(self._lines.shape, both)
         # Transforms there and back multiply by their size.

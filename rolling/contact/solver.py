@@ -25,7 +25,7 @@ from rolling.contact import _condition_kernels
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact._far_field import far_field, stencils
 from rolling.contact._system import Limits, Sets
-from rolling.contact.half_space import OWN_COEFFICIENT, HalfSpace
+from rolling.contact.half_space import MOST, OWN_COEFFICIENT, HalfSpace
 
 # Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
 # converge, so the limit that is named is four times that.
@@ -279,32 +279,33 @@ def solve_contact(
     """
     instance("half_space", half_space, HalfSpace)
     instance("start", start, WarmStart, type(None))
-    gap, load = _plain(real_array("gap", gap, 2)), positive("load", load)
+    gap, load = _plain("gap", gap), positive("load", load, MOST)
     hardness, tolerance = positive("hardness", hardness), positive("tolerance", tolerance, 1.0)
-    shape = None if shape is None else _plain(real_array("shape", shape, 2))
-    given = {"shape": shape}
+    shape = None if shape is None else _plain("shape", shape, gap)
     if start is not None:
-        given["start.pressure"] = pressure = real_array("start.pressure", start.pressure, 2)
-        if (deflection := start.deflection) is not None:
-            deflection = _plain(real_array("start.deflection", deflection, 2))
-            given["start.deflection"] = deflection
-        previous = start.previous
+        pressure = _plain("start.pressure", start.pressure, gap).copy()
+        deflection, previous = start.deflection, start.previous
+        if deflection is not None:
+            deflection = _plain("start.deflection", deflection, gap)
         if previous is not None:
-            arrays = _plain(previous.pressure), _plain(previous.deflection)
-            previous = Previous(*arrays, int(previous.row), int(previous.column))
-        start = replace(start, pressure=pressure.copy(), deflection=deflection, previous=previous)
-    for name, array in given.items():
-        if array is not None and array.shape != gap.shape:
-            allowed = f"allowed: the shape of gap, {gap.shape}"
-            raise ValueError(f"{name}: got an array of shape {array.shape}, {allowed}")
+            before = _plain("start.previous.pressure", previous.pressure)
+            after = _plain("start.previous.deflection", previous.deflection, before)
+            previous = Previous(before, after, int(previous.row), int(previous.column))
+        start = replace(start, pressure=pressure, deflection=deflection, previous=previous)
     start = start or _cold_start(half_space, gap, load, hardness)
     limits = Limits(hardness, load / half_space.spacing**2)
     return Problem(half_space, gap, shape, limits, tolerance, single).solve(start)
 
 
-def _plain(array: Array) -> Array:
-    """Return the array as compiled code takes it, or a copy: in C order, and open to writing."""
-    return np.require(array, float, ["C", "W"])
+def _plain(name: str, array: Array, like: Array | None = None) -> Array:
+    """Return an array as compiled code takes it, or a copy: in C order, and open to writing.
+
+    Raise ValueError unless it has the shape of the array that it belongs to.
+    """
+    plain = np.require(real_array(name, array, 2), float, ["C", "W"])
+    if like is not None and plain.shape != like.shape:
+        raise ValueError(f"{name}: got an array of shape {plain.shape}, allowed: {like.shape}")
+    return plain
 
 
 class Problem(NamedTuple):

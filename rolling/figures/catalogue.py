@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import partial
 from operator import attrgetter
 from pathlib import Path
@@ -14,6 +13,7 @@ from pandas import DataFrame
 from rolling.figures import contact, origins, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.results.run_result import Run
+from rolling.scene.messages import nearest
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal.files import make_below, write_bytes
 
@@ -144,9 +144,8 @@ def plot_run(
         raise ValueError(f"{form}: no format of figures, allowed: {', '.join(FORMATS)}")
     for name in names:
         if name not in FIGURES:
-            near = get_close_matches(name, FIGURES, 1)
-            hint = f" (did you mean {near[0]}?)" if near else ""
-            raise ValueError(f"{name}: no figure{hint}, allowed: {', '.join(FIGURES)}")
+            like = nearest(name, [*FIGURES])
+            raise ValueError(f"{name}: no figure, allowed: {', '.join(FIGURES)}{like}")
     folder = Path(out)
     for name in names or FIGURES:
         contents = {

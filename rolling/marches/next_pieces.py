@@ -16,6 +16,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.check import cost
+from rolling.check.error_cost import COLD_STEPS
 from rolling.contact.solver import ContactError
 from rolling.marches.error_stretches import own_stretches, stretch_pieces
 from rolling.marches.force_law import law_motion, law_pieces, load_along, own_marches
@@ -25,7 +26,6 @@ from rolling.scene.scene import Scene
 
 SECONDS = 3e-3  # [s] of rolling that are shown
 SHARE = 0.05  # maximum share of the steps of the run
-COLD_STEPS = 3  # cost of a cold start in steps
 AVERAGED = 20e-6  # [m] over which the release is averaged to find the event
 FROM, TO = 2e-6, 4e-6  # [m] from one map to the next, unless a step is longer
 FEWEST, MOST = 30, 150  # maps

@@ -31,12 +31,11 @@ from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import continued_rows, heights
 
 _half_space = lru_cache(maxsize=4)(half_space_of)  # which equal contacts share
-# Steps of a piece. A cold start costs four to eight steps, which is 2 to 4 % of a piece.
-PIECE_STEPS = 200
+PIECE_STEPS = 200  # a cold start costs 4 % of them
 # Side of a cell on a level, in the run's cells.
 SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0, "detail": 0.5}
-# Names of the arrays of each kind. Kinds other than the track return a `fault` where a contact
-# cannot be solved, because the run goes on without them.
+# Names of the arrays of each kind. Kinds other than the track and its passes return a `fault` where
+# a contact cannot be solved, because the run goes on without them.
 _SERIES = {
     "load": ("approach", "step_time"),
     "judge": ("approach", "step_time"),

@@ -68,7 +68,7 @@ class Recording(NamedTuple):
 
 
 def read(path: Path) -> Recording:
-    """Read the first channel of a sound file, or raise FolderError for what is no recording."""
+    """Read the first channel of a sound file, or raise FolderError if it is none."""
     try:
         with soundfile.SoundFile(io.BytesIO(read_regular(path, MOST_BYTES))) as file:
             rate, seconds = file.samplerate, file.frames / file.samplerate
@@ -224,9 +224,9 @@ def _modulation(record: Recording, band: tuple[float, float]) -> Array:
 
     They are NaN where the record is too short, or the band too narrow.
     """
-    found, low = envelope_spectrum(record.samples, RATE, band), MODULATION_HZ / 2**0.5
-    octaves = np.searchsorted(low, found.frequency_hz)  # 0 below the first
-    squares = np.bincount(octaves, np.square(found.modulation), len(low) + 1)[1:] / _HANN
+    envelope, low = envelope_spectrum(record.samples, RATE, band), MODULATION_HZ / 2**0.5
+    octaves = np.searchsorted(low, envelope.frequency_hz)  # 0 below the first
+    squares = np.bincount(octaves, np.square(envelope.modulation), len(low) + 1)[1:] / _HANN
     levels = 10 * np.log10(np.maximum(squares, FAINTEST)), _DB / np.sqrt(low * record.seconds)
     return np.where((low * record.seconds >= 2) & (4 * low <= band[1] - band[0]), levels, np.nan)
 

@@ -231,9 +231,9 @@ class Run(RunFolder):
         """Return a player for a notebook; in a script, name listen.wav and open a player for it.
 
         The record is heard for at least five seconds, in laps, or as the long record of a scene
-        with `sound.listen_s`. The gain makes all runs equally
-        loud, so levels are compared by their numbers. A run without files writes a temporary one.
-        The system's player is opened on a terminal only, and the script goes on at once.
+        with `sound.listen_s`. The gain makes all runs equally loud, so levels are compared by their
+        numbers. A run without files writes a temporary one. The system's player is opened on a
+        terminal only, and the script goes on at once.
 
         Returns
         -------
@@ -315,7 +315,7 @@ class Run(RunFolder):
         return f"<h4>{html.escape(self.title)}</h4><table>{table}</table><ul>{caveats}</ul>"
 
 
-def hear(
+def with_sound(
     place: RunFolder, label: str, result: Result, summary: dict[str, Any] | None = None
 ) -> Run:
     """Make the sound of a whole result, and its numbers unless they are stored already.
@@ -387,4 +387,4 @@ def read_run(run: RunFolder, label: str) -> Run:
     SceneError : the heights of the scene cannot be read.
     """
     summary = read_summary(run.folder / SUMMARY)
-    return hear(run, label, result_file.read_result(run.folder / RESULT, run.scene), summary)
+    return with_sound(run, label, result_file.read_result(run.folder / RESULT, run.scene), summary)

@@ -1,4 +1,4 @@
-"""What waits for the processes of a pool, by the surface that it needs."""
+"""Tasks that wait for the processes of a pool, by the surface that they need."""
 
 import math
 from collections import Counter, defaultdict, deque

@@ -301,7 +301,7 @@ def drop_pieces(folder: Path, contact: str) -> None:
 def states(folder: Path) -> dict[str, tuple[str, str]]:
     """Return state and reason of each run of a folder by the name of its folder."""
     is_running = any(map(is_locked, folder.glob(f"{LOCK}*")))
-    found = {}
+    by_name = {}
     for run in stored_runs(folder):
         if run.is_done:
             state = "done", ""
@@ -309,8 +309,8 @@ def states(folder: Path) -> dict[str, tuple[str, str]]:
             state = "failed", reason
         else:
             state = "running" if is_running else "waiting", ""
-        found[run.folder.name] = state
-    return found
+        by_name[run.folder.name] = state
+    return by_name
 
 
 def status(folder: Path) -> str:

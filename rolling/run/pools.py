@@ -67,7 +67,7 @@ class Pool(ExitStack):
     def __enter__(self) -> Self:
         from rolling.contact import compiling
 
-        self.enter_context(compiling.told(self._tell_compiling))
+        self.enter_context(compiling.reporting(self._tell_compiling))
         return self
 
     def _tell_compiling(self) -> None:
@@ -160,7 +160,7 @@ class LocalPool(Pool):
             pool.shutdown(wait=True, kill_workers=True)
 
     def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
-        """Hand a task to a team, which stores a piece in its file rather than to send it."""
+        """Hand a task to a team, which stores a piece in its file instead of sending it."""
         has_file = task.function is worker.solve_piece and task.arguments[1] is not None
         function = worker.store_piece if has_file else task.function
         future: Future[Any] = self._pools[team].submit(function, *task.arguments)

@@ -11,7 +11,7 @@ from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import labels, result_file
 from rolling.results.run_folder import FAILED, RESULT, RunFolder
-from rolling.results.run_result import LISTEN, Run, hear, read_run
+from rolling.results.run_result import LISTEN, Run, read_run, with_sound
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.run.executor import RunLoop
@@ -36,7 +36,7 @@ def simulated(
     names, heard = labels.labels(runs), dict[int, Run]()
 
     def finish(number: int, result: Result) -> None:
-        heard[number] = hear(runs[number], names[number], result)
+        heard[number] = with_sound(runs[number], names[number], result)
 
     scenes = [run.scene for run in runs]
     silence = progress.begin(progress.Level.QUIET) if shown is False else nullcontext()
@@ -179,7 +179,7 @@ def _solve(
         kept = film if film and len(film.positions) else None  # another stretch may not fail
         return replace(result, steps=scenes[number].track.steps, extremes={}, slow_motion=kept)
 
-    way_on = f"finished pieces are kept in {folder}; the same command goes on"
+    advice = f"finished pieces are kept in {folder}; the same command goes on"
     pieces = folder / folders.PIECES
     film = len(runs) <= defaults.MOST_RUNS_ON_PAGE
     with progress.Bar(0.0, scenes[0].name) as bar:
@@ -188,9 +188,9 @@ def _solve(
             with nullcontext(pool) if pool else local_pool(workers, scenes) as pool:
                 loop.run(pool)
         except OSError as error:
-            raise OSError(f"{error}\n{way_on}") from error
+            raise OSError(f"{error}\n{advice}") from error
         except KeyboardInterrupt:
-            progress.line(way_on)
+            progress.line(advice)
             raise
     for number, reason in loop.failures.items():
         run = lacking[number]

@@ -96,9 +96,9 @@ def read_piece(path: Path) -> Arrays | None:
 
 def finish_run(run: RunFolder, label: str, result: Result) -> None:
     """Make the sound of a complete run and write the files of its folder."""
-    from rolling.results.run_result import hear, write_run
+    from rolling.results.run_result import with_sound, write_run
 
-    write_run(hear(run, label, result))
+    write_run(with_sound(run, label, result))
 
 
 def act(task: bytes, program: Program) -> Any:

@@ -14,7 +14,7 @@ import types
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
-from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -298,7 +298,9 @@ def section_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
 def numeric_keys(root: type[BaseModel]) -> frozenset[str]:
     """List the dotted keys that hold a number."""
     return frozenset(
-        name for name, field in keys(root).items() if {int, float} & {*_kinds(field.annotation)}
+        name
+        for name, field in keys(root).items()
+        if any(kind in (int, float) or type(kind) is int for kind in _kinds(field.annotation))
     )
 
 
@@ -306,10 +308,10 @@ def numeric_keys(root: type[BaseModel]) -> frozenset[str]:
 def words_for_numbers(root: type[BaseModel]) -> dict[str, tuple[str, ...]]:
     """Return the words that may stand for a number, by dotted key."""
     words = {
-        name: [kind for kind in _kinds(keys(root)[name].annotation) if get_origin(kind) is Literal]
+        name: tuple(word for word in _kinds(keys(root)[name].annotation) if isinstance(word, str))
         for name in sorted(numeric_keys(root))
     }
-    return {name: get_args(kinds[0]) for name, kinds in words.items() if kinds}
+    return {name: listed for name, listed in words.items() if listed}
 
 
 def full_key(name: str, root: type[BaseModel]) -> str:
@@ -382,7 +384,9 @@ def _listed(field: FieldInfo) -> Iterator[type[BaseModel]]:
 
 
 def _kinds(annotation: Any) -> tuple[Any, ...]:
-    """Return the types of an annotation without None and Annotated."""
+    """Return the types of an annotation and the choices of a Literal, without None."""
+    if get_origin(annotation) is Literal:
+        return get_args(annotation)
     if get_origin(annotation) is Annotated:
         return _kinds(get_args(annotation)[0])
     if get_origin(annotation) in (Union, types.UnionType):

@@ -19,7 +19,7 @@ from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sectio
 from rolling.scene.surfaces import BallHeightFile, HeightFile, Surface, turn_nodes
 from rolling.scene.track import Motion, Track, file_track, made_track, rolled
 
-STEEL_DENSITY = 7850.0  # [kg/m3]
+STEEL_GPA, STEEL_POISSON, STEEL_DENSITY = 210.0, 0.3, 7850.0  # [GPa], [-], [kg/m3]
 GRAVITY = 9.80665  # [m/s2]
 _FREE = 5 / 7  # of the force over the mass: a solid sphere that rolls has 7/5 of its mass
 HEARD_MODES_HZ = 30e3  # highest frequency of the modes of a plate with edges

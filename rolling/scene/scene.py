@@ -252,8 +252,8 @@ Values = Mapping[str, Any]
 
 
 def refuse_rolling(rolling: sections.Rolling, values: Values) -> None:
-    """Refuse a rolling without length, load or way, or with a contact too near an edge."""
-    lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance or None
+    """Refuse a track without a length, a missing load, and a contact too near an edge."""
+    lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance
     if not any(lengths) and isinstance(values.get("surface"), MadeSurface):
         raise refusal("rolling.duration_s missing")
     sphere, plate = values.get("sphere"), values.get("plate")

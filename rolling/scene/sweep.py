@@ -115,7 +115,7 @@ def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
     for i, (value, form) in enumerate(choices(listed)):
         at: Key = ("sweep", name, i)
         labelled = ""
-        if isinstance(value, list | tuple | dict):
+        if isinstance(value, list | tuple | dict | bool):
             labelled = f"; any other value has a label, as in {name}: {{first: {shown(value)}}}"
         if isinstance(listed, dict):
             at = ("sweep", name)

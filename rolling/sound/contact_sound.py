@@ -329,7 +329,7 @@ def faded(signal: Array, duration: float) -> Array:
     Its mean is zero after the fade, so that a band limit moves the ends little.
     """
     share = resampling.fade(np.ones(len(signal)), fade_length(len(signal), duration))
-    # Of two samples nothing is left, whatever their mean.
+    # The fade leaves nothing of two samples, whatever their mean.
     mean = float(signal @ share) / (share.sum() or 1.0)
     return (signal - mean) * share / (np.sqrt(np.mean(np.square(share))) or 1.0)
 

@@ -22,7 +22,8 @@ from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
-from rolling.scene.quantities import STEEL_DENSITY
+from rolling.scene.library import NONE
+from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA, STEEL_POISSON
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
 from rolling.sound.contact_sound import faded, oversampling
@@ -144,16 +145,18 @@ def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
 
 
 THICKNESS_MM = 10.0
-STEEL = {"plate.youngs_modulus_gpa": 210.0, "plate.poissons_ratio": 0.3}
+STEEL = {"plate.youngs_modulus_gpa": STEEL_GPA, "plate.poissons_ratio": STEEL_POISSON}
+# Limits of another plate may be too high for steel, and the solved contact has them already.
+UNLIMITED = {"plate.hardness_gpa": NONE, "plate.yield_strength_gpa": None}
 _POINTS = 8  # of the gain within the interval of a line, over which a resonance is averaged
 
 
 def with_bodies(scene: Scene) -> Scene:
-    """Return a scene that describes sphere and plate, with steel where a scene says nothing."""
+    """Return a scene that describes sphere and plate; one without a density is of steel."""
     plate = scene.plate
     bodies: dict[str, Any] = {"dynamics": {}, "sound.source": "release"}
     if plate.density_kg_m3 is None:
-        bodies |= STEEL | {"plate.density_kg_m3": STEEL_DENSITY}
+        bodies |= STEEL | UNLIMITED | {"plate.density_kg_m3": STEEL_DENSITY}
     if plate.thickness_mm is None:
         bodies["plate.thickness_mm"] = THICKNESS_MM
     if scene.sphere.density_kg_m3 is None:

@@ -58,14 +58,13 @@ def on_subcells(
     if subcells == 1 and not contact.has_blended_edges:
         return contact
     between = _between(contact.heights)
-    if smooth is not None:
-        between.smooth = smooth
+    smooth = between.smooth if smooth is None else smooth
     return replace(
         contact,
-        heights=between.on_subcells(subcells),
+        heights=between.on_subcells(subcells, smooth),
         spacing=contact.spacing / subcells,
         subcells=subcells,
-        slopes=between.smooth,
+        slopes=smooth,
     )
 
 
@@ -74,7 +73,7 @@ class _Between:
     """Heights between the nodes of a surface, kept for further contacts on it."""
 
     heights: Array
-    fine: tuple[int, Array] | None = None
+    fine: tuple[int, bool, Array] | None = None
 
     @cached_property
     def smooth(self) -> bool:
@@ -86,11 +85,12 @@ class _Between:
         """Median change of heights from node to node [m]."""
         return refined.median_step(self.heights)
 
-    def on_subcells(self, subcells: int) -> Array:
-        """Return the heights of sub-cells [m]."""
-        if self.fine is None or self.fine[0] != subcells:
-            self.fine = subcells, refined.subcell_heights(self.heights, subcells, self.smooth)
-        return self.fine[1]
+    def on_subcells(self, subcells: int, smooth: bool) -> Array:
+        """Return the heights of sub-cells [m], of a surface that continues if `smooth`."""
+        if self.fine is None or self.fine[:2] != (subcells, smooth):
+            fine = refined.subcell_heights(self.heights, subcells, smooth)
+            self.fine = subcells, smooth, fine
+        return self.fine[2]
 
 
 _last: list[_Between] = []

@@ -19,7 +19,7 @@ _MOST_LAGS = 2e8  # nodes of a turned law
 
 
 class SurfaceError(ValueError):
-    """Fault of heights and its place."""
+    """Error of heights that cannot be made or used."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def filtered(noise: Array, spacing: float, law: HeightLaw) -> Array:
     least = 1e-6 * np.sqrt(density.max() / heights.size)
     if isinstance(law, Roughness) and not np.abs(heights).mean() > least:
         sizes = " x ".join(rounded(n * spacing * 1e6, 4) for n in noise.shape)
-        # Of a law that falls with (r / L)^exponent the share of roughness falls with its root.
+        # If the law falls with (r / L)^exponent, the share of roughness falls with its root.
         exponent = AUTOCORRELATIONS[law.autocorrelation][1]
         longest = 0.1 * 1e12 ** (1 / exponent) * max(noise.shape) * spacing * 1e6
         lengths = " and ".join(rounded(length * 1e6, 4) for length in law.correlation[0])

@@ -1,8 +1,8 @@
 """Measured heights, read from files, their tilt and their seam.
 
-Heights are read as one period of the surface. A crop of a larger surface is no period: its last row
-does not lead to its first, and a tilt of the specimen passes for a cliff there. Subtracting a plane
-removes the tilt.
+By default, heights are read as one period of the surface. A crop of a larger surface is no period:
+its last row does not lead to its first, and a tilt of the specimen passes for a cliff there.
+Subtracting a plane removes the tilt.
 """
 
 from dataclasses import dataclass

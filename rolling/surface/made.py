@@ -214,7 +214,7 @@ def _powers(heights: Array) -> Array:
 # have every kurtosis above the square of the skewness plus 1.
 
 
-POINTS, END = 801, 9.0  # of the integrals over the Gaussian u
+POINTS, REACH = 801, 9.0  # of the integrals over the Gaussian u, from -REACH to REACH
 STEEPEST, FARTHEST = 128.0, 512.0  # limits of b and a
 FLATTEST = 1e-4  # of b, where heights are Gaussian
 
@@ -230,7 +230,7 @@ def johnson_heights(skewness: float, kurtosis: float, count: int) -> Array:
     from scipy.special import ndtri  # slow to import
 
     quantiles = ndtri((np.arange(count) + 0.5) / count)
-    u = np.linspace(-END, END, POINTS)
+    u = np.linspace(-REACH, REACH, POINTS)
     weights = np.exp(-(u**2) / 2) / np.exp(-(u**2) / 2).sum()
     ends = float(quantiles[0]), float(quantiles[-1])
     shape, slope, offset = _fitted(abs(skewness), kurtosis, np.clip(u, *ends), weights)

@@ -103,7 +103,7 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
     Raises
     ------
     HeightFormatError
-        The ending is of no such format, its package is not installed.
+        The ending is of no such format, or its package is not installed.
     OSError
         The file cannot be written.
     """

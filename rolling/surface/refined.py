@@ -148,8 +148,8 @@ def _padded_lines(values: Array, times: int, shift: float) -> Array:
 
 # Sub-cells along the side of a cell that `auto` takes on steep surfaces.
 STEEP_SUBCELLS = 2
-# A surface is steep from this ratio on: half the range of heights over a cell, by its slope, over a
-# node's deflection by the hardness on its own cell. Ra 0.1 um at 2.1 GPa has 1.2, Ra 1 um 12.
+# A surface is steep from this ratio on: half the rms slope times the node spacing, over a node's
+# deflection by the hardness on its own cell. Ra 0.1 um at 2.1 GPa has 1.2, Ra 1 um 12.
 STEEP = 3.0
 # Deflection of the centre of a square by a uniform pressure, over side times pressure over E*.
 OWN = 4 * math.asinh(1) / math.pi

@@ -32,7 +32,7 @@ class _Voice:
     """Level of the command at hand; None in a program of somebody else."""
 
     level: Level | None = None
-    has_told_compiling: bool = False
+    has_reported_compiling: bool = False
 
 
 _voice = _Voice()
@@ -41,12 +41,12 @@ _voice = _Voice()
 @contextmanager
 def begin(level: Level) -> Iterator[None]:
     """Print as much as the level asks for until the command ends."""
-    before = _voice.level, _voice.has_told_compiling
-    _voice.level, _voice.has_told_compiling = level, False
+    before = _voice.level, _voice.has_reported_compiling
+    _voice.level, _voice.has_reported_compiling = level, False
     try:
         yield
     finally:
-        _voice.level, _voice.has_told_compiling = before
+        _voice.level, _voice.has_reported_compiling = before
 
 
 def silence() -> None:
@@ -78,8 +78,8 @@ def detail(text: str) -> None:
 
 def compiling() -> None:
     """Say that the solver is compiled, the first time in a command or a program."""
-    if not _voice.has_told_compiling:
-        _voice.has_told_compiling = True
+    if not _voice.has_reported_compiling:
+        _voice.has_reported_compiling = True
         with nullcontext() if _voice.level is not None else begin(Level.NORMAL):
             line(COMPILING)
 

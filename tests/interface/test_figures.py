@@ -425,7 +425,7 @@ def test_figures_on_request_have_one_file_per_run_or_for_all(three, tmp_path) ->
 @pytest.mark.parametrize(
     ("names", "form", "words"),
     [
-        (["levls"], "png", "did you mean levels"),
+        (["levls"], "png", "nearest: levels"),
         (["levels"], "gif", "png, svg, csv"),
         (["mobilities"], "png", "no such figure"),
         (["surface"], "csv", "no such figure in csv"),

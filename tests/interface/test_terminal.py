@@ -341,7 +341,7 @@ def test_compiling_is_said_once_in_a_command(capsys: pytest.CaptureFixture[str])
 
     first, second = njit(lambda x: x + 1), njit(lambda x: x + 2)
     with progress.begin(Level.NORMAL):
-        with compiling.told(progress.compiling):
+        with compiling.reporting(progress.compiling):
             assert first(1) + first(2) + second(3) == 10
         njit(lambda x: x + 3)(1)
     assert capsys.readouterr().err == f"{progress.COMPILING}\n"

@@ -68,7 +68,7 @@ def test_strips_hold_all_nodes_near_candidates(rows: int, row: int, share: float
     near[:2] = near[-2:] = False
     assert inside[near.ravel()].all()
     assert inside.mean() < min(1.1, 300 * share)
-    assert (strips[1:, 0] > strips[:-1, 1] + kernels.APART).all()
+    assert (strips[1:, 0] > strips[:-1, 1] + kernels.STRIP_GAP).all()
     assert not ((strips[:-1, 1] - strips[:-1, 0]) % kernels.STRIP).any()
     assert strips[0, 0] >= 2 * row and strips[-1, 1] <= grid.size - 2 * row
 

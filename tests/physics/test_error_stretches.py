@@ -75,7 +75,7 @@ def test_stretches_cost_no_more_than_their_share_of_the_run(change: str, seconds
     given = long_scene(change, f"rolling.duration_s={seconds}")
     layout = error_cost.layout(given)
     assert layout is not None
-    steps = len(layout.firsts) * (layout.steps + error_cost.START_STEPS)
+    steps = len(layout.firsts) * (layout.steps + error_cost.COLD_STEPS)
     cost = steps * sum(error_cost.level_cost(given, level) for level in LEVELS)
     assert error_cost.cost_share(given) == pytest.approx(cost / given.track.solved_steps)
     assert error_cost.cost_share(given) <= error_cost.SHARE

@@ -101,7 +101,7 @@ def test_changes_are_those_since_the_previous_position(offset: tuple[int, int]) 
     held, gaps = p[nodes].ravel(), state.gap[inner, inner].astype(float)
     free = Nodes(held, np.zeros_like(held), np.empty(0), np.empty(0))
     scratch = np.empty_like(held), np.empty_like(held)
-    approach = _model_kernels.extrapolate(
+    approach = _model_kernels.extrapolate_model(
         state._replace(node=at, stiffness=2.0),
         free,
         np.inf,

@@ -66,7 +66,7 @@ def test_deflections_change_once_more_where_both_are_known(offset: tuple[int, in
     """Deflections off the window before are unknown and stay."""
     rng = np.random.default_rng(2)
     u, before, out = rng.random((12, 8)), rng.random((9, 11)), np.empty((12, 8))
-    _window_kernels.extrapolate(u, before, *offset, out)
+    _window_kernels.extrapolate_deflection(u, before, *offset, out)
     shared = np.zeros((12, 8))
     _window_kernels.copy_block(before, shared, *offset, False)
     np.testing.assert_array_equal(out, np.where(shared > 0, u + (u - shared), u))
