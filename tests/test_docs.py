@@ -78,6 +78,13 @@ def test_pages_for_an_audience_have_about_300_words(page: Path):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=_name)
+def test_a_table_has_a_header(page: Path):
+    """An empty line ends a table; rows after it would show as text."""
+    blocks = re.findall(r"(?:^\|.*\n?)+", page.read_text(encoding="utf-8"), re.MULTILINE)
+    assert all(re.match(r"\|.*\n\|[-|: ]+\n", block) for block in blocks)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=_name)
 def test_links_lead_to_files_and_headings(page: Path):
     for link in LINK.findall(page.read_text(encoding="utf-8")):
         if "://" in link:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic_core import PydanticCustomError
 from scene_text import PLAIN
 
-from rolling.scene import sweep
+from rolling.scene import messages, sweep
 from rolling.scene.file import dump, loads
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene, SweepRun
@@ -84,6 +86,32 @@ def test_a_scene_comes_back_from_its_text() -> None:
     scene = loads(PLAIN + SURFACES)
     again = loads(dump(scene))
     assert again == scene and again.runs() == scene.runs()
+
+
+def choices(annotation: Any) -> list[Any]:
+    """List the words and numbers of a Literal inside an annotation."""
+    inner = get_args(annotation)
+    if get_origin(annotation) is Literal:
+        return [*inner]
+    return [word for part in inner for word in choices(part)]
+
+
+KEYS = {name: field.annotation for name, field in messages.keys(Scene).items()}
+CHOICES = {name: listed for name, kind in KEYS.items() if len(listed := choices(kind)) > 1}
+SWITCHES = [name for name, kind in KEYS.items() if bool in (kind, *get_args(kind))]
+
+
+@pytest.mark.parametrize("name", CHOICES)
+def test_a_key_of_choices_sweeps_them_all(name: str) -> None:
+    allowed = sweep.validated({name: CHOICES[name]}, Scene)
+    assert allowed == {name: tuple(CHOICES[name])}
+
+
+@pytest.mark.parametrize("name", SWITCHES)
+def test_a_switch_sweeps_labels_of_true_and_false(name: str) -> None:
+    sweep.validated({name: {"with": True, "without": False}}, Scene)
+    with pytest.raises(PydanticCustomError, match=rf"as in {name}: {{first: true}}"):
+        sweep.validated({name: [True, False]}, Scene)
 
 
 # ---- names of runs

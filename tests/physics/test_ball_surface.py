@@ -15,7 +15,7 @@ from rolling.check import cost
 from rolling.check.validity import force_rms
 from rolling.marches.piece import contact_identity
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import hear
+from rolling.results.run_result import with_sound
 from rolling.scene.surfaces import GRADES
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import ball_heights, heights, rolled_together, scene_surface
@@ -118,7 +118,7 @@ def test_a_pit_of_the_ball_ticks_once_per_turn() -> None:
     law = {**ROUGH, "roughness_ra_um": 0.002, "spacing_um": 2, "width_um": 32}
     scene = small_ball("rolling.distance_mm=3.14", kind="smooth", faults=[pit])
     scene = scene.with_(surface=law)
-    run = hear(RunFolder({}, scene, scene.folder), "pit", march_all(scene))
+    run = with_sound(RunFolder({}, scene, scene.folder), "pit", march_all(scene))
     assert run.summary["turns"] == pytest.approx(5)
     turn_hz = run.summary["turn_hz"]
     assert turn_hz == pytest.approx(0.03 / 0.628e-3)
@@ -130,7 +130,7 @@ def test_a_pit_of_the_ball_ticks_once_per_turn() -> None:
     assert run.summary["turn_modulation"] == spectrum.at(turn_hz)
     assert run.summary["turn_prominence"] == spectrum.prominence(turn_hz) > 10
     alone = scene.with_({"sphere.surface.faults": None})
-    plain = hear(RunFolder({}, alone, alone.folder), "round", march_all(alone))
+    plain = with_sound(RunFolder({}, alone, alone.folder), "round", march_all(alone))
     assert plain.summary["turn_prominence"] < 5
 
 

@@ -29,7 +29,7 @@ from rolling.sound.error_estimate import (
 )
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import dies_out
-from rolling.surface.scene_surface import heights
+from rolling.surface.scene_surface import has_detail, heights
 
 TEXT = f"""\
 name: short
@@ -119,6 +119,14 @@ def test_a_surface_of_few_correlation_lengths_continues_between_its_nodes() -> N
     narrow = scene_of("surface.correlation_length_um=30")
     assert not dies_out(heights(narrow)) and rolling_contact(narrow).slopes
     assert not rolling_contact(scene_of("surface.autocorrelation=exponential")).slopes
+
+
+@pytest.mark.parametrize(("nodes", "ends"), [(1, False), (2, False), (8, True)])
+def test_a_gaussian_law_ends_before_its_grid_unless_it_is_short(nodes: int, ends: bool) -> None:
+    """Waves have exp(-(k L)^2 / 8) of the longest: 0.06 at L of two nodes and 3/4 of Nyquist."""
+    short = scene_of(f"surface.correlation_length_um={nodes * 1e6 * scene_of().spacing}")
+    assert has_detail(short) != ends
+    assert rolling_contact(short).slopes == ends
 
 
 def test_stretches_are_marched_over_the_positions_of_the_run() -> None:

@@ -66,6 +66,16 @@ def test_bodies_of_an_estimate() -> None:
     assert bodies_text(scene) == "a ball of steel on a 10 mm plate of steel"
 
 
+@pytest.mark.parametrize("limit", ["hardness_gpa=90", "yield_strength_gpa=15"])
+def test_a_plate_too_hard_for_steel_has_an_estimate(limit: str) -> None:
+    """Diamond without a density is replaced by steel, whose limits are lower."""
+    hard = ("plate.youngs_modulus_gpa=1050", "plate.hardness_gpa=", f"plate.{limit}")
+    scene = loads(VIBRATING, (*WITHOUT_DYNAMICS, "plate.density_kg_m3=", *hard))
+    approach = 1e-9 * np.sin(2 * np.pi * 64 * np.arange(2401) / 2400)
+    laeq, _ = vibration_estimate(scene, approach, 2e-6, closed=True)
+    assert laeq is not None and math.isfinite(laeq)
+
+
 @pytest.mark.parametrize("thickness", [1, 10])
 def test_a_compact_source_has_the_power_of_the_plate(rolled: Run, thickness: float) -> None:
     """p^2 = rho c P / (2 pi r^2) lies 8 to 17 dB above the axis where the ball rings.
