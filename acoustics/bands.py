@@ -27,7 +27,7 @@ for _constant in (MID_HZ, EDGES_HZ, BANDWIDTH_HZ):
 AUDIBLE_HZ: tuple[float, float] = (float(EDGES_HZ[0]), float(EDGES_HZ[-1]))
 
 # With fewer independent lines in a band (B T) its level is uncertain by 2 dB or more.
-LEAST_BT = 5.0
+MIN_BT = 5.0
 # A band whose level is off by more is marked in plots and tables [dB].
 OFF_DB = 1.0
 
@@ -129,4 +129,4 @@ def reliable(duration_s: float) -> NDArray[np.bool_]:
     >>> BAND_NAMES[first]
     '50'
     """
-    return np.asarray(BANDWIDTH_HZ * positive("duration_s", duration_s) >= LEAST_BT)
+    return np.asarray(BANDWIDTH_HZ * positive("duration_s", duration_s) >= MIN_BT)

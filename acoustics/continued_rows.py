@@ -21,7 +21,7 @@ THIRD_OCTAVE = 2 ** (1 / 6) - 2 ** (-1 / 6)  # its width over its middle: the ot
 WIDER = 4  # times as many lines for the level by which the lines are divided before
 FEW = 3.0  # lines to either side over which the power is averaged before its logarithm is taken
 _FLOOR = 1e-26  # of the largest power of a line, below which only rounding remains
-LEAST_BLOCK = 2**16  # positions that are drawn at once
+MIN_BLOCK = 2**16  # positions that are drawn at once
 Pairs = list[tuple[Array, Array]]
 _TURNS = np.array([1, 1j, -1, -1j])  # phases; the sum of many lines is Gaussian
 
@@ -67,7 +67,7 @@ class RandomRows:
         # A taper spreads the mean over two lines. The line at Nyquist has no phase.
         self._lowest = 1 if closed else 2
         lines = np.fft.rfft(fluctuation)[:, self._lowest : (count + 1) // 2] / count
-        self.block = next_fast_len(max(count, LEAST_BLOCK), True)
+        self.block = next_fast_len(max(count, MIN_BLOCK), True)
         self.blend = min(count, self.block) // 4
         own = np.arange(lines.shape[1], dtype=float) + self._lowest
         power = np.square(np.abs(lines))
@@ -136,7 +136,7 @@ def _windows(place: Array, own: Array, wider: int = 1, least: float = 0.0) -> Pa
 
 SIGMAS = 7.0  # deviations that no Gaussian row has, even if they are estimated too small
 CALM = 1.5  # sigmas at which such a stretch begins and ends
-LEAST_SIGMA = 0.01  # of the largest value, for single stretches in a smooth row
+MIN_SIGMA = 0.01  # of the largest value, for single stretches in a smooth row
 QUARTILES = 1.349  # distance between the quartiles of a Gaussian row in standard deviations
 
 Stretch = tuple[int, Array, Array]  # first position, share (m,), values (rows, m)
@@ -268,7 +268,7 @@ def _rare(rows: Array, closed: bool, known: NDArray[np.bool_]) -> tuple[Array, P
     count = rows.shape[1]
     low, high = np.percentile(rows[:, known] if known.any() else rows, [25, 75], axis=1)
     largest = np.abs(rows).max(axis=1)
-    sigma = np.maximum((high - low) / QUARTILES, LEAST_SIGMA * largest)[:, None]
+    sigma = np.maximum((high - low) / QUARTILES, MIN_SIGMA * largest)[:, None]
     departure = np.abs(np.divide(rows, sigma, out=np.zeros_like(rows), where=sigma > 0))
     turned = 0
     if closed:  # no stretch lies across the end

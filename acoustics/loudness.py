@@ -8,7 +8,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.spectrum import checked_record
 
-LEAST_RATE_HZ = 48000  # mosqito would resample lower rates
+MIN_RATE_HZ = 48000  # mosqito would resample lower rates
 
 # The filters of the lowest bands (25 Hz, 5.8 Hz wide) settle in 0.2 s; a loop is played long enough
 # to make that negligible.
@@ -62,9 +62,9 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     from mosqito.sq_metrics import loudness_zwst, sharpness_din_from_loudness
 
     record = checked_record(pressure_pa, sample_rate_hz)
-    if sample_rate_hz < LEAST_RATE_HZ:
+    if sample_rate_hz < MIN_RATE_HZ:
         raise ValueError(
-            f"loudness needs a sample rate of {LEAST_RATE_HZ} Hz or more, got {sample_rate_hz:g}"
+            f"loudness needs a sample rate of {MIN_RATE_HZ} Hz or more, got {sample_rate_hz:g}"
         )
     # the onset of a mean would excite the filters like a bang
     fluctuation = record - np.mean(record)

@@ -13,7 +13,7 @@ from matplotlib.ticker import NullLocator
 
 from acoustics import plot_style as style
 from acoustics.arrays import Array
-from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, LEAST_BT, MID_HZ, OFF_DB, reliable
+from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, MID_HZ, MIN_BT, OFF_DB, reliable
 from acoustics.plot_style import COLOURS, FEW, GREY, PER_OCTAVE, Lines, level_limits
 from acoustics.spectrum import Spectrogram
 
@@ -138,7 +138,7 @@ def third_octaves(
         if number < len(errors) and (of_curve := errors[number]) and len(curves) <= FEW:
             seen += _error_marks(ax, label, number, level, of_curve, look["color"])
     if first > 0:
-        short = f"B T < {LEAST_BT:g}: uncertain by 2 dB or more"
+        short = f"B T < {MIN_BT:g}: uncertain by 2 dB or more"
         ax.axvspan(EDGES_HZ[0], EDGES_HZ[first], color="0.93", zorder=0, label=short)
     _audible(ax, seen, None)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")

@@ -21,7 +21,7 @@ I_REF_W_M2 = 1e-12
 RHO_C = 413.3
 """Characteristic impedance of air at 20 C [Pa s/m]."""
 AIR_KG_M3 = 1.204  # density of air at 20 C
-_MOST = 1e300  # of a factor
+_MAX = 1e300  # of a factor
 SOUND_M_S = 343.2  # speed of sound in air at 20 C
 
 
@@ -96,7 +96,7 @@ def sound_pressure(
     """
     fluctuation = real_array("intensity_fluctuation", intensity_fluctuation, 1)
     if gain_pa_per_w_m2 is not None:
-        factor = positive("gain_pa_per_w_m2", gain_pa_per_w_m2, _MOST)
+        factor = positive("gain_pa_per_w_m2", gain_pa_per_w_m2, _MAX)
     else:
         rms = float(np.sqrt(np.mean(np.square(fluctuation))))
         factor = float(np.sqrt(RHO_C / rms)) if rms > 0.0 else 0.0

@@ -15,18 +15,18 @@ from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
 from acoustics.weighting import a_weighting_db
 
 _PSD_LINE_HZ = 10.0
-_LEAST_SEGMENT = 16
+_MIN_SEGMENT = 16
 
 # Edges of base-10 twelfth octaves: four to each third octave of acoustics.bands, whose edges are
 # among them (125,).
 ROW_EDGES_HZ = 10.0 ** (np.arange(50, 175) / 40.0)
 ROW_EDGES_HZ.setflags(write=False)
 
-_MOST_FRAMES = 400
+_MAX_FRAMES = 400
 _FRAME_S = 0.04
 _FRAMES_IN_RECORD = 12.5  # 40 ms in 0.5 s; a shorter record has shorter frames
 _HOPS_IN_FRAME = 16
-_LEAST_FRAME = 16
+_MIN_FRAME = 16
 _ROUNDING = 1e-20  # share of the maximum density, as for levels
 
 
@@ -168,7 +168,7 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
 
     record = checked_record(signal, sample_rate_hz)
     segment = min(round(sample_rate_hz / _PSD_LINE_HZ), len(record) // 4)
-    segment = min(max(segment, _LEAST_SEGMENT), len(record))
+    segment = min(max(segment, _MIN_SEGMENT), len(record))
     window = scipy_signal.get_window("hann", segment)
     options = {"noverlap": segment // 2, "detrend": False}
     frequency_hz, psd = scipy_signal.welch(record, sample_rate_hz, window, **options)
@@ -313,8 +313,8 @@ def spectrogram(
 
     record = checked_record(pressure_pa, sample_rate_hz)
     n = len(record)
-    frame = max(_LEAST_FRAME, round(min(_FRAME_S * sample_rate_hz, n / _FRAMES_IN_RECORD)))
-    hop = max(1, frame // _HOPS_IN_FRAME, -(-n // _MOST_FRAMES))
+    frame = max(_MIN_FRAME, round(min(_FRAME_S * sample_rate_hz, n / _FRAMES_IN_RECORD)))
+    hop = max(1, frame // _HOPS_IN_FRAME, -(-n // _MAX_FRAMES))
     frame = max(frame, 2 * hop)
     frames = max(1, n // hop)
     first = (n - (frames - 1) * hop) // 2  # middle of the first frame

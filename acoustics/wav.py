@@ -26,7 +26,7 @@ _TARGET = 10.0 ** (-23.0 / 20.0)  # programme loudness of EBU R 128, here as A-w
 PEAK = 10.0 ** (-1.0 / 20.0)  # maximum sample of a record for listening, as a share of full scale
 # The threshold of hearing, 0 dB(A), reaches the target. Quieter records stay quieter, because an
 # unbounded gain would make the rounding of a silent record as loud as a sound.
-MOST_GAIN = _TARGET / P_REF_PA  # full scale per pascal
+MAX_GAIN = _TARGET / P_REF_PA  # full scale per pascal
 
 _MIDDLE_C = 60  # the MIDI note at which a sampler plays a record at its own pitch
 _FORWARD, _FOREVER = 0, 0  # direction of a loop, and how often it is played
@@ -143,7 +143,7 @@ def listening(
 def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float = PEAK) -> float:
     """Return the gain that makes a record as loud as others without clipping.
 
-    A record below 0 dB(A) gets `MOST_GAIN`, which brings 0 dB(A) to the default target, and stays
+    A record below 0 dB(A) gets `MAX_GAIN`, which brings 0 dB(A) to the default target, and stays
     quieter than the others.
 
     Parameters
@@ -159,7 +159,7 @@ def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float 
     Returns
     -------
     float, full scale per Pa
-        At most `MOST_GAIN`; 1 for a silent record.
+        At most `MAX_GAIN`; 1 for a silent record.
 
     Examples
     --------
@@ -176,7 +176,7 @@ def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float 
     channels = np.atleast_2d(np.transpose(pressure_pa))
     weighted = math.hypot(*(a_weighted_rms(channel, SAMPLE_RATE_HZ) for channel in channels))
     weighted /= math.sqrt(len(channels))
-    return min(target_rms / weighted if weighted > 0.0 else MOST_GAIN, peak / largest, MOST_GAIN)
+    return min(target_rms / weighted if weighted > 0.0 else MAX_GAIN, peak / largest, MAX_GAIN)
 
 
 def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:

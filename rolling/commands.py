@@ -121,7 +121,7 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
         return
     if not done:
         return
-    many = len(done) > defaults.MOST_RUNS_COMPARED
+    many = len(done) > defaults.MAX_RUNS_COMPARED
     print(runs_table.levels_table(done[: defaults.FEW_RUNS] if many else done))
     if many:
         print(f"{len(done) - defaults.FEW_RUNS} more runs, a row each in {TABLE}")
@@ -147,7 +147,7 @@ def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
     if not done:
         return
     newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
-    report = report and len(runs) <= defaults.MOST_RUNS_COMPARED
+    report = report and len(runs) <= defaults.MAX_RUNS_COMPARED
     last = folder / (PAGE if report else TABLE)
     if last.is_file() and last.stat().st_mtime_ns >= newest:
         return
@@ -243,10 +243,8 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     out = out or GALLERY
     _refuse_page(out)
     done, unsolved = _stored(run_folders)
-    if len(done) > page.MOST_CARDS:
-        raise FolderError(
-            f"{len(done)} runs: a gallery shows {page.MOST_CARDS}; name fewer folders"
-        )
+    if len(done) > page.MAX_CARDS:
+        raise FolderError(f"{len(done)} runs: a gallery shows {page.MAX_CARDS}; name fewer folders")
     done.sort(key=lambda run: run.scene.name)  # runs of a scene keep their order
     names = [
         label

@@ -305,8 +305,8 @@ def live(runs: Run | Sequence[Run]) -> Any:
     from rolling.figures.picture import listed
 
     shown = listed(runs)
-    if not 1 <= len(shown) <= defaults.MOST_RUNS_ON_PAGE:
-        most = defaults.MOST_RUNS_ON_PAGE
+    if not 1 <= len(shown) <= defaults.MAX_RUNS_ON_PAGE:
+        most = defaults.MAX_RUNS_ON_PAGE
         raise ValueError(f"runs: got {len(shown)}, allowed: 1 to {most} with players on a page")
     for run in shown:
         instance("runs", run, Run)

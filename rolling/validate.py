@@ -322,7 +322,7 @@ def _exponent(levels: pd.DataFrame) -> Array:
 # ---- contact filter of wheel and rail
 
 SHOWN_KN, SHOWN_MM = 50, (10, 20, 40)
-LONGEST_MM, LEAST_MM = 100.0, 7.9  # wavelengths whose differences are summed up
+LONGEST_MM, MIN_MM = 100.0, 7.9  # wavelengths whose differences are summed up
 
 
 def wheel_on_rail(scene: Scene, published: pd.DataFrame) -> pd.DataFrame:
@@ -373,7 +373,7 @@ def differences(rows: pd.DataFrame) -> pd.DataFrame:
 
     They are of the filter in dB averaged over runs, which leaves out their scatter.
     """
-    within = rows[rows["wavelength_mm"].between(LEAST_MM, LONGEST_MM)]
+    within = rows[rows["wavelength_mm"].between(MIN_MM, LONGEST_MM)]
     keys = ["load_kn", "wheel_mm", "surface"]
     mean = within.groupby([*keys, "wavelength_mm"])["difference_db"].mean().groupby(level=keys)
     return mean.agg(rms_db=lambda error: np.sqrt(np.mean(error**2)), mean_db="mean")
@@ -417,7 +417,7 @@ def contact_filter() -> Figures:
     rows = wheel_on_rail(_scene("wheel-rail"), table)
     summary = differences(rows)
     for load, wheel in table:
-        item, column = f"{load:g}/{wheel:g}", table[load, wheel].loc[LONGEST_MM:LEAST_MM]
+        item, column = f"{load:g}/{wheel:g}", table[load, wheel].loc[LONGEST_MM:MIN_MM]
         band = float(np.sqrt(np.mean(column.diff() ** 2)))  # between the table and its shift
         isotropic, ridges = (summary.loc[load, wheel, kind] for kind in ("isotropic", "ridges"))
         yield Figure("rms", item, math.nan, isotropic["rms_db"], band)

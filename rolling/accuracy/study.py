@@ -30,7 +30,7 @@ BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
 LEVELS = ("laeq_db", "third_octave_db")
 MEANS = ("mean_release_w", "contact_area_m2", "plastic_area_m2", "max_pressure_pa")
 DATASET = "accuracy.nc"
-MOST_BYTES = 100_000_000  # of the dataset
+MAX_BYTES = 100_000_000  # of the dataset
 
 
 def accuracy(
@@ -229,7 +229,7 @@ def _stored(folder: Path, identity: str) -> xr.Dataset | None:
     try:
         if not folder.exists() or all(path.suffix == files.PARTIAL for path in folder.iterdir()):
             return None
-        content = io.BytesIO(read_regular(folder / DATASET, MOST_BYTES))
+        content = io.BytesIO(read_regular(folder / DATASET, MAX_BYTES))
         study = xr.load_dataset(content, engine="h5netcdf")
     except Exception as error:  # xarray raises errors of any kind on damaged files
         raise FolderError(f"{folder}: holds no study of accuracy; take another --out") from error

@@ -15,7 +15,7 @@ from rolling.accuracy.variants import OWN, REFERENCE, SOLVER, tolerance_text
 
 LAEQ_LIMIT_DB, BAND_LIMIT_DB = 0.1, 0.5  # maximum errors of a recommended variant
 # A solve whose error is a fifth of the error of the grid adds 0.2 dB to the whole.
-SOLVER_BELOW_GRID_DB, MOST_SOLVER_DB = 14.0, -40.0
+SOLVER_BELOW_GRID_DB, MAX_SOLVER_DB = 14.0, -40.0
 SETTINGS = ["spacing_um", "edges", "tolerance", "step_um", "precision"]
 COSTS = ["seconds_per_second", "iterations", "convolutions"]
 SHORT = {
@@ -25,7 +25,7 @@ SHORT = {
     "worst_band_db": "worst dB",
     "worst_band_hz": "at Hz",
 }
-LEAST_DB = 1e-3  # smaller errors of a level are drawn at this value
+MIN_DB = 1e-3  # smaller errors of a level are drawn at this value
 
 
 def table(study: xr.Dataset) -> pd.DataFrame:
@@ -97,7 +97,7 @@ def _tolerance_advice(frame: pd.DataFrame) -> list[str]:
     if "solver_error_signal_db" not in frame:
         return []
     own = frame[frame.curve == OWN].iloc[0]
-    most = min(own.error_signal_db - SOLVER_BELOW_GRID_DB, MOST_SOLVER_DB)
+    most = min(own.error_signal_db - SOLVER_BELOW_GRID_DB, MAX_SOLVER_DB)
     fitting = frame[(frame.solver_error_signal_db <= most) & frame.curve.isin([OWN, "tolerance"])]
     if fitting.empty:
         return [f"no tolerance that was tried leaves a solver error below {most:.0f} dB"]
@@ -174,4 +174,4 @@ def _drawn(rows: pd.DataFrame, name: str) -> pd.Series:
     """Return the signal's error in dB, or the size of the error of a level, lost bands left out."""
     if name == "error_signal_db":
         return rows[name]
-    return rows[name].abs().clip(lower=LEAST_DB).replace(math.inf, math.nan)
+    return rows[name].abs().clip(lower=MIN_DB).replace(math.inf, math.nan)

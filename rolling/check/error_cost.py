@@ -19,7 +19,7 @@ STRETCH_STEPS = 64, 400  # minimum and maximum number of steps of a stretch
 # the mean of ten scenes at three to five places (3 at Ra 0.01 um and 20 N, 12 to 15 at Ra 1 um).
 COLD_STEPS = 7
 TIGHTER = 10.0  # the scene's tolerance over the tight tolerance
-LEAST_TOLERANCE = 1e-10  # rounding does not let a solve come closer
+MIN_TOLERANCE = 1e-10  # rounding does not let a solve come closer
 # The cost of a step, as it is counted here, grows with this power of the nodes along a side. It
 # does not follow `cost.STEP_LAWS`, whose powers are 1.45 to 2.3: when they are measured anew, the
 # stretches of a scene, and all numbers that follow from them, have to stay.
@@ -47,7 +47,7 @@ class Layout:
 def tight_tolerance(scene: Scene) -> float:
     """Return the tolerance against which the tolerance of a scene is judged."""
     own = scene.tolerance
-    return min(own, max(own / TIGHTER, LEAST_TOLERANCE))
+    return min(own, max(own / TIGHTER, MIN_TOLERANCE))
 
 
 def level_cost(scene: Scene, level: str, power: float = COST_POWER) -> float:

@@ -11,7 +11,7 @@ from rolling.scene.messages import table
 from rolling.scene.scene import Scene
 
 SURFACE = "surface_time"  # key of the finding whose time runs with the same surface share
-LEAST_SECONDS = 1.0  # shorter times for making a surface are not listed
+MIN_SECONDS = 1.0  # shorter times for making a surface are not listed
 _UNITS = ("m", "s", "Hz", "Pa", "N")
 
 
@@ -119,7 +119,7 @@ def surface_time(scene: Scene, slow: float = 1.0) -> list[Finding]:
     `slow` is the time that this machine took over the expected one.
     """
     seconds = slow * cost.cores() * sum(cost.surface_seconds(scene))
-    if seconds < LEAST_SECONDS:
+    if seconds < MIN_SECONDS:
         return []
     value = f"{computing(seconds)}, each of which makes it"
     return [Finding(SURFACE, "making of the surface", value, None, seconds)]

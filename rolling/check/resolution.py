@@ -40,7 +40,7 @@ SHARP_DB = 27.5
 SHARP_FLAT_DB = 5.8
 SUBCELLS_DB = -6.0  # per doubling of the sub-cells beyond the number of `auto`
 PER_SPACING_DB = -PER_LENGTH_DB - 2 * PER_AREA_DB  # per decade of the spacing
-MOST_TRIED = 10_000  # numbers of nodes that a search for a spacing of few digits tries
+MAX_TRIED = 10_000  # numbers of nodes that a search for a spacing of few digits tries
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
 MIN_SHARE = 0.01  # share of a record; shorter stretches that are too slow for hearing are ignored
@@ -155,7 +155,7 @@ def fitting_spacing(scene: Scene, spacing_um: float) -> float:
     width = scene.surface.width_um
     least = math.ceil(width / spacing_um - 1e-9)
     # Among millions of nodes no spacing of few digits need fit, and the search would take seconds.
-    for nodes in range(least, min(2 * least, least + MOST_TRIED)):
+    for nodes in range(least, min(2 * least, least + MAX_TRIED)):
         spacing = float(f"{width / nodes:.3g}")
         if abs(width / spacing - nodes) <= 1e-7 * nodes:
             return spacing

@@ -45,7 +45,7 @@ FAR = 3.0  # listener's distance over the distance from which the pressure on th
 LOADED_HZ = 100.0  # frequency below which the air may load the plate
 HALF_SPACE_HZ_M = 10e3  # frequency times distance from which a half-space's pressure holds
 OWN_MARCH = "moving_release"  # key of the finding whose march no run shares
-LEAST_STEPS = 8  # in a period of the resonance, for the release under the moving load
+MIN_STEPS = 8  # in a period of the resonance, for the release under the moving load
 _NOTHING = 1e-200  # spectral density [m3] of a surface that the contact averages out
 _SPEEDS = 61  # number of speeds, as a sharp resonance needs them
 _WAVES, _ACROSS, _LINES = 160, 160, 40_000  # points along, across, and over the resonance
@@ -295,7 +295,7 @@ def _bending(scene: Scene) -> Iterator[Finding]:
     near, air = FAR * plate.nearest_m, plate.lowest_hz
     too_close = distance < near and scene.plate.edges_mm is None
     thin, thick = 1e3 * thickness * limit / resolution.HEARING[1], 1e3 * radius / THICK
-    least, thicknesses = 1e3 * thickness * air / LOADED_HZ, of_scene.LEAST_THICKNESSES
+    least, thicknesses = 1e3 * thickness * air / LOADED_HZ, of_scene.MIN_THICKNESSES
     doubt, critical = limit < resolution.HEARING[1], si(plate.critical_hz, "Hz")
     yield judged("air_load", si(air, "Hz"), air > LOADED_HZ, least=least)
     yield judged("contact_thickness", rounded(share), share > THICK, most=THICK, least=thick)
@@ -343,9 +343,9 @@ def _marches(scene: Scene) -> Iterator[Finding]:
     if not scene.moves_release:
         return
     speed, frequency = scene.motion.slowest(scene.duration), cost.bounce_hz(scene)
-    steps, least = speed / (frequency * scene.step), LEAST_STEPS * frequency * scene.step
+    steps, least = speed / (frequency * scene.step), MIN_STEPS * frequency * scene.step
     value = f"one more march, {computing(seconds)}, {rounded(steps)} steps in a period"
     if scene.dynamics.release is None:
         value += "; dynamics.release: false leaves it out"
-    numbers = {"steps": steps, "least": LEAST_STEPS, "speed": least}
-    yield replace(judged(OWN_MARCH, value, steps < LEAST_STEPS, **numbers), seconds=seconds)
+    numbers = {"steps": steps, "least": MIN_STEPS, "speed": least}
+    yield replace(judged(OWN_MARCH, value, steps < MIN_STEPS, **numbers), seconds=seconds)

@@ -22,7 +22,7 @@ WIDE = 40_000  # nodes; smaller grids stay in the cache, where strips save nothi
 # Nodes rest where so many cells are between the bounds, which take up the changes of the load. In
 # random scenes with fewer the approach moves so far that nodes at rest leave the hardness, and the
 # last check refuses up to half of the descents.
-LEAST_FREE = 50
+MIN_FREE = 50
 # The half range of gaps over a cell is at most so many times the range that pressures level.
 # Without this limit cliffs of many deflections made 2 % of random scenes too soft to converge.
 # Surfaces of Ra 1 um at 2.1 GPa hardly reach it: -29.3 and -29.2 dB without and with it.
@@ -73,7 +73,7 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     """List the nodes of a window that may move: see `mark_near`.
 
     Their flat indices go into `node`. With `neighbours` the nodes along and across from them are
-    listed, too. No node rests where less than LEAST_FREE cells are between the bounds.
+    listed, too. No node rests where less than MIN_FREE cells are between the bounds.
 
     Heights count before the approach is subtracted. Returns the number of nodes at rest, the number
     of candidates, and the first row and column of their block and its numbers of rows and columns,
@@ -84,7 +84,7 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     words = nodes // 8 + 1
     marks = np.zeros(8 * words, np.uint8)
     pressure = p.ravel()
-    least = LEAST_FREE * subcells * subcells
+    least = MIN_FREE * subcells * subcells
     if hardness == np.inf or sum_inside(pressure, pressure, hardness)[0] < least:
         lowest = -np.inf
     mark_near(pressure, g.ravel(), hardness, lowest, highest, marks)

@@ -20,7 +20,7 @@ from rolling.contact.compiling import njit
 
 # After a step length alpha below it the direction is dropped, because nodes that were put on a
 # bound point the wrong way.
-LEAST_STEP = 1e-3
+MIN_STEP = 1e-3
 # Edges that would move by less than this share of the allowed violation stay.
 EDGE_SLACK = 0.01
 # Share of the model's change that the second direction takes, and the minimum share. Each step
@@ -282,7 +282,7 @@ def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_m
     lift = move_edges(system, EDGE_SLACK * allowed) if edges_move else 0.0
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
     length = direction.length * min(max(alpha, 0.5), 2.0)
-    plain = alpha < LEAST_STEP
+    plain = alpha < MIN_STEP
     if sweeps and not plain:
         worst, load = fill(model, nodes, limits.hardness, approach)
         # Nodes that jumped to a bound left their load to the direction.

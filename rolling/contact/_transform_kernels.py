@@ -225,7 +225,7 @@ ACROSS = np.array(
     ]
 )
 
-MOST_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
+MAX_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
 
 def padded(reach: int, subcells: int, lengths: NDArray[np.int64]) -> int:

@@ -17,7 +17,7 @@ from acoustics.arrays import Array, positive, real_array
 from rolling.contact import _transform_kernels as kernels
 from rolling.contact import _window_kernels
 from rolling.contact._plans import Plan, zeros
-from rolling.contact._transform_kernels import COLUMN_GAP, GROUP, MOST_NODES
+from rolling.contact._transform_kernels import COLUMN_GAP, GROUP, MAX_NODES
 
 # Columns of these lengths, and all longer columns, are transformed in two halves, because half of a
 # column is zero. Elsewhere this takes longer.
@@ -25,14 +25,14 @@ _HALVED = (80, 256)
 # Columns of these lengths are transformed in place, because that is quicker, and longer columns,
 # because it saves memory. Other columns go from one array to another.
 _IN_PLACE = (128, 256, 512, 1024)
-MOST = 1e300  # of a length, a modulus or a load in SI
+MAX = 1e300  # of a length, a modulus or a load in SI
 
 # Bytes of transforms that a half-space keeps. A rough track asks for some hundred sizes; without a
 # limit they took 4 GB in each process. A step needs few sizes, which fit up to 1,000 nodes across.
 KEPT_BYTES = 2**28
 KEPT_FIELDS = 64  # far fields of coarse grids: 2 kB each at 100 nodes across, 33 kB at 2,000
 
-MOST_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by distance
+MAX_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by distance
 
 OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # coefficient of a unit square at its own centre
 
@@ -45,7 +45,7 @@ def padded_length(reach: int, across: bool = False, subcells: int = 1) -> int:
     length = kernels.padded(reach, subcells, kernels.ACROSS if across else kernels.ALONG)
     if length == 0:
         raise ValueError(
-            f"window: got {reach // subcells + 1} nodes along a side, allowed: {MOST_NODES} there"
+            f"window: got {reach // subcells + 1} nodes along a side, allowed: {MAX_NODES} there"
             " is room for"
         )
     return length
@@ -147,8 +147,8 @@ class HalfSpace:
     """
 
     def __init__(self, spacing: float, contact_modulus: float) -> None:
-        self.spacing = positive("spacing", spacing, MOST)
-        self.contact_modulus = positive("contact_modulus", contact_modulus, MOST)
+        self.spacing = positive("spacing", spacing, MAX)
+        self.contact_modulus = positive("contact_modulus", contact_modulus, MAX)
         self.unit = self.spacing / (np.pi * self.contact_modulus)
         self.subcells = 1
         self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
@@ -331,7 +331,7 @@ class Convolution:
         """
         if self._influence is None:
             length, n, _ = self.real.shape
-            small = self.real.size <= MOST_INFLUENCE
+            small = self.real.size <= MAX_INFLUENCE
             rows, columns = (
                 np.abs(np.arange(-half, half + 1.0)) if small else np.empty(0)
                 for half in (length, n // 2)

@@ -16,7 +16,7 @@ from acoustics.arrays import Array, instance
 from acoustics.numbers import rounded
 from rolling.contact import _window_kernels, closed_forms, solver
 from rolling.contact._system import Limits
-from rolling.contact._transform_kernels import MOST_NODES
+from rolling.contact._transform_kernels import MAX_NODES
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.solver import Contact, ContactError, Previous, WarmStart
 from rolling.contact.state import ContactState, RollingContact, Window
@@ -26,7 +26,7 @@ from rolling.contact.state import ContactState, RollingContact, Window
 LOOK_AHEAD = 4
 # This is the minimum useful weight of the sphere-fixed start at the second position. Below it the
 # plate-fixed start converges as fast and needs no mixing.
-LEAST_SHARE = 0.2
+MIN_SHARE = 0.2
 # Later positions mix above this weight only, which plates of Ra 1 nm or less reach, and yielding
 # contacts of more than some 350 nodes across. Below it the extrapolation of two positions takes
 # fewer convolutions: 5 instead of 7 or 8 per step at weights of 0.3 to 0.7, as many at 0.97, but 5
@@ -265,7 +265,7 @@ def _towards_the_sphere(
         state.pressure, state.deflection, problem.gap, *offset, nodes
     )
     share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
-    if share < LEAST_SHARE:
+    if share < MIN_SHARE:
         return 0.0, start, None
     mixed = start + share * (moved_on.moved(state.pressure, window) - start)
     np.clip(mixed, 0.0, contact.hardness, out=mixed)
@@ -282,7 +282,7 @@ def _room(windows: list[Window | None], subcells: int) -> Window:
     window = Window.around(windows).bordered().whole(subcells)
     rows, columns = window.rows // subcells, window.columns // subcells
     # The transforms of sub-cells need a border of one cell all around.
-    most = MOST_NODES if subcells == 1 else MOST_NODES - 4
+    most = MAX_NODES if subcells == 1 else MAX_NODES - 4
     if max(rows, columns) > most:
         raise ContactError(
             f"the contact needs a window of {rows} by {columns} nodes, more than the"

@@ -17,8 +17,8 @@ from rolling.dynamics.force_law import ForceLaw
 PER_PERIOD = 40
 DECAYS = 14  # a transient falls to 1e-6 in as many decay times
 FADE_DECAYS = 7  # and to 1e-3 in as many
-MOST_LAPS = 400  # laps of a run-in that does not settle, more of them if they are short:
-MOST_STEPS = 2_000_000  # which 28 decay times of Q 5,600 take
+MAX_LAPS = 400  # laps of a run-in that does not settle, more of them if they are short:
+MAX_STEPS = 2_000_000  # which 28 decay times of Q 5,600 take
 
 MODAL_HZ = 90e3  # minimum rate of the steps of a plate with edges, three in a period of its modes
 SEAM = 1e-3  # change of the force from lap to lap over its rms, with which a lap loops
@@ -264,7 +264,7 @@ class _Run:
         places = self.places(self.lap_steps)
         lap_s = self.lap_steps * self.step
         rings = 2 * DECAYS * self.decay_s / lap_s
-        limit = max(MOST_LAPS, MOST_STEPS // self.lap_steps)
+        limit = max(MAX_LAPS, MAX_STEPS // self.lap_steps)
         most = ceil(min(2 + rings, limit)) if np.isfinite(rings) else 1
         # Impacts need not repeat; without them slow modes may take their time.
         longest = max(most, ceil(min(FADE_DECAYS * self.slow_decay_s / lap_s, limit)))

@@ -15,11 +15,11 @@ from rolling.dynamics.motion import BodyMotion, Path, Stepping, Travel, move
 from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.scene.scene import Scene
 
-LEAST_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
+MIN_THICKNESSES = 6.0  # in a bending wave; shorter waves are beyond thin-plate theory
 BENT = 0.1  # deflection over thickness up to which thin-plate theory holds
 NEAR_SPEEDS = 0.03  # relative change of the speed over which the levels of a looped record spread
 _STATIONS = 17  # points of a path over which the linear chain takes the mean
-_MOST_TIMES = 1_000_000  # maximum number of times that describe a changing speed
+_MAX_TIMES = 1_000_000  # maximum number of times that describe a changing speed
 
 
 def plate(scene: Scene) -> ThinPlate | None:
@@ -70,7 +70,7 @@ def bending_limit_hz(scene: Scene) -> float:
     bending = plate(scene)
     assert bending is not None  # asked for plates that bend alone
     longest = bending.bending_wavelength_m(1.0)  # it falls with the root of the frequency
-    return (longest / (LEAST_THICKNESSES * thickness_m(scene))) ** 2
+    return (longest / (MIN_THICKNESSES * thickness_m(scene))) ** 2
 
 
 def chain(scene: Scene, stiffness_n_m: float) -> Chain:
@@ -128,7 +128,7 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
     fastest = scene.motion.fastest(duration)
     speed: float | Travel = fastest
     if not scene.motion.is_constant(duration):
-        count = min(4 * scene.track.steps, _MOST_TIMES)
+        count = min(4 * scene.track.steps, _MAX_TIMES)
         times = np.linspace(0.0, duration, count + 1)
         places = np.minimum(scene.motion.distance(times), scene.track.distance)
         speed = Travel(times, np.asarray(places, dtype=float))

@@ -27,7 +27,7 @@ from rolling.surface import parameters as iso
 from rolling.surface import scene_surface
 
 SHOWN_M = 0.8e-3  # length of a track that a map shows, so that single asperities can be seen
-_MOST_DOTS = 110_000  # points of a map of heights, which fit into a file of 150 kB
+_MAX_DOTS = 110_000  # points of a map of heights, which fit into a file of 150 kB
 _SHADES = 24  # colours of such a map: more shades make larger files and are hardly distinguishable
 _ENERGIES_PER_DECADE = 5
 _SMALLEST_SHARE = 1e-6  # of the maximum energy; smaller energies are rounding of the solution
@@ -58,7 +58,7 @@ def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     plate = scene_surface.scene_surface(scene)
     heights, spacing = plate.heights * 1e6, scene.spacing
     nodes = min(len(heights), max(2, round(SHOWN_M / spacing)))
-    stride = math.ceil(math.sqrt(nodes * heights.shape[1] / _MOST_DOTS))
+    stride = math.ceil(math.sqrt(nodes * heights.shape[1] / _MAX_DOTS))
     drawn = heights[:nodes:stride, ::stride]
     highest = max(float(np.abs(heights).max()), 1e-3)  # the rounding of a smooth surface is hidden
     ra, rq = (rounded(1e6 * value, 4) for value in (plate.statistics.ra, plate.statistics.rq))
@@ -208,7 +208,7 @@ def recovery_event_table(run: Run) -> pd.DataFrame:
 
 
 _HEIGHT_IN = 7.0
-_MOST_NODES = 500  # of a map, in each direction
+_MAX_NODES = 500  # of a map, in each direction
 _LONGEST = 1.6  # times its shorter side, the longer side of a map
 _HIDDEN = 0.002  # of the heights at either end, which have no colour of their own
 _SHOWN = 1e-4  # of the maximum of a spectrum, the least that is shown
@@ -279,7 +279,7 @@ def _heights_map(ax: Axes, z: Array, steps: Array, descending: Array) -> None:
     shape = np.array(z.shape)
     longest = _LONGEST * min(steps * shape) if min(shape) > 1 else math.inf
     nodes = np.minimum(shape, np.ceil(np.minimum(longest / steps, shape))).astype(int)
-    strides = -(-nodes // _MOST_NODES)
+    strides = -(-nodes // _MAX_NODES)
     shown = z[: nodes[0] : strides[0], : nodes[1] : strides[1]]
     along, across = strides * steps * shown.shape
     extent = (0.0, along, 0.0, across)

@@ -12,7 +12,7 @@ from rolling.figures.picture import axes_of, distance_and_duration, finish
 from rolling.results.run_result import Run
 from rolling.results.sentences import say
 from rolling.results.summary import pass_numbers
-from rolling.sound.wavelengths import FOLLOWS, LEAST_SHARE
+from rolling.sound.wavelengths import FOLLOWS, MIN_SHARE
 
 MULTIPLES = 10  # of the turn's frequency that are shown and marked
 _CURVES = {  # columns of the table with name, unit and factor of the unit
@@ -53,7 +53,7 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     >>> ax = rolling.plot.wavelengths(run)
     """
     table, ax = wavelength_table(run), axes_of(ax)
-    table = table[table["energy_share"] >= LEAST_SHARE]
+    table = table[table["energy_share"] >= MIN_SHARE]
     low, share = table["from_um"], 100 * table["energy_share"]
     linear = share * table["linear_share"].fillna(0.0)
     bars = [(share, 0.4, "at the frequencies of these waves")]

@@ -25,12 +25,12 @@ from rolling.results.run_result import Run
 
 DPI = 110
 WIDTH_IN, HEIGHT_IN = 8.5, 4.4
-MOST_NAMED = 24  # curves; a legend of more takes more room than they do
+MAX_NAMED = 24  # curves; a legend of more takes more room than they do
 _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 _ROW_IN = 0.19  # height of a row in a legend
 _LETTERS_PER_IN = 12  # of a title on axes
 _SMALL_IN, _SMALL_PT = 2.4, 7  # side of small axes, as in a grid, and the size of their letters
-_MOST_HIGH = 0.7  # largest height of a legend over that of its axes
+_MAX_HIGH = 0.7  # largest height of a legend over that of its axes
 _DENSE: dict[str, Any] = {"labelspacing": 0.15, "borderpad": 0.2, "handlelength": 1.5}
 _TITLE_LETTERS, _NOTE_LETTERS = 88, 125  # of a line across a figure
 
@@ -71,7 +71,7 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     handles, names = ax.get_legend_handles_labels()
     is_small = min(ax.bbox.size) < _SMALL_IN * ax.figure.dpi
     note = "; ".join(facts)
-    if len(names) > MOST_NAMED:
+    if len(names) > MAX_NAMED:
         note += f"; {len(names)} curves"
     ax.set_label(f"{title}\n{note}")
     per_in = _LETTERS_PER_IN / (_SMALL_PT / 10 if is_small else 1)
@@ -90,7 +90,7 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
             side.tick_params(which="both", labelsize=_SMALL_PT)
             for axis in (side.xaxis, side.yaxis):
                 axis.label.set_fontsize(_SMALL_PT)
-    if 0 < len(names) <= MOST_NAMED:
+    if 0 < len(names) <= MAX_NAMED:
         names = [textwrap.fill(drawable(name), letters[0] - 6) for name in names]
         look = {"fontsize": _SMALL_PT - 1, **_DENSE} if is_small else {"fontsize": "small"}
         legend = ax.legend(handles, names, framealpha=0.6, **look)
@@ -106,7 +106,7 @@ class _Legend(Legend):
     def draw(self, renderer: RendererBase) -> None:
         """Draw the legend if its axes have room for it."""
         own, room = self.get_window_extent(renderer), self.axes.bbox
-        if own.height < _MOST_HIGH * room.height and own.width < room.width:
+        if own.height < _MAX_HIGH * room.height and own.width < room.width:
             super().draw(renderer)
 
 

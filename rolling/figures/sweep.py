@@ -14,7 +14,7 @@ from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
 from acoustics.plot_style import LINE_STYLES, band_ticks, bars, look_of
 from rolling.figures import picture
-from rolling.figures.picture import MOST_NAMED, axes_of, finish, listed, subject
+from rolling.figures.picture import MAX_NAMED, axes_of, finish, listed, subject
 from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED, runs_table
@@ -34,8 +34,8 @@ AREAS: Numbers = {
     "contact_area_mean_m2": ("contact area", ""),
     "plastic_area_mean_m2": ("plastic area", ""),
 }
-_MOST_CURVES = 100  # more would hide one another
-_MOST_CELLS = 100  # of a map whose numbers are written in it
+_MAX_CURVES = 100  # more would hide one another
+_MAX_CELLS = 100  # of a map whose numbers are written in it
 _BANDS = [f"third_octave_a_db_{name}" for name in BAND_NAMES]
 
 
@@ -255,7 +255,7 @@ def number_against(
     """Plot the mean of a column of runs.csv against a swept key, a line per value of `curves`."""
     groups, ticks = [*groups_of(frame, curves)], _ticks(frame[key])
     x = np.array([*ticks.values()])
-    for k, (label, group) in enumerate(groups[:_MOST_CURVES]):
+    for k, (label, group) in enumerate(groups[:_MAX_CURVES]):
         look = look_of(k, len(groups))
         values = group[number].astype(float).groupby(group[key])
         mean, spread = (table.reindex([*ticks]) for table in (values.mean(), values.std()))
@@ -279,7 +279,7 @@ def number_map(
     ax.figure.colorbar(drawn, ax=ax, label=number)
     for axis, key, places in zip(("x", "y"), keys, ticks, strict=True):
         _name_axis(ax, axis, key, {value: place for place, value in enumerate(places)}, True)
-    if means.size <= _MOST_CELLS:
+    if means.size <= _MAX_CELLS:
         middle = np.nanmean(means)
         for (row, place), value in np.ndenumerate(means):
             colour = "black" if value > middle else "white"
@@ -295,12 +295,12 @@ def mean_bands(frame: pd.DataFrame, curves: Sequence[str], ax: Axes, title: str)
     table = mean_band_table(frame, curves)
     # Values that are equal in print have curves of one name.
     groups = [rows for _, rows in table.groupby(np.arange(len(table)) // len(MID_HZ))]
-    for k, rows in enumerate(groups[:_MOST_CURVES]):
+    for k, rows in enumerate(groups[:_MAX_CURVES]):
         look, mean = look_of(k, len(groups)), rows["mean_a_weighted_level_db"]
         label = rows["curve"].iloc[0]
         spread = rows["standard_deviation_db"]
         ax.plot(MID_HZ, mean, markersize=4, label=label or None, **look)
-        if len(groups) <= MOST_NAMED:
+        if len(groups) <= MAX_NAMED:
             low, high = mean - spread, mean + spread
             ax.fill_between(MID_HZ, low, high, color=look["color"], alpha=0.18, lw=0)
     ax.set(xscale="log", xlim=AUDIBLE_HZ, ylabel="A-weighted level [dB re 20 µPa]")
@@ -348,8 +348,8 @@ def _facts(frame: pd.DataFrame, keys: Sequence[str], spread: str, curves: int) -
     if sizes.max() > 1:
         ends = " to ".join(str(count) for count in dict.fromkeys((sizes.min(), sizes.max())))
         facts += [f"mean of {ends} runs", f"{spread}: their standard deviation"]
-    if curves > _MOST_CURVES:
-        facts.append(f"first {_MOST_CURVES} of {curves} curves")
+    if curves > _MAX_CURVES:
+        facts.append(f"first {_MAX_CURVES} of {curves} curves")
     return facts
 
 

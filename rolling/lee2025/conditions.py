@@ -29,7 +29,7 @@ LARGEST_STEP = 1.5
 # Above it a grid of 2 um reads too high where the plate yields.
 HIGHEST_BAND_HZ = 4500.0
 # By chance every twentieth third octave differs by more than twice its uncertainty.
-LEAST_SHARE = 1 / 3
+MIN_SHARE = 1 / 3
 
 
 @dataclass(frozen=True)
@@ -300,7 +300,7 @@ def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> Iterator[Comp
         holds = step > margin
         if not louder:
             beyond = _bands_beside_twin(group)
-            holds = abs(step) > margin or (len(beyond) > 0 and beyond.mean() >= LEAST_SHARE)
+            holds = abs(step) > margin or (len(beyond) > 0 and beyond.mean() >= MIN_SHARE)
             measured += f", {beyond.sum()} of {len(beyond)} third octaves"
         yield Comparison(place, bool(holds), measured)
 

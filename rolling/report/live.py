@@ -28,7 +28,7 @@ from rolling.sound.vibration_sound import Vibration
 
 LARGEST = 300_000  # bytes of a law or a release on the page, in base64
 FAITHFUL = 1e-3  # error of the force that a stored law leaves, over its fluctuation
-LEAST_ROWS = 8  # of a track on which the engine can roll
+MIN_ROWS = 8  # of a track on which the engine can roll
 SEAM = 20  # an open track is cross-faded over its length divided by this
 RESOLVED = 1e-5  # share of the roughness in waves that time steps need not resolve
 FASTEST_STEPS = 8  # time steps per sample that the highest speed takes
@@ -41,7 +41,7 @@ Data = dict[str, Any]
 def live_of(run: Run) -> Data | None:
     """Return the data of a run for the engine of the page, or None for a track of few steps."""
     scene, vibration = run.scene, run.vibration if run.sound.source == "vibration" else None
-    if run.result.solved_steps < LEAST_ROWS:
+    if run.result.solved_steps < MIN_ROWS:
         return None
     settings, limits = _settings(run), {}
     for name in _sliders(settings, vibration is not None):

@@ -35,8 +35,8 @@ from rolling.results.sentences import say
 from rolling.terminal import defaults
 
 LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
-MOST_RUNS = defaults.MOST_RUNS_ON_PAGE
-MOST_BESIDE = 3  # runs whose own pictures stand below each other
+MAX_RUNS = defaults.MAX_RUNS_ON_PAGE
+MAX_BESIDE = 3  # runs whose own pictures stand below each other
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
 
@@ -44,7 +44,7 @@ VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
 def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     """Write the page of one run or several.
 
-    More runs than `MOST_RUNS` have a page without players and without pictures of single runs.
+    More runs than `MAX_RUNS` have a page without players and without pictures of single runs.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     bytes
         The HTML file.
     """
-    shown = runs if len(runs) <= MOST_RUNS else []
+    shown = runs if len(runs) <= MAX_RUNS else []
     scale = maps.map_scale(shown)
     views = _views(shown)
     players = [_player(view, scale) for view in views]
@@ -67,7 +67,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     # Runs of equal bodies have equal curves, which the page shows once.
     templates.globals["is_known"] = lambda chart: any(_is_same(chart, x) for x in shown_charts)
     templates.globals["sharing"] = partial(_sharing, views)
-    templates.globals["crowded"] = len(views) > MOST_BESIDE
+    templates.globals["crowded"] = len(views) > MAX_BESIDE
     template = templates.get_template("report.html")
     html = template.render(
         version=__version__,
@@ -253,9 +253,9 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
 # ---- gallery
 
 
-MOST_CARDS = 200
+MAX_CARDS = 200
 # All sounds together weigh about 5 MB: an MP3 of a rough contact takes up to 25 kB per second.
-SECONDS, ALL_SECONDS, LEAST_SECONDS = 8.0, 150.0, 1.0
+SECONDS, ALL_SECONDS, MIN_SECONDS = 8.0, 150.0, 1.0
 FADE_S = 0.02
 
 
@@ -277,7 +277,7 @@ def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[st
     bytes
         The HTML file.
     """
-    seconds = min(SECONDS, max(LEAST_SECONDS, ALL_SECONDS / count))
+    seconds = min(SECONDS, max(MIN_SECONDS, ALL_SECONDS / count))
     cards = [_card(run, seconds, folder) for run in runs]
     gains = records.gains(*zip(*(card["loudness"] for card in cards), strict=True))
     template = environment().get_template("gallery.html")

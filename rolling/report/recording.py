@@ -30,14 +30,14 @@ from rolling.results.run_result import Run
 from rolling.scene.height_files import read_regular
 from rolling.terminal.files import FolderError
 
-LEAST_S, MOST_S, LEAST_RATE_HZ, MOST_RATE_HZ = 0.5, 120.0, 16_000, 192_000
-MOST_BYTES = 200_000_000
+MIN_S, MAX_S, MIN_RATE_HZ, MAX_RATE_HZ = 0.5, 120.0, 16_000, 192_000
+MAX_BYTES = 200_000_000
 FAINTEST, LARGEST = 1e-9, 1e6  # of full scale; less is silence, more is no sound
 FULL_SCALE, FLAT = 0.99, 3  # equal extreme samples in a row, at full scale, are clipped
 FADE_S, HEARD_S = 0.02, 20.0
 STEADY_DB = 0.3  # largest uncertainty of the level of a tone
 CLEAR_DB = 3.0  # least level of a recording above its background
-MOST_DB = 10.0  # least uncertainty of a band that tells nothing
+MAX_DB = 10.0  # least uncertainty of a band that tells nothing
 MODULATION_HZ = 2.0 ** np.arange(8)  # mid frequencies of octaves of modulation
 COLUMNS = [f"{x}{y}_db" for x in ("run", "recording", "difference") for y in ("", "_uncertainty")]
 _HANN = 1.5  # sum of the squared lines of a tone in a Hann window
@@ -70,10 +70,10 @@ class Recording(NamedTuple):
 def read(path: Path) -> Recording:
     """Read the first channel of a sound file, or raise FolderError if it is none."""
     try:
-        with soundfile.SoundFile(io.BytesIO(read_regular(path, MOST_BYTES))) as file:
+        with soundfile.SoundFile(io.BytesIO(read_regular(path, MAX_BYTES))) as file:
             rate, seconds = file.samplerate, file.frames / file.samplerate
-            if not (LEAST_S <= seconds <= MOST_S and LEAST_RATE_HZ <= rate <= MOST_RATE_HZ):
-                allowed = f"{LEAST_S:g} to {MOST_S:g} s at {LEAST_RATE_HZ} to {MOST_RATE_HZ} Hz"
+            if not (MIN_S <= seconds <= MAX_S and MIN_RATE_HZ <= rate <= MAX_RATE_HZ):
+                allowed = f"{MIN_S:g} to {MAX_S:g} s at {MIN_RATE_HZ} to {MAX_RATE_HZ} Hz"
                 raise FolderError(f"{path}: got {seconds:.3g} s at {rate} Hz, allowed: {allowed}")
             heard = file.read(dtype="float64", always_2d=True)[:, 0]
     except (OSError, RuntimeError) as error:
@@ -143,10 +143,10 @@ def compare(
     if background is not None:
         recorded = _without(_bands(read(background)), recorded)
     clear = known & np.isfinite(recorded[1])
-    common = clear & (np.hypot(computed[2], recorded[2]) < MOST_DB)
+    common = clear & (np.hypot(computed[2], recorded[2]) < MAX_DB)
     faults = {
         f"not {CLEAR_DB:g} dB above the background": known & ~clear,
-        f"uncertain by {MOST_DB:g} dB or more": clear & ~common,
+        f"uncertain by {MAX_DB:g} dB or more": clear & ~common,
     }
     left_out = [
         f"{fault}, left out: {', '.join(np.array(BAND_NAMES)[bands])} Hz"

@@ -37,10 +37,10 @@ if TYPE_CHECKING:
 Speed = float | tuple[float, float]  # [m/s], constant or from start to end
 
 PASS_S, PAUSE_S = 1.5, 0.25  # [s] of a pass for the ear, and of the silence after it
-MOST_HEARD = 12  # passes in passes.wav; of more, it holds passes in a geometric sequence
-LEAST_S = 5.0  # [s] of listen.wav; a shorter record is a click
-MOST_BYTES = 50_000_000  # of a listen.wav; 120 s of two channels take 35 million
-LEAST_POSITIONS = 64  # of a solved track; fewer have no spectrum
+MAX_HEARD = 12  # passes in passes.wav; of more, it holds passes in a geometric sequence
+MIN_S = 5.0  # [s] of listen.wav; a shorter record is a click
+MAX_BYTES = 50_000_000  # of a listen.wav; 120 s of two channels take 35 million
+MIN_POSITIONS = 64  # of a solved track; fewer have no spectrum
 COARSE_HZ = 10e3  # highest frequency of the steps below which the sound is dull
 OFTEN = 0.1  # of a record's duration, in which forces beyond the marched loads are named
 LONG_WAVES_HZ = 500.0  # lowest frequency of the solved track above which its long waves are named
@@ -55,7 +55,7 @@ class ListeningError(ValueError):
 
 def laps(sound: ContactSound) -> Array:
     """Return the record of all channels [Pa], or as many of its laps as last five seconds."""
-    samples, record = round(LEAST_S * sound.sample_rate), sound.channels
+    samples, record = round(MIN_S * sound.sample_rate), sound.channels
     if sound.once or len(record) >= samples:
         return record
     lap = sound.lap.samples(record)
@@ -65,7 +65,7 @@ def laps(sound: ContactSound) -> Array:
 def laps_in_words(sound: ContactSound) -> str:
     """Say how listen.wav follows from the record."""
     lap, rate = sound.lap, sound.sample_rate
-    if sound.once or len(sound.pressure) >= LEAST_S * rate:
+    if sound.once or len(sound.pressure) >= MIN_S * rate:
         return f"the record, {sound.ends}"
     numbers = {"count": len(laps(sound)) // len(lap), "duration": sound.duration}
     if sound.loops:
@@ -91,7 +91,7 @@ def recorded(run: Run) -> Listening | None:
     scale = run.summary.get("listen", {}).get("pascal_per_full_scale")  # of stored runs only
     if scale and numbers.get("seconds"):
         with suppress(OSError, soundfile.LibsndfileError):
-            samples, rate = soundfile.read(io.BytesIO(read_regular(path, MOST_BYTES)))
+            samples, rate = soundfile.read(io.BytesIO(read_regular(path, MAX_BYTES)))
             channels = np.atleast_2d(samples.T) * scale
             whole = abs(channels.shape[1] - numbers["seconds"] * rate) < 1
             if whole and np.isfinite(channels).all():
@@ -132,7 +132,7 @@ def write_long(run: Run, long: Listening) -> Path:
 def _written(run: Run, record: Array, content: str, repeats: bool) -> tuple[bytes, float, str]:
     """Return a record [Pa] as a WAV with its gain [full scale per Pa], and the rule of the gain."""
     gain = wav.listening_gain(record)
-    rule = "the largest gain" if gain >= wav.MOST_GAIN else "equal loudness"
+    rule = "the largest gain" if gain >= wav.MAX_GAIN else "equal loudness"
     if not run.sound.pressure.any():
         rule = "silence"
     comment = f"{gain:.6g} full scale per Pa, {rule}; {content}; {facts(run)}"
@@ -142,8 +142,8 @@ def _written(run: Run, record: Array, content: str, repeats: bool) -> tuple[byte
 def passes_wav(run: Run, bits: Literal[16, 24] = 24) -> tuple[bytes, str]:
     """Return a WAV of the passes of a run in sequence, and a description of its content."""
     count, rate = len(run.pass_sounds), wav.SAMPLE_RATE_HZ
-    chosen = np.unique(np.geomspace(1, count, MOST_HEARD).round().astype(int))
-    chosen = np.arange(1, count + 1) if count <= MOST_HEARD else chosen
+    chosen = np.unique(np.geomspace(1, count, MAX_HEARD).round().astype(int))
+    chosen = np.arange(1, count + 1) if count <= MAX_HEARD else chosen
     pause, parts, words = np.zeros(round(PAUSE_S * rate)), list[Array](), list[str]()
     for number in chosen:
         sound = run.pass_sounds[number - 1]
@@ -202,8 +202,8 @@ def released(scene: Scene, result: Result) -> tuple[Array, bool]:
 def reason_against(run: Run) -> str:
     """Return the reason why a run has no long record; empty if it has one."""
     steps, sound = run.result.solved_steps, run.sound
-    if steps < LEAST_POSITIONS:
-        return say("refused.short", steps=steps, least=LEAST_POSITIONS)
+    if steps < MIN_POSITIONS:
+        return say("refused.short", steps=steps, least=MIN_POSITIONS)
     if sound.source == "vibration" or not sound.pressure.any():
         return "" if sound.pressure.any() else "its record is silent"
     if not sound.constant_speed:
@@ -223,7 +223,7 @@ def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) 
         raise ListeningError(run.no_long)
     scene = run.scene if speed is None else with_speed(run.scene, speed, seconds)
     positions = float(scene.motion.distance(seconds)) / run.result.step
-    if positions > (most := defaults.MOST_LISTENED_POSITIONS):
+    if positions > (most := defaults.MAX_LISTENED_POSITIONS):
         raise ListeningError(say("refused.positions", positions=positions, most=most))
     if run.vibration is not None and run.sound.source == "vibration":
         record = long_listening.listen_to_vibration(scene, run.vibration.law, seconds, seed)
@@ -239,7 +239,7 @@ def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) 
 
 def _refuse(seconds: float, speed: Speed | None) -> None:
     """Refuse a length and a speed that are not possible."""
-    least, most = defaults.LEAST_LISTENED_SECONDS, defaults.MOST_LISTENED_SECONDS
+    least, most = defaults.MIN_LISTENED_SECONDS, defaults.MAX_LISTENED_SECONDS
     if not least <= seconds <= most:
         raise ListeningError(say("refused.seconds", seconds=seconds, least=least, most=most))
     speeds = np.asarray(1.0 if speed is None else speed, dtype=float)

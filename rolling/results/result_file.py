@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
 _LARGEST = 200  # bytes of all arrays per byte of a file: maps compress well, series hardly
-_MOST_TIMES, _MOST_BESIDE = 3, 100_000_000  # bytes of a file: the estimate for its scene and more
+_MAX_TIMES, _MAX_BESIDE = 3, 100_000_000  # bytes of a file: the estimate for its scene and more
 _COORDINATES = ("time", "position_time")  # beside the values of the dimensions
 
 
@@ -121,7 +121,7 @@ def _seal(content: bytes | memoryview) -> bytes:
 def _sealed(path: Path, scene: Scene) -> bytes:
     """Read the bytes of a file whose digest holds, and whose size suits its scene."""
     try:
-        content = read_regular(path, round(_MOST_TIMES * cost.disk([scene]) + _MOST_BESIDE))
+        content = read_regular(path, round(_MAX_TIMES * cost.disk([scene]) + _MAX_BESIDE))
     except OSError as error:
         raise FolderError(f"{path}: not readable ({error.strerror or error})") from error
     if content[-_SEAL_LENGTH:] != _seal(memoryview(content)[:-_SEAL_LENGTH]):

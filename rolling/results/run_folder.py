@@ -17,7 +17,7 @@ from rolling.terminal.files import FolderError
 
 RESULT, SUMMARY, FAILED = "result.h5", "summary.json", "failed.json"
 PAGE = "report.html"  # of all runs of a folder
-MOST_FAILURE = 1_000_000  # bytes of a failed.json
+MAX_FAILURE = 1_000_000  # bytes of a failed.json
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class RunFolder:
     def failure(self) -> str | None:
         """The reason of the last failure, or None."""
         try:
-            content = read_regular(self.folder / FAILED, MOST_FAILURE)
+            content = read_regular(self.folder / FAILED, MAX_FAILURE)
             return str(json.loads(content)["reason"])
         except (FileNotFoundError, NotADirectoryError):
             return None
@@ -58,7 +58,7 @@ class RunFolder:
 # ---- summary
 
 
-MOST_SUMMARY = 10_000_000
+MAX_SUMMARY = 10_000_000
 _NEEDED = (
     *("laeq_db", "level_db", "steady_level_db", "uncertainty_db", "source", "caveats", "surface"),
     *("third_octave_db", "levelling", "plastic_ratio", "steps", "step_ms"),
@@ -80,7 +80,7 @@ def read_summary(path: Path) -> dict[str, Any]:
     FolderError : the file is damaged, or not written by this program.
     """
     try:
-        summary = json.loads(read_regular(path, MOST_SUMMARY), parse_constant=_refuse)
+        summary = json.loads(read_regular(path, MAX_SUMMARY), parse_constant=_refuse)
         if not isinstance(summary, dict):
             raise ValueError("no object of names and values")
         if missing := [key for key in _NEEDED if key not in summary]:

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SEED = "surface.seed"
-MOST_STEPS = 8  # of the preparation of height files that are written; one run has at most 7
-MOST_WARNINGS = 3  # after a run; the page and `rolling check` have all of them
+MAX_STEPS = 8  # of the preparation of height files that are written; one run has at most 7
+MAX_WARNINGS = 3  # after a run; the page and `rolling check` have all of them
 LEVELS, MEANS = table("rolling.results", "levels").values()  # keys of the summary with their words
 BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
@@ -286,16 +286,16 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     names = TABLES["steps"]
     texts = (f"{names.get(str(x['step']), x['step'])}: {x['text']}" for x in prepared)
     steps = [*dict.fromkeys(texts)]
-    if (more := len(steps) - MOST_STEPS) > 0:
-        steps[MOST_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]
+    if (more := len(steps) - MAX_STEPS) > 0:
+        steps[MAX_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]
     levelled = filter(None, (summary["levelling"] for summary in summaries))
     tilted = (x["text"] for x in levelled if x["slope_along"] or x["slope_across"])
     tilts = [f"tilt: {text}" for text in dict.fromkeys(tilted)]
     repeats = [f"note: {caveat.line}" for caveat in remarks if caveat.key in REPEATS]
     ranked = [f"warning: {caveat.line}" for caveat in warnings(runs)]
-    if (more := len(ranked) - MOST_WARNINGS) > 0:
+    if (more := len(ranked) - MAX_WARNINGS) > 0:
         others = f"{more} more warning{'s' * (more > 1)}"
-        ranked[MOST_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
+        ranked[MAX_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
     lines = (" ".join(beside), "", *surfaces, *steps, *tilts, *repeats, *ranked)
     return [wrapped(line) for line in lines]
 

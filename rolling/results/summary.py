@@ -40,7 +40,7 @@ from rolling.terminal import program
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
 
-LEAST_TURNS = 2.0  # of a record whose modulation by the turns is judged
+MIN_TURNS = 2.0  # of a record whose modulation by the turns is judged
 _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
 
 
@@ -192,7 +192,7 @@ def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str
     plate_ra, ball_ra = surface.part_ra
     numbers = {"turns": track.turns, "plate_ra_m": plate_ra, "ball_ra_m": ball_ra}
     turn_hz = track.turns / sound.duration if constant else None
-    if turn_hz is None or track.turns < LEAST_TURNS or sound.levels.laeq_db is None:
+    if turn_hz is None or track.turns < MIN_TURNS or sound.levels.laeq_db is None:
         return numbers | {"turn_hz": turn_hz, "turn_modulation": None, "turn_band_hz": None}
     record = sound.pressure, sound.sample_rate
     band = modulated_octave(*record, turn_hz, sound.closed)

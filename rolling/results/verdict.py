@@ -20,7 +20,7 @@ from rolling.scene.scene import Scene
 
 WORDS = TRUST, INDICATIVE, DO_NOT_QUOTE = "trust", "indicative", "do not quote"
 LIMITS_DB = 1.0, 3.0  # up to the first a level is trusted, up to the second it is indicative
-MOST_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which on no level is quoted
+MAX_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which on no level is quoted
 # Level of a half-space's pressure on the axis over the true level [dB] by frequency times distance
 # [Hz m]; below, the first error is the least.
 _NEAR_HALF_SPACE = (100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5)
@@ -198,7 +198,7 @@ def _motion(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
         yield _unsized("impacts_yield", word=DO_NOT_QUOTE)
     if (outside := summary.get("force_outside_share") or 0.0) > 0:
         # The share that ends a level counts as the decibels that end it.
-        decibels = LIMITS_DB[1] * outside / MOST_OUTSIDE
+        decibels = LIMITS_DB[1] * outside / MAX_OUTSIDE
         yield _sized("force_outside", decibels, percent=100 * outside)
     if (flight := summary.get("flight_share") or 0.0) > 0:
         # A fall is one event, and its parts differ in any case.

@@ -16,7 +16,7 @@ from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.run.backlog import Backlog
 from rolling.run.pools import Pool, Task
-from rolling.run.worker import KILLED, MOST_BREAKS, solve_piece
+from rolling.run.worker import KILLED, MAX_BREAKS, solve_piece
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface import scene_surface
@@ -226,7 +226,7 @@ class RunLoop:
         progress.line(LOST)
         for task, _ in self._flying.values():
             self._breaks[task.key] += 1
-            if self._breaks[task.key] < MOST_BREAKS:
+            if self._breaks[task.key] < MAX_BREAKS:
                 self._suspects.appendleft(task)
             else:
                 for number in self._wanting.pop(task.key, []):

@@ -29,7 +29,7 @@ SCENE, PIECES = "scene.yaml", "pieces"
 MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so
 LOCK, PART_LOCK = ".lock", ".lock-{}-of-{}"
 LOCK_SECONDS = 2.0  # patience with the momentary look of `status`
-MOST_NAMED = 20  # runs of a state that the status names
+MAX_NAMED = 20  # runs of a state that the status names
 STATES = ("done", "running", "waiting", "failed")
 
 Part = tuple[int, int]  # number from 1 on, and count of the parts of a sweep
@@ -325,9 +325,9 @@ def status(folder: Path) -> str:
     failed = [
         f"  failed: {name}: {text}" for name, (state, text) in runs.items() if state == "failed"
     ]
-    lines += failed[:MOST_NAMED]
-    if len(failed) > MOST_NAMED:
-        lines.append(f"  failed: {len(failed) - MOST_NAMED} more")
+    lines += failed[:MAX_NAMED]
+    if len(failed) > MAX_NAMED:
+        lines.append(f"  failed: {len(failed) - MAX_NAMED} more")
     return "\n".join(lines)
 
 

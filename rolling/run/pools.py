@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 CONNECT_SECONDS = 10.0
 COUNT_SECONDS = 5.0  # between two counts of the workers of a cluster
-MOST_TEAMS = 24  # each needs seven open files, of which some systems allow 256
+MAX_TEAMS = 24  # each needs seven open files, of which some systems allow 256
 PORT = 8786  # of a scheduler whose address names none
 
 
@@ -203,7 +203,7 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
         )
         return Pool()
     surfaces = len({identity(scene) for scene in scenes})
-    return LocalPool(workers, min(workers, surfaces, MOST_TEAMS))
+    return LocalPool(workers, min(workers, surfaces, MAX_TEAMS))
 
 
 class Cluster(Pool):

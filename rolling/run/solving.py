@@ -181,7 +181,7 @@ def _solve(
 
     advice = f"finished pieces are kept in {folder}; the same command goes on"
     pieces = folder / folders.PIECES
-    film = len(runs) <= defaults.MOST_RUNS_ON_PAGE
+    film = len(runs) <= defaults.MAX_RUNS_ON_PAGE
     with progress.Bar(0.0, scenes[0].name) as bar:
         loop = RunLoop(scenes, start, finish, bar, finished, pieces, film)
         try:

@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 
 Arrays = dict[str, NDArray[Any]]
 
-MOST_BREAKS = 3  # of processes by a task, before its runs have failed
-KILLED = f"a worker process was killed {MOST_BREAKS} times while it had this run; out of memory?"
-_MOST_PIECE = 2**30  # bytes of the file of a piece
+MAX_BREAKS = 3  # of processes by a task, before its runs have failed
+KILLED = f"a worker process was killed {MAX_BREAKS} times while it had this run; out of memory?"
+_MAX_PIECE = 2**30  # bytes of the file of a piece
 _threads = threading.local()  # of a worker of a cluster; each has a process that does its tasks
 # A process imports nothing from the working directory, and runs its libraries on one thread. Large
 # surfaces are no leak of memory.
@@ -85,7 +85,7 @@ def store_piece(piece: Piece, pieces: Path) -> None:
 def read_piece(path: Path) -> Arrays | None:
     """Read the file of a piece; return None for a missing or damaged file."""
     try:
-        content = io.BytesIO(read_regular(path, _MOST_PIECE))
+        content = io.BytesIO(read_regular(path, _MAX_PIECE))
         with np.load(content, allow_pickle=False) as stored:
             if any(member.compress_type for member in stored.zip.infolist()):  # by someone else
                 return None
@@ -114,7 +114,7 @@ def act(task: bytes, program: Program) -> Any:
     """
     if identity() != program:
         raise OtherProgramError(str(identity()))
-    for _ in range(MOST_BREAKS):
+    for _ in range(MAX_BREAKS):
         if not hasattr(_threads, "process"):
             _threads.process = _process()
         process = _threads.process

@@ -14,7 +14,7 @@ from rolling.scene.surfaces import BallSurface
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
 DENSITY = MATERIALS["density_kg_m3"]
 Material = Annotated[str, library.listed("materials")]
-MOST_OBLONG = 1e6  # one radius over the other
+MAX_OBLONG = 1e6  # one radius over the other
 HARDEST = 5  # Young's modulus over hardness is above 5 in every material, and about 8 in diamond
 
 
@@ -72,9 +72,9 @@ class Sphere(Section):
     def _both_or_neither(self) -> Self:
         if self.radius_across_mm is not None:
             ratio = self.radius_across_mm / self.radius_mm
-            if not 1 / MOST_OBLONG <= ratio <= MOST_OBLONG:
-                words = {"got": self.radius_across_mm, "least": self.radius_mm / MOST_OBLONG}
-                words["most"] = self.radius_mm * MOST_OBLONG
+            if not 1 / MAX_OBLONG <= ratio <= MAX_OBLONG:
+                words = {"got": self.radius_across_mm, "least": self.radius_mm / MAX_OBLONG}
+                words["most"] = self.radius_mm * MAX_OBLONG
                 raise refusal("sphere.radius_across_mm oblong", **words)
         rule = "an elastic sphere needs both, a rigid sphere neither"
         _refuse_half(self, ("youngs_modulus_gpa", "poissons_ratio"), rule)

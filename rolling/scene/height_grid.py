@@ -244,7 +244,7 @@ def _axis(values: Array, name: str) -> tuple[Any, int, float]:
 # ---- grid of a file
 
 
-DEFAULT_OVERLAP, MOST_OVERLAP = 0.1, 0.5  # of each side
+DEFAULT_OVERLAP, MAX_OVERLAP = 0.1, 0.5  # of each side
 SAME = 1e-6  # relative difference of spacings that count as equal
 Pair = tuple[int, int]
 
@@ -326,8 +326,8 @@ def _overlap(surface: HeightFile, count: int, spacing: float) -> int:
     if surface.overlap_um is None:
         return round(DEFAULT_OVERLAP * count)
     overlap = round(min(surface.overlap_um * 1e-6 / spacing, 2e9))
-    if not 1 <= overlap <= MOST_OVERLAP * count:
-        ends = (rounded(nodes * spacing * 1e6, 4) for nodes in (1, int(MOST_OVERLAP * count)))
+    if not 1 <= overlap <= MAX_OVERLAP * count:
+        ends = (rounded(nodes * spacing * 1e6, 4) for nodes in (1, int(MAX_OVERLAP * count)))
         sizes = dict(zip(("least", "most"), ends, strict=True))
         raise refusal("surface.overlap_um side", got=surface.overlap_um, **sizes)
     return overlap

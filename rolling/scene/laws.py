@@ -258,7 +258,7 @@ def _power_integral(power: float, logarithm: float) -> float:
 # ---- single faults
 
 
-MOST_FAULTS = 10_000  # of a count
+MAX_FAULTS = 10_000  # of a count
 # Maximum slope of a kind times its size over its depth.
 _STEEPEST = {"pit": 4.0, "dent": 2.8, "step": math.pi / 2}
 
@@ -297,7 +297,7 @@ class SurfaceFault(Section):
 
     kind: Literal["pit", "scratch", "dent", "bump", "step", "groove"]
     at_mm: Annotated[list[float], Field(min_length=2, max_length=2)] | None = None
-    count: int | None = Field(default=None, ge=1, le=MOST_FAULTS)
+    count: int | None = Field(default=None, ge=1, le=MAX_FAULTS)
     seed: int | None = Field(default=None, ge=0)
     size_um: float = Field(gt=0)
     depth_um: float = Field(gt=0, le=1e4)

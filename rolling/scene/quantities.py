@@ -30,7 +30,7 @@ HEARD_MODES_HZ = 30e3  # highest frequency of the modes of a plate with edges
 # scenes (Ra 0.001 to 1 um, 0.3 to 100 N, elastic and yielding) whose roughness is a tenth of the
 # deflection or more, and rises to -22 dB, above the grid's error, on smoother surfaces. With the
 # rule it is -48.7 dB or less in all, and 20 dB or more below the grid's unless that is below -40.
-TOLERANCE, LEAST_TOLERANCE = 1e-4, 1e-6
+TOLERANCE, MIN_TOLERANCE = 1e-4, 1e-6
 SMOOTH = 0.1  # rms roughness over Hertz deflection, below which the tolerance falls
 FILE_TOLERANCE = 2e-5  # for a height file, whose roughness the scene does not know
 PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
@@ -316,6 +316,6 @@ def automatic_tolerance(scene: SceneQuantities) -> float:
     rq = math.hypot(*(law.rq_m for law in scene.laws))
     radius = math.sqrt(scene.radius * scene.radius_across)
     deflection = (9 * scene.load**2 / (16 * radius * scene.contact_modulus**2)) ** (1 / 3)
-    tolerance = min(TOLERANCE, max(LEAST_TOLERANCE, TOLERANCE * rq / deflection / SMOOTH))
+    tolerance = min(TOLERANCE, max(MIN_TOLERANCE, TOLERANCE * rq / deflection / SMOOTH))
     digit = 10.0 ** math.floor(math.log10(tolerance) + 1e-9)
     return float(f"{math.floor(tolerance / digit + 1e-9) * digit:.0e}")

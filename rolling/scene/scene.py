@@ -246,7 +246,7 @@ class Scene(quantities.SceneQuantities):
 
 
 EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
-MOST_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
+MAX_MODES = 20_000  # of a plate with edges; a second of sound takes them half a minute
 
 Values = Mapping[str, Any]
 
@@ -286,8 +286,8 @@ def _refuse_edges(rolling: sections.Rolling, sphere: Sphere, plate: Plate) -> No
             at = "plate", key if getattr(plate, key) is not None else narrow
             sizes = {"edge": rounded(edge), "least": rounded(least, 3)}
             raise refusal("plate.contact_mm edge", *at, **sizes)
-    if (modes := quantities.plate_modes(plate)) > MOST_MODES:
-        raise refusal("plate.length_mm modes", modes=rounded(modes), most=MOST_MODES)
+    if (modes := quantities.plate_modes(plate)) > MAX_MODES:
+        raise refusal("plate.length_mm modes", modes=rounded(modes), most=MAX_MODES)
 
 
 def refuse_numerics(numerics: sections.Numerics, values: Values) -> None:

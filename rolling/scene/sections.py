@@ -113,7 +113,7 @@ class Section(BaseModel, metaclass=_SceneErrors):
 
 
 WEIGHT: Literal["weight"] = "weight"
-MOST_PASSES = 100  # plastic work falls by half or more from pass to pass
+MAX_PASSES = 100  # plastic work falls by half or more from pass to pass
 SPEED = "a number > 0, or at least two [time_s, speed_m_s] pairs"
 
 
@@ -209,7 +209,7 @@ class Rolling(Section):
     duration_s: float | None = Field(default=None, gt=0)
     distance_mm: float | None = Field(default=None, gt=0)
     start_um: float = 0.0
-    passes: int | None = Field(default=None, ge=1, le=MOST_PASSES)
+    passes: int | None = Field(default=None, ge=1, le=MAX_PASSES)
 
     @model_validator(mode="after")
     def _one_length(self) -> Rolling:
@@ -335,16 +335,16 @@ class Dynamics(Section):
     release: bool | None = None
 
 
-MOST_LISTENERS = 16
-_PLACES = f"[x, y, z], three numbers in mm, or a list of 1 to {MOST_LISTENERS} such places"
+MAX_LISTENERS = 16
+_PLACES = f"[x, y, z], three numbers in mm, or a list of 1 to {MAX_LISTENERS} such places"
 
 
 def _listeners(value: Any) -> Any:
     """Return listeners as tuples."""
     places = [value] if numbers(value, 3) else value if isinstance(value, list | tuple) else []
     valid = [place for place in (numbers(place, 3) for place in places) if place is not None]
-    if not 0 < len(places) == len(valid) <= MOST_LISTENERS:
-        got = f"{len(valid)} places" if len(valid) > MOST_LISTENERS else shown(value)
+    if not 0 < len(places) == len(valid) <= MAX_LISTENERS:
+        got = f"{len(valid)} places" if len(valid) > MAX_LISTENERS else shown(value)
         raise fault(f"got {got}, allowed: {_PLACES}")
     if any(place[2] == 0 for place in valid):
         raise fault(f"got {shown(value)}, allowed: z above 0, on the ball's side, or below 0")
@@ -352,7 +352,7 @@ def _listeners(value: Any) -> Any:
 
 
 _PLACE = {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}}
-_PLACE_LIST = {"type": "array", "minItems": 1, "maxItems": MOST_LISTENERS, "items": _PLACE}
+_PLACE_LIST = {"type": "array", "minItems": 1, "maxItems": MAX_LISTENERS, "items": _PLACE}
 Listeners = Annotated[
     tuple[tuple[float, float, float], ...],
     *(BeforeValidator(_listeners), pydantic.WithJsonSchema({"anyOf": [_PLACE, _PLACE_LIST]})),

@@ -22,7 +22,7 @@ from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import faded_out
 
 WRAPPED = 1e-4  # part of the ringing of an open record that is left of it at its beginning
-_LEAST_S = 0.25  # [s] of an open record with silence, at least twice
+_MIN_S = 0.25  # [s] of an open record with silence, at least twice
 _POINTS = 9  # of a path over which powers are averaged
 _BLOCK = 2**21  # values of modes in time or frequency at once
 _STRETCH_S = 1.0  # [s] of a record on a path, for modes that fade as fast
@@ -41,7 +41,7 @@ def pressures(
     if not closed:
         from scipy.fft import next_fast_len  # slow to import
 
-        n = int(next_fast_len(2 * max(n, round(_LEAST_S * rate)), real=True))
+        n = int(next_fast_len(2 * max(n, round(_MIN_S * rate)), real=True))
         # Waves that fall with time by this rate do not wrap round; the record is raised again.
         growth = -math.log(WRAPPED) * rate / n
     times, places = np.arange(len(force)) / rate, scene.listeners[:listeners]

@@ -29,7 +29,7 @@ DOUBT = 0.5  # standard uncertainty of the part that is extrapolated, over this 
 SIGNAL_ORDERS = 1.0, 2.0
 DEFAULT_ORDER = 1.0  # the order where it cannot be measured, and that of missing detail
 SHARED_UP_TO_HZ = 800.0  # bands up to this one share an estimate, because a stretch is short
-LEAST_LINES = 2  # minimum number of lines of a stretch in a band with its own estimate
+MIN_LINES = 2  # minimum number of lines of a stretch in a band with its own estimate
 # Lines of a transform with a Hann window over independent lines.
 HANN_LINES = 1.5
 JUDGED_HZ = 1000.0, 16000.0  # bands whose standard error is judged
@@ -168,7 +168,7 @@ def _groups(lines: NDArray[np.int64], bands: int) -> tuple[tuple[int, ...], ...]
     groups, group = list[tuple[int, ...]](), list[int]()
     for band in range(bands):
         group.append(band)
-        if NOMINAL_HZ[band] >= SHARED_UP_TO_HZ and lines[group].sum() >= LEAST_LINES:
+        if NOMINAL_HZ[band] >= SHARED_UP_TO_HZ and lines[group].sum() >= MIN_LINES:
             groups.append(tuple(group))
             group = []
     if group:  # the steps end within a band

@@ -17,7 +17,7 @@ from rolling.terminal import progress
 
 _TAPS = 20  # samples of sound that a decimating filter reaches to either side
 _FINER = 4  # points of a release per sample of sound, so that a spline between them is exact
-_MOST_POINTS = 2**18  # at once
+_MAX_POINTS = 2**18  # at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +126,7 @@ def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) 
     rate, motion = wav.SAMPLE_RATE_HZ, scene.motion
     factor = contact_sound.oversampling(motion, seconds, spacing)
     decimator, samples = Decimator(factor), []
-    count, total = _MOST_POINTS // factor * factor, round(seconds * rate) * factor
+    count, total = _MAX_POINTS // factor * factor, round(seconds * rate) * factor
     with progress.Bar(seconds, "listening") as bar:
         for begin in range(0, total, count):
             times = np.arange(begin, min(begin + count, total)) / (rate * factor)

@@ -91,7 +91,7 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
 
 BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
 _SPEEDS = (60, 1000)  # minimum and maximum number of speeds
-_MOST_LINES = 200_000  # lines of all speeds, unless the minimum has more
+_MAX_LINES = 200_000  # lines of all speeds, unless the minimum has more
 
 
 class Comb(NamedTuple):
@@ -131,7 +131,7 @@ def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
             return None
         middle = float(frequency[np.searchsorted(passed, passed[-1] / 2)])
         quality = 1 / (scene.plate.loss_factor or 1.0)
-        most = max(_SPEEDS[0], min(most, _MOST_LINES // len(passed)))
+        most = max(_SPEEDS[0], min(most, _MAX_LINES // len(passed)))
     if middle / quality > BROAD * spacing:
         return None
     count = int(np.clip(16 * of_scene.NEAR_SPEEDS * quality, _SPEEDS[0], most))

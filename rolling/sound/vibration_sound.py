@@ -18,7 +18,7 @@ from acoustics.radiation import RHO_C, pressure_on_axis
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
-from rolling.dynamics.motion import MOST_STEPS, BodyMotion
+from rolling.dynamics.motion import MAX_STEPS, BodyMotion
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
 from rolling.sound.contact_sound import ContactSound, faded, faded_out
@@ -205,7 +205,7 @@ def _step_error(
     scene: Scene, law: ForceLaw, motion: BodyMotion, laeq_db: float | None, closed: bool
 ) -> float | None:
     """Return the change of LAeq by steps twice as long [dB]; None for silence or a long run-in."""
-    if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > MOST_STEPS:
+    if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > MAX_STEPS:
         return None
     twice = of_scene.motion(scene, law, 2 * motion.time_step_s)
     _, pressures = _radiated(scene, twice, closed, listeners=1)

@@ -21,10 +21,10 @@ from rolling.sound.contact_sound import ContactSound
 
 EDGE_UM = 10.0  # an edge of the octaves
 FOLLOWS = 0.5  # linear share from which the sound of an octave counts as made by its waves
-LEAST_SHARE = 1e-3  # of the energy in an octave that is shown
+MIN_SHARE = 1e-3  # of the energy in an octave that is shown
 _ALL = 1e-6  # share of the energy outside an octave, below which the rest is silent
-_LEAST_LINES = 8  # of an octave whose coherence is estimated, which is wrong by one over them
-_MOST_NODES = 20_000_000  # under the contact; of longer tracks fewer lines count
+_MIN_LINES = 8  # of an octave whose coherence is estimated, which is wrong by one over them
+_MAX_NODES = 20_000_000  # under the contact; of longer tracks fewer lines count
 
 
 class WavelengthOctave(NamedTuple):
@@ -109,7 +109,7 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
     middle, reach = heights.shape[1] // 2, int(width)
     along = np.fft.fftfreq(count, 1 / count)
     mean = np.zeros(count // 2 + 1, dtype=complex)
-    for k in range(-reach, reach + 1, 1 + (2 * reach + 1) * count // _MOST_NODES):
+    for k in range(-reach, reach + 1, 1 + (2 * reach + 1) * count // _MAX_NODES):
         weight = np.sqrt(np.clip(1 - (along / length) ** 2 - (k / width) ** 2, 0, None))
         line = heights[:, (middle + k) % heights.shape[1]]
         mean += np.fft.rfft(line) * np.fft.rfft(weight)
@@ -121,7 +121,7 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
     for k in np.unique(order):
         x, y = mean[order == k], actual[order == k]
         powers = float(np.vdot(x, x).real * np.vdot(y, y).real)
-        if len(x) >= _LEAST_LINES and powers > 0:
+        if len(x) >= _MIN_LINES and powers > 0:
             shares[int(k)] = float(abs(np.vdot(x, y)) ** 2 / powers)
     return shares
 

@@ -15,7 +15,7 @@ from rolling.scene.laws import AUTOCORRELATIONS, HeightLaw, Roughness, SelfAffin
 from rolling.surface.parameters import roughness
 
 _NEGLIGIBLE = 1e-7  # autocorrelation
-_MOST_LAGS = 2e8  # nodes of a turned law
+_MAX_LAGS = 2e8  # nodes of a turned law
 
 
 class SurfaceError(ValueError):
@@ -95,8 +95,8 @@ def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> 
         reach = (-np.log(_NEGLIGIBLE) / decay) ** (1 / exponent)
         cosine, sine = np.cos(angle), np.sin(angle)
         ends = reach * np.hypot([first * cosine, first * sine], [second * sine, second * cosine])
-        if 4 * ends[0] * ends[1] > _MOST_LAGS * spacing**2:
-            longest = math.sqrt(_MOST_LAGS / (4 * ends[0] * ends[1])) * spacing
+        if 4 * ends[0] * ends[1] > _MAX_LAGS * spacing**2:
+            longest = math.sqrt(_MAX_LAGS / (4 * ends[0] * ends[1])) * spacing
             raise SurfaceError(
                 "lay_deg: got correlation lengths that reach too far to be turned, allowed: up to"
                 f" {rounded(longest, 2)} times as long"

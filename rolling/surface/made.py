@@ -18,7 +18,7 @@ from rolling.surface.heights import moments, spectral_density
 
 ROUNDS, CORRECTIONS = 40, 30  # maximum numbers
 NEAR, EXACT = 0.05, 1e-4  # differences of skewness and kurtosis that end rounds and corrections
-LEAST_SHARE = 1e-14  # of the mean square, below which an octave of a law is rounding
+MIN_SHARE = 1e-14  # of the mean square, below which an octave of a law is rounding
 SMALL = 1e-4  # rms height of the steps that show how a correction changes the moments
 LARGEST = 0.1  # maximum rms height of a correction, over the rms height
 STALLED = 6  # corrections without gain that end them
@@ -186,7 +186,7 @@ def described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -
         np.bincount(octave, power.ravel())
         for power in (_powers(heights), counts * density, counts * density**2)
     )
-    shares, kept = wanted / wanted.sum(), np.flatnonzero(wanted > LEAST_SHARE * wanted.sum())
+    shares, kept = wanted / wanted.sum(), np.flatnonzero(wanted > MIN_SHARE * wanted.sum())
     # A random wave has an exponentially distributed mean square; the sum of all varies as well.
     spread = 2 * squares / np.where(wanted > 0, wanted, 1.0) ** 2
     spread = spread * (1 - 2 * shares) + (spread * shares**2).sum()

@@ -27,8 +27,8 @@ ALPHA = float(np.sqrt(np.log(2) / np.pi))  # 0.4697, of the Gaussian filter of I
 NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
 ROBUST = 1.4826  # standard deviation of Gaussian numbers over the median of their magnitudes
 REACH = 2.0  # of a Gaussian filter in units of ALPHA times its cut-off: exp(-4 pi) is 3e-6
-MOST_UNMEASURED = 0.5  # share of the nodes that may be filled
-_LEAST_CORRELATION = -0.5  # of blended sides; weights grow without bound towards -1
+MAX_UNMEASURED = 0.5  # share of the nodes that may be filled
+_MIN_CORRELATION = -0.5  # of blended sides; weights grow without bound towards -1
 
 
 @dataclass(frozen=True)
@@ -204,9 +204,9 @@ def filled(heights: Array, wraps: bool) -> Array:
 
     gaps = np.isnan(heights)
     count = int(np.count_nonzero(gaps))
-    if count > MOST_UNMEASURED * heights.size:
+    if count > MAX_UNMEASURED * heights.size:
         share = f"{rounded(100 * count / heights.size)} % of the nodes are unmeasured"
-        raise SurfaceError(f"{share}, allowed: up to {100 * MOST_UNMEASURED:.0f} %")
+        raise SurfaceError(f"{share}, allowed: up to {100 * MAX_UNMEASURED:.0f} %")
     number = np.full(heights.shape, -1)
     number[gaps] = np.arange(count)
     along, across = np.nonzero(gaps)
@@ -287,7 +287,7 @@ def blended(heights: Array, overlap: Sequence[int], spacing: float) -> tuple[Arr
         z = np.moveaxis(heights, axis, 0)
         first, last = z[:count], z[-count:]
         size = np.sqrt(np.mean(first**2) * np.mean(last**2)) or 1.0
-        r = np.clip(np.mean(first * last) / size, _LEAST_CORRELATION, 1.0)
+        r = np.clip(np.mean(first * last) / size, _MIN_CORRELATION, 1.0)
         turn = np.pi / 2 * (np.arange(count) + 0.5) / count
         c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
         zone, rest = (c * last + s * first) / np.sqrt(1 + 2 * r * c * s), z[count:-count]

@@ -15,7 +15,7 @@ from acoustics.arrays import Array
 # Share of the Nyquist frequency along either axis, above which a spectrum should have died out.
 OUTER = 0.75
 # Maximum height of the part above that share, over the rms height.
-MOST_OUTER = 0.01
+MAX_OUTER = 0.01
 _COLUMNS = 64  # number of columns that are transformed together, to save memory
 
 
@@ -34,7 +34,7 @@ def dies_out(heights: Array) -> bool:
     inner = [2 * np.abs(frequency) < OUTER for frequency in (along, across)]
     lines[np.ix_(*inner)] = 0.0
     outer = np.fft.irfft2(lines, s=z.shape)
-    return float(np.abs(outer).max()) <= MOST_OUTER * rms
+    return float(np.abs(outer).max()) <= MAX_OUTER * rms
 
 
 def refined(heights: Array, times: int) -> Array:

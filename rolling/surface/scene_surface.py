@@ -53,7 +53,7 @@ class SceneSurface:
         return self.levelling is not None and self.levelling.seams[0].stands_out
 
 
-_MOST_KEPT = 16e6  # bytes of the heights of all surfaces that are kept, apart from the last
+_MAX_KEPT = 16e6  # bytes of the heights of all surfaces that are kept, apart from the last
 
 _kept: dict[tuple[Any, ...], SceneSurface] = {}  # the oldest first
 
@@ -69,7 +69,7 @@ def scene_surface(scene: Scene) -> SceneSurface:
             place = "surface.path" if scene.height_path else "surface"
             raise SceneError([f"{place}: {error}"]) from error
         _kept[key] = fresh
-        while sum(other.heights.nbytes for other in _kept.values()) > _MOST_KEPT and len(_kept) > 1:
+        while sum(other.heights.nbytes for other in _kept.values()) > _MAX_KEPT and len(_kept) > 1:
             del _kept[next(iter(_kept))]
     return _kept[key]
 

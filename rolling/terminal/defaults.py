@@ -1,7 +1,7 @@
 """Numbers that help texts name and commands use, in a module that imports nothing."""
 
-MOST_RUNS_ON_PAGE = 24  # with player, pictures and slow motion each: half a megabyte and more
-MOST_RUNS_COMPARED = 400  # with a curve each in pictures of all runs, and a row on the terminal
+MAX_RUNS_ON_PAGE = 24  # with player, pictures and slow motion each: half a megabyte and more
+MAX_RUNS_COMPARED = 400  # with a curve each in pictures of all runs, and a row on the terminal
 FEW_RUNS = 20  # of more, on the terminal
 
 # `rolling accuracy`
@@ -10,9 +10,9 @@ ACCURACY_SECONDS = 0.045  # [s] of rolling: no third octave from 100 Hz is empty
 
 # `rolling listen`
 LISTENED_SECONDS = 20.0
-LEAST_LISTENED_SECONDS = 0.1
-MOST_LISTENED_SECONDS = 120.0  # a record in memory, 550 MB while it becomes sound
-MOST_LISTENED_POSITIONS = 5e8  # of the track, ten minutes of one core
+MIN_LISTENED_SECONDS = 0.1
+MAX_LISTENED_SECONDS = 120.0  # a record in memory, 550 MB while it becomes sound
+MAX_LISTENED_POSITIONS = 5e8  # of the track, ten minutes of one core
 
 # `rolling reproduce --quick`
 QUICK_SEEDS = 1

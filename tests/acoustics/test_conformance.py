@@ -10,7 +10,7 @@ from conformance import standards
 from conformance.bands import min_lines_inside
 from conformance.rows import Row, Table
 
-from acoustics.bands import BAND_NAMES, LEAST_BT, band_uncertainty_db
+from acoustics.bands import BAND_NAMES, MIN_BT, band_uncertainty_db
 
 ROOT = Path(__file__).parents[2]
 OPEN = "Third octaves: tones that do not fit the record"
@@ -93,7 +93,7 @@ def test_third_octave_frequency_ratios_are_those_of_the_standard(
 
 def test_bands_of_few_lines_are_as_the_page_says(tables: dict[str, Table]) -> None:
     # The page prints one decimal of it beside the B T of reliable bands.
-    assert min_lines_inside() == pytest.approx(LEAST_BT, abs=0.25)
+    assert min_lines_inside() == pytest.approx(MIN_BT, abs=0.25)
     for row in tables[BANDWIDTH].rows:
         uncertainty_db = band_uncertainty_db(float(row.keys[0].split()[0]))
         assert abs(row.computed) < 0.5 * uncertainty_db[BAND_NAMES.index(row.keys[1])]

@@ -33,7 +33,7 @@ import pandas as pd
 from rolling import cli
 from rolling.run.backlog import Backlog
 from rolling.run.executor import RunLoop
-from rolling.run.pools import MOST_TEAMS, LocalPool, Pool, Task
+from rolling.run.pools import MAX_TEAMS, LocalPool, Pool, Task
 from rolling.surface.scene_surface import heights
 
 QUICKSTART = Path(__file__).parents[2] / "scenarios" / "quickstart.yaml"
@@ -139,7 +139,7 @@ def start_of_worker(folder: Path) -> float:
 def simulate(costs: Costs, seeds: int, pieces: int, cores: int) -> dict[str, float]:
     """Simulate a sweep on so many workers of one pool; return wall time [s] and shares of it."""
     rng, surface = np.random.default_rng(1), costs.surface * pieces * PIECE_M
-    pool = LocalPool(cores, min(cores, seeds, MOST_TEAMS) if cores <= PART else cores)
+    pool = LocalPool(cores, min(cores, seeds, MAX_TEAMS) if cores <= PART else cores)
     backlog = Backlog((run, (run, "begin")) for run in range(seeds))
     lacking = Counter(dict.fromkeys(range(seeds), pieces))
     in_hand, last = Counter[Any](), dict[tuple[Any, int], int]()

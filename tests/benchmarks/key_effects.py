@@ -36,7 +36,7 @@ PAGE = ROOT / "docs" / "key-effects.md"
 COMMAND = "python tests/benchmarks/key_effects.py"
 STUDY = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 MEASURES = {"level": ("laeq_db", 1), "release": ("release_laeq_db", 1), "centroid": ("centroid", 0)}
-LEAST = {"level": 0.05, "release": 0.05, "centroid": 0.5}  # dB, dB, %: effects that round to 0
+MIN = {"level": 0.05, "release": 0.05, "centroid": 0.5}  # dB, dB, %: effects that round to 0
 NAMED = 10  # largest effects in the first table
 PROBABILITY = 0.95  # that an effect of zero stays within the bounds of the table
 Overrides = Sequence[str]
@@ -239,7 +239,7 @@ def changes(frame: pd.DataFrame) -> Iterator[dict[str, Change]]:
             if measure == "centroid":
                 difference = 100 * np.expm1(difference / 100)
             error = difference.std(ddof=1) / math.sqrt(number) if number > 1 else math.nan
-            bound = max(factor * error, LEAST[measure])
+            bound = max(factor * error, MIN[measure])
             mean, most = difference.mean(), np.abs(difference).max()
             result[measure] = Change(float(mean), float(error), float(most), float(bound))
         yield result

@@ -211,7 +211,7 @@ def test_a_height_file_is_found_from_the_folder(tmp_path: Path) -> None:
 def test_very_many_runs_have_a_table_and_no_page(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(defaults, "MOST_RUNS_COMPARED", 2)
+    monkeypatch.setattr(defaults, "MAX_RUNS_COMPARED", 2)
     monkeypatch.setattr(defaults, "FEW_RUNS", 1)
     out = tmp_path / "out"
     words = ["run", str(write(tmp_path, SEEDS)), "--out", str(out), "--workers", "1"]

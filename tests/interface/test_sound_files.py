@@ -106,7 +106,7 @@ def test_silence_and_records_below_hearing_say_so(run: Run, tmp_path: Path) -> N
     level = heard(run, tmp_path / "far", noise(3), scene=far).sound.levels.laeq_db
     assert level is not None and -30 < level < 0
     listen = listen_of(tmp_path / "far")
-    assert listen["gain_full_scale_per_pa"] == wav.MOST_GAIN
+    assert listen["gain_full_scale_per_pa"] == wav.MAX_GAIN
     assert "stays quieter than others" in listen["meaning"]
     assert "the largest gain" in wav.read(tmp_path / "far" / "listen.wav")[2]
 

@@ -33,7 +33,7 @@ def test_candidates_are_those_of_plain_arrays(
     gap = np.where(rng.random(shape) < 0.5 * share, -1.0, 1.0) * rng.random(shape)
     free = np.count_nonzero((pressure > 0) & (pressure < hardness))
     resting = (pressure == hardness) & (gap < -0.3)
-    resting &= free >= kernels.LEAST_FREE * subcells**2
+    resting &= free >= kernels.MIN_FREE * subcells**2
     expected = ((pressure > 0) | (gap < 0)) & ~resting
     if neighbours:
         expected = ndimage.binary_dilation(expected, CROSS)

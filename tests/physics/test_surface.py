@@ -247,7 +247,7 @@ def test_surfaces_that_runs_share_are_made_and_described_once(
     made, make = [], scene_surface._make
     monkeypatch.setattr(scene_surface, "_make", lambda given: made.append(given) or make(given))
     monkeypatch.setattr(scene_surface, "_kept", {})
-    monkeypatch.setattr(scene_surface, "_MOST_KEPT", most)
+    monkeypatch.setattr(scene_surface, "_MAX_KEPT", most)
     swept = ["sweep.rolling.load_n=[5, 20]", "sweep.surface.seed=[1, 2]"]
     runs = [single for _, single in scene_file.loads(PLAIN, swept).runs()]
     statistics = [scene_surface.scene_surface(run).statistics for run in runs]

@@ -12,8 +12,8 @@ from acoustics.bands import (
     BAND_NAMES,
     BANDWIDTH_HZ,
     EDGES_HZ,
-    LEAST_BT,
     MID_HZ,
+    MIN_BT,
     third_octave_mean_square,
 )
 from acoustics.resampling import fade
@@ -329,7 +329,7 @@ def open_records() -> Table:
         + "\n".join(holds)
         + "\n\nInside the bands class 1 holds for records of every length scanned from "
         f"B T = {min_lines_inside():.1f} on; the bands `bands.reliable` names have B T of "
-        f"{LEAST_BT:g} or more. Outside "
+        f"{MIN_BT:g} or more. Outside "
         "it holds only from the bands above on: in lower bands a strong tone or a steep spectrum "
         "several octaves away "
         f"shows at the attenuations of the table, {worst_db:.0f} dB in the worst faded case, "

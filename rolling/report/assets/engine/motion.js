@@ -10,8 +10,8 @@ import { over, plus, times } from "./complex.js";
 
 const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
 const SHARP = 0.1; // if its damping over its frequency is less
-const LEAST_RISE = 1e-6; // of the residual over the approach; a ball too light for the steps has none
-const MOST = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
+const MIN_RISE = 1e-6; // of the residual over the approach; a ball too light for the steps has none
+const MAX = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
 const PER_PERIOD = 18; // steps in a period of the resonance at least, which leave -50 dB of the force
 const PER_IMPACT = 12; // steps in the time of an impact at least, which leave 0.1 % of its impulse
 const CALM = 400; // steps without a flight after which the source becomes a parabola
@@ -19,7 +19,7 @@ const [FALL, ROUGH] = [1, 1e-4]; // speed [m/s] and height [m] that a ball on a 
 const HIGHER = 1.1; // height that a ball does not reach over the height of its fall
 const STRONGEST = 1e9; // force over the load that a ball on a track does not reach
 export const RATE = 48000; // samples per second
-const MOST_STEPS = 32; // per sample
+const MAX_STEPS = 32; // per sample
 
 // The steps resolve the period of the resonance, the impact from the height, and the shortest waves of the law.
 /** Return the number of time steps per sample at settings and a height [m] of fall. */
@@ -31,7 +31,7 @@ export function stepsPerSample(run, settings, chain, height = settings.dropHeigh
   const impact = 2.868 * (mass ** 2 / (impactRadius * modulus ** 2 * fall)) ** 0.2; // [s], by Hertz
   if (fall > 0) longest = Math.min(longest, impact / PER_IMPACT);
   if (settings.speed > 0) longest = Math.min(longest, shortestWave / (2 * settings.speed));
-  return Math.min(Math.max(Math.ceil(1 / (RATE * longest)), 3), MOST_STEPS);
+  return Math.min(Math.max(Math.ceil(1 / (RATE * longest)), 3), MAX_STEPS);
 }
 
 const exponential = ([x, y]) => [Math.exp(x) * Math.cos(y), Math.exp(x) * Math.sin(y)];
@@ -71,7 +71,7 @@ export class Motion {
     const held = chain.poles.map(([pole, residue]) => heldPole(pole, residue, step));
     for (const name of ["turn", "start", "end", "bend", "late"]) this[name] = partsOf(held.map((weights) => weights[name]));
     [this.give, this.lead] = [this.end, this.bend].map(([re]) => re.reduce((sum, value) => sum + value, 0));
-    this.rise = Math.max(1 - this.give * chain.stiffness, LEAST_RISE);
+    this.rise = Math.max(1 - this.give * chain.stiffness, MIN_RISE);
     law.moveTo(position);
     this.settle(law.approach(load), load);
   }
@@ -147,7 +147,7 @@ export class Motion {
     let high = free;
     let d = 2 * approach - before;
     if (!(d > low && d < high)) d = high;
-    for (let i = 0; i < MOST; i++) {
+    for (let i = 0; i < MAX; i++) {
       const elastic = law.force(d);
       const drag = viscosity * law.stiffness;
       // The velocity is that of the parabola through the latest three; surfaces do not pull.

@@ -13,7 +13,7 @@ const TAIL_RATIO = 1.5; // of the edges of the bands of the tail
 const TAIL_DAMPING = (TAIL_RATIO ** 0.5 - TAIL_RATIO ** -0.5) / Math.PI; // its damping ratio
 const TAIL_BANDS = 6;
 const HEARD_LINES = 8192; // samples of the response
-const MOST_LINES = 1200; // of the force
+const MAX_LINES = 1200; // of the force
 
 /** A thin plate by mass per area [kg/m2], bending stiffness [N m], loss factor and edges [m]. */
 export class EdgedPlate {
@@ -101,7 +101,7 @@ export function costOfModes(law, { chain, load, speed }, response, sets) {
   const square = ({ re, im }, line) => (line > 0 && 2 * line < re.length ? re[line] ** 2 + im[line] ** 2 : 0);
   const powers = [0, 0];
   const lowest = speed / law.length;
-  const stride = Math.max(1, Math.ceil(AUDIBLE[1] / lowest / MOST_LINES));
+  const stride = Math.max(1, Math.ceil(AUDIBLE[1] / lowest / MAX_LINES));
   for (let k = Math.ceil(AUDIBLE[0] / lowest); k * lowest < AUDIBLE[1]; k += stride) {
     const f = k * lowest;
     const power = square(track, k) * square(heard, Math.round((f * HEARD_LINES) / RATE)) * aWeight(f) ** 2;

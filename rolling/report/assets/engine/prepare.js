@@ -11,7 +11,7 @@ import { prepareRelease } from "./release.js";
 import { impulseResponses } from "./response.js";
 
 const LIVE_MODES = 100; // that move in real time
-const MOST_WORK = 18; // area^1.5 [m3] times the root of the modes: 5 s
+const MAX_WORK = 18; // area^1.5 [m3] times the root of the modes: 5 s
 let latestPlate = { key: "", plate: null };
 
 /** Return the slow parts of a run at settings; `most` modes move. */
@@ -49,7 +49,7 @@ function edgedPlate(run, settings) {
   const massPerArea = plateDensity * thickness;
   const bendingStiffness = (young * thickness ** 3) / (12 * (1 - poisson ** 2));
   const count = (length * width * MODES_HZ) / (2 * Math.sqrt(bendingStiffness / massPerArea));
-  if ((length * width) ** 1.5 * Math.sqrt(count) > MOST_WORK) {
+  if ((length * width) ** 1.5 * Math.sqrt(count) > MAX_WORK) {
     const size = `${(length * width).toPrecision(2)} m2 with about ${Math.round(count)} modes`;
     throw new Error(`This plate (${size}) takes too long to prepare: choose a smaller or a thicker one.`);
   }

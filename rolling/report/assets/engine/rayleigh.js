@@ -8,11 +8,11 @@ const NODES = [0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.865
 const WEIGHTS = [0.2955242247147529, 0.2692667193099963, 0.219086362515982, 0.1494513491505806, 0.0666713443086881];
 const PANEL = 18; // [rad] phase along a panel of ten nodes, which leaves 5e-5
 const WIDEST = 3; // width of a panel over the distance of the listener, which leaves 4e-6
-const MOST_PANELS = 32; // near a listener
+const MAX_PANELS = 32; // near a listener
 
 /** Return nodes and weights of a quadrature over [0, width] for a phase [rad] along it. */
 function quadrature(width, phase, near = width) {
-  const panels = Math.max(Math.ceil(phase / PANEL), Math.min(Math.ceil(width / (WIDEST * near)), MOST_PANELS));
+  const panels = Math.max(Math.ceil(phase / PANEL), Math.min(Math.ceil(width / (WIDEST * near)), MAX_PANELS));
   const half = width / panels / 2;
   const [nodes, weights] = [[], []];
   for (let panel = 0; panel < panels; panel++) {

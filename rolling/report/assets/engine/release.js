@@ -9,7 +9,7 @@ import { AUDIBLE, IMPEDANCE } from "./radiation.js";
 
 const FINER = 8; // values per step of the track at least, between which cubics interpolate
 const SMOOTH_S = 0.02; // time constant of the factor from intensity to pressure
-const MOST_RELEASE_STEPS = 16; // readings per sample
+const MAX_RELEASE_STEPS = 16; // readings per sample
 
 /** Return the release per metre [J/m] on a fine grid, and the mean squares of its waves summed up. */
 export function prepareRelease(run) {
@@ -19,7 +19,7 @@ export function prepareRelease(run) {
   for (let k = 0; k < re.length; k++) waves[k + 1] = waves[k] + 2 * (re[k] ** 2 + im[k] ** 2);
   const count = 2 ** Math.ceil(Math.log2(2 * FINER * re.length));
   const fine = recordOfLines({ re, im }, count).map((value) => count * value);
-  const steps = Math.min(Math.max(Math.ceil((run.limits.speed[1] * 2 * re.length) / length / RATE), 1), MOST_RELEASE_STEPS);
+  const steps = Math.min(Math.max(Math.ceil((run.limits.speed[1] * 2 * re.length) / length / RATE), 1), MAX_RELEASE_STEPS);
   const spacing = length / count;
   return { kind: "release", rate: RATE, delay: 0, responses: [Float32Array.of(1)], start, length, spacing, steps, waves, fine };
 }

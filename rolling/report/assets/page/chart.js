@@ -1,7 +1,7 @@
 // ---- charts: opening, colours, curves on and off, scales ----
 
 import { pointsOf, positive } from "./chart_scale.js";
-import { MOST_NAMES, drawChart, drawn, isGrey, keyOf, layoutOf, make, namesOf, sizeChart } from "./chart_draw.js";
+import { MAX_NAMES, drawChart, drawn, isGrey, keyOf, layoutOf, make, namesOf, sizeChart } from "./chart_draw.js";
 import { saveChart } from "./chart_save.js";
 import { listenTo, readAt, resetZoom, setPlayhead } from "./chart_touch.js";
 
@@ -88,7 +88,7 @@ export function redraw(plot) {
 /** Make a button for each name of curves, which shows and hides them. */
 function makeLegend(plot) {
   const { chart, view, figure } = plot, names = namesOf(chart);
-  if (names.length > MOST_NAMES) return;
+  if (names.length > MAX_NAMES) return;
   figure.querySelector(".legend").replaceChildren(...names.map((name) => {
     const button = make("button", { type: "button", "aria-pressed": "true" });
     button.append(drawn("svg", { width: 30, height: 12, "aria-hidden": "true" }, keyOf(chart, name)), name);

@@ -8,7 +8,7 @@ const MARKS = {
   o: "M-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0z", s: "M-2.8-2.8h5.6v5.6h-5.6z", "^": "M0-3.5l3.4 6h-6.8z", D: "M0-4l4 4l-4 4l-4-4z",
   v: "M0 3.5l3.4-6h-6.8z", P: "M-1.2-3.6h2.4v2.4h2.4v2.4h-2.4v2.4h-2.4v-2.4h-2.4v-2.4h2.4z", X: "M-3-3l6 6M-3 3l6-6",
 };
-export const MOST_NAMES = 24; // of a legend
+export const MAX_NAMES = 24; // of a legend
 export const LETTER = 6.4; // width of a letter of a label [pixels]
 const ROW = 16;
 

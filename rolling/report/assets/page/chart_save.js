@@ -1,6 +1,6 @@
 // ---- charts as files: SVG, PNG and CSV ----
 
-import { LETTER, MOST_NAMES, drawChart, drawn, keyOf, namesOf, rowsOf } from "./chart_draw.js";
+import { LETTER, MAX_NAMES, drawChart, drawn, keyOf, namesOf, rowsOf } from "./chart_draw.js";
 
 const WIDTH = 900; // of a saved chart [pixels]
 const STYLES = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "opacity", "font-family", "font-size", "font-weight", "text-anchor"];
@@ -37,7 +37,7 @@ function savedChart({ figure, chart, view }) {
   for (const text of rowsOf(chart.note, 140)) texts.push(drawn("text", { x: 6, y: (bottom += 15) }, text));
   inner.setAttribute("transform", `translate(0 ${(bottom += 8)})`);
   bottom += height;
-  const names = namesOf(chart).filter((name) => !view.hidden.has(name)).slice(0, MOST_NAMES);
+  const names = namesOf(chart).filter((name) => !view.hidden.has(name)).slice(0, MAX_NAMES);
   const across = Math.max(1, Math.floor(WIDTH / (60 + LETTER * Math.max(1, ...names.map((name) => name.length)))));
   names.forEach((name, k) => {
     const place = `translate(${6 + (k % across) * (WIDTH / across)} ${bottom + 18 * Math.floor(k / across)})`;

@@ -5,7 +5,7 @@ import { drawn, make } from "./chart_draw.js";
 import { redraw } from "./chart.js";
 
 const READ_WITHIN = 30; // pixels along x within which a curve is read
-const MOST_READ = 8; // curves in a reading
+const MAX_READ = 8; // curves in a reading
 const DRAGGED = 6; // pixels after which a press is no click
 const STEP = 3; // pixels between places that the arrow keys read
 
@@ -23,7 +23,7 @@ export function readAt(plot, pixel) {
   output.hidden = !first;
   if (!first) return;
   over.append(drawn("path", { d: `M${first.x} ${box.top}V${box.bottom}`, class: "hair-line" }));
-  output.replaceChildren(make("strong", {}, first.place), ...read.slice(0, MOST_READ).sort((a, b) => a.curve - b.curve).map((entry) => {
+  output.replaceChildren(make("strong", {}, first.place), ...read.slice(0, MAX_READ).sort((a, b) => a.curve - b.curve).map((entry) => {
     const { curve, x, y, name, text } = entry, line = make("div", { class: entry === first ? "first" : null });
     const style = `--c: ${chart.paints[curve]}`;
     if (!image) over.append(drawn("circle", { cx: x + places.step * chart.offsets[curve], cy: y, r: 4, class: "dot", style }));
