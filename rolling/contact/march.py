@@ -7,6 +7,7 @@ quasi-static contact depends on its position, not on its speed.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from math import sqrt
 from typing import NamedTuple
 
@@ -18,7 +19,7 @@ from rolling.contact import _window_kernels, closed_forms, solver
 from rolling.contact._system import Limits
 from rolling.contact._transform_kernels import MAX_NODES
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.solver import Contact, ContactError, Previous, WarmStart
+from rolling.contact.solver import Contact, ContactError, ConvergenceError, Previous, WarmStart
 from rolling.contact.state import ContactState, RollingContact, Window
 
 # Up to a step of so many nodes a window includes the next position as well, whose deflection is
@@ -99,17 +100,27 @@ def march(
     for k in range(first, last + 1):
         here = contact.loaded_at(k)
         try:
-            following = (
-                _start(here, k, half_space)
-                if state is None
-                else _follow(here, k, half_space, state, before)
-            )
+            following = _solved(here, k, half_space, state, before)
         except ContactError as error:
             raise ContactError(
                 f"step {k} (sphere at {contact.position(k) * 1e3:.4f} mm): {error}"
             ) from error
         state, before = following, state
         yield state
+
+
+def _solved(
+    contact: RollingContact,
+    k: int,
+    half_space: HalfSpace,
+    state: ContactState | None,
+    before: ContactState | None,
+) -> ContactState:
+    """Solve a position from those before it, or anew where their contact leads nowhere."""
+    if state is not None:
+        with suppress(ConvergenceError):  # after a change of the load on a plate that mostly yields
+            return _follow(contact, k, half_space, state, before)
+    return _start(contact, k, half_space)
 
 
 class _Problem(NamedTuple):
@@ -170,7 +181,7 @@ def _state(
     edge = np.empty((0, 0)) if solved.edge is None else solved.edge
     fields = solved.pressure, solved.deflection, contact.hardness
     spacing, *radii, x, y = contact.sphere(problem.k)
-    overlap = max(solved.approach + contact.maxima.highest, 0.0)
+    overlap = max(contact.farthest_gap(solved.approach) + contact.maxima.highest, 0.0)
     reach = sqrt(2 * max(radii) * overlap) / spacing
     centre = x / spacing - window.row, y / spacing - window.column
     numbers = solver.levelled_range(problem.half_space, contact.hardness), *centre, reach

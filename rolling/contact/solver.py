@@ -56,6 +56,10 @@ class ContactError(RuntimeError):
     """
 
 
+class ConvergenceError(ContactError):
+    """Error of a solve whose iterations led nowhere."""
+
+
 @dataclass(frozen=True)
 class Contact:
     """Solved contact on its window.
@@ -418,7 +422,7 @@ class Problem(NamedTuple):
             f"; gaps of up to {rounded(highest)} m, rounded in double precision, need a tolerance"
             f" of at least {rounded(limit)} for a deflection of {rounded(u_max)} m"
         )
-        return ContactError(
+        return ConvergenceError(
             f"the contact solve stopped after {state[kernels.ITERATIONS]} iterations at a residual"
             f" of {rounded(worst / u_max)}, {rounded(self.tolerance)} was asked for (tried:"
             f" preconditioned conjugate gradients, {state[kernels.RESTARTS]} restarts,"

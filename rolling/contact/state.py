@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isfinite, pi
+from math import inf, isfinite, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +15,9 @@ from acoustics.arrays import Array, finite, positive, real_array
 from rolling.contact import _window_kernels
 
 # Share of the minimum deflection by a load that counts; the slope of the deflection within a cell
-# takes less than the rest. Between sub-cells the interpolation deflects nodes near a load less than
-# 1/r: by 36 to 66 % beside it, by 1 % up to 5 cells away. The load counts as so much farther away.
+# takes less than the rest. Near a load deflections are less than 1/r between sub-cells, by 36 to 66
+# % beside it and 1 % up to 5 cells away, and within the cells of blended edges, whose slope takes
+# half a spacing over r of them. The load counts as so much farther away.
 SURE, NEAR_CELLS = 0.99, 6.0
 
 
@@ -93,7 +94,13 @@ class Maxima(NamedTuple):
     highest: float
 
 
-_last: list[tuple[Array, bool, Maxima]] = []
+_last: list[tuple[Array, tuple[bool, float], Maxima]] = []
+
+
+def fingerprint(heights: Array) -> float:
+    """Return a number that changes with heights and their places: arrays may be overwritten."""
+    along, across = (np.sqrt(np.arange(1.0, n + 1)) for n in heights.shape)
+    return float(along @ heights @ across)
 
 
 def maxima_of(heights: Array, rising: bool) -> Maxima:
@@ -101,7 +108,8 @@ def maxima_of(heights: Array, rising: bool) -> Maxima:
 
     The maxima of the last surface are kept, because all pieces of its track share them.
     """
-    if not _last or _last[0][0] is not heights or _last[0][1] != rising:
+    key = rising, fingerprint(heights)
+    if not _last or _last[0][0] is not heights or _last[0][1] != key:
         tops = heights
         if rising and heights.any():
             tops = np.empty_like(heights)
@@ -109,7 +117,7 @@ def maxima_of(heights: Array, rising: bool) -> Maxima:
         first = np.arange(0, tops.shape[1], _window_kernels.STRETCH)
         stretches = np.maximum.reduceat(tops, first, axis=1)
         rows = stretches.max(axis=1)
-        _last[:] = [(heights, rising, Maxima(tops, stretches, rows, float(rows.max())))]
+        _last[:] = [(heights, key, Maxima(tops, stretches, rows, float(rows.max())))]
     return _last[0][2]
 
 
@@ -256,11 +264,13 @@ class RollingContact:
 
         The gap, with the minimum deflection by a load of this spread [m], is below the approach
         there. Contact at a smaller approach, or of a smaller spread, lies inside. With blended
-        edges the gap is that of the top of each cell, and a border of one node allows for the slope
-        of the sphere.
+        edges the gap is that of the top of each cell, and there is a border of one node, because
+        the edge of a cell needs nodes on both sides.
         """
-        near = NEAR_CELLS * self.cell_spacing if self.subcells > 1 else 0.0
-        limits = approach, SURE * self.load / (pi * self.contact_modulus), spread**2 + near**2
+        within_cells = self.subcells > 1 or self.has_blended_edges
+        near = NEAR_CELLS * self.cell_spacing if within_cells else 0.0
+        load = SURE * self.load / (pi * self.contact_modulus)
+        limits = self.farthest_gap(approach), load, spread**2 + near**2
         row, last_row, column, last_column = _window_kernels.overlap_block(
             *self.maxima, *self.sphere(k), *limits
         )
@@ -268,6 +278,19 @@ class RollingContact:
             return None
         window = Window(row, column, last_row - row + 1, last_column - column + 1)
         return window.bordered() if self.has_blended_edges else window
+
+    def farthest_gap(self, approach: float) -> float:
+        """Return the maximum gap [m] at a node whose cell touches at an approach.
+
+        With blended edges the sphere may touch the near side of a cell. It is lower there than over
+        the node by half a side times its slope, (2 d / R)^(1/2) at a distance d above the highest
+        node.
+        """
+        if not self.has_blended_edges:
+            return approach
+        half, radius = 0.5 * self.spacing, min(self.radii)
+        touching = max(approach + self.maxima.highest, 0.0)
+        return approach + half * (half + sqrt(half**2 + 2 * radius * touching)) / radius
 
     def gap(self, k: int, window: Window, heights: Array | None = None) -> Array:
         """Compute the undeformed gap on a window at position k, a (rows, columns) array [m].

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from acoustics.arrays import Array
-from rolling.contact.state import RollingContact
+from rolling.contact.state import RollingContact, fingerprint
 from rolling.scene.scene import Scene
 from rolling.surface import refined
 from rolling.surface.scene_surface import has_detail, heights
@@ -73,6 +73,7 @@ class _Between:
     """Heights between the nodes of a surface, kept for further contacts on it."""
 
     heights: Array
+    fingerprint: float
     fine: tuple[int, bool, Array] | None = None
 
     @cached_property
@@ -98,6 +99,6 @@ _last: list[_Between] = []
 
 def _between(z: Array) -> _Between:
     """Return the heights between the nodes of a surface; the last surface is kept."""
-    if not _last or _last[0].heights is not z:
-        _last[:] = [_Between(z)]
+    if not _last or _last[0].heights is not z or _last[0].fingerprint != fingerprint(z):
+        _last[:] = [_Between(z, fingerprint(z))]
     return _last[0]

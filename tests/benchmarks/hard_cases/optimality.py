@@ -99,9 +99,7 @@ def _levelled(track: RollingContact) -> float:
 
 
 def edges(track: RollingContact, state: ContactState, gap: Array, u: Array, around: int) -> Array:
-    """Compute half the range of gaps [m] over the cells of the window of a state.
-
-    It is zero around the window.
+    """Compute half the range of gaps [m] over the cells of the window of a state and around it.
 
     Parameters
     ----------
@@ -116,15 +114,15 @@ def edges(track: RollingContact, state: ContactState, gap: Array, u: Array, arou
         rows = np.arange(-around, w.rows + around) + w.row
         columns = np.arange(-around, w.columns + around) + w.column
         shape = _sphere(track, state, rows, columns)
-    slopes = np.gradient(shape + u)
-    half = np.hypot(*slopes) / 2
+    return _edge(track, state, np.hypot(*np.gradient(shape + u)) / 2)
+
+
+def _edge(track: RollingContact, state: ContactState, half: Array) -> Array:
+    """Return the half range of gaps [m] that counts, of a half range over a cell."""
     level = _levelled(track)
     most = np.minimum(half, STEEPEST * level)
-    edge: Array = np.minimum(np.maximum(2 * (half - level), 0.0), most)
-    inside = np.zeros_like(edge)
-    inner = (slice(around + 1, -around - 1),) * 2
-    inside[inner] = state.edge_share * edge[inner]
-    return inside
+    edge: Array = state.edge_share * np.minimum(np.maximum(2 * (half - level), 0.0), most)
+    return edge
 
 
 def violations(
@@ -181,9 +179,11 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
     """Return the maximum penetration [m] of sphere and deflected plate outside the window.
 
     It is 0 without penetration. Deflections are never negative, so contact needs an undeformed gap
-    below the approach. Few nodes remain to be checked, and their deflections are summed directly.
+    below the approach, or one that is wide within its cell. Few nodes remain to be checked, and
+    their deflections are summed directly.
     """
     reach = 2 * max(track.radii) * (state.approach + float(track.heights.max()))
+    blended = track.has_blended_edges and state.edge_share > 0
     if not reach > 0:
         return 0.0
     nodes = np.sqrt(reach) / track.spacing
@@ -198,12 +198,29 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
     for piece in np.array_split(rows, 1 + rows.size * columns.size // BLOCK):
         before_or_after = ~((piece >= w.row) & (piece < w.row + w.rows))
         room = state.approach - _gap(track, state, piece, columns)
-        i, j = np.nonzero((room > 0) & (before_or_after[:, None] | beside[None, :]))
-        if i.size:
-            deepest = max(
-                deepest,
-                float((room[i, j] - _deflection_at(track, state, piece[i], columns[j])).max()),
+        wide = np.zeros_like(room)
+        if blended:
+            shape = _gap if track.slopes else _sphere
+            along, across = (
+                shape(track, state, piece + a, columns + b)
+                - shape(track, state, piece - a, columns - b)
+                for a, b in ((1, 0), (0, 1))
             )
+            wide = np.hypot(along, across) / 4
+        i, j = np.nonzero((room + wide > 0) & (before_or_after[:, None] | beside[None, :]))
+        if not i.size:
+            continue
+        rows_here, columns_here = piece[i], columns[j]
+        depth = room[i, j] - _deflection_at(track, state, rows_here, columns_here)
+        if blended:
+            along, across = (
+                change[i, j]
+                + _deflection_at(track, state, rows_here + a, columns_here + b)
+                - _deflection_at(track, state, rows_here - a, columns_here - b)
+                for change, a, b in ((along, 1, 0), (across, 0, 1))
+            )
+            depth += _edge(track, state, np.hypot(along, across) / 4)
+        deepest = max(deepest, float(depth.max()))
     return deepest
 
 
