@@ -181,10 +181,7 @@ class Lines:
 
     @cached_property
     def envelope(self) -> tuple[Array, Array]:
-        """The lines, thinned to the minimum and maximum of each column of the plot.
-
-        Columns with a single line are unchanged.
-        """
+        """The lines, thinned to the minimum and maximum of each column of the plot."""
         low, high = np.log(AUDIBLE_HZ)
         column = (np.log(self.frequency_hz) - low) / (high - low)
         return _thinned(self.frequency_hz, np.maximum(self.level_db, NOTHING_DB), column)
@@ -213,15 +210,9 @@ def envelope(x: Array, y: Array) -> tuple[Array, Array]:
 def _thinned(x: Array, y: Array, share: Array) -> tuple[Array, Array]:
     """Replace the points of each column of a plot by its minimum and maximum y at its first x.
 
-    Columns of one or two points stay. x rises, and `share` (n,), 0 to 1, is the place of each point
-    in the width of the plot.
+    x rises, and `share` (n,), 0 to 1, is the place of each point in the width of the plot.
     """
     column = np.minimum(np.floor(share * _COLUMNS), _COLUMNS - 1)
     starts = np.flatnonzero(np.diff(column, prepend=-1.0))
-    counts = np.diff(starts, append=len(x))
-    crowded = counts > 2
-    alone, first = np.repeat(~crowded, counts), x[starts[crowded]]
-    extremes = (limit.reduceat(y, starts)[crowded] for limit in (np.minimum, np.maximum))
-    merged_x, merged_y = np.concatenate((x[alone], first, first)), (y[alone], *extremes)
-    order = np.argsort(merged_x, kind="stable")
-    return merged_x[order], np.concatenate(merged_y)[order]
+    limits = [limit.reduceat(y, starts) for limit in (np.minimum, np.maximum)]
+    return np.repeat(x[starts], 2), np.ravel(limits, "F")

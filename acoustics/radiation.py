@@ -11,6 +11,7 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import roots_legendre
 
 from acoustics.arrays import Array, finite, positive, real_array
 
@@ -23,6 +24,7 @@ RHO_C = 413.3
 AIR_KG_M3 = 1.204  # density of air at 20 C
 _MAX = 1e300  # of a factor
 SOUND_M_S = 343.2  # speed of sound in air at 20 C
+legendre = cache(roots_legendre)  # nodes and weights of a quadrature from -1 to 1
 
 
 def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
@@ -101,15 +103,6 @@ def sound_pressure(
         rms = float(np.sqrt(np.mean(np.square(fluctuation))))
         factor = float(np.sqrt(RHO_C / rms)) if rms > 0.0 else 0.0
     return factor * fluctuation, factor
-
-
-@cache
-def legendre(count: int) -> tuple[Array, Array]:
-    """Return the nodes and weights of a Gauss-Legendre quadrature from -1 to 1."""
-    from scipy.special import roots_legendre  # slow to import; NumPy is tens of times slower
-
-    nodes, weights = roots_legendre(count)
-    return nodes, weights
 
 
 @dataclass(frozen=True)

@@ -60,12 +60,9 @@ def _act(argv: Sequence[str] | None) -> int:
     except KeyboardInterrupt:
         _say("interrupted")
         return INTERRUPTED
-    except OSError as error:  # the message names the files that are kept
-        _say(str(error))
-        return FAILED
     except Exception as error:
         code = _code_of(error)
-        _say(str(error))
+        _say(str(error) or "not enough memory; take fewer workers or nodes")
         return code
 
 
@@ -76,6 +73,8 @@ def _code_of(error: Exception) -> int:
 
     if isinstance(error, SceneError | FolderError):
         return BAD_INPUT
+    if isinstance(error, OSError | MemoryError):  # the message names the files that are kept
+        return FAILED
     from rolling.contact.solver import ContactError  # slow to import
 
     if isinstance(error, ContactError):

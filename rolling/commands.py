@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import shutil
 import sys
+import time
 import webbrowser
 from collections.abc import Sequence
 from dataclasses import replace
@@ -149,7 +150,8 @@ def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
     newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
     report = report and len(runs) <= defaults.MAX_RUNS_COMPARED
     last = folder / (PAGE if report else TABLE)
-    if last.is_file() and last.stat().st_mtime_ns >= newest:
+    # A page from the future was written before a clock was set back.
+    if last.is_file() and newest <= last.stat().st_mtime_ns <= time.time_ns():
         return
     with progress.step("writing the table"):
         write_table(runs_table.runs_table(runs), folder / TABLE)
@@ -345,15 +347,17 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
     ------
     FolderError : a run is not done, or there is no such figure of the runs.
     """
-    from rolling import figures
+    from rolling.figures.catalogue import FIGURES, plot_run
 
     with progress.step("reading the runs, making their sound"):
         runs = open_runs(folders.done_runs(folder))
     if out is None:
         out = folder / "figures"
         files.make_below(folder, out)
+    elif taken := [at for name in names or FIGURES for at in out.glob(f"{name}*.{form}")]:
+        raise FolderError(f"{taken[0]}: exists; take another folder, or remove it")
     try:
-        return figures.plot_run(runs, names, form, out)
+        return plot_run(runs, names, form, out)
     except ValueError as error:
         raise FolderError(str(error)) from error
 
@@ -386,10 +390,9 @@ def table(
     keys = [key for key in runs[0].values if key != over]
     if over != runs_table.SEED:
         _refuse_unknown(over, [*runs[0].values], "swept key")
-    if len(against) > 2:
-        raise FolderError(
-            f"--against: got {len(against)} keys, allowed: one for lines, two for a map"
-        )
+    if len(against) > 2 or len({*against}) < len(against):
+        got, allowed = " ".join(against), "one key for lines, two different ones for a map"
+        raise FolderError(f"--against: got {got}, allowed: {allowed}")
     for key in against:
         _refuse_unknown(key, keys, "swept key")
     for name in numbers:
@@ -466,16 +469,20 @@ def surface(
     with progress.step("computing the parameters, drawing the picture"):
         values = parameters(heights, steps, is_scene)
         drawn = topography(name, values, heights, steps, is_scene)
-        contents = {form: drawn.file(form) or b"" for form in ("png", "csv")}
+        folder = out or Path("outputs") / f"{name}-surface"
+        names = {form: folder / f"{drawn.name}.{form}" for form in ("png", "csv")}
+        contents = {path: drawn.file(form) or b"" for form, path in names.items()}
+    for path, content in contents.items():
+        if path.exists() and path.read_bytes() != content:
+            raise FolderError(f"{path}: exists; take another folder, or remove it")
     if save is not None:
         try:
             measured.write(save, heights, (steps[0], steps[1]))
         except HeightFormatError as error:
             raise FolderError(error.of(f"--save {save}")) from error
-    folder = out or Path("outputs") / f"{name}-surface"
     folder.mkdir(parents=True, exist_ok=True)
-    for form, content in contents.items():
-        files.write_bytes(folder / f"{drawn.name}.{form}", content)
+    for path, content in contents.items():
+        files.write_bytes(path, content)
     if progress.is_quiet():
         return [folder]
     nodes, sides = (" x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * steps, 6)))

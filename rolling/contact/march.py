@@ -100,27 +100,17 @@ def march(
     for k in range(first, last + 1):
         here = contact.loaded_at(k)
         try:
-            following = _solved(here, k, half_space, state, before)
+            following = None
+            # A change of the load on a plate that mostly yields may lead nowhere.
+            with suppress(ConvergenceError):
+                following = state and _follow(here, k, half_space, state, before)
+            following = following or _start(here, k, half_space)
         except ContactError as error:
             raise ContactError(
                 f"step {k} (sphere at {contact.position(k) * 1e3:.4f} mm): {error}"
             ) from error
         state, before = following, state
         yield state
-
-
-def _solved(
-    contact: RollingContact,
-    k: int,
-    half_space: HalfSpace,
-    state: ContactState | None,
-    before: ContactState | None,
-) -> ContactState:
-    """Solve a position from those before it, or anew where their contact leads nowhere."""
-    if state is not None:
-        with suppress(ConvergenceError):  # after a change of the load on a plate that mostly yields
-            return _follow(contact, k, half_space, state, before)
-    return _start(contact, k, half_space)
 
 
 class _Problem(NamedTuple):

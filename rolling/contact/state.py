@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite, pi, sqrt
-from typing import NamedTuple
+from operator import add
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from rolling.contact import _window_kernels
 # % beside it and 1 % up to 5 cells away, and within the cells of blended edges, whose slope takes
 # half a spacing over r of them. The load counts as so much farther away.
 SURE, NEAR_CELLS = 0.99, 6.0
+_Value = TypeVar("_Value")
 
 
 class Window(NamedTuple):
@@ -40,23 +42,16 @@ class Window(NamedTuple):
     @classmethod
     def around(cls, windows: Sequence[Window | None]) -> Window:
         """Return the minimum window that covers all given windows; None stands for no window."""
-        given = filter(None, windows)
-        row, column, rows, columns = next(given)
-        end, column_end = row + rows, column + columns
-        for first, first_column, rows, columns in given:
-            row, column = min(row, first), min(column, first_column)
-            end = max(end, first + rows)
-            column_end = max(column_end, first_column + columns)
-        return cls(row, column, end - row, column_end - column)
+        first, left, rows, columns = zip(*filter(None, windows), strict=True)
+        row, column = min(first), min(left)
+        end, right = max(map(add, first, rows)), max(map(add, left, columns))
+        return cls(row, column, end - row, right - column)
 
     def covers(self, other: Window) -> bool:
         """Tell whether all nodes of another window lie in this window."""
-        return (
-            self.row <= other.row
-            and self.column <= other.column
-            and self.row + self.rows >= other.row + other.rows
-            and self.column + self.columns >= other.column + other.columns
-        )
+        below = self.row + self.rows - other.row - other.rows
+        beside = self.column + self.columns - other.column - other.columns
+        return self.row <= other.row and self.column <= other.column and min(below, beside) >= 0
 
     def bordered(self) -> Window:
         """Add a node on every side, open in any contact that this window cannot cut off."""
@@ -94,31 +89,39 @@ class Maxima(NamedTuple):
     highest: float
 
 
-_last: list[tuple[Array, tuple[bool, float], Maxima]] = []
+_surfaces: list[tuple[Array, float, dict[Hashable, Any]]] = []  # the last two with their values
 
 
-def fingerprint(heights: Array) -> float:
-    """Return a number that changes with heights and their places: arrays may be overwritten."""
+def kept(heights: Array, name: Hashable, make: Callable[[], _Value]) -> _Value:
+    """Return a value of heights, which is kept because all pieces of a track share them.
+
+    Heights that were overwritten are other heights.
+    """
     along, across = (np.sqrt(np.arange(1.0, n + 1)) for n in heights.shape)
-    return float(along @ heights @ across)
+    number = float(along @ heights @ across)  # which depends on the places of the heights
+    known = next((held for z, own, held in _surfaces if z is heights and own == number), None)
+    if known is None:
+        known = {}
+        _surfaces[:] = [*_surfaces[-1:], (heights, number, known)]
+    if name not in known:
+        known[name] = make()
+    value: _Value = known[name]
+    return value
 
 
 def maxima_of(heights: Array, rising: bool) -> Maxima:
-    """Return the maximum heights of a surface, whose cells may rise above their nodes by the slope.
+    """Return the maximum heights of a surface, whose cells rise above their nodes by the slope.
 
-    The maxima of the last surface are kept, because all pieces of its track share them.
+    They do not unless `rising`.
     """
-    key = rising, fingerprint(heights)
-    if not _last or _last[0][0] is not heights or _last[0][1] != key:
-        tops = heights
-        if rising and heights.any():
-            tops = np.empty_like(heights)
-            _window_kernels.cell_tops(heights, tops)
-        first = np.arange(0, tops.shape[1], _window_kernels.STRETCH)
-        stretches = np.maximum.reduceat(tops, first, axis=1)
-        rows = stretches.max(axis=1)
-        _last[:] = [(heights, key, Maxima(tops, stretches, rows, float(rows.max())))]
-    return _last[0][2]
+    tops = heights
+    if rising and heights.any():
+        tops = np.empty_like(heights)
+        _window_kernels.cell_tops(heights, tops)
+    first = np.arange(0, tops.shape[1], _window_kernels.STRETCH)
+    stretches = np.maximum.reduceat(tops, first, axis=1)
+    rows = stretches.max(axis=1)
+    return Maxima(tops, stretches, rows, float(rows.max()))
 
 
 @dataclass(frozen=True)
@@ -213,7 +216,8 @@ class RollingContact:
     @cached_property
     def maxima(self) -> Maxima:
         """Maximum heights of the surface; with blended edges its cells rise above their nodes."""
-        return maxima_of(self.heights, self.has_blended_edges and self.slopes)
+        rising = self.has_blended_edges and self.slopes
+        return kept(self.heights, ("maxima", rising), lambda: maxima_of(self.heights, rising))
 
     @property
     def has_blended_edges(self) -> bool:
@@ -267,8 +271,7 @@ class RollingContact:
         edges the gap is that of the top of each cell, and there is a border of one node, because
         the edge of a cell needs nodes on both sides.
         """
-        within_cells = self.subcells > 1 or self.has_blended_edges
-        near = NEAR_CELLS * self.cell_spacing if within_cells else 0.0
+        near = NEAR_CELLS * self.cell_spacing if self.subcells > 1 or self.has_blended_edges else 0
         load = SURE * self.load / (pi * self.contact_modulus)
         limits = self.farthest_gap(approach), load, spread**2 + near**2
         row, last_row, column, last_column = _window_kernels.overlap_block(

@@ -67,7 +67,9 @@ _MAPPINGS = (
     *("surface", "uncertainty_db", "third_octave_db", "third_octave_a_db"),
     *("provenance", "packages", "listen", "listening", "error_estimate", "levelling"),
 )
-_TEXTS = ("name", "label", "source", "text")
+_TEXTS = ("name", "label", "source", "text", "word", "reason")
+# Names that a mapping has at least, or each mapping in a list.
+_FIELDS = {"verdict": "word reason", "contributions": "name word text", "preparation": "step text"}
 _UNITS = "db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|um|restitution"
 _NUMBER = re.compile(rf"surface|steps|impacts|seconds|pascal_.*|.*_({_UNITS})")
 
@@ -107,13 +109,15 @@ def _fits(key: str, value: Any) -> bool:
             isinstance(caveat, dict) and {*map(type, caveat.values())} == {str} and "text" in caveat
             for caveat in value
         )
-    if key == "preparation":
-        return isinstance(value, list) and all(
-            isinstance(step, dict) and {"step", "text"} <= {*step} for step in value
-        )
     if key in _TEXTS:
         return isinstance(value, str | None)
-    if isinstance(value, dict):
+    if (fields := _FIELDS.get(key)) and (key, value) != ("verdict", None):
+        parts = [value] if key == "verdict" else value
+        return isinstance(parts, list) and all(
+            isinstance(part, dict) and {*fields.split()} <= {*part} and _fits("", part)
+            for part in parts
+        )
+    if isinstance(value, dict) and not (key in _NEEDED and key not in _MAPPINGS):
         if _NUMBER.fullmatch(key):
             return all(map(_is_number, value.values()))
         return all(_fits(name, inner) for name, inner in value.items())

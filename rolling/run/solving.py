@@ -100,6 +100,8 @@ def solve_folder(
             runs = folders.runs_in(folder, scene)
             own = runs_of_part(runs, part)
             failures = _solve(folder, runs, own, sources, workers, pool)
+            if not (folder / folders.SCENE).is_file():  # somebody removed the folder meanwhile
+                folders.write_scene(folder, scene)
             if derive and part is None:
                 derive(folder, runs)
     if derive and part is not None:

@@ -90,6 +90,8 @@ def read_piece(path: Path) -> Arrays | None:
             if any(member.compress_type for member in stored.zip.infolist()):  # by someone else
                 return None
             return {name: stored[name] for name in stored.files}
+    except MemoryError:  # which says nothing about the file
+        raise
     except Exception:  # numpy raises errors of any kind on files that are cut off or damaged
         return None
 

@@ -267,7 +267,8 @@ def reason_of(error: OSError) -> str:
 def read_regular(path: Path, most: int) -> bytes:
     """Read a regular file of at most `most` bytes; raise OSError for any other."""
     with io.BufferedReader(open_regular(path)) as file:
-        content = file.read(most + 1)
+        # A read makes room for all that it may return.
+        content = file.read(min(os.fstat(file.fileno()).st_size, most) + 1)
     if len(content) > most:
         raise OSError(0, f"is larger than {most:,} bytes")
     return content

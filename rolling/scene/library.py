@@ -19,7 +19,7 @@ from pydantic import Field
 from ruamel.yaml import YAML
 
 from acoustics.numbers import rounded
-from rolling.scene.messages import SceneError, fault, shown
+from rolling.scene.messages import SceneError, fault, nearest, shown
 
 # In an installed package the scenes stand inside of it, in a checkout beside it.
 _PLACES = (Path(__file__).parents[1] / "scenarios", Path(__file__).parents[2] / "scenarios")
@@ -97,8 +97,7 @@ def hint(path: Path) -> str:
 
 def _nearest(name: str) -> str:
     """Write ", nearest: NAME" with the scene whose name is like a misspelt one, or nothing."""
-    names = difflib.get_close_matches(name.removesuffix(_SUFFIX), scenes(), 1)
-    return f", nearest: {names[0]}" if names else ""
+    return nearest(name.removesuffix(_SUFFIX), [*scenes()])
 
 
 def _write_new(path: Path, content: bytes) -> None:

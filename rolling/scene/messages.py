@@ -11,7 +11,7 @@ import os
 import re
 import tomllib
 import types
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
@@ -117,7 +117,8 @@ def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tup
         elsewhere = [] if dotted(key) in keys(root) else [*root.model_fields, *keys(root)]
         kind_of = outer.discriminator if outer else None
         of = f" of kind {_value(data, (*key[:-1], str(kind_of)))}" if kind_of else ""
-        like = nearest(str(key[-1]), siblings, elsewhere)
+        comma = "; a decimal point stands in place of a comma" * str(key[-1]).isdecimal()
+        like = nearest(str(key[-1]), siblings, elsewhere) + comma
         return key, f"unknown key{of}{like}, allowed: {', '.join(siblings)}"
     if kind in ("greater_than_equal", "less_than_equal") and key[-1] in MATERIALS:
         return key, implausible(value, MATERIALS[str(key[-1])])
@@ -234,20 +235,23 @@ _MAX_BITS = 1000  # maximum length of a whole number: pydantic fails to show muc
 _MAX_DEPTH = 16  # maximum nesting of values typed in Python
 
 
-def plain(value: Any, depth: int = 0) -> Any:
-    """Turn a value typed in Python into the plain value of a scene file, without keys of None."""
+def plain(value: Any, known: Collection[str] | None = None, depth: int = 0) -> Any:
+    """Turn a value typed in Python into the plain value of a scene file, without keys of None.
+
+    Where the `known` names of keys are given, other keys stay, to be refused.
+    """
     if depth > _MAX_DEPTH:
         raise SceneError([f"scene: values are nested more than {_MAX_DEPTH} times"])
     if isinstance(value, BaseModel):
         value = value.model_dump()
     if isinstance(value, Mapping):
         return {
-            writable(name) if isinstance(name, str) else name: plain(item, depth + 1)
+            writable(name) if isinstance(name, str) else name: plain(item, known, depth + 1)
             for name, item in value.items()
-            if item is not None
+            if item is not None or (known and str(name).rpartition(".")[2] not in known)
         }
     if isinstance(value, list | tuple):
-        return [plain(item, depth + 1) for item in value]
+        return [plain(item, known, depth + 1) for item in value]
     if hasattr(value, "tolist"):  # numbers and arrays of numpy, which is slow to import
         return value.tolist()
     if isinstance(value, int) and value.bit_length() > _MAX_BITS:
@@ -288,6 +292,14 @@ def keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
 
 
 @cache
+def names(model: type[BaseModel]) -> frozenset[str]:
+    """List the names of the keys of a model and of all sections inside."""
+    fields = model.model_fields.values()
+    inner = [part for field in fields for part in (*_models(field), *_listed(field))]
+    return frozenset(model.model_fields).union(*map(names, inner))
+
+
+@cache
 def section_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
     """Map every section to its field."""
     fields = {**root.model_fields, **keys(root)}
@@ -297,10 +309,9 @@ def section_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
 @cache
 def numeric_keys(root: type[BaseModel]) -> frozenset[str]:
     """List the dotted keys that hold a number."""
+    kinds = {name: _kinds(field.annotation) for name, field in keys(root).items()}
     return frozenset(
-        name
-        for name, field in keys(root).items()
-        if any(kind in (int, float) or type(kind) is int for kind in _kinds(field.annotation))
+        name for name, listed in kinds.items() if {int, float} & {*listed, *map(type, listed)}
     )
 
 

@@ -146,7 +146,7 @@ class Scene(quantities.SceneQuantities):
         SceneError
             The data has faults. The known faults come first.
         """
-        data = plain(data)
+        data = plain(data, messages.names(cls))
         scene, errors = sweeps.checked(data, cls)
         new_faults = [messages.explained(error, data, cls) for error in errors]
         if "name" not in data:

@@ -1,10 +1,9 @@
 """Rolling contact of a scene for the march: surface, bodies and numerics as plain numbers."""
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 from acoustics.arrays import Array
-from rolling.contact.state import RollingContact, fingerprint
+from rolling.contact.state import RollingContact, kept
 from rolling.scene.scene import Scene
 from rolling.surface import refined
 from rolling.surface.scene_surface import has_detail, heights
@@ -44,7 +43,9 @@ def auto_subcells(contact: RollingContact) -> int:
     """Choose the sub-cells along the side of a cell for a contact, as `numerics.subcells: auto`."""
     if not contact.has_blended_edges:
         return 1
-    slope = refined.rms_slope(_between(contact.heights).median_step, contact.spacing)
+    z = contact.heights
+    median = kept(z, "median step", lambda: refined.median_step(z))
+    slope = refined.rms_slope(median, contact.spacing)
     return refined.auto_subcells(slope, contact.contact_modulus, contact.hardness)
 
 
@@ -57,48 +58,11 @@ def on_subcells(
     """
     if subcells == 1 and not contact.has_blended_edges:
         return contact
-    between = _between(contact.heights)
-    smooth = between.smooth if smooth is None else smooth
+    z = contact.heights
+    if smooth is None:
+        smooth = kept(z, "smooth", lambda: refined.dies_out(z))
+    key = subcells, smooth
+    fine, spacing = kept(z, key, lambda: refined.subcell_heights(z, *key)), contact.spacing
     return replace(
-        contact,
-        heights=between.on_subcells(subcells, smooth),
-        spacing=contact.spacing / subcells,
-        subcells=subcells,
-        slopes=smooth,
+        contact, heights=fine, spacing=spacing / subcells, subcells=subcells, slopes=smooth
     )
-
-
-@dataclass(eq=False)
-class _Between:
-    """Heights between the nodes of a surface, kept for further contacts on it."""
-
-    heights: Array
-    fingerprint: float
-    fine: tuple[int, bool, Array] | None = None
-
-    @cached_property
-    def smooth(self) -> bool:
-        """Whether the surface continues between its nodes."""
-        return refined.dies_out(self.heights)
-
-    @cached_property
-    def median_step(self) -> float:
-        """Median change of heights from node to node [m]."""
-        return refined.median_step(self.heights)
-
-    def on_subcells(self, subcells: int, smooth: bool) -> Array:
-        """Return the heights of sub-cells [m], of a surface that continues if `smooth`."""
-        if self.fine is None or self.fine[:2] != (subcells, smooth):
-            fine = refined.subcell_heights(self.heights, subcells, smooth)
-            self.fine = subcells, smooth, fine
-        return self.fine[2]
-
-
-_last: list[_Between] = []
-
-
-def _between(z: Array) -> _Between:
-    """Return the heights between the nodes of a surface; the last surface is kept."""
-    if not _last or _last[0].heights is not z or _last[0].fingerprint != fingerprint(z):
-        _last[:] = [_Between(z, fingerprint(z))]
-    return _last[0]
