@@ -359,6 +359,7 @@ def test_table_writes_statistics_and_plots(
     for words, message in (
         (["--plot", "laeq"], "nearest: laeq_db"),
         (["--against", "rolling.load"], "nearest: rolling.load_n"),
+        (["--against", "rolling.load_n", "rolling.load_n"], "two different ones for a map"),
         (["--over", "rolling.seed"], "no swept key"),
     ):
         assert cli.main(["table", str(out), *words]) == 2
@@ -374,6 +375,8 @@ def test_plot_draws_single_figures(
     (path,) = (tmp_path / "drawn").iterdir()
     assert capsys.readouterr().out == f"{path}\n"
     assert path.name == f"release_power.{form}" and path.stat().st_size > 200
+    assert cli.main([*words, "--out", str(tmp_path / "drawn")]) == 2  # of another run, for all that
+    assert f"{path}: exists; take another folder" in capsys.readouterr().err
     assert cli.main(["plot", str(swept), "--figure", "release_pwoer"]) == 2
     assert "release_power" in capsys.readouterr().err
 

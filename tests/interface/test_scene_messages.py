@@ -140,7 +140,15 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         ("step_nodes: 1", "step_nodes: 1.6", f"got 1.6, allowed: {STEPS}; nearest: 2"),
         ("step_nodes: 1", "tolerance: 0.5", "18: numerics.tolerance: got 0.5, allowed: auto, or a"),
         ("numerics: {step_nodes: 1}", "numeric: {}", "18: numeric: unknown key, nearest: numerics"),
-        ("numerics: {step_nodes: 1}", "17: 3", "18: 17: unknown key, allowed: name, title"),
+        ("numerics: {step_nodes: 1}", "17: 3", "18: 17: unknown key; a decimal point stands"),
+        ("numerics: {step_nodes: 1}", "numeric:", "18: numeric: unknown key, nearest: numerics"),
+        (
+            "step_nodes: 1",
+            "tolerence: , step_nodes: 1",
+            "18: numerics.tolerence: unknown key, near",
+        ),
+        ("radius_mm: 5", "radius_mm: 5,5", "sphere.5: unknown key; a decimal point stands in plac"),
+        ("{step_nodes: 1}", "{edges: {a: }}", "numerics.edges: got"),
         ("numerics: {step_nodes: 1}", "recovery: {events: on}", 'got "on", allowed: true or false'),
         (
             "numerics: {step_nodes: 1}",
@@ -149,6 +157,7 @@ PLATES = "plate:\n    steel: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n   
         ),
         # sweep
         ("sweep:\n", "sweep: [1]\nx:\n", "19: sweep: got [1], allowed: lists of numbers by dotted"),
+        (LOADS, "rolling.lod_n:", "20: sweep.rolling.lod_n: unknown key, nearest: rolling.load_n"),
         (LOADS, "load_n: [1]", "20: sweep.load_n: unknown key, nearest: rolling.load_n"),
         (LOADS, "surface.kind: [5]", "20: sweep.surface.kind[0]: got 5, allowed: text"),
         (

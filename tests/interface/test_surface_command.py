@@ -58,6 +58,23 @@ def test_the_parameters_of_a_file_are_printed_and_written(
     assert Path("outputs/scan.xyz-surface/surface.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_measurement_and_an_earlier_surface_are_not_replaced(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The table of a surface is a surface.csv too, and equal names lead to one folder."""
+    heights = np.random.default_rng(0).normal(size=(16, 16)) * 1e-7
+    np.savetxt("surface.csv", heights, delimiter=",")
+    before = Path("surface.csv").read_bytes()
+    assert cli.main(["surface", "surface.csv", "--spacing-um", "2", "--out", "."]) == 2
+    assert "surface.csv: exists; take another folder" in capsys.readouterr().err
+    assert Path("surface.csv").read_bytes() == before and not Path("surface.png").exists()
+    for name, factor in (("a", 1), ("b", 2), ("a", 1)):
+        Path(name).mkdir(exist_ok=True)
+        np.save(f"{name}/scan.npy", factor * heights)
+        code = cli.main(["surface", f"{name}/scan.npy", "--spacing-um", "2"])
+        assert code == (2 if name == "b" else 0)
+
+
 def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFixture[str]) -> None:
     """A saved surface is the one that runs roll over, and as a file it has the same roughness."""
     words = ["surface", "plate.yaml", "--set", "surface.seed=4", "--save", "saved.npy"]

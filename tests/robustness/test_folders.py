@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -25,7 +27,7 @@ from scene_text import TINY
 
 from rolling import cli, open_run
 from rolling.run import folder as folders
-from rolling.run import worker
+from rolling.run import solving, worker
 from rolling.terminal import program
 from rolling.terminal.files import FolderError
 
@@ -232,6 +234,75 @@ def test_a_damaged_piece_is_marched_again(damage: bytes | str, scene: Path, tmp_
         if name != "step_time":
             np.testing.assert_array_equal(again[name], values)
     assert worker.read_piece(path) is not None
+
+
+def test_a_piece_is_read_in_little_memory_or_not_at_all(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A read makes room for the bytes that the file has, not for all that it may have."""
+    from rolling.marches.next_pieces import next_pieces
+    from rolling.marches.result import Result
+    from rolling.scene import height_files
+    from rolling.scene.file import read_scene
+
+    single = read_scene(scene)
+    (piece,) = next_pieces(single, Result.empty(single))
+    worker.solve_piece(piece, tmp_path)
+    path = worker.piece_path(tmp_path, piece)
+    asked = []
+
+    class Reader(height_files.io.BufferedReader):
+        def read(self, size: int | None = -1) -> bytes:
+            asked.append(size)
+            return super().read(size)
+
+    monkeypatch.setattr(height_files.io, "BufferedReader", Reader)
+    assert worker.read_piece(path) is not None
+    assert max(asked) == path.stat().st_size + 1
+
+    def exhausted(*_: object) -> bytes:
+        raise MemoryError
+
+    monkeypatch.setattr(worker, "read_regular", exhausted)
+    with pytest.raises(MemoryError):  # a whole piece is no damaged one
+        worker.read_piece(path)
+
+
+def test_little_memory_ends_in_a_sentence(
+    scene: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def exhausted(*_: object, **__: object) -> int:
+        raise MemoryError
+
+    monkeypatch.setattr("rolling.commands.surface", exhausted)
+    assert cli.main(["surface", str(scene)]) == 1
+    assert "not enough memory" in capsys.readouterr().err
+
+
+def test_a_table_from_the_future_is_written_again(scene: Path, tmp_path: Path) -> None:
+    """A clock was set back, or a shared folder has two."""
+    out, load = tmp_path / "out", "sweep.rolling.load_n=[0.005, 0.01]"
+    assert run(scene, out, "--set", load) == 0
+    later = (out / "runs.csv").stat().st_mtime + 3600
+    os.utime(out / "runs.csv", (later, later))
+    assert run(scene, out, "--set", load.replace("]", ", 0.02]")) == 0
+    assert "load_n=0.02" in (out / "runs.csv").read_text()
+
+
+def test_a_folder_that_was_removed_meanwhile_is_whole_again(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+
+    def removed(*arguments: object) -> dict[str, str]:
+        shutil.rmtree(out)
+        out.mkdir()
+        return {}
+
+    monkeypatch.setattr(solving, "_solve", removed)
+    run(scene, out)
+    monkeypatch.undo()
+    assert run(scene, out) == 0 and open_run(out).summary["steps"]
 
 
 # ---- disks

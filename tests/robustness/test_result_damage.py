@@ -215,6 +215,10 @@ def test_the_result_of_another_scene_is_refused(path: Path) -> None:
             for key in ("surface", "uncertainty_db", "third_octave_db", "source", "levelling")
         ),
         *({"surface": {"ra": "rough"}}, {"uncertainty_db": {"laeq": []}}, {"steps": "many"}),
+        *({"verdict": value} for value in ("x", 1, [], {}, {"word": "trust"})),
+        {"verdict": {"word": 5, "reason": "none", "contributions": []}},
+        {"verdict": {"word": "trust", "reason": "none", "contributions": [1]}},
+        *({"laeq_db": {"a": 1}}, {"preparation": [1]}, {"preparation": [{"step": 1}]}),
     ],
     ids=lambda content: str(content)[:20],
 )
