@@ -452,8 +452,8 @@ def surface(
         raise FolderError(f"--save {save}: no such folder")
     is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
     if is_scene:
-        if spacing_um or channel:
-            raise FolderError("--spacing-um, --channel: only go with a file of heights")
+        if spacing_um or channel or unit != "m":
+            raise FolderError("--spacing-um, --channel, --height-unit: only for a file of heights")
         scene = file.read_scene(source, overrides)
         if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
             progress.line("the surface of the scene without its sweep; --set chooses other values")

@@ -17,6 +17,7 @@ import base64
 import html
 import io
 import json
+import os
 import re
 import shutil
 import sys
@@ -48,6 +49,12 @@ SITE = {
     "bearing-grades": ["surface.spacing_um=4", BRIEF],
     "quickstart": ["sweep=", "rolling.duration_s=0.05", "numerics.error_estimate=false", BRIEF],
     "accelerating": [],
+}
+# With ROLLING_SHORT_SITE in the environment, as in the tests, these tracks are shorter still.
+SHORT = {
+    "steel-sheet": ["rolling.distance_mm=1.5"],
+    "marble-rolling-out": ["rolling.distance_mm=1.5"],
+    "bearing-grades": ["surface.spacing_um=8"],
 }
 CARD = "title", "stem", "name", "level", "played", "word", "reason"
 ITEM = re.compile(r"^- `([\w-]+)`: (.*)$", re.MULTILINE)
@@ -134,7 +141,14 @@ def on_page_markdown(markdown, page, config, files):
 
 def site() -> Path:
     """Return the folder of the scenes that the site runs."""
-    return kept("gallery/site", Path(__file__).read_bytes(), _make_site)
+    settings = json.dumps(_scenes()).encode()
+    return kept("gallery/site", Path(__file__).read_bytes() + settings, _make_site)
+
+
+def _scenes() -> dict[str, list[str]]:
+    """Return the scenes that the site runs, with their settings."""
+    short = SHORT if os.environ.get("ROLLING_SHORT_SITE") else {}
+    return {name: [*settings, *short.get(name, ())] for name, settings in SITE.items()}
 
 
 def _make_site(folder: Path) -> None:
@@ -144,7 +158,7 @@ def _make_site(folder: Path) -> None:
     from rolling.run.folder import stored_runs
     from rolling.run.solving import open_runs
 
-    made(SITE, folder, workers=0, report=False)
+    made(_scenes(), folder, workers=0, report=False)
     cards: dict[str, list[dict[str, str]]] = {}
     for name in SITE:
         for run in open_runs(stored_runs(folder / name)):

@@ -308,7 +308,7 @@ def _plain(name: str, array: Array, like: Array | None = None) -> Array:
     """
     plain = np.require(real_array(name, array, 2), float, ["C", "W"])
     if like is not None and plain.shape != like.shape:
-        raise ValueError(f"{name}: got an array of shape {plain.shape}, allowed: {like.shape}")
+        raise ValueError(f"{name}: got an array of shape {plain.shape}, allowed: of {like.shape}")
     return plain
 
 
