@@ -22,7 +22,7 @@ I_REF_W_M2 = 1e-12
 RHO_C = 413.3
 """Characteristic impedance of air at 20 C [Pa s/m]."""
 AIR_KG_M3 = 1.204  # density of air at 20 C
-_MAX = 1e300  # of a factor
+_MAX_FACTOR = 1e300  # of a factor
 SOUND_M_S = 343.2  # speed of sound in air at 20 C
 legendre = cache(roots_legendre)  # nodes and weights of a quadrature from -1 to 1
 
@@ -98,7 +98,7 @@ def sound_pressure(
     """
     fluctuation = real_array("intensity_fluctuation", intensity_fluctuation, 1)
     if gain_pa_per_w_m2 is not None:
-        factor = positive("gain_pa_per_w_m2", gain_pa_per_w_m2, _MAX)
+        factor = positive("gain_pa_per_w_m2", gain_pa_per_w_m2, _MAX_FACTOR)
     else:
         rms = float(np.sqrt(np.mean(np.square(fluctuation))))
         factor = float(np.sqrt(RHO_C / rms)) if rms > 0.0 else 0.0

@@ -354,7 +354,7 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
     if out is None:
         out = folder / "figures"
         files.make_below(folder, out)
-    elif taken := [at for name in names or FIGURES for at in out.glob(f"{name}*.{form}")]:
+    elif taken := [p for p in out.glob(f"*.{form}") if p.stem.split("-")[0] in (names or FIGURES)]:
         raise FolderError(f"{taken[0]}: exists; take another folder, or remove it")
     try:
         return plot_run(runs, names, form, out)

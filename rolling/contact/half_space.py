@@ -25,7 +25,7 @@ _HALVED = (80, 256)
 # Columns of these lengths are transformed in place, because that is quicker, and longer columns,
 # because it saves memory. Other columns go from one array to another.
 _IN_PLACE = (128, 256, 512, 1024)
-MAX = 1e300  # of a length, a modulus or a load in SI
+MAX_SIZE = 1e300  # of a length, a modulus or a load in SI
 
 # Bytes of transforms that a half-space keeps. A rough track asks for some hundred sizes; without a
 # limit they took 4 GB in each process. A step needs few sizes, which fit up to 1,000 nodes across.
@@ -147,8 +147,8 @@ class HalfSpace:
     """
 
     def __init__(self, spacing: float, contact_modulus: float) -> None:
-        self.spacing = positive("spacing", spacing, MAX)
-        self.contact_modulus = positive("contact_modulus", contact_modulus, MAX)
+        self.spacing = positive("spacing", spacing, MAX_SIZE)
+        self.contact_modulus = positive("contact_modulus", contact_modulus, MAX_SIZE)
         self.unit = self.spacing / (np.pi * self.contact_modulus)
         self.subcells = 1
         self._convolutions: dict[tuple[int, int, bool], Convolution] = {}

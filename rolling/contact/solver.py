@@ -25,7 +25,7 @@ from rolling.contact import _condition_kernels
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact._far_field import far_field, stencils
 from rolling.contact._system import Limits, Sets
-from rolling.contact.half_space import MAX, OWN_COEFFICIENT, HalfSpace
+from rolling.contact.half_space import MAX_SIZE, OWN_COEFFICIENT, HalfSpace
 
 # Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
 # converge, so the limit that is named is four times that.
@@ -283,7 +283,7 @@ def solve_contact(
     """
     instance("half_space", half_space, HalfSpace)
     instance("start", start, WarmStart, type(None))
-    gap, load = _plain("gap", gap), positive("load", load, MAX)
+    gap, load = _plain("gap", gap), positive("load", load, MAX_SIZE)
     hardness, tolerance = positive("hardness", hardness), positive("tolerance", tolerance, 1.0)
     shape = None if shape is None else _plain("shape", shape, gap)
     if start is not None:
@@ -308,7 +308,7 @@ def _plain(name: str, array: Array, like: Array | None = None) -> Array:
     """
     plain = np.require(real_array(name, array, 2), float, ["C", "W"])
     if like is not None and plain.shape != like.shape:
-        raise ValueError(f"{name}: got an array of shape {plain.shape}, allowed: of {like.shape}")
+        raise ValueError(f"{name}: got an array of shape {plain.shape}, allowed: {like.shape}")
     return plain
 
 

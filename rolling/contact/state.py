@@ -16,9 +16,9 @@ from acoustics.arrays import Array, finite, positive, real_array
 from rolling.contact import _window_kernels
 
 # Share of the minimum deflection by a load that counts; the slope of the deflection within a cell
-# takes less than the rest. Near a load deflections are less than 1/r between sub-cells, by 36 to 66
-# % beside it and 1 % up to 5 cells away, and within the cells of blended edges, whose slope takes
-# half a spacing over r of them. The load counts as so much farther away.
+# takes less than the rest. Near a load deflections are less than 1/r: between sub-cells by 36 to
+# 66 % beside it and by 1 % up to 5 cells away, and on the far side of a cell with a blended edge by
+# half a spacing over r. The load counts as so much farther away.
 SURE, NEAR_CELLS = 0.99, 6.0
 _Value = TypeVar("_Value")
 

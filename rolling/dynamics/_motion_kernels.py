@@ -182,7 +182,7 @@ def evaluate(position, approach, table, values):
 
 
 _ROUNDING = 4e-16  # of the approach; Newton's method ends at smaller steps
-_MAX = 60  # iterations; Newton needs three, halving of the bracket ends it in any case
+_MAX_ITERATIONS = 60  # iterations; Newton needs three, halving of the bracket ends it in any case
 
 
 @njit(cache=True, inner=True)
@@ -213,7 +213,7 @@ def pressed(approach, sigma, push, give, table, pieces):
     if sigma > 0.0:
         stiffness = stiffness_at(sigma, table, pieces)
         new = approach + (push - give * force) / (1.0 + 0.5 * give * stiffness)
-    for _ in range(_MAX):
+    for _ in range(_MAX_ITERATIONS):
         if not low <= new <= high:
             new = 0.5 * (low + high)
         end = root_of_force(new, table, pieces)

@@ -12,7 +12,7 @@ from rolling.dynamics._motion_kernels import LawTable, evaluate, laws_at
 # Loads of a law are added up to these multiples of the scene's. A force beyond them is
 # extrapolated, and the share of time that it lasts is reported.
 HIGHEST, LOWEST = 128.0, 1 / 32
-MIN = 0.2  # minimum slope da/ds at a break over the mean slopes beside it
+MIN_SLOPE = 0.2  # minimum slope da/ds at a break over the mean slopes beside it
 # Ratio in s, from the highest load on, within which the slope becomes that of a smooth contact. On
 # rough glass (Ra 0.05 and 0.2 um) forces of 1,700 times the load, by laws up to 3 to 140 times it,
 # were off by 1 to 5 %, and with the slope of the highest load by 4 to 130 %.
@@ -121,7 +121,7 @@ def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:
     else:
         weights = np.array([slope_weights(breaks, end) for end in s])
         inner = np.linalg.solve((weights[1:] - weights[0])[:, 1:], approach[1:] - approach[0])
-    if np.any(inner < MIN * means.min(axis=0)):
+    if np.any(inner < MIN_SLOPE * means.min(axis=0)):
         breaks = np.sort(np.concatenate(([0.0], s, (s[:-1] + s[1:]) / 2)))
         inner = _limited_slopes(s, means)
     bend = (inner[1] - inner[0]) / (breaks[2] - breaks[1])

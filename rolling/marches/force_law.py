@@ -19,7 +19,7 @@ from rolling.check.finding import sentence
 from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
 from rolling.dynamics import drop, of_scene
-from rolling.dynamics.force_law import HIGHEST, LOWEST, MIN, ForceLaw
+from rolling.dynamics.force_law import HIGHEST, LOWEST, MIN_SLOPE, ForceLaw
 from rolling.dynamics.motion import BodyMotion
 from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.marches.piece import Piece
@@ -206,7 +206,7 @@ def _rising(scene: Scene, loads: Array, approach: Array) -> tuple[Array, Array]:
     The error of the solver may exceed the difference between two loads. A single load gets a
     neighbour by the contact of a smooth sphere.
     """
-    least, body = MIN, (equivalent_radius(scene), scene.contact_modulus)
+    least, body = MIN_SLOPE, (equivalent_radius(scene), scene.contact_modulus)
     if len(loads) == 1:
         loads, approach, least = loads * [1.0, 1.01], np.stack([approach[0]] * 2), 1.0
     hertz = [closed_forms.hertz_approach(load, *body) for load in loads]

@@ -28,7 +28,7 @@ SECONDS = 3e-3  # [s] of rolling that are shown
 SHARE = 0.05  # maximum share of the steps of the run
 AVERAGED = 20e-6  # [m] over which the release is averaged to find the event
 FROM, TO = 2e-6, 4e-6  # [m] from one map to the next, unless a step is longer
-FEWEST, MAX = 30, 150  # maps
+MIN_MAPS, MAX_MAPS = 30, 150  # maps
 
 
 def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]:
@@ -114,10 +114,10 @@ def film_stretch(scene: Scene, result: Result) -> range | None:
     step = result.step
     wanted = SECONDS * speed / step
     stride = max(1, math.ceil(FROM / step - 1e-9))
-    stride = max(stride, min(math.floor(TO / step + 1e-9), math.ceil(wanted / MAX - 1e-9)))
+    stride = max(stride, min(math.floor(TO / step + 1e-9), math.ceil(wanted / MAX_MAPS - 1e-9)))
     affordable = SHARE * result.solved_steps - COLD_STEPS
-    maps = min(MAX, int(min(wanted, affordable) // stride))
-    if maps < FEWEST:
+    maps = min(MAX_MAPS, int(min(wanted, affordable) // stride))
+    if maps < MIN_MAPS:
         return None
     length = (maps - 1) * stride
     first = min(max(0, position - length // 2), result.solved_steps - length)

@@ -160,7 +160,7 @@ def provenance(runs: Sequence[Run]) -> list[Fact]:
 # ---- the sound and its reasons
 
 
-MAX = 0.8  # share of the A-weighted power that counts as most of it
+MAIN = 0.8  # share of the A-weighted power that counts as most of it
 ALIKE = 0.05  # relative difference of pitch that is not named
 MAINLY = 0.5  # share of the sound that is called most
 DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
@@ -175,7 +175,7 @@ def colour(run: Run) -> tuple[float, float, float] | None:
         return None
     frequency, _, power = weighted_lines(run.sound)
     share = np.cumsum(power) / power.sum()
-    outside = (1.0 - MAX) / 2.0
+    outside = (1.0 - MAIN) / 2.0
     low, high = (float(frequency[np.searchsorted(share, at)]) for at in (outside, 1.0 - outside))
     return math.exp(float(np.average(np.log(frequency), weights=power))), low, high
 
@@ -195,7 +195,7 @@ def headline(runs: Sequence[Run]) -> str:
         label = f"{loud.label}: " if len(runs) > 1 else ""
         if source == "vibration":
             return label + _shaken(loud)[:2][-1]  # its fall, or its flights, or its ringing
-        return label + say("headline", percent=100 * MAX, low=low_hz / 1e3, high=high_hz / 1e3)
+        return label + say("headline", percent=100 * MAIN, low=low_hz / 1e3, high=high_hz / 1e3)
     by = loud.summary["laeq_db"] - quiet.summary["laeq_db"]
     parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
     level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"
@@ -212,7 +212,7 @@ def reason(runs: Sequence[Run]) -> str:
     if not (sounding := _by_level(runs)):
         return ""
     run, (_, low_hz, high_hz) = sounding[-1]
-    numbers = {"percent": 100 * MAX, "low": low_hz / 1e3, "high": high_hz / 1e3}
+    numbers = {"percent": 100 * MAIN, "low": low_hz / 1e3, "high": high_hz / 1e3}
     return _capitalized(say("heard", label=run.label, reason=_reason(run), **numbers))
 
 

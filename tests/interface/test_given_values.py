@@ -85,7 +85,7 @@ def test_lists_of_numbers_are_arrays() -> None:
     deflection = STEEL.deflection(solved.pressure.tolist())
     assert np.allclose(deflection, solved.deflection, rtol=1e-9, atol=1e-9 * deflection.max())
     assert replace(CONTACT, heights=[[0, 0], [0, 0]]).heights.shape == (2, 2)
-    with pytest.raises(ValueError, match=r"^shape: got .* \(2, 2\), allowed: .* \(25, 25\)$"):
+    with pytest.raises(ValueError, match=r"^shape: got .* \(2, 2\), allowed: \(25, 25\)$"):
         rc.solve_contact(STEEL, GAP, 0.02, shape=[[0, 0], [0, 0]])
 
 

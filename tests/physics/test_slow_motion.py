@@ -10,7 +10,7 @@ from scene_text import BODIES, NARROW
 from rolling.check.error_cost import COLD_STEPS
 from rolling.dynamics import of_scene
 from rolling.marches.force_law import force_law
-from rolling.marches.next_pieces import FEWEST, film_stretch, loudest, next_pieces
+from rolling.marches.next_pieces import MIN_MAPS, film_stretch, loudest, next_pieces
 from rolling.marches.piece import march_piece
 from rolling.marches.result import Result
 from rolling.scene.file import loads
@@ -65,7 +65,7 @@ def test_the_loudest_place_is_the_middle_of_the_largest_mean() -> None:
 def test_maps_hold_the_release_and_the_load_of_the_run(solved: Result) -> None:
     """Releases have 16 bits and pressures 8, of the maximum over all cells and maps."""
     film = solved.slow_motion
-    assert film is not None and len(film.positions) >= FEWEST
+    assert film is not None and len(film.positions) >= MIN_MAPS
     steps = solved.series["release_energy"][film.positions[0] : film.positions[-1]]
     released = film.release[1:].sum(axis=(1, 2)) * film.release_unit
     assert released == pytest.approx(steps, rel=0.02)

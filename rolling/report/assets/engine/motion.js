@@ -11,7 +11,7 @@ import { over, plus, times } from "./complex.js";
 const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
 const SHARP = 0.1; // if its damping over its frequency is less
 const MIN_RISE = 1e-6; // of the residual over the approach; a ball too light for the steps has none
-const MAX = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
+const MAX_ITERATIONS = 60; // iterations; Newton takes three, and halving of the bracket ends it in any case
 const PER_PERIOD = 18; // steps in a period of the resonance at least, which leave -50 dB of the force
 const PER_IMPACT = 12; // steps in the time of an impact at least, which leave 0.1 % of its impulse
 const CALM = 400; // steps without a flight after which the source becomes a parabola
@@ -147,7 +147,7 @@ export class Motion {
     let high = free;
     let d = 2 * approach - before;
     if (!(d > low && d < high)) d = high;
-    for (let i = 0; i < MAX; i++) {
+    for (let i = 0; i < MAX_ITERATIONS; i++) {
       const elastic = law.force(d);
       const drag = viscosity * law.stiffness;
       // The velocity is that of the parabola through the latest three; surfaces do not pull.

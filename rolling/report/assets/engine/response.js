@@ -10,7 +10,7 @@ import { AUDIBLE, SOUND } from "./radiation.js";
 
 const TAPER = 500; // [Hz] beyond hearing in which the band ends
 const LEAD = 192; // samples in which the band limit fades in and out: -80 dB
-const [MIN, PLAIN] = [256, 1024]; // samples of a filter at least, with a plate that has edges and without
+const [MIN_SAMPLES, PLAIN_SAMPLES] = [256, 1024]; // samples of a filter at least, with a plate that has edges and without
 const RUNG = 1e-5; // of a mode at which its ringing ends
 const LEFT = 1e-6; // energy that is cut at the end
 const FADED = 0.25; // part of a response that fades at its end, so that the cut makes no noise
@@ -64,7 +64,7 @@ function addResonator(samples, { filter, turn, fall, length }) {
 function ended(samples) {
   const most = LEFT * samples.reduce((sum, sample) => sum + sample * sample, 0);
   let count = samples.length;
-  for (let left = 0; count > MIN && left <= most; count--) left += samples[count - 1] ** 2;
+  for (let left = 0; count > MIN_SAMPLES && left <= most; count--) left += samples[count - 1] ** 2;
   const begin = (1 - FADED) * count;
   return samples.slice(0, count).map((sample, i) => (i < begin ? sample : sample * Math.cos((Math.PI / 2) * ((i - begin) / (count - begin))) ** 2));
 }
@@ -75,7 +75,7 @@ export function impulseResponses(listeners, path) {
   const samplesTo = (distance) => Math.ceil((Math.abs(distance - path) / SOUND) * RATE);
   const ends = listeners.flatMap(({ radiation }) => radiation?.distances ?? [path]);
   const lead = LEAD + samplesTo(Math.min(...ends));
-  const least = ends.length > listeners.length ? MIN : PLAIN;
+  const least = ends.length > listeners.length ? MIN_SAMPLES : PLAIN_SAMPLES;
   const count = Math.max(least, 2 ** Math.ceil(Math.log2(lead + samplesTo(Math.max(...ends)) + LEAD)));
   const frequencies = Array.from({ length: ((AUDIBLE[1] + TAPER) * count) / RATE }, (_, i) => (i * RATE) / count);
   const grid = { frequencies, lead, count };
