@@ -113,9 +113,9 @@ def _foreign(folder: Path) -> str:
     # Locks and files half written may stand in a folder without a scene.
     own = f"{LOCK}*", f".*{files.PARTIAL}"
     strangers = [path.name for path in folder.iterdir() if not any(map(path.match, own))]
-    if strangers:
-        return f"no run folder, it holds {', '.join(sorted(strangers)[:3])}"
-    return ""
+    damaged = f"its {SCENE} is not that of a run folder, or damaged" * (SCENE in strangers)
+    held = damaged or f"it holds {', '.join(sorted(strangers)[:3])}"
+    return f"no run folder, {held}" if strangers else ""
 
 
 def refuse_other(folder: Path, scene: Scene) -> bool:

@@ -147,7 +147,8 @@ def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
 THICKNESS_MM = 10.0
 STEEL = {"plate.youngs_modulus_gpa": STEEL_GPA, "plate.poissons_ratio": STEEL_POISSON}
 # Limits of another plate may be too high for steel, and the solved contact has them already.
-UNLIMITED = {"plate.hardness_gpa": NONE, "plate.yield_strength_gpa": None}
+ELASTIC = {"plate.density_kg_m3": STEEL_DENSITY, "plate.hardness_gpa": NONE}
+UNLIMITED = dict.fromkeys(("plate.yield_strength_gpa", "plate.plasticity", "rolling.passes"))
 _POINTS = 8  # of the gain within the interval of a line, over which a resonance is averaged
 
 
@@ -156,9 +157,8 @@ def with_bodies(scene: Scene) -> Scene:
     plate = scene.plate
     bodies: dict[str, Any] = {"dynamics": {}, "sound.source": "release"}
     if plate.density_kg_m3 is None:
-        bodies |= STEEL | UNLIMITED | {"plate.density_kg_m3": STEEL_DENSITY}
-    if plate.thickness_mm is None:
-        bodies["plate.thickness_mm"] = THICKNESS_MM
+        bodies |= STEEL | ELASTIC | UNLIMITED
+    bodies["plate.thickness_mm"] = plate.thickness_mm or THICKNESS_MM
     if scene.sphere.density_kg_m3 is None:
         bodies["sphere.density_kg_m3"] = STEEL_DENSITY
     return scene.with_(bodies)

@@ -67,7 +67,7 @@ def scene_surface(scene: Scene) -> SceneSurface:
                 fresh = _make(scene)
         except surface.SurfaceError as error:
             place = "surface.path" if scene.height_path else "surface"
-            raise SceneError([f"{place}: {error}"]) from error
+            raise SceneError([f"{scene.place(place)}: {place}: {error}"]) from error
         _kept[key] = fresh
         while sum(other.heights.nbytes for other in _kept.values()) > _MAX_KEPT and len(_kept) > 1:
             del _kept[next(iter(_kept))]

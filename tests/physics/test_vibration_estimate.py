@@ -66,10 +66,18 @@ def test_bodies_of_an_estimate() -> None:
     assert bodies_text(scene) == "a ball of steel on a 10 mm plate of steel"
 
 
-@pytest.mark.parametrize("limit", ["hardness_gpa=90", "yield_strength_gpa=15"])
-def test_a_plate_too_hard_for_steel_has_an_estimate(limit: str) -> None:
-    """Diamond without a density is replaced by steel, whose limits are lower."""
-    hard = ("plate.youngs_modulus_gpa=1050", "plate.hardness_gpa=", f"plate.{limit}")
+REMEMBERS = (
+    *("plate.hardness_gpa=2", "plate.plasticity=permanent", "rolling.passes=2"),
+    *("numerics.edges=sharp",),
+)
+
+
+@pytest.mark.parametrize(
+    "limits", [("plate.hardness_gpa=90",), ("plate.yield_strength_gpa=15",), REMEMBERS]
+)
+def test_a_plate_with_other_limits_than_steel_has_an_estimate(limits: tuple[str, ...]) -> None:
+    """Steel without limits replaces a plate without a density; diamond's are higher than its."""
+    hard = ("plate.youngs_modulus_gpa=1050", "plate.hardness_gpa=", *limits)
     scene = loads(VIBRATING, (*WITHOUT_DYNAMICS, "plate.density_kg_m3=", *hard))
     approach = 1e-9 * np.sin(2 * np.pi * 64 * np.arange(2401) / 2400)
     laeq, _ = vibration_estimate(scene, approach, 2e-6, closed=True)

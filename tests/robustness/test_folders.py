@@ -113,7 +113,7 @@ def test_a_lock_that_is_a_link_reaches_no_other_file(
     ("name", "words"),
     [
         ("thesis.txt", "it holds thesis.txt"),
-        ("scene.yaml", "it holds scene.yaml"),
+        ("scene.yaml", "its scene.yaml is not that of a run folder"),
         ("run.json", "it holds run.json"),
     ],
 )
