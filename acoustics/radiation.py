@@ -15,12 +15,9 @@ from scipy.special import roots_legendre
 
 from acoustics.arrays import Array, finite, positive, real_array
 
-P_REF_PA = 20e-6
-"""Reference sound pressure in air [Pa]."""
-I_REF_W_M2 = 1e-12
-"""Reference intensity [W/m2]."""
-RHO_C = 413.3
-"""Characteristic impedance of air at 20 C [Pa s/m]."""
+P_REF_PA = 20e-6  # reference sound pressure in air
+I_REF_W_M2 = 1e-12  # reference intensity
+RHO_C = 413.3  # characteristic impedance of air at 20 C [Pa s/m]
 AIR_KG_M3 = 1.204  # density of air at 20 C
 _MAX_FACTOR = 1e300  # of a factor
 SOUND_M_S = 343.2  # speed of sound in air at 20 C

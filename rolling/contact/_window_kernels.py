@@ -122,7 +122,7 @@ def overlap_block(
 def least_deflection(load, distance2):
     """Return the minimum deflection [m] at a node by the whole load.
 
-    `load` has itself over pi E* [m2] and a square [m2]: the mean square distance of the load from
+    `load` holds the load over pi E* and a square [m2]: the mean square distance of the load from
     the node is at most the sum of that and `distance2`, the squared distance of the node from the
     centre. Deflections fall as 1/r, which is convex in r^2: their mean is no less than that at the
     mean square distance (Jensen's inequality).

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite, pi, sqrt
 from operator import add
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from rolling.contact import _window_kernels
 # 66 % beside it and by 1 % up to 5 cells away, and on the far side of a cell with a blended edge by
 # half a spacing over r. The load counts as so much farther away.
 SURE, NEAR_CELLS = 0.99, 6.0
-_Value = TypeVar("_Value")
 
 
 class Window(NamedTuple):
@@ -92,7 +91,7 @@ class Maxima(NamedTuple):
 _surfaces: list[tuple[Array, float, dict[Hashable, Any]]] = []  # the last two with their values
 
 
-def kept(heights: Array, name: Hashable, make: Callable[[], _Value]) -> _Value:
+def kept(heights: Array, name: Hashable, make: Callable[[], Any]) -> Any:
     """Return a value of heights, which is kept because all pieces of a track share them.
 
     Heights that were overwritten are other heights.
@@ -105,8 +104,7 @@ def kept(heights: Array, name: Hashable, make: Callable[[], _Value]) -> _Value:
         _surfaces[:] = [*_surfaces[-1:], (heights, number, known)]
     if name not in known:
         known[name] = make()
-    value: _Value = known[name]
-    return value
+    return known[name]
 
 
 def maxima_of(heights: Array, rising: bool) -> Maxima:
@@ -216,8 +214,9 @@ class RollingContact:
     @cached_property
     def maxima(self) -> Maxima:
         """Maximum heights of the surface; with blended edges its cells rise above their nodes."""
-        rising = self.has_blended_edges and self.slopes
-        return kept(self.heights, ("maxima", rising), lambda: maxima_of(self.heights, rising))
+        z, rising = self.heights, self.has_blended_edges and self.slopes
+        maxima: Maxima = kept(z, ("maxima", rising), lambda: maxima_of(z, rising))
+        return maxima
 
     @property
     def has_blended_edges(self) -> bool:

@@ -44,8 +44,7 @@ def auto_subcells(contact: RollingContact) -> int:
     if not contact.has_blended_edges:
         return 1
     z = contact.heights
-    median = kept(z, "median step", lambda: refined.median_step(z))
-    slope = refined.rms_slope(median, contact.spacing)
+    slope = refined.rms_slope(kept(z, "step", lambda: refined.median_step(z)), contact.spacing)
     return refined.auto_subcells(slope, contact.contact_modulus, contact.hardness)
 
 
@@ -59,8 +58,7 @@ def on_subcells(
     if subcells == 1 and not contact.has_blended_edges:
         return contact
     z = contact.heights
-    if smooth is None:
-        smooth = kept(z, "smooth", lambda: refined.dies_out(z))
+    smooth = kept(z, "smooth", lambda: refined.dies_out(z)) if smooth is None else smooth
     key = subcells, smooth
     fine, spacing = kept(z, key, lambda: refined.subcell_heights(z, *key)), contact.spacing
     return replace(
