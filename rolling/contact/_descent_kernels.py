@@ -72,6 +72,7 @@ _SINGLE = np.empty(0, np.float32)  # array of single precision
 
 # Answers of `converge`: the solution, an error, or what Python has to provide.
 (SOLVED, SPENT, NOT_FINITE, TRANSFORMS, FAR_FIELD, KERNEL, PRECISION, UNFINISHED) = range(8)
+TOO_WIDE = 8
 # Entries of the state of a solve, which begins with zeros.
 (ITERATIONS, RESTARTS, PLAIN_STEPS, STUCK, ROUNDS, MOVES, LOAD_MISSED, EXHAUSTED) = range(8)
 (CARRIED, CANDIDATES, DEFLECTION, STATES) = range(8, 12)
@@ -327,7 +328,7 @@ def judge(window, p, u, before, numbers, fresh, edge, g):
     return state_of(flat[0], flat[1], flat[2], flat[3], hardness, g.reshape(-1), fresh)
 
 
-@njit(cache=True)
+@njit(cache=True, apart=True)
 def converge(window, start, before, out, numbers, stencils, flags, state, table, kernel, real):
     """Iterate from a start until the contact conditions hold: see the module.
 
@@ -406,8 +407,6 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
             single = single and blended and rounds <= 4
         if single != (real.itemsize == 4):
             return PRECISION, approach, u_max, worst, none
-        if not kernel:
-            return KERNEL, approach, u_max, worst, none
         answer, missing, place, far = entries_of(table, block, np.int64(single))
         if answer != SOLVED:
             return answer, approach, u_max, worst, missing

@@ -21,11 +21,13 @@ def copy_line(source, target):
 
 
 @njit(cache=True)
-def undeformed_gap(heights, spacing, radius, radius_across, x, y, row, column, out):
+def undeformed_gap(heights, sphere, row, column, out):
     """Set `out` to the undeformed gap on the window that begins at node (row, column).
 
-    The gap is (x_i - x)^2 / (2 R) + (y_j - y)^2 / (2 R across) - z.
+    The gap is (x_i - x)^2 / (2 R) + (y_j - y)^2 / (2 R across) - z. `sphere` has spacing, radii
+    and place.
     """
+    spacing, radius, radius_across, x, y = sphere
     along, across = heights.shape
     curvature, curvature_across = 0.5 / radius, 0.5 / radius_across
     rises = np.empty(out.shape[1])
@@ -64,15 +66,44 @@ def cell_tops(heights, out):
             out[i, j] = heights[i, j] + 0.25 * np.sqrt(rise * rise + tilt * tilt)
 
 
-@njit(cache=True)
-def overlap_block(
-    heights, stretches, row_highest, highest, spacing, radius, radius_across, x, y, *limits
-):
-    """Find the bounding block of the nodes whose gap is below the approach.
+@njit(cache=True, inner=True)
+def farthest_gap(maxima, sphere, approach, blended):
+    """Return the maximum gap [m] at a node whose cell touches at an approach.
 
-    `stretches` are the maximum heights of each STRETCH nodes of a row, `row_highest` of each row,
-    and `highest` of all. The limits are the approach and the numbers of the minimum deflection,
-    which adds to the gap (see `least_deflection`).
+    With blended edges the sphere may touch the near side of a cell. It is lower there than over the
+    node by half a side times its slope, (2 d / R)^(1/2) at a distance d above the highest node.
+    """
+    if not blended:
+        return approach
+    half, radius = 0.5 * sphere[0], min(sphere[1], sphere[2])
+    touching = max(approach + maxima[3], 0.0)
+    return approach + half * (half + np.sqrt(half * half + 2 * radius * touching)) / radius
+
+
+@njit(cache=True)
+def overlap(maxima, sphere, approach, least, blended):
+    """Find the window (row, column, rows, columns) where contact at an approach [m] can be.
+
+    The gap, with the minimum deflection, is below the approach there. Contact at a smaller approach
+    lies inside. With blended edges the gap is that of the top of each cell, and there is a border
+    of one node, because the edge of a cell needs nodes on both sides. A window without contact has
+    no rows.
+
+    `maxima` are the fields of `Maxima`, `sphere` its spacing, radii and place, and `least` the
+    numbers of the minimum deflection (see `least_deflection`).
+    """
+    limits = farthest_gap(maxima, sphere, approach, blended), least
+    row, last_row, column, last_column = overlap_block(maxima, sphere, limits)
+    if last_row < row:
+        return row, column, 0, 0
+    border = 1 if blended else 0
+    rows, columns = last_row - row + 1, last_column - column + 1
+    return row - border, column - border, rows + 2 * border, columns + 2 * border
+
+
+@njit(cache=True, inner=True)
+def overlap_block(maxima, sphere, limits):
+    """Find the bounding block of the nodes whose gap is below the approach, the first limit.
 
     The block is (first row, last row, first column, last column).
 
@@ -80,7 +111,9 @@ def overlap_block(
     side, because an island may lie outside any earlier window. An empty block has its last row
     before its first.
     """
-    approach, load = limits[0], limits[1:]
+    heights, stretches, row_highest, highest = maxima
+    spacing, radius, radius_across, x, y = sphere
+    approach, load = limits
     reach2 = 2 * radius * (approach + highest)
     if reach2 <= 0.0:
         return 1, 0, 1, 0
@@ -201,8 +234,8 @@ def search_row(row, rise, sphere, begin, end, step):
     return j
 
 
-@njit(cache=True)
-def towards_the_sphere(p, u, gap, row_offset, column_offset, nodes):
+@njit(cache=True, inner=True)
+def energy_towards(p, u, gap, row_offset, column_offset, nodes):
     """Return slope and curvature of the energy from plate-fixed towards sphere-fixed pressures.
 
     Sphere-fixed pressures are the plate-fixed pressures moved `nodes` rows on.
@@ -318,7 +351,7 @@ def reach(pressure):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, inner=True)
 def measures(pressure, deflection, hardness, edge, levelled, row, column, reach):
     """Measure the loaded nodes of a window.
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from numba import types
 
 from rolling.contact import _descent_kernels, _far_field, _model_kernels, _transform_kernels
+from rolling.contact import _step_kernels as steps
 from rolling.contact import _window_kernels as windows
 from rolling.contact._system import FarField, Model, numba_type
 
@@ -30,8 +31,6 @@ def compile_parts() -> None:
     _descent_kernels.descend.compile(_descent_kernels.descent_types(types.float32))
     for single in (False, True):
         _transform_kernels.apply_address(1, single)
+    steps.converge_address(single=True)
     both, corner = (types.UniTuple(kind, 2) for kind in (field, whole))  # type: ignore[no-untyped-call]
-    windows.measures.compile((field, field, number, field, *[number] * 4))
-    windows.copy_block.compile((field, field, whole, whole, types.boolean))
-    windows.towards_the_sphere.compile((field, field, field, whole, whole, whole))
     windows.node_work.compile((both, corner, both, types.boolean, number, field))

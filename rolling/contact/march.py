@@ -8,36 +8,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from math import sqrt
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
-from acoustics.arrays import Array, instance
+from acoustics.arrays import instance
 from acoustics.numbers import rounded
-from rolling.contact import _window_kernels, closed_forms, solver
-from rolling.contact._system import Limits
+from rolling.contact import _step_kernels, closed_forms, solver
+from rolling.contact._far_field import stencils
 from rolling.contact._transform_kernels import MAX_NODES
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.solver import Contact, ContactError, ConvergenceError, Previous, WarmStart
+from rolling.contact.solver import ContactError, ConvergenceError
 from rolling.contact.state import ContactState, RollingContact, Window
 
 # Up to a step of so many nodes a window includes the next position as well, whose deflection is
 # then known in advance.
 LOOK_AHEAD = 4
-# This is the minimum useful weight of the sphere-fixed start at the second position. Below it the
-# plate-fixed start converges as fast and needs no mixing.
-MIN_SHARE = 0.2
-# Later positions mix above this weight only, which plates of Ra 1 nm or less reach, and yielding
-# contacts of more than some 350 nodes across. Below it the extrapolation of two positions takes
-# fewer convolutions: 5 instead of 7 or 8 per step at weights of 0.3 to 0.7, as many at 0.97, but 5
-# instead of 3 at 1.
-STEADY_SHARE = 0.98
-# A window has room for a load spread so many times as wide as at the position before.
-ROOM = 1.1
 # The tolerance of a cold start is multiplied by this factor, so that its error does not stand out
 # among warm starts.
 COLD_TIGHTENING = 0.1
+_NOTHING = np.empty((0, 0))
+_NO_STATE = 0, 0, _NOTHING, _NOTHING, np.inf
 
 
 def march(
@@ -113,87 +104,6 @@ def march(
         yield state
 
 
-class _Problem(NamedTuple):
-    """Contact to be solved at position k on a window that holds it up to an approach and spread."""
-
-    contact: RollingContact
-    k: int
-    half_space: HalfSpace
-    window: Window
-    gap: Array
-    approach: float
-    spread: float
-
-    def solve(self, start: WarmStart, tolerance: float) -> Contact:
-        """Solve the contact from a warm start to a tolerance."""
-        contact, gap = self.contact, self.gap
-        shape = contact.shape(self.k, self.window, gap)
-        limits = Limits(float(contact.hardness), float(contact.load / contact.spacing**2))
-        accuracy = tolerance, contact.single
-        return solver.Problem(self.half_space, gap, shape, limits, *accuracy).solve(start)
-
-    def wider(self, state: ContactState) -> _Problem | None:
-        """Return the problem on a window for a state; None if this window holds all contact."""
-        if state.approach <= self.approach and state.spread <= self.spread:
-            return None
-        overlap = self.contact.overlap(self.k, state.approach, state.spread)
-        if overlap is None or self.window.covers(overlap):
-            return None
-        window = _room([self.window, overlap], self.contact.subcells)
-        return self._replace(window=window, gap=self.contact.gap(self.k, window))
-
-
-def _solve(
-    problem: _Problem, start: WarmStart, tolerance: float, sphere_share: float = 0.0
-) -> ContactState:
-    """Solve the problem, again on a larger window where contact may be outside of the window.
-
-    `sphere_share` is the share of the start that moved with the sphere.
-    """
-    iterations, before = 0, problem.half_space.count
-    while True:
-        solved = problem.solve(start, tolerance)
-        iterations += solved.iterations
-        cost = iterations, problem.half_space.count - before
-        state = _state(problem, solved, cost, sphere_share)
-        wider = problem.wider(state)
-        if wider is None:
-            return state
-        start = WarmStart(problem.window.moved(solved.pressure, wider.window), close=True)
-        problem = wider
-
-
-def _state(
-    problem: _Problem, solved: Contact, cost: tuple[int, int], sphere_share: float
-) -> ContactState:
-    """Measure a solved contact: its loaded block, areas, maxima and energy."""
-    contact, window = problem.contact, problem.window
-    edge = np.empty((0, 0)) if solved.edge is None else solved.edge
-    fields = solved.pressure, solved.deflection, contact.hardness
-    spacing, *radii, x, y = contact.sphere(problem.k)
-    overlap = max(contact.farthest_gap(solved.approach) + contact.maxima.highest, 0.0)
-    reach = sqrt(2 * max(radii) * overlap) / spacing
-    centre = x / spacing - window.row, y / spacing - window.column
-    numbers = solver.levelled_range(problem.half_space, contact.hardness), *centre, reach
-    measured = _window_kernels.measures(*fields, edge, *numbers)
-    count, capped, maximum, work, spread, *block = measured
-    if edge.size and maximum < contact.hardness:  # there is no patch that could end within a cell
-        count, capped, *_ = _window_kernels.measures(*fields, np.empty((0, 0)), *numbers)
-    cell = contact.spacing**2
-    row, last_row, column, last_column = block
-    rows, columns = last_row - row + 1, last_column - column + 1
-    loaded = Window(window.row + row, window.column + column, rows, columns)
-    _refuse_wide(contact, rows * contact.spacing, columns * contact.spacing)
-    areas = count * cell, capped * cell
-    largest = float(maximum), solved.max_deflection
-    fields = solved.pressure, solved.deflection, solved.approach
-    edges, energy = (solved.edge, solved.edge_share), 0.5 * float(work) * cell
-    return ContactState(
-        *(problem.k, window, loaded, *fields, *areas, *largest, energy, solved.residual),
-        *(*cost, *edges, sphere_share, contact.spacing * float(spread)),
-    )
-
-
 def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
     """Solve from a Winkler foundation that fits Hertz."""
     radius, *factors = closed_forms.hertz_ellipse(*contact.radii)
@@ -203,93 +113,71 @@ def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactSta
     rows, columns = (int(np.ceil(reach * factor / contact.spacing)) + 2 for factor in factors)
     place = contact.position(k), contact.mid_width
     centre, middle = (round(distance / contact.spacing) for distance in place)
-    around = Window(centre - rows, middle - columns, 2 * rows + 1, 2 * columns + 1)
-    window = _room([around, contact.overlap(k, hertz**2 / radius)], contact.subcells)
-    gap = contact.gap(k, window)
-    pressure = solver.foundation(gap, contact.load, contact.spacing, stiffness, contact.hardness)
-    problem = _Problem(contact, k, half_space, window, gap, -np.inf, np.inf)
-    return _solve(problem, WarmStart(pressure), COLD_TIGHTENING * contact.tolerance)
+    nodes = Window(centre - rows, middle - columns, 2 * rows + 1, 2 * columns + 1)
+    nodes = Window.around([nodes, contact.overlap(k, hertz**2 / radius)])
+    window = Window(*_step_kernels.room(tuple(nodes), contact.subcells))
+    pressure = _NOTHING  # of a window that the solve refuses, because it is too large
+    if max(window.cells(contact.subcells)[2:]) <= MAX_NODES:
+        load, gap = contact.load, contact.gap(k, window)
+        pressure = solver.foundation(gap, load, contact.spacing, stiffness, contact.hardness)
+    cold = tuple(window), tuple(window), (pressure, _NOTHING), (0.0,) * 5, False
+    tolerance = COLD_TIGHTENING * contact.tolerance
+    return _solve(contact, k, half_space, (cold, _NO_STATE), tolerance)
 
 
 def _follow(
     contact: RollingContact,
     k: int,
     half_space: HalfSpace,
-    state: ContactState,
+    old: ContactState,
     before: ContactState | None,
 ) -> ContactState:
-    """Solve the next position from pressures that stayed with the plate.
-
-    On a smooth plate pressures move with the sphere instead. The start is then the mixture of both
-    with minimum energy, as long as this pays. Both deflections are known, so finding the mixture
-    needs no convolution.
-    """
-    change = abs(state.approach - before.approach) if before else np.inf
-    approach = state.approach + min(4 * change, 0.1 * state.max_deflection)
-    limits = approach, ROOM * state.spread
-    needed = Window.around([state.loaded, contact.overlap(k, *limits)])
-    near = contact.step <= LOOK_AHEAD * contact.spacing
-    ahead = contact.overlap(k + 1, *limits) if near else None
-    window = _room([needed, ahead], contact.subcells)
-    problem = _Problem(contact, k, half_space, window, contact.gap(k, window), *limits)
-    pressure = state.window.moved(state.pressure, window)
-    sphere_share, deflection, previous = 0.0, None, None
-    if before is None or state.sphere_share > STEADY_SHARE:
-        sphere_share, pressure, deflection = _towards_the_sphere(problem, state, needed, pressure)
-    if sphere_share == 0 and state.window.covers(needed):
-        deflection = state.window.moved(state.deflection, window, continued=True)
-        if before is not None:
-            row, column = before.window.row - window.row, before.window.column - window.column
-            previous = Previous(before.pressure, before.deflection, row, column)
-    start = WarmStart(pressure, deflection, previous, close=True, sharp=state.edge_share == 0.0)
-    return _solve(problem, start, contact.tolerance, sphere_share)
+    """Solve the next position from that of one or two states."""
+    known = old.approach, old.max_deflection, old.spread, old.sphere_share, old.edge_share
+    fields, iterated = (old.pressure, old.deflection), old.iterations > 0
+    states = (tuple(old.window), tuple(old.loaded), fields, known, iterated), _NO_STATE
+    if before is not None:
+        corner, fields = before.window[:2], (before.pressure, before.deflection)
+        states = states[0], (*corner, *fields, before.approach)
+    return _solve(contact, k, half_space, states, contact.tolerance)
 
 
-def _towards_the_sphere(
-    problem: _Problem, state: ContactState, needed: Window, start: Array
-) -> tuple[float, Array, Array | None]:
-    """Find the best share of sphere-fixed pressures and mix them with plate-fixed pressures.
-
-    Returns the share, the mixed pressures, and their deflection. That is None where it is unknown
-    on nodes that are needed, and unless the last such start had to be iterated: a smooth sphere
-    accepts it as it is, after a check that computes the deflection anew.
-    """
-    contact, window = problem.contact, problem.window
-    nodes = round(contact.step / contact.spacing)
-    moved_on = state.window._replace(row=state.window.row + nodes)
-    if nodes * contact.spacing != contact.step or not window.covers(
-        state.loaded._replace(row=state.loaded.row + nodes)
-    ):
-        return 0.0, start, None
-    offset = state.window.row - window.row, state.window.column - window.column
-    slope, curvature = _window_kernels.towards_the_sphere(
-        state.pressure, state.deflection, problem.gap, *offset, nodes
+def _solve(
+    contact: RollingContact,
+    k: int,
+    half_space: HalfSpace,
+    states: tuple[Any, ...],
+    tolerance: float,
+) -> ContactState:
+    """Solve a position from the states of `step` of the compiled code."""
+    spacing, nodes = contact.spacing, round(contact.step / contact.spacing)
+    near = contact.step <= LOOK_AHEAD * spacing
+    sphere, cell = contact.sphere(k), spacing**2
+    ahead = contact.sphere(k + 1)[3] if near else np.nan
+    numbers = float(contact.hardness), float(contact.load / cell), float(tolerance)
+    levelled = solver.levelled_range(half_space, contact.hardness)
+    (p, u, edge), measures, counts, window, loaded, share, measured = solver.complete(
+        half_space,
+        _step_kernels.step,
+        (
+            (contact.heights, tuple(contact.maxima)),
+            (sphere, ahead, *contact.least_deflection),
+            states,
+            (*numbers, levelled),
+            (contact.subcells, nodes if nodes * spacing == contact.step else 0),
+            (half_space.unit, *stencils(half_space.unit)),
+            (contact.single, contact.has_blended_edges, contact.slopes),
+        ),
+        tolerance,
     )
-    share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
-    if share < MIN_SHARE:
-        return 0.0, start, None
-    mixed = start + share * (moved_on.moved(state.pressure, window) - start)
-    np.clip(mixed, 0.0, contact.hardness, out=mixed)
-    iterated = state.sphere_share > 0 and state.iterations > 0
-    if not (iterated and state.window.covers(needed) and moved_on.covers(needed)):
-        return share, mixed, None
-    deflection = state.window.moved(state.deflection, window, continued=True)
-    deflection += share * (moved_on.moved(state.deflection, window, continued=True) - deflection)
-    return share, mixed, deflection
-
-
-def _room(windows: list[Window | None], subcells: int) -> Window:
-    """Return the window of the solve: the given windows and a border, in whole cells."""
-    window = Window.around(windows).bordered().whole(subcells)
-    rows, columns = window.rows // subcells, window.columns // subcells
-    # The transforms of sub-cells need a border of one cell all around.
-    most = MAX_NODES if subcells == 1 else MAX_NODES - 4
-    if max(rows, columns) > most:
-        raise ContactError(
-            f"the contact needs a window of {rows} by {columns} nodes, more than the"
-            f" {most} there is room for; take a larger spacing"
-        )
-    return window
+    approach, u_max, worst, edge_share, _ = measures
+    count, capped, maximum, work, spread = measured
+    _refuse_wide(contact, loaded[2] * spacing, loaded[3] * spacing)
+    areas, energy = (count * cell, capped * cell), 0.5 * work * cell
+    return ContactState(
+        *(k, Window(*window), Window(*loaded), p, u, approach, *areas, maximum, u_max, energy),
+        *(worst / u_max, *counts[:2], edge if edge.size else None, edge_share, share, spread),
+    )
 
 
 def _refuse_the_impossible(contact: RollingContact) -> None:

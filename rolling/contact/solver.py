@@ -13,15 +13,15 @@ double-precision check on the full window.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics.arrays import Array, instance, positive, real_array, short_repr
 from acoustics.numbers import rounded
-from rolling.contact import _condition_kernels
+from rolling.contact import _condition_kernels, _step_kernels
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact._far_field import far_field, stencils
 from rolling.contact._system import Limits, Sets
@@ -37,8 +37,8 @@ ROUNDING = 128 * np.finfo(float).eps
 LEVELLED = 0.3
 _NOTHING = np.empty((0, 0))
 _NO_SOLUTION = _NOTHING, _NOTHING, 0, 0
-_EMPTY = np.empty(0), np.empty(0, np.float32)  # arrays of the transforms' type, double and single
-_steps = [0, 0]  # addresses of the step of a descent, in double and single precision
+# Addresses of compiled code in double and in single precision: see `_step_kernels.solve`.
+_addresses = np.zeros((2, 2), np.int64)
 
 
 class ContactError(RuntimeError):
@@ -286,19 +286,32 @@ def solve_contact(
     gap, load = _plain("gap", gap), positive("load", load, MAX_SIZE)
     hardness, tolerance = positive("hardness", hardness), positive("tolerance", tolerance, 1.0)
     shape = None if shape is None else _plain("shape", shape, gap)
-    if start is not None:
-        pressure = _plain("start.pressure", start.pressure, gap).copy()
-        deflection, previous = start.deflection, start.previous
-        if deflection is not None:
-            deflection = _plain("start.deflection", deflection, gap)
-        if previous is not None:
-            before = _plain("start.previous.pressure", previous.pressure)
-            after = _plain("start.previous.deflection", previous.deflection, before)
-            previous = Previous(before, after, int(previous.row), int(previous.column))
-        start = replace(start, pressure=pressure, deflection=deflection, previous=previous)
     start = start or _cold_start(half_space, gap, load, hardness)
-    limits = Limits(hardness, load / half_space.spacing**2)
-    return Problem(half_space, gap, shape, limits, tolerance, single).solve(start)
+    pressure, before = _plain("start.pressure", start.pressure, gap), _NO_SOLUTION
+    deflection = _NOTHING
+    if start.deflection is not None:
+        deflection = _plain("start.deflection", start.deflection, gap)
+    if start.previous is not None:
+        p, u, row, column = start.previous
+        p = _plain("start.previous.pressure", p)
+        before = p, _plain("start.previous.deflection", u, p), int(row), int(column)
+    numbers = hardness, load / half_space.spacing**2, tolerance
+    levelled, blended = levelled_range(half_space, hardness), shape is not None
+    (p, u, edge), (approach, u_max, worst, share, _), counts = complete(
+        half_space,
+        _step_kernels.solve,
+        (
+            (gap, gap if shape is None else shape),
+            (pressure, deflection),
+            before,
+            (*numbers, levelled),
+            (half_space.unit, *stencils(half_space.unit)),
+            (bool(start.close), bool(single), blended, bool(start.sharp)),
+        ),
+        tolerance,
+    )
+    measures = approach, u_max, worst / u_max, counts[0]
+    return Contact(p, u, half_space.spacing, *measures, edge if blended else None, share)
 
 
 def _plain(name: str, array: Array, like: Array | None = None) -> Array:
@@ -312,125 +325,56 @@ def _plain(name: str, array: Array, like: Array | None = None) -> Array:
     return plain
 
 
-class Problem(NamedTuple):
-    """Contact to be solved from a start, with blended edges where there is a shape.
+def complete(
+    half_space: HalfSpace, kernel: Callable[..., Any], arguments: tuple[Any, ...], tolerance: float
+) -> tuple[Any, ...]:
+    """Call a compiled solve with its first arguments, and provide what it needs until it ends.
 
-    Its arrays are those of `solve_contact`, in C order and of double precision.
+    Returns its fields, measures, counts, and what else it returns (see `_step_kernels`). Raises
+    ContactError as `solve_contact` does.
     """
-
-    half_space: HalfSpace
-    gap: Array
-    shape: Array | None
-    limits: Limits
-    tolerance: float
-    single: bool
-
-    def solve(self, start: WarmStart) -> Contact:
-        """Solve the contact; the pressure of the start becomes that of the solution."""
-        return self.converge(start) if self.shape is None else self.blend(start)
-
-    def blend(self, start: WarmStart) -> Contact:
-        """Solve with blended edges where the contact yields, and with sharp edges elsewhere.
-
-        Between both the maximum overlap at the hardness, over the half range that pressures level,
-        is the share of their range that edges take. It is the overlap of the solution with whole
-        edges, so that the contact follows continuously from its surface and load.
-        """
-        hardness, iterations, sharp = self.limits.hardness, 0, None
-        if start.sharp:
-            # No contact is known to yield with blended edges that does not yield with sharp edges.
-            sharp = self._sharp(start)
-            if sharp.pressure.max() < hardness:
-                return sharp
-            start, iterations = _continued(sharp), sharp.iterations
-        levelled = levelled_range(self.half_space, hardness)
-        solved = self.converge(start, share=1.0)
-        iterations += solved.iterations
-        p, u, edge = solved.pressure.ravel(), solved.deflection.ravel(), solved.edge
-        overlap = _condition_kernels.yielding_overlap(
-            self.gap.ravel(), u, p, hardness, solved.approach, levelled
-        )
-        partial = _condition_kernels.has_partial_cells
-        if overlap < levelled and edge is not None and partial(p, edge.ravel(), hardness):
-            start = _continued(solved)
-            if overlap > 0:
-                solved = self.converge(start, overlap / levelled)
-                iterations += solved.iterations
-            elif sharp is None:
-                solved = self._sharp(start)
-                iterations += solved.iterations
-            else:
-                solved = sharp
-        return replace(solved, iterations=iterations) if iterations != solved.iterations else solved
-
-    def _sharp(self, start: WarmStart) -> Contact:
-        """Solve with sharp edges where edges may be blended: their range over each cell is zero."""
-        return replace(self.converge(start), edge=np.zeros_like(self.gap))
-
-    def converge(self, start: WarmStart, share: float = 0.0) -> Contact:
-        """Iterate from a start until the contact conditions hold.
-
-        Edges take a share of their range; they are sharp where it is 0.
-        """
-        half_space, gap, limits = self.half_space, self.gap, self.limits
-        p, u, before = start.pressure, start.deflection, start.previous
-        state = np.zeros(kernels.STATES, np.int64)
-        state[kernels.DEFLECTION] = kernels.UNKNOWN if u is None else kernels.GIVEN
-        deflection, edge = np.empty_like(gap), np.empty_like(gap) if share else _NOTHING
-        problem = (
-            (gap, gap if self.shape is None else self.shape),
-            (p, _NOTHING if u is None else u),
-            _NO_SOLUTION if before is None else tuple(before),
-            (deflection, edge),
-            (*limits, float(self.tolerance), levelled_range(half_space, limits.hardness), share),
-            (half_space.unit, *stencils(half_space.unit)),
-            (bool(start.close), bool(self.single)),
-            state,
-        )
-        single = bool(self.single and self.tolerance >= kernels.SINGLE_TOLERANCE)
-        while True:
-            answer, approach, u_max, worst, missing = kernels.converge(
-                *problem, half_space.table, _steps[single], _EMPTY[single]
+    patience = kernels.LONGEST
+    while True:
+        answer, missing, *solved = kernel(*arguments, half_space.table, _addresses, patience)
+        if answer == kernels.SOLVED:
+            return tuple(solved)
+        if answer == kernels.TRANSFORMS:
+            half_space.provide(*missing)
+        elif answer == kernels.FAR_FIELD:
+            rows, columns, tile = missing[:3]
+            half_space.keep(rows, columns, tile, far_field(rows, columns, tile))
+        elif answer == kernels.KERNEL:
+            single = bool(missing[0])
+            addresses = _step_kernels.converge_address(single), kernels.step_address(single)
+            _addresses[missing[0]] = addresses
+        elif answer == kernels.UNFINISHED:
+            patience *= 2
+        elif answer == kernels.TOO_WIDE:
+            rows, columns, most, _ = missing
+            raise ContactError(
+                f"the contact needs a window of {rows} by {columns} nodes, more than the {most}"
+                " there is room for; take a larger spacing"
             )
-            if answer == kernels.SOLVED:
-                measures = approach, u_max, worst / u_max, int(state[kernels.ITERATIONS])
-                edges = (edge, share) if share else ()
-                return Contact(p, deflection, half_space.spacing, *measures, *edges)
-            if answer == kernels.SPENT:
-                raise self._not_converged(state, u_max, worst)
-            if answer == kernels.NOT_FINITE:
-                strange = "the contact solve met numbers that are not finite: check units of load"
-                raise ContactError(f"{strange}, modulus and heights")
-            if answer == kernels.TRANSFORMS:
-                half_space.provide(*missing)
-            elif answer == kernels.FAR_FIELD:
-                rows, columns, tile = missing[:3]
-                half_space.keep(rows, columns, tile, far_field(rows, columns, tile))
-            elif answer == kernels.KERNEL:
-                _steps[single] = kernels.step_address(single)
-            elif answer == kernels.PRECISION:
-                single = not single
-
-    def _not_converged(self, state: NDArray[np.int64], u_max: float, worst: float) -> ContactError:
-        """Make the error of a solve that stopped, with the tolerance that rounding of gaps allows.
-
-        `state` is that of the kernel; `u_max` and `worst` are maximum deflection and violation [m].
-        """
-        highest = float(np.abs(self.gap).max())
-        limit = ROUNDING * highest / u_max
-        rounding = (
-            f"; gaps of up to {rounded(highest)} m, rounded in double precision, need a tolerance"
-            f" of at least {rounded(limit)} for a deflection of {rounded(u_max)} m"
-        )
-        return ConvergenceError(
-            f"the contact solve stopped after {state[kernels.ITERATIONS]} iterations at a residual"
-            f" of {rounded(worst / u_max)}, {rounded(self.tolerance)} was asked for (tried:"
-            f" preconditioned conjugate gradients, {state[kernels.RESTARTS]} restarts,"
-            f" {state[kernels.PLAIN_STEPS]} plain gradient steps)"
-            + (rounding if self.tolerance <= limit else "")
-        )
+        elif answer == kernels.NOT_FINITE:
+            strange = "the contact solve met numbers that are not finite: check units of load"
+            raise ContactError(f"{strange}, modulus and heights")
+        else:
+            raise _not_converged(solved[1], solved[2], tolerance)
 
 
-def _continued(contact: Contact) -> WarmStart:
-    """Start from the solution of the same contact with other edges."""
-    return WarmStart(contact.pressure.copy(), contact.deflection, close=True)
+def _not_converged(
+    measures: tuple[float, ...], counts: tuple[int, ...], tolerance: float
+) -> ContactError:
+    """Make the error of a solve that stopped, with the tolerance that rounding of gaps allows."""
+    (_, u_max, worst, _, highest), (iterations, _, restarts, plain_steps, *_) = measures, counts
+    limit = ROUNDING * highest / u_max
+    rounding = (
+        f"; gaps of up to {rounded(highest)} m, rounded in double precision, need a tolerance of at"
+        f" least {rounded(limit)} for a deflection of {rounded(u_max)} m"
+    )
+    return ConvergenceError(
+        f"the contact solve stopped after {iterations} iterations at a residual of"
+        f" {rounded(worst / u_max)}, {rounded(tolerance)} was asked for (tried: preconditioned"
+        f" conjugate gradients, {restarts} restarts, {plain_steps} plain gradient steps)"
+        + (rounding if tolerance <= limit else "")
+    )

@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isfinite, pi, sqrt
+from math import inf, isfinite, pi
 from operator import add
 from typing import Any, NamedTuple
 
@@ -51,10 +51,6 @@ class Window(NamedTuple):
         below = self.row + self.rows - other.row - other.rows
         beside = self.column + self.columns - other.column - other.columns
         return self.row <= other.row and self.column <= other.column and min(below, beside) >= 0
-
-    def bordered(self) -> Window:
-        """Add a node on every side, open in any contact that this window cannot cut off."""
-        return Window(self.row - 1, self.column - 1, self.rows + 2, self.columns + 2)
 
     def whole(self, subcells: int) -> Window:
         """Widen the window to whole cells of so many nodes along and across."""
@@ -270,44 +266,23 @@ class RollingContact:
         edges the gap is that of the top of each cell, and there is a border of one node, because
         the edge of a cell needs nodes on both sides.
         """
+        load, near2 = self.least_deflection
+        least = load, spread**2 + near2
+        numbers = tuple(self.maxima), self.sphere(k), approach, least, self.has_blended_edges
+        window = Window(*_window_kernels.overlap(*numbers))
+        return window if window.rows else None
+
+    @property
+    def least_deflection(self) -> tuple[float, float]:
+        """Load over pi E* [m2] and squared distance [m2] of the minimum deflection, for kernels."""
         near = NEAR_CELLS * self.cell_spacing if self.subcells > 1 or self.has_blended_edges else 0
-        load = SURE * self.load / (pi * self.contact_modulus)
-        limits = self.farthest_gap(approach), load, spread**2 + near**2
-        row, last_row, column, last_column = _window_kernels.overlap_block(
-            *self.maxima, *self.sphere(k), *limits
-        )
-        if last_row < row:
-            return None
-        window = Window(row, column, last_row - row + 1, last_column - column + 1)
-        return window.bordered() if self.has_blended_edges else window
+        return SURE * self.load / (pi * self.contact_modulus), near**2
 
-    def farthest_gap(self, approach: float) -> float:
-        """Return the maximum gap [m] at a node whose cell touches at an approach.
-
-        With blended edges the sphere may touch the near side of a cell. It is lower there than over
-        the node by half a side times its slope, (2 d / R)^(1/2) at a distance d above the highest
-        node.
-        """
-        if not self.has_blended_edges:
-            return approach
-        half, radius = 0.5 * self.spacing, min(self.radii)
-        touching = max(approach + self.maxima.highest, 0.0)
-        return approach + half * (half + sqrt(half**2 + 2 * radius * touching)) / radius
-
-    def gap(self, k: int, window: Window, heights: Array | None = None) -> Array:
-        """Compute the undeformed gap on a window at position k, a (rows, columns) array [m].
-
-        It is that over the surface unless other heights are given.
-        """
-        out, z = np.empty(window[2:]), self.heights if heights is None else heights
-        _window_kernels.undeformed_gap(z, *self.sphere(k), window.row, window.column, out)
+    def gap(self, k: int, window: Window) -> Array:
+        """Compute the undeformed gap on a window at position k, a (rows, columns) array [m]."""
+        out = np.empty(window[2:])
+        _window_kernels.undeformed_gap(self.heights, self.sphere(k), *window[:2], out)
         return out
-
-    def shape(self, k: int, window: Window, gap: Array) -> Array | None:
-        """Return the gap within cells, of the sphere alone on flat cells; None for sharp edges."""
-        if not self.has_blended_edges:
-            return None
-        return gap if self.slopes else self.gap(k, window, np.zeros((1, 1)))
 
     def sphere(self, k: int) -> tuple[float, ...]:
         """Return the spacing, and radii and place of the sphere at position k, for kernels."""

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import assert_solved, make_track, roll, rough
+from helpers import assert_solved, make_track, measures, roll, rough
 
-from rolling.contact import _window_kernels
 from rolling.contact.state import NEAR_CELLS, SURE
 from rolling.contact.subcells import half_space_of
 
@@ -33,7 +32,7 @@ def test_no_deflection_is_below_that_at_the_root_mean_square_distance(
     edge = np.empty((0, 0))
     load = SURE * pressure.sum() * SPACING / (np.pi * MODULUS)
     for reach in (distance.max(), 0.5 * distance.max()):
-        measured = _window_kernels.measures(pressure, u, np.inf, edge, 0.0, *centre, reach)
+        measured = measures(pressure, u, np.inf, edge, 0.0, *centre, reach)
         near = NEAR_CELLS * subcells if subcells > 1 else 0.0
         least = load / np.sqrt(distance**2 + measured[4] ** 2 + near**2)
         assert (u >= least)[distance <= reach].all()

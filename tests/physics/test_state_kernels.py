@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers import measures
 
 from rolling.contact import _condition_kernels, _window_kernels
 
@@ -77,7 +78,7 @@ def test_measures_of_loaded_nodes_are_those_of_plain_arrays(seed: int, blended: 
         np.sqrt(square / p.sum() + 1),
     )
     edge = edge if blended else np.empty((0, 0))
-    got = _window_kernels.measures(p, u, HARDNESS, edge, LEVELLED, *centre, reach)
+    got = measures(p, u, HARDNESS, edge, LEVELLED, *centre, reach)
     assert got[:5] == pytest.approx(expected, rel=1e-12)
     assert got[5:] == (rows.min(), rows.max(), columns.min(), columns.max())
 

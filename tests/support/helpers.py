@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from hard_cases import optimality
 from hard_cases.named_cases import STEEL, make_track, rough
 from hard_cases.optimality import gap_and_deflection
 
-from rolling.contact import recovery
+from rolling.contact import _window_kernels, recovery
+from rolling.contact.compiling import njit
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.subcells import half_space_of
@@ -28,6 +30,7 @@ __all__ = [
     "hertz_law",
     "make_track",
     "march_all",
+    "measures",
     "releases",
     "roll",
     "rough",
@@ -36,6 +39,12 @@ __all__ = [
     "step_energies",
     "track_work",
 ]
+
+
+@njit(cache=True)
+def measures(*arguments: Any) -> Any:
+    """Measure the loaded nodes of a window, which only compiled code can do."""
+    return _window_kernels.measures(*arguments)
 
 
 def space_of(track: RollingContact) -> HalfSpace:

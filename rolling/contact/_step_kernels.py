@@ -1,0 +1,356 @@
+"""Compiled step of the march, from the window to the measures, and the compiled solve of a contact.
+
+`solve` goes from a start to the accepted solution with either kind of edges, and `step` from one
+position to the next. Both return early where Python has to provide something: transforms of a size,
+the far field of a grid or a kernel. They then begin anew, from the same start to the same digits.
+"""
+
+# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+from __future__ import annotations
+
+from functools import cache as once
+
+import numpy as np
+from numba import types
+
+from rolling.contact import _descent_kernels as descent
+from rolling.contact import _window_kernels as windows
+from rolling.contact._by_address import address_of, caller
+from rolling.contact._condition_kernels import has_partial_cells, yielding_overlap
+from rolling.contact._transform_kernels import MAX_NODES
+from rolling.contact.compiling import njit
+
+# This is the minimum useful weight of the sphere-fixed start at the second position. Below it the
+# plate-fixed start converges as fast and needs no mixing.
+MIN_SHARE = 0.2
+# Later positions mix above this weight only, which plates of Ra 1 nm or less reach, and yielding
+# contacts of more than some 350 nodes across. Below it the extrapolation of two positions takes
+# fewer convolutions: 5 instead of 7 or 8 per step at weights of 0.3 to 0.7, as many at 0.97, but 5
+# instead of 3 at 1.
+STEADY_SHARE = 0.98
+# A window has room for a load spread so many times as wide as at the position before.
+ROOM = 1.1
+
+_SINGLE, _DOUBLE = np.empty(0, np.float32), np.empty(0)  # arrays of the transforms' type
+_field, _number, _whole = types.float64[:, ::1], types.float64, types.int64
+_SOLVED = types.Tuple([_whole, *[_number] * 3, types.UniTuple(_whole, 4)])
+
+
+def converge_types(real: types.Float) -> tuple[types.Type, ...]:
+    """Return the types of the arguments of `converge` of the descents for transforms of a type."""
+    pair = types.UniTuple(_field, 2)
+    before = types.Tuple([_field, _field, _whole, _whole])
+    stencils = types.Tuple([_number, _field, types.float32[::1], *[_number] * 3])
+    numbers, flags = types.UniTuple(_number, 5), types.UniTuple(types.boolean, 2)
+    tables = _whole[::1], _whole[:, ::1], _whole
+    like = types.Array(real, 1, "C", readonly=True)
+    return pair, pair, before, pair, numbers, stencils, flags, *tables, like
+
+
+_converge_at = caller(_SOLVED, converge_types(types.float32), converge_types(types.float64))
+
+
+@once
+def converge_address(single: bool) -> int:
+    """Return the address of `converge` of the descents, which is compiled if need be."""
+    real = types.float32 if single else types.float64
+    return address_of(descent.converge, _SOLVED, converge_types(real))
+
+
+@njit(cache=True, inner=True)
+def converge(problem, single, kernels, patience):
+    """Converge in single or double precision, and go on in the other one where need be.
+
+    Returns the precision at the end, and the answer as `converge` of the descents does.
+    """
+    state = problem[7]
+    while True:
+        address, of_step = kernels[1 if single else 0]
+        if address == 0:
+            return single, (descent.KERNEL, 0.0, 0.0, 0.0, (1 if single else 0, 0, 0, 0))
+        if single:
+            answer = _converge_at(address, (*problem, of_step, _SINGLE))
+        else:
+            answer = _converge_at(address, (*problem, of_step, _DOUBLE))
+        if answer[0] == descent.PRECISION:
+            single = not single
+        elif answer[0] != descent.UNFINISHED or state[descent.ITERATIONS] >= patience:
+            return single, answer
+
+
+@njit(cache=True)
+def solve(window, start, before, numbers, stencils, flags, table, kernels, patience):
+    """Solve a contact, with blended edges where it yields and with sharp edges elsewhere.
+
+    Between both the maximum overlap at the hardness, over the half range that pressures level, is
+    the share of their range that edges take. It is the overlap of the solution with whole edges, so
+    that the contact follows continuously from its surface and load.
+
+    Parameters
+    ----------
+    window, start, before, stencils, table
+        Arguments of `converge` of the descents.
+    numbers : tuple
+        Hardness, sum of the pressures, tolerance and levelled range of the edges.
+    flags : tuple of bool
+        Whether the start is close to the solution, whether single precision may serve, whether
+        edges may be blended, and whether they are sharp at first.
+    kernels : (2, 2) array
+        Addresses of `converge` and of the step of a descent, in double and in single precision.
+    patience : int
+        Iterations after which Python learns of an interrupt.
+
+    Returns
+    -------
+    tuple
+        Answer and what is missing; pressure, deflection and half ranges of the edges; approach,
+        maximum deflection, maximum violation [m], share of the edges, and the maximum gap [m] of a
+        solve that stopped; iterations, convolutions, restarts, plain steps, rounds and whether the
+        last of them are of single precision.
+    """
+    (gap, _), (hardness, _, tolerance, levelled) = window, numbers
+    close, single, blended, sharp = flags
+    p, u, nothing, given = start[0].copy(), np.empty(gap.shape), np.empty((0, 0)), start[1]
+    edge = np.zeros(gap.shape) if blended else nothing
+    state, iterations, begun = np.zeros(descent.STATES, np.int64), 0, table[0, 0]
+    state[descent.DEFLECTION] = descent.GIVEN if given.size else descent.UNKNOWN
+    single = single and tolerance >= descent.SINGLE_TOLERANCE
+    share = 0.0 if sharp or not blended else 1.0
+    known, highest = (p, u, (0.0, 0.0, 0.0)), 0.0
+    while True:
+        out, precise = (u, edge if share else nothing), (close, flags[1])
+        fields = window, (p, given), before, out, (*numbers, share), stencils, precise, state, table
+        single, (answer, approach, u_max, worst, missing) = converge(
+            fields, single, kernels, patience - iterations
+        )
+        iterations += state[descent.ITERATIONS]
+        if answer != descent.SOLVED or not blended or 0 < share < 1:
+            break
+        # No contact is known to yield with blended edges that does not yield with sharp edges.
+        if share == 0:
+            if not sharp or p.max() < hardness:
+                break
+            known, share = (p.copy(), u.copy(), (approach, u_max, worst)), 1.0
+        else:
+            flat = gap.reshape(-1), u.reshape(-1), p.reshape(-1)
+            overlap = yielding_overlap(flat[0], flat[1], flat[2], hardness, approach, levelled)
+            if overlap >= levelled or not has_partial_cells(flat[2], edge.reshape(-1), hardness):
+                break
+            share = overlap / levelled
+            if share == 0:
+                edge[:] = 0.0
+                if sharp:
+                    p, u, (approach, u_max, worst) = known
+                    break
+        state[:] = 0
+        state[descent.DEFLECTION], close = descent.FRESH, True
+    if answer == descent.SPENT:
+        highest = np.abs(gap).max()
+    measures = approach, u_max, worst, share, highest
+    counts = iterations, table[0, 0] - begun, state[descent.RESTARTS], state[descent.PLAIN_STEPS]
+    rounds = state[descent.ROUNDS], 1 if single else 0
+    return answer, missing, (p, u, edge), measures, (*counts, *rounds)
+
+
+@njit(cache=True, inner=True)
+def around(window, other):
+    """Return the minimum window that covers two windows; one without rows does not count."""
+    if not other[2]:
+        return window
+    row, column = min(window[0], other[0]), min(window[1], other[1])
+    end = max(window[0] + window[2], other[0] + other[2])
+    return row, column, end - row, max(window[1] + window[3], other[1] + other[3]) - column
+
+
+@njit(cache=True, inner=True)
+def covers(window, other):
+    """Tell whether all nodes of another window lie in a window."""
+    whole = around(window, other)
+    return whole[2] == window[2] and whole[3] == window[3]
+
+
+@njit(cache=True)
+def room(window, subcells):
+    """Return the window of the solve: a window and a border of open nodes, in whole cells."""
+    row, column = (window[0] - 1) // subcells * subcells, (window[1] - 1) // subcells * subcells
+    rows = -((row - window[0] - window[2] - 1) // subcells) * subcells
+    return row, column, rows, -((column - window[1] - window[3] - 1) // subcells) * subcells
+
+
+@njit(cache=True, inner=True)
+def moved(values, window, target, continued):
+    """Copy values of a window into the target window as `copy_block` does."""
+    out = np.empty((target[2], target[3]))
+    windows.copy_block(values, out, window[0] - target[0], window[1] - target[1], continued)
+    return out
+
+
+@njit(cache=True, inner=True)
+def gap_on(heights, sphere, window):
+    """Compute the undeformed gap on a window."""
+    out = np.empty((window[2], window[3]))
+    windows.undeformed_gap(heights, sphere, window[0], window[1], out)
+    return out
+
+
+@njit(cache=True, inner=True)
+def mix(values, others, share, high):
+    """Move values towards others by a share of their difference, within rounding up to a bound."""
+    for i in range(values.shape[0]):
+        for j in range(values.shape[1]):
+            values[i, j] = min(values[i, j] + share * (others[i, j] - values[i, j]), high)
+
+
+@njit(cache=True, inner=True)
+def towards_the_sphere(track, old, frames, start, hardness):
+    """Mix pressures that stayed with the plate with those that moved with the sphere.
+
+    Returns the share of the latter, for a minimum of the energy, and the deflection. That is empty
+    where it is unknown on nodes that are needed, and unless the last such start had to be iterated:
+    a smooth sphere accepts it as it is, after a check that computes the deflection anew.
+
+    Both deflections are known, so finding the mixture needs no convolution.
+    """
+    heights, sphere, nodes = track
+    held, loaded, (p, u), (_, _, _, share, _), iterated = old
+    window, needed = frames
+    onward, nothing = (held[0] + nodes, held[1], held[2], held[3]), np.empty((0, 0))
+    if not (nodes and covers(window, (loaded[0] + nodes, loaded[1], loaded[2], loaded[3]))):
+        return 0.0, nothing
+    iterated = iterated and share > 0
+    gap, offset = gap_on(heights, sphere, window), (held[0] - window[0], held[1] - window[1])
+    slope, curvature = windows.energy_towards(p, u, gap, offset[0], offset[1], nodes)
+    share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
+    if share < MIN_SHARE:
+        return 0.0, nothing
+    mix(start, moved(p, onward, window, False), share, hardness)
+    if not (iterated and covers(held, needed) and covers(onward, needed)):
+        return share, nothing
+    deflection = moved(u, held, window, True)
+    mix(deflection, moved(u, onward, window, True), share, np.inf)
+    return share, deflection
+
+
+@njit(cache=True, inner=True)
+def warm_start(surface, place, states, hardness, cells, blended):
+    """Start from pressures that stayed with the plate, or with the sphere on a smooth plate.
+
+    Returns the window, pressure and deflection, the position before where the deflection is to be
+    extrapolated, the limits of approach and spread that the window holds, and the share of the
+    pressures that moved with the sphere.
+    """
+    (heights, maxima), (sphere, ahead, load, near2), (subcells, nodes) = surface, place, cells
+    old, (row, column, p_before, u_before, approach_before) = states
+    held, loaded, (p, u), (approach, u_max, spread, share, _), _ = old
+    limits = approach + min(4 * abs(approach - approach_before), 0.1 * u_max), ROOM * spread
+    least = load, limits[1] ** 2 + near2
+    needed = around(loaded, windows.overlap(maxima, sphere, limits[0], least, blended))
+    window, nothing = needed, np.empty((0, 0))
+    if not np.isnan(ahead):
+        sphere_ahead = sphere[0], sphere[1], sphere[2], ahead, sphere[4]
+        window = around(window, windows.overlap(maxima, sphere_ahead, limits[0], least, blended))
+    window = room(window, subcells)
+    start, deflection, last = moved(p, held, window, False), nothing, (nothing, nothing, 0, 0)
+    is_second, was, share = not p_before.size, share, 0.0
+    if is_second or was > STEADY_SHARE:
+        track = heights, sphere, nodes
+        share, deflection = towards_the_sphere(track, old, (window, needed), start, hardness)
+    if share == 0 and covers(held, needed):
+        deflection = moved(u, held, window, True)
+        if not is_second:
+            last = p_before, u_before, row - window[0], column - window[1]
+    return window, (start, deflection), last, limits, share
+
+
+@njit(cache=True, inner=True)
+def measure(fields, maxima, sphere, numbers, approach, window):
+    """Return the loaded block of a solved window, and the measures of its nodes.
+
+    The measures are the numbers of nodes in contact and at the hardness, the maximum pressure, the
+    sum of p u, and the spread of the load [m].
+    """
+    (p, u, edge), (hardness, _, _, levelled) = fields, numbers
+    spacing, radius, radius_across, x, y = sphere
+    gap = max(windows.farthest_gap(maxima, sphere, approach, edge.size > 0) + maxima[3], 0.0)
+    reach = np.sqrt(2 * max(radius, radius_across) * gap) / spacing
+    row, column = x / spacing - window[0], y / spacing - window[1]
+    # Below the hardness there is no patch that could end within a cell.
+    ends = edge if edge.size and p.max() >= hardness else np.empty((0, 0))
+    measures = windows.measures(p, u, hardness, ends, levelled, row, column, reach)
+    count, capped, maximum, work, spread, first_row, last_row, first_column, last_column = measures
+    rows, columns = last_row - first_row + 1, last_column - first_column + 1
+    loaded = window[0] + first_row, window[1] + first_column, rows, columns
+    return loaded, (count, capped, maximum, work, spacing * spread)
+
+
+@njit(cache=True)
+def step(surface, place, states, numbers, cells, stencils, flags, table, kernels, patience):
+    """Solve the contact at a position, again on a larger window where contact may be outside of it.
+
+    Parameters
+    ----------
+    surface : tuple
+        Heights of the plate, and the fields of their `Maxima`.
+    place : tuple
+        Spacing, radii and place of the sphere, its next place along if the window is to include it,
+        else a number that is none, and the load and the square of the distance of the minimum
+        deflection (see `least_deflection`).
+    states : tuple
+        State before: window, loaded block, pressure and deflection, (approach, maximum deflection,
+        spread, share that moved with the sphere, share of the edges), and whether it was iterated.
+        Without a deflection the pressure on the window is a cold start. The position before that
+        follows: first node, pressure and deflection, empty where there is none, and approach.
+    cells : tuple
+        Nodes along the side of a cell, and nodes that the sphere moves on, 0 unless they are whole.
+    flags : tuple of bool
+        Whether single precision may serve, whether edges may be blended, and whether the surface
+        continues between the nodes.
+    numbers, stencils, table, kernels, patience
+        Arguments of `solve`.
+
+    Returns
+    -------
+    tuple
+        Answer, what is missing, fields, measures and counts of `solve`, window, loaded block, share
+        that moved with the sphere, and the measures of the loaded nodes (see `measures`).
+    """
+    (heights, maxima), (sphere, _, load, near2), old = surface, place, states[0]
+    (may_be_single, blended, slopes), subcells, hardness = flags, cells[0], numbers[0]
+    warm, nothing = old[2][1].size > 0, np.empty((0, 0))
+    window, start, last = old[0], old[2], (nothing, nothing, 0, 0)
+    limits, share, close, sharp = (-np.inf, np.inf), 0.0, warm, warm and old[3][4] == 0.0
+    if warm:
+        window, start, last, limits, share = warm_start(
+            surface, place, states, hardness, cells, blended
+        )
+    # The transforms of sub-cells need a border of one cell all around.
+    begun, iterations, most = table[0, 0], 0, MAX_NODES if subcells == 1 else MAX_NODES - 4
+    answer, missing = descent.TOO_WIDE, (0, 0, 0, 0)
+    fields, measures, counts = (nothing, nothing, nothing), (0.0,) * 5, (0,) * 6
+    loaded, measured = window, (0.0,) * 5
+    while True:
+        sides = window[2] // subcells, window[3] // subcells
+        if max(sides) > most:
+            answer, missing = descent.TOO_WIDE, (sides[0], sides[1], most, 0)
+            break
+        gap = gap_on(heights, sphere, window)
+        shape = gap_on(np.zeros((1, 1)), sphere, window) if blended and not slopes else gap
+        kind = close, may_be_single, blended, sharp
+        answer, missing, fields, measures, counts = solve(
+            (gap, shape), start, last, numbers, stencils, kind, table, kernels, patience
+        )
+        iterations += counts[0]
+        if answer != descent.SOLVED:
+            break
+        loaded, measured = measure(fields, maxima, sphere, numbers, measures[0], window)
+        if measures[0] <= limits[0] and measured[4] <= limits[1]:
+            break
+        least = load, measured[4] ** 2 + near2
+        wider = around(window, windows.overlap(maxima, sphere, measures[0], least, blended))
+        if covers(window, wider):
+            break
+        wider = room(wider, subcells)
+        start, last = (moved(fields[0], window, wider, False), nothing), (nothing, nothing, 0, 0)
+        window, close, sharp = wider, True, False
+    counts = iterations, table[0, 0] - begun, *counts[2:]
+    return answer, missing, fields, measures, counts, window, loaded, share, measured
