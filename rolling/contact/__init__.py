@@ -16,8 +16,10 @@ Public modules:
 
 Private modules, mostly compiled:
 
-- `_descent_kernels`, `_system`: the solve from its start to the accepted solution in one compiled
-  call (`converge`), its descents, and the named tuples of compiled passes.
+- `_position_kernels`: a position of the march in one compiled call (`solve_position`): window, gap,
+  warm start, solve with either kind of edges (`solve`), and measures.
+- `_descent_kernels`, `_system`: the solve from its start to the accepted solution (`converge`), its
+  descents, and the named tuples of compiled passes.
 - `_by_address`, `_plans`: calls by address, of kernels that are compiled apart and of the plans of
   FFTW.
 - `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`) and
@@ -27,7 +29,7 @@ Private modules, mostly compiled:
 - `_candidate_kernels`: nodes that may be in contact, and edges within their cells (`move_edges`).
 - `_condition_kernels`: pressures within the bounds with the load restored (`project`,
   `restore_load`, `settle_load`), approach and violation.
-- `_window_kernels`: gap, window of a position (`overlap_block`), extrapolation; loaded nodes of a
+- `_window_kernels`: gap, window of a position (`overlap`), extrapolation; loaded nodes of a
   solved state (`measures`), release of each node (`node_work`), events.
 - `_transform_kernels`: passes around transforms of two rows of cells at a time (`multiply`), and
   between cells and sub-cells.

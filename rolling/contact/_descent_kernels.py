@@ -1,8 +1,8 @@
 """Compiled solve of a contact: descents by conjugate gradients, each followed by a full check.
 
-`converge` goes from the start to the accepted solution in one call. It returns early where Python
-has to provide something: transforms of a size, the far field of a grid, a kernel, or the same code
-in the other precision. Its state stays in the arrays of the caller, so that the next call goes on.
+`converge` goes from the start to the accepted solution in one call. It returns early where
+something is missing: transforms of a size, the far field of a grid, or the same code in the other
+precision. Its state stays in the arrays of the caller, so that the next call goes on.
 """
 
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
@@ -26,8 +26,8 @@ from rolling.contact.compiling import njit
 from rolling.contact.half_space import OWN_COEFFICIENT
 
 MAX_ITERATIONS = 1000
-# A descent ends after so many iterations, and a call of `converge` after as many, so that Python
-# learns of an interrupt.
+# A descent ends after so many iterations, and so does a first call of a solve, so that Python
+# learns of an interrupt. A next call begins anew and may take twice as many.
 LONGEST = 100
 # Sweeps before the far field of the model, first from the extrapolation, then in each iteration.
 # With half as many, steps take 0.1 to 0.7 convolutions more.
@@ -70,9 +70,9 @@ SINGLE_TOLERANCE = 1e-6
 
 _SINGLE = np.empty(0, np.float32)  # array of single precision
 
-# Answers of `converge`: the solution, an error, or what Python has to provide.
-(SOLVED, SPENT, NOT_FINITE, TRANSFORMS, FAR_FIELD, KERNEL, PRECISION, UNFINISHED) = range(8)
-TOO_WIDE = 8
+# Answers of a solve: the solution, an error, or what its caller has to provide.
+SOLVED, SPENT, NOT_FINITE, TOO_WIDE, UNFINISHED = range(5)
+TRANSFORMS, FAR_FIELD, KERNEL, PRECISION = range(5, 9)
 # Entries of the state of a solve, which begins with zeros.
 (ITERATIONS, RESTARTS, PLAIN_STEPS, STUCK, ROUNDS, MOVES, LOAD_MISSED, EXHAUSTED) = range(8)
 (CARRIED, CANDIDATES, DEFLECTION, STATES) = range(8, 12)
@@ -83,14 +83,6 @@ def step_types(real: types.Float) -> tuple[types.Type, ...]:
     """Return the types of the arguments of `iterate` of the solver for transforms of a type."""
     tuples = (numba_type(kind, real) for kind in (System, Direction, Solutions))
     return *tuples, *[types.float64] * 3, types.int64, types.boolean, types.boolean
-
-
-def descent_types(real: types.Float) -> tuple[types.Type, ...]:
-    """Return the types of the arguments of `descend` for transforms of a type."""
-    system, _, solutions, goal, *_ = step_types(real)
-    numbers = goal, goal, types.boolean, types.int64[::1], types.int64[:, ::1], types.int64
-    lists = types.int64[::1], types.UniTuple(types.int64, 4), types.int64[::1]
-    return system, *lists, solutions, *numbers
 
 
 STEPPED = types.Tuple([numba_type(Step, types.float64), numba_type(Direction, types.float64)])
@@ -354,7 +346,7 @@ def converge(window, start, before, out, numbers, stencils, flags, state, table,
     table : array
         Entries of the transforms and far fields of the half-space: see `HalfSpace`.
     kernel : int
-        Address of `iterate` of the solver, or 0.
+        Address of `iterate` of the solver.
     real : array
         Empty array of the type of the transforms.
 

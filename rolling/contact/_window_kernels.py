@@ -81,7 +81,7 @@ def farthest_gap(maxima, sphere, approach, blended):
 
 
 @njit(cache=True)
-def overlap(maxima, sphere, approach, least, blended):
+def overlap(maxima, sphere, approach, load, blended):
     """Find the window (row, column, rows, columns) where contact at an approach [m] can be.
 
     The gap, with the minimum deflection, is below the approach there. Contact at a smaller approach
@@ -89,34 +89,18 @@ def overlap(maxima, sphere, approach, least, blended):
     of one node, because the edge of a cell needs nodes on both sides. A window without contact has
     no rows.
 
-    `maxima` are the fields of `Maxima`, `sphere` its spacing, radii and place, and `least` the
+    `maxima` are the fields of `Maxima`, `sphere` its spacing, radii and place, and `load` the
     numbers of the minimum deflection (see `least_deflection`).
-    """
-    limits = farthest_gap(maxima, sphere, approach, blended), least
-    row, last_row, column, last_column = overlap_block(maxima, sphere, limits)
-    if last_row < row:
-        return row, column, 0, 0
-    border = 1 if blended else 0
-    rows, columns = last_row - row + 1, last_column - column + 1
-    return row - border, column - border, rows + 2 * border, columns + 2 * border
-
-
-@njit(cache=True, inner=True)
-def overlap_block(maxima, sphere, limits):
-    """Find the bounding block of the nodes whose gap is below the approach, the first limit.
-
-    The block is (first row, last row, first column, last column).
 
     The search covers the whole ellipse that the highest node allows, at most one period to each
-    side, because an island may lie outside any earlier window. An empty block has its last row
-    before its first.
+    side, because an island may lie outside any earlier window.
     """
     heights, stretches, row_highest, highest = maxima
     spacing, radius, radius_across, x, y = sphere
-    approach, load = limits
+    approach, nowhere = farthest_gap(maxima, sphere, approach, blended), (0, 0, 0, 0)
     reach2 = 2 * radius * (approach + highest)
     if reach2 <= 0.0:
-        return 1, 0, 1, 0
+        return nowhere
     # The reach is half a node more than a period, so that rounding does not hide the image of a
     # node right below the sphere.
     reach = min(np.sqrt(reach2), (heights.shape[0] + 0.5) * spacing)
@@ -134,7 +118,7 @@ def overlap_block(maxima, sphere, limits):
             break
         first_row += 1
     if first_row > high:
-        return 1, 0, 1, 0
+        return nowhere
     last_row = high
     while last_row > first_row:
         left, right = overlap_of_row(plate, sphere, last_row, empty)
@@ -148,7 +132,9 @@ def overlap_block(maxima, sphere, limits):
         columns = overlap_of_row(plate, sphere, i, columns)
     for i in range(middle - 1, first_row, -1):
         columns = overlap_of_row(plate, sphere, i, columns)
-    return first_row, last_row, columns[0], columns[1]
+    border = 1 if blended else 0
+    rows, width = last_row - first_row + 1, columns[1] - columns[0] + 1
+    return first_row - border, columns[0] - border, rows + 2 * border, width + 2 * border
 
 
 @njit(cache=True, inner=True)
@@ -168,7 +154,7 @@ def overlap_of_row(plate, sphere, i, columns):
     """Widen columns (first, last) to those of the nodes of row i whose gap is below the approach.
 
     Columns are empty where the first is beyond the last. `plate` and `sphere` are arguments of
-    `overlap_block`.
+    `overlap`.
     """
     heights, stretches, row_highest = plate
     spacing, radius, radius_across, x, y, approach, load = sphere
@@ -232,29 +218,6 @@ def search_row(row, rise, sphere, begin, end, step):
         node = 0 if node == z.size else z.size - 1 if node < 0 else node
         j = last + step
     return j
-
-
-@njit(cache=True, inner=True)
-def energy_towards(p, u, gap, row_offset, column_offset, nodes):
-    """Return slope and curvature of the energy from plate-fixed towards sphere-fixed pressures.
-
-    Sphere-fixed pressures are the plate-fixed pressures moved `nodes` rows on.
-
-    `gap` is the new undeformed gap on its window; the window of the pressures p and deflections u
-    begins at the offsets in it.
-    """
-    slope = 0.0
-    curvature = 0.0
-    for i in range(nodes, p.shape[0]):
-        a = i + row_offset
-        if a < 0 or a >= gap.shape[0]:
-            continue
-        for j in range(max(0, -column_offset), min(p.shape[1], gap.shape[1] - column_offset)):
-            towards = p[i - nodes, j] - p[i, j]
-            if towards != 0.0:
-                slope += (gap[a, j + column_offset] + u[i, j]) * towards
-                curvature += towards * (u[i - nodes, j] - u[i, j])
-    return slope, curvature
 
 
 @njit(cache=True, inner=True)

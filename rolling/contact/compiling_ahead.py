@@ -9,7 +9,7 @@ from __future__ import annotations
 from numba import types
 
 from rolling.contact import _descent_kernels, _far_field, _model_kernels, _transform_kernels
-from rolling.contact import _step_kernels as steps
+from rolling.contact import _position_kernels as positions
 from rolling.contact import _window_kernels as windows
 from rolling.contact._system import FarField, Model, numba_type
 
@@ -28,9 +28,8 @@ def compile_parts() -> None:
     _far_field.answer.compile((far,))
     _far_field.restrict.compile((grid, whole, whole, line))
     _far_field.prolong.compile((line, types.float32, whole, whole, grid))
-    _descent_kernels.descend.compile(_descent_kernels.descent_types(types.float32))
     for single in (False, True):
         _transform_kernels.apply_address(1, single)
-    steps.converge_address(single=True)
+    positions.converge_address(single=True)
     both, corner = (types.UniTuple(kind, 2) for kind in (field, whole))  # type: ignore[no-untyped-call]
     windows.node_work.compile((both, corner, both, types.boolean, number, field))

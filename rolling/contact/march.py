@@ -14,7 +14,7 @@ import numpy as np
 
 from acoustics.arrays import instance
 from acoustics.numbers import rounded
-from rolling.contact import _step_kernels, closed_forms, solver
+from rolling.contact import _position_kernels, closed_forms, solver
 from rolling.contact._far_field import stencils
 from rolling.contact._transform_kernels import MAX_NODES
 from rolling.contact.half_space import HalfSpace
@@ -115,7 +115,7 @@ def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactSta
     centre, middle = (round(distance / contact.spacing) for distance in place)
     nodes = Window(centre - rows, middle - columns, 2 * rows + 1, 2 * columns + 1)
     nodes = Window.around([nodes, contact.overlap(k, hertz**2 / radius)])
-    window = Window(*_step_kernels.room(tuple(nodes), contact.subcells))
+    window = Window(*_position_kernels.room(tuple(nodes), contact.subcells))
     pressure = _NOTHING  # of a window that the solve refuses, because it is too large
     if max(window.cells(contact.subcells)[2:]) <= MAX_NODES:
         load, gap = contact.load, contact.gap(k, window)
@@ -149,22 +149,21 @@ def _solve(
     states: tuple[Any, ...],
     tolerance: float,
 ) -> ContactState:
-    """Solve a position from the states of `step` of the compiled code."""
-    spacing, nodes = contact.spacing, round(contact.step / contact.spacing)
-    near = contact.step <= LOOK_AHEAD * spacing
-    sphere, cell = contact.sphere(k), spacing**2
-    ahead = contact.sphere(k + 1)[3] if near else np.nan
+    """Solve a position from the states that `solve_position` of the kernels takes."""
+    spacing, sphere, cell = contact.spacing, contact.sphere(k), contact.spacing**2
+    nodes = round(contact.step / spacing)
+    nodes = nodes if nodes * spacing == contact.step else 0
+    ahead = contact.sphere(k + 1)[3] if contact.step <= LOOK_AHEAD * spacing else np.nan
     numbers = float(contact.hardness), float(contact.load / cell), float(tolerance)
     levelled = solver.levelled_range(half_space, contact.hardness)
     (p, u, edge), measures, counts, window, loaded, share, measured = solver.complete(
         half_space,
-        _step_kernels.step,
+        _position_kernels.solve_position,
         (
             (contact.heights, tuple(contact.maxima)),
-            (sphere, ahead, *contact.least_deflection),
+            (sphere, ahead, *contact.least_deflection, contact.subcells, nodes),
             states,
             (*numbers, levelled),
-            (contact.subcells, nodes if nodes * spacing == contact.step else 0),
             (half_space.unit, *stencils(half_space.unit)),
             (contact.single, contact.has_blended_edges, contact.slopes),
         ),

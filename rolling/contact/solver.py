@@ -15,13 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from acoustics.arrays import Array, instance, positive, real_array, short_repr
 from acoustics.numbers import rounded
-from rolling.contact import _condition_kernels, _step_kernels
+from rolling.contact import _condition_kernels, _position_kernels
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact._far_field import far_field, stencils
 from rolling.contact._system import Limits, Sets
@@ -36,8 +36,7 @@ ROUNDING = 128 * np.finfo(float).eps
 # soft.
 LEVELLED = 0.3
 _NOTHING = np.empty((0, 0))
-_NO_SOLUTION = _NOTHING, _NOTHING, 0, 0
-# Addresses of compiled code in double and in single precision: see `_step_kernels.solve`.
+# Addresses of compiled code in double and in single precision: see `_position_kernels.solve`.
 _addresses = np.zeros((2, 2), np.int64)
 
 
@@ -126,15 +125,6 @@ class Contact:
         )
 
 
-class Previous(NamedTuple):
-    """Contact before the start, on a window that begins at a node (row, column) of the solve's."""
-
-    pressure: Array
-    deflection: Array
-    row: int
-    column: int
-
-
 @dataclass(frozen=True)
 class WarmStart:
     """Pressures to start a solve from, with all known data about them.
@@ -145,14 +135,9 @@ class WarmStart:
         Pressure between 0 and the hardness that carries the load to rounding.
     deflection : (m, n) array, m, or None
         Deflection by `pressure`. Default: it is computed.
-    previous : Previous or None
-        Contact at the position before, used where `deflection` is given. Default: none.
     close : bool
         If true, iterate only on nodes in or near contact and check the others after convergence.
         Use it when the start is close to the solution. Default: false.
-    sharp : bool
-        If true, try sharp edges before blended edges. Use it when the previous position hardly
-        yields. Default: false.
 
     Examples
     --------
@@ -167,9 +152,7 @@ class WarmStart:
 
     pressure: Array
     deflection: Array | None = None
-    previous: Previous | None = None
     close: bool = False
-    sharp: bool = False
     __repr__ = short_repr
 
 
@@ -287,31 +270,25 @@ def solve_contact(
     hardness, tolerance = positive("hardness", hardness), positive("tolerance", tolerance, 1.0)
     shape = None if shape is None else _plain("shape", shape, gap)
     start = start or _cold_start(half_space, gap, load, hardness)
-    pressure, before = _plain("start.pressure", start.pressure, gap), _NO_SOLUTION
-    deflection = _NOTHING
+    pressure, u = _plain("start.pressure", start.pressure, gap), _NOTHING
     if start.deflection is not None:
-        deflection = _plain("start.deflection", start.deflection, gap)
-    if start.previous is not None:
-        p, u, row, column = start.previous
-        p = _plain("start.previous.pressure", p)
-        before = p, _plain("start.previous.deflection", u, p), int(row), int(column)
-    numbers = hardness, load / half_space.spacing**2, tolerance
-    levelled, blended = levelled_range(half_space, hardness), shape is not None
+        u = _plain("start.deflection", start.deflection, gap)
+    total, levelled = load / half_space.spacing**2, levelled_range(half_space, hardness)
     (p, u, edge), (approach, u_max, worst, share, _), counts = complete(
         half_space,
-        _step_kernels.solve,
+        _position_kernels.solve,
         (
             (gap, gap if shape is None else shape),
-            (pressure, deflection),
-            before,
-            (*numbers, levelled),
+            (pressure, u),
+            (_NOTHING, _NOTHING, 0, 0),
+            (hardness, total, tolerance, levelled),
             (half_space.unit, *stencils(half_space.unit)),
-            (bool(start.close), bool(single), blended, bool(start.sharp)),
+            (bool(start.close), bool(single), shape is not None, False),
         ),
         tolerance,
     )
-    measures = approach, u_max, worst / u_max, counts[0]
-    return Contact(p, u, half_space.spacing, *measures, edge if blended else None, share)
+    solution = p, u, half_space.spacing, approach, u_max, worst / u_max, counts[0]
+    return Contact(*solution, None if shape is None else edge, share)
 
 
 def _plain(name: str, array: Array, like: Array | None = None) -> Array:
@@ -330,7 +307,7 @@ def complete(
 ) -> tuple[Any, ...]:
     """Call a compiled solve with its first arguments, and provide what it needs until it ends.
 
-    Returns its fields, measures, counts, and what else it returns (see `_step_kernels`). Raises
+    Returns its fields, measures, counts, and all else it returns (see `_position_kernels`). Raises
     ContactError as `solve_contact` does.
     """
     patience = kernels.LONGEST
@@ -345,7 +322,7 @@ def complete(
             half_space.keep(rows, columns, tile, far_field(rows, columns, tile))
         elif answer == kernels.KERNEL:
             single = bool(missing[0])
-            addresses = _step_kernels.converge_address(single), kernels.step_address(single)
+            addresses = _position_kernels.converge_address(single), kernels.step_address(single)
             _addresses[missing[0]] = addresses
         elif answer == kernels.UNFINISHED:
             patience *= 2

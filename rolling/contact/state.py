@@ -193,7 +193,8 @@ class RollingContact:
         )
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "heights", real_array("heights", self.heights, 2))
+        heights = np.require(real_array("heights", self.heights, 2), requirements=["C", "W"])
+        object.__setattr__(self, "heights", heights)
         lengths = "spacing", "radius", "step"
         for name in (*lengths, "contact_modulus", "hardness", "load", "tolerance"):
             positive(name, getattr(self, name))
@@ -275,7 +276,8 @@ class RollingContact:
     @property
     def least_deflection(self) -> tuple[float, float]:
         """Load over pi E* [m2] and squared distance [m2] of the minimum deflection, for kernels."""
-        near = NEAR_CELLS * self.cell_spacing if self.subcells > 1 or self.has_blended_edges else 0
+        reaching = self.subcells > 1 or self.has_blended_edges
+        near = NEAR_CELLS * self.cell_spacing if reaching else 0.0
         return SURE * self.load / (pi * self.contact_modulus), near**2
 
     def gap(self, k: int, window: Window) -> Array:
@@ -286,7 +288,8 @@ class RollingContact:
 
     def sphere(self, k: int) -> tuple[float, ...]:
         """Return the spacing, and radii and place of the sphere at position k, for kernels."""
-        return self.spacing, *self.radii, self.position(k) + self.off_centre, self.mid_width
+        x = self.position(k) + self.off_centre
+        return tuple(map(float, (self.spacing, *self.radii, x, self.mid_width)))
 
 
 @dataclass(frozen=True)

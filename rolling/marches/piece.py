@@ -31,6 +31,7 @@ from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import continued_rows, heights
 
 _half_space = lru_cache(maxsize=4)(half_space_of)  # which equal contacts share
+_last: list[Any] = []  # identity and scene of a piece, and their contact, which the next shares
 PIECE_STEPS = 200  # a cold start costs 4 % of them
 # Side of a cell on a level, in the run's cells.
 SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0, "detail": 0.5}
@@ -181,8 +182,14 @@ def _contact_of(piece: Piece) -> RollingContact:
     """
     scene = piece.scene
     try:
-        over = None if piece.sunk is None else heights(scene) - piece.sunk
-        contact = rolling_contact(scene, over)
+        if piece.sunk is not None:
+            contact = rolling_contact(scene, heights(scene) - piece.sunk)
+        else:
+            own = piece.identity, scene
+            if not (_last and own == _last[0]):
+                _last.clear()
+                _last.extend([own, rolling_contact(scene)])
+            contact = _last[1]
         same = not scene.height_paths or contact_identity(scene) == piece.identity
     except SceneError as error:
         raise ContactError(f"the surface that was solved is gone: {error}") from error

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from helpers import assert_solved, make_track, roll, rough, space_of
 
-from rolling.contact import _candidate_kernels, _condition_kernels, _step_kernels, solver
+from rolling.contact import _candidate_kernels, _condition_kernels, _position_kernels, solver
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
@@ -44,8 +44,8 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[Call]:
 
         return listing
 
-    for name in ("solve", "step"):
-        monkeypatch.setattr(_step_kernels, name, watched(getattr(_step_kernels, name)))
+    for name in ("solve", "solve_position"):
+        monkeypatch.setattr(_position_kernels, name, watched(getattr(_position_kernels, name)))
     return listed
 
 

@@ -17,7 +17,9 @@ from scene_text import PLAIN, TINY
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
+from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
+from rolling.marches import piece as piece_module
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity, march_piece
@@ -164,6 +166,21 @@ def test_heights_that_were_replaced_or_removed_are_refused(tmp_path: Path) -> No
         march_piece(pieces[0])
     path.write_bytes(content)
     march_piece(pieces[0])
+
+
+def test_pieces_of_a_track_share_its_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its surface is looked through once, not once in each piece; another scene has another."""
+    made: list[Scene] = []
+
+    def making(given: Scene, *over: np.ndarray) -> RollingContact:
+        made.append(given)
+        return rolling_contact(given, *over)
+
+    monkeypatch.setattr(piece_module, "rolling_contact", making)
+    given = [scene("rolling.load_n=0.31"), scene("rolling.load_n=0.32")]
+    release = [[arrays["release_energy"] for _, arrays in solve(other)[1]] for other in given]
+    assert made == given
+    assert release[0][0].mean() < release[1][0].mean()
 
 
 def test_the_same_bytes_elsewhere_are_the_same_surface(tmp_path: Path) -> None:

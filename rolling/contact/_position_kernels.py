@@ -1,8 +1,9 @@
-"""Compiled step of the march, from the window to the measures, and the compiled solve of a contact.
+"""Compiled solve of a position of the march, from its window to its measures, in one call.
 
-`solve` goes from a start to the accepted solution with either kind of edges, and `step` from one
-position to the next. Both return early where Python has to provide something: transforms of a size,
-the far field of a grid or a kernel. They then begin anew, from the same start to the same digits.
+`solve` goes from a start to the accepted solution, with blended edges where the contact yields, and
+`solve_position` from the states of two positions to the next. Both return early where Python has to
+provide something: transforms of a size, the far field of a grid or a kernel. They then begin anew,
+from the same start to the same digits.
 """
 
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
@@ -217,29 +218,32 @@ def towards_the_sphere(track, old, frames, start, hardness):
     onward, nothing = (held[0] + nodes, held[1], held[2], held[3]), np.empty((0, 0))
     if not (nodes and covers(window, (loaded[0] + nodes, loaded[1], loaded[2], loaded[3]))):
         return 0.0, nothing
-    iterated = iterated and share > 0
-    gap, offset = gap_on(heights, sphere, window), (held[0] - window[0], held[1] - window[1])
-    slope, curvature = windows.energy_towards(p, u, gap, offset[0], offset[1], nodes)
+    gap, onward_p = gap_on(heights, sphere, window), moved(p, onward, window, False)
+    deflection, onward_u = moved(u, held, window, True), moved(u, onward, window, True)
+    slope, curvature = 0.0, 0.0
+    for i in range(gap.shape[0]):
+        for j in range(gap.shape[1]):
+            towards = onward_p[i, j] - start[i, j]
+            slope += (gap[i, j] + deflection[i, j]) * towards
+            curvature += (onward_u[i, j] - deflection[i, j]) * towards
+    known = iterated and share > 0 and covers(held, needed) and covers(onward, needed)
     share = min(-slope / curvature, 1.0) if slope < 0 < curvature else 0.0
     if share < MIN_SHARE:
         return 0.0, nothing
-    mix(start, moved(p, onward, window, False), share, hardness)
-    if not (iterated and covers(held, needed) and covers(onward, needed)):
-        return share, nothing
-    deflection = moved(u, held, window, True)
-    mix(deflection, moved(u, onward, window, True), share, np.inf)
-    return share, deflection
+    mix(start, onward_p, share, hardness)
+    mix(deflection, onward_u, share, np.inf)
+    return share, deflection if known else nothing
 
 
 @njit(cache=True, inner=True)
-def warm_start(surface, place, states, hardness, cells, blended):
+def warm_start(surface, place, states, hardness, blended):
     """Start from pressures that stayed with the plate, or with the sphere on a smooth plate.
 
     Returns the window, pressure and deflection, the position before where the deflection is to be
     extrapolated, the limits of approach and spread that the window holds, and the share of the
     pressures that moved with the sphere.
     """
-    (heights, maxima), (sphere, ahead, load, near2), (subcells, nodes) = surface, place, cells
+    (heights, maxima), (sphere, ahead, load, near2, subcells, nodes) = surface, place
     old, (row, column, p_before, u_before, approach_before) = states
     held, loaded, (p, u), (approach, u_max, spread, share, _), _ = old
     limits = approach + min(4 * abs(approach - approach_before), 0.1 * u_max), ROOM * spread
@@ -284,7 +288,7 @@ def measure(fields, maxima, sphere, numbers, approach, window):
 
 
 @njit(cache=True)
-def step(surface, place, states, numbers, cells, stencils, flags, table, kernels, patience):
+def solve_position(surface, place, states, numbers, stencils, flags, table, kernels, patience):
     """Solve the contact at a position, again on a larger window where contact may be outside of it.
 
     Parameters
@@ -292,16 +296,14 @@ def step(surface, place, states, numbers, cells, stencils, flags, table, kernels
     surface : tuple
         Heights of the plate, and the fields of their `Maxima`.
     place : tuple
-        Spacing, radii and place of the sphere, its next place along if the window is to include it,
-        else a number that is none, and the load and the square of the distance of the minimum
-        deflection (see `least_deflection`).
+        Spacing, radii and place of the sphere; its next place along if the window is to include it,
+        else NaN; load and squared distance of the minimum deflection (see `least_deflection`);
+        nodes along the side of a cell, and nodes that the sphere moves on, 0 unless they are whole.
     states : tuple
         State before: window, loaded block, pressure and deflection, (approach, maximum deflection,
         spread, share that moved with the sphere, share of the edges), and whether it was iterated.
         Without a deflection the pressure on the window is a cold start. The position before that
         follows: first node, pressure and deflection, empty where there is none, and approach.
-    cells : tuple
-        Nodes along the side of a cell, and nodes that the sphere moves on, 0 unless they are whole.
     flags : tuple of bool
         Whether single precision may serve, whether edges may be blended, and whether the surface
         continues between the nodes.
@@ -314,15 +316,13 @@ def step(surface, place, states, numbers, cells, stencils, flags, table, kernels
         Answer, what is missing, fields, measures and counts of `solve`, window, loaded block, share
         that moved with the sphere, and the measures of the loaded nodes (see `measures`).
     """
-    (heights, maxima), (sphere, _, load, near2), old = surface, place, states[0]
-    (may_be_single, blended, slopes), subcells, hardness = flags, cells[0], numbers[0]
+    (heights, maxima), (sphere, _, load, near2, subcells, _) = surface, place
+    old, (may_be_single, blended, slopes), hardness = states[0], flags, numbers[0]
     warm, nothing = old[2][1].size > 0, np.empty((0, 0))
     window, start, last = old[0], old[2], (nothing, nothing, 0, 0)
     limits, share, close, sharp = (-np.inf, np.inf), 0.0, warm, warm and old[3][4] == 0.0
     if warm:
-        window, start, last, limits, share = warm_start(
-            surface, place, states, hardness, cells, blended
-        )
+        window, start, last, limits, share = warm_start(surface, place, states, hardness, blended)
     # The transforms of sub-cells need a border of one cell all around.
     begun, iterations, most = table[0, 0], 0, MAX_NODES if subcells == 1 else MAX_NODES - 4
     answer, missing = descent.TOO_WIDE, (0, 0, 0, 0)
