@@ -199,14 +199,15 @@ def take_edges(system, listed, edge, shape, gap):
 
 
 @njit(cache=True, inner=True)
-def half_range(along, across, levelled):
-    """Return half of the range [m] of the gap over a cell, from its differences over two cells.
+def half_range(square, levelled):
+    """Return half of the range [m] of the gap over a cell.
 
-    The range is that of a uniform distribution with the variance of the gaps: the gradient times a
+    `square` [m2] is the sum of the squares of its differences over two cells, along and across. The
+    range is that of a uniform distribution with the variance of the gaps: the gradient times a
     side of the cell. Pressures below the hardness level a small range: up to `levelled` [m] it does
     not count, from twice that on it counts in full, up to STEEPEST times that.
     """
-    half = 0.25 * np.sqrt(along * along + across * across)
+    half = 0.25 * np.sqrt(square)
     return max(min(half, 2.0 * (half - levelled), STEEPEST * levelled), 0.0)
 
 
@@ -229,7 +230,7 @@ def ranges_of_row(z, u, levelled, share, out):
     for k in range(out.size):
         along = z[2, k + 1] + u[2, k + 1] - z[0, k + 1] - u[0, k + 1]
         across = z[1, k + 2] + u[1, k + 2] - z[1, k] - u[1, k]
-        out[k] = share * half_range(along, across, levelled)
+        out[k] = share * half_range(along * along + across * across, levelled)
 
 
 @njit(cache=True, inner=True)
@@ -248,15 +249,35 @@ def move_edges(system, slack):
 
 @njit(cache=True, inner=True)
 def lead_edges(system):
-    """Move the edges of the candidates to the place that the gaps of the model give them."""
+    """Move the edges of the candidates to the place that the gaps of the model give them.
+
+    The gaps of the model follow the edges.
+    """
     p, compliance, place = system.nodes.p, system.nodes.compliance, system.stencil.node
     edge, between_nodes, field = system.edges.edge, system.edges.between_nodes, system.edges.field
-    gap, softness = system.model.gap.reshape(-1), 1.0 / system.model.stiffness
+    gap, stiffness, lifts = system.model.gap.reshape(-1), system.model.stiffness, system.work.trial
+    softness = 1.0 / stiffness
     for k in range(p.size):
         at = place[k]
         # The gap of the model leaves changes by compliance out.
         field[at] = softness * gap[at] + edge[k] - compliance[k] * p[k] + between_nodes[k]
     follow_field(system, 0.0)
+    for k in range(p.size):
+        gap[place[k]] += stiffness * lifts[k]
+
+
+@njit(cache=True, inner=True)
+def edges_in_field(place, row_length, edges, moved):
+    """Set `moved` to the edges that the field of gaps gives; beside unknown gaps they stay."""
+    edge, _, field, levelled, share = edges
+    for k in range(moved.size):
+        at = place[k]
+        along = field[at + row_length] - field[at - row_length]
+        across = field[at + 1] - field[at - 1]
+        moved[k] = along * along + across * across
+    for k in range(moved.size):
+        half = share * half_range(moved[k], levelled)
+        moved[k] = half if moved[k] == moved[k] else edge[k]
 
 
 @njit(cache=True, inner=True)
@@ -264,28 +285,27 @@ def follow_field(system, slack):
     """Move the edges of the candidates to the place that the field of gaps gives them.
 
     The edge of a node beside a node that is no candidate stays, and so does an edge that would move
-    by less than `slack` [m]. The gaps of the candidates and of the model follow the edges. Returns
-    the maximum change of a gap [m].
+    by less than `slack` [m]. The gaps of the candidates follow the edges, by lifts that are left in
+    the trial pressures. Returns the maximum lift [m].
+
+    Loops without branches and with few arrays take several nodes at once.
     """
     p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
-    edge, _, field, levelled, share = system.edges
-    place, row_length = system.stencil.node, system.stencil.row_length
-    per_hardness = 2.0 / system.limits.hardness
+    edge, place, lifts = system.edges.edge, system.stencil.node, system.work.trial
+    edges_in_field(place, system.stencil.row_length, system.edges, lifts)
+    per_hardness, highest = 2.0 / system.limits.hardness, 0.0
     left, stiffness = system.model.softening.reshape(-1), system.model.stiffness
-    gap, highest = system.model.gap.reshape(-1), 0.0
     for k in range(p.size):
-        at = place[k]
-        along = field[at + row_length] - field[at - row_length]
-        across = field[at + 1] - field[at - 1]
-        if along == along and across == across:
-            moved = share * half_range(along, across, levelled)
-            if abs(moved - edge[k]) <= slack:  # most often both are zero
-                continue
-            lift = (edge[k] - moved) * (1.0 - per_hardness * p[k])
-            highest = max(highest, abs(lift))
-            g[k] += lift
-            gap[at] += stiffness * lift
-            edge[k] = moved
-            compliance[k] = per_hardness * moved
-            left[at] = 1.0 / (1.0 + compliance[k] * stiffness)
+        now = lifts[k] if abs(lifts[k] - edge[k]) > slack else edge[k]
+        lifts[k] = (edge[k] - now) * (1.0 - per_hardness * p[k])
+        edge[k] = now
+    for k in range(p.size):
+        g[k] += lifts[k]
+    share_left = system.work.r
+    for k in range(p.size):
+        compliance[k] = per_hardness * edge[k]
+        share_left[k] = 1.0 / (1.0 + compliance[k] * stiffness)
+    for k in range(p.size):
+        left[place[k]] = share_left[k]
+        highest = max(highest, abs(lifts[k]))
     return highest
