@@ -112,7 +112,7 @@ def system_of(window, listed, resting, block, numbers, stencils, u_max, entry, f
     # Vectors and grids that only blended edges have are otherwise empty slices of others.
     v, soft = np.empty((10 if blended else 6, n)), n if blended else 0
     v[2:6] = 0.0
-    grids = np.zeros((2 if blended else 1, rows * columns))
+    grids = np.empty((2 if blended else 1, rows * columns))
     field = grids[-1][: grids.shape[1] if blended else 0]
     field[:] = np.nan
     # The passes set the other grids of the model before they read them.

@@ -90,13 +90,13 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
     p, g, compliance, softening = nodes
     grid, place, stiffness = stencil.grid, stencil.node, stencil.stiffness
     r, active = work.r, work.active
+    grid[:] = 0.0
     worst = 0.0
     free = 0
     bound = 0
     for k in range(p.size):
         gap = g[k] - approach
         r[k] = 0.0
-        grid[place[k]] = 0.0
         if (p[k] <= 0.0 and gap >= 0.0) or (p[k] >= hardness and gap <= 0.0):
             continue
         own = 1.0
