@@ -105,9 +105,8 @@ def band_uncertainty_db(duration_s: float) -> Array:
     >>> round(float(band_uncertainty_db(1.0)[BAND_NAMES.index("1000")]), 2)
     0.29
     """
-    return np.asarray(
-        10.0 / np.log(10.0) / np.sqrt(BANDWIDTH_HZ * positive("duration_s", duration_s))
-    )
+    independent_lines = BANDWIDTH_HZ * positive("duration_s", duration_s)
+    return np.asarray(10.0 / np.log(10.0) / np.sqrt(independent_lines))
 
 
 def reliable(duration_s: float) -> NDArray[np.bool_]:

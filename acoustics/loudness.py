@@ -63,9 +63,8 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
 
     record = checked_record(pressure_pa, sample_rate_hz)
     if sample_rate_hz < MIN_RATE_HZ:
-        raise ValueError(
-            f"loudness needs a sample rate of {MIN_RATE_HZ} Hz or more, got {sample_rate_hz:g}"
-        )
+        needed = f"a sample rate of {MIN_RATE_HZ} Hz or more"
+        raise ValueError(f"loudness needs {needed}, got {sample_rate_hz:g}")
     # the onset of a mean would excite the filters like a bang
     fluctuation = record - np.mean(record)
     if not np.any(fluctuation):

@@ -7,7 +7,7 @@ import numpy as np
 
 from acoustics.arrays import Array, positive, real_array, short_repr
 from acoustics.bands import EDGES_HZ, third_octave_mean_square
-from acoustics.spectrum import checked_record, line_spectrum
+from acoustics.spectrum import audible_lines, checked_record
 from acoustics.weighting import a_weighting_db
 
 OCTAVE = 3  # third octaves
@@ -167,10 +167,9 @@ def loudest_octave(signal: Array, sample_rate_hz: float) -> tuple[float, float]:
 
 def _octave_power(signal: Array, sample_rate_hz: float) -> Array:
     """Return the A-weighted mean squares of the octaves from each third octave on (29,)."""
-    frequency, mean_square = line_spectrum(signal, sample_rate_hz)
-    audible = frequency > 0
-    weighted = mean_square[audible] * 10 ** (a_weighting_db(frequency[audible]) / 10)
-    power = third_octave_mean_square(frequency[audible], weighted)
+    frequency, mean_square = audible_lines(signal, sample_rate_hz)
+    weighted = mean_square * 10 ** (a_weighting_db(frequency) / 10)
+    power = third_octave_mean_square(frequency, weighted)
     return np.convolve(power, np.ones(OCTAVE), "valid")
 
 

@@ -261,11 +261,9 @@ def _integrals(
         shapes.append(weights * waves)
     distance = np.sqrt(np.square(offsets[0])[:, None] + np.square(offsets[1]) + z**2)
     phase, rows = k * (middle_m - distance), orders.T - 1
-    real, imaginary = (
-        (shapes[0] @ (wave / distance) @ shapes[1].T)[rows[0], rows[1]]
-        for wave in (np.cos(phase), np.sin(phase))
-    )
-    return np.asarray(real + 1j * imaginary)
+    real = shapes[0] @ (np.cos(phase) / distance) @ shapes[1].T
+    imaginary = shapes[0] @ (np.sin(phase) / distance) @ shapes[1].T
+    return np.asarray((real + 1j * imaginary)[rows[0], rows[1]])
 
 
 def _panels(edge: float, at: float, near: float, wave_number: float) -> tuple[Array, Array]:

@@ -233,6 +233,16 @@ def _db(variance: float) -> float:
     return _DB * math.sqrt(variance)
 
 
+def _over_largest(record: Array) -> Array:
+    """Return a record over its maximum magnitude, NaN for silence.
+
+    The fourth power of a pascal may underflow.
+    """
+    record = real_array("record", record, 1)
+    largest = float(np.max(np.abs(record)))
+    return record / largest if largest > 0.0 else np.full(len(record), np.nan)
+
+
 def kurtosis(record: Array) -> float:
     """Return the mean fourth power over the square of the mean square; NaN for silence.
 
@@ -254,11 +264,7 @@ def kurtosis(record: Array) -> float:
     >>> round(kurtosis(np.sin(2 * np.pi * np.arange(100) / 100)), 6)
     1.5
     """
-    record = real_array("record", record, 1)
-    largest = float(np.max(np.abs(record)))
-    if largest == 0.0:
-        return math.nan
-    square = np.square(record / largest)  # the fourth power of a pascal may underflow
+    square = np.square(_over_largest(record))
     return float(np.mean(np.square(square)) / np.mean(square) ** 2)
 
 
@@ -291,11 +297,7 @@ def kurtosis_uncertainty(record: Array) -> float:
     >>> round(kurtosis_uncertainty(noise), 2)  # sqrt(24/2400)
     0.1
     """
-    record = real_array("record", record, 1)
-    largest = float(np.max(np.abs(record)))
-    if largest == 0.0:
-        return math.nan
-    power = np.square(np.abs(np.fft.rfft(record / largest)))
+    power = np.square(np.abs(np.fft.rfft(_over_largest(record))))
     correlation = np.fft.irfft(power, len(record))
     fourth = np.square(np.square(correlation / correlation[0]))
     return math.sqrt(24.0 * float(np.mean(fourth)))

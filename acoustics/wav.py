@@ -130,10 +130,8 @@ def listening(
     samples = gain * _samples(pressure_pa)
     peak = float(np.max(np.abs(samples)))
     if peak > 1.0:
-        raise ValueError(
-            f"a gain of {gain:g} per Pa drives the peak to {peak:.4g} of full scale; "
-            f"the largest that fits is {gain / peak:g}"
-        )
+        words = f"a gain of {gain:g} per Pa drives the peak to {peak:.4g} of full scale"
+        raise ValueError(f"{words}; the largest that fits is {gain / peak:g}")
     # libsndfile would round down, which leaves half a step of offset. It takes 32-bit integers and
     # writes their upper bits. Full scale itself lies one step above the largest number.
     steps = np.minimum(np.rint(samples * 2.0 ** (bits - 1)), 2.0 ** (bits - 1) - 1.0)
