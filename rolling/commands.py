@@ -248,14 +248,10 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     if len(done) > page.MAX_CARDS:
         raise FolderError(f"{len(done)} runs: a gallery shows {page.MAX_CARDS}; name fewer folders")
     done.sort(key=lambda run: run.scene.name)  # runs of a scene keep their order
-    names = [
-        label
-        for _, runs in itertools.groupby(done, key=lambda run: run.scene.name)
-        for label in labels.labels([*runs])
-    ]
-    opened = (
-        replace(open_runs([run])[0], label=label) for run, label in zip(done, names, strict=True)
-    )
+    by_scene = itertools.groupby(done, key=lambda run: run.scene.name)
+    names = [label for _, runs in by_scene for label in labels.labels([*runs])]
+    named = zip(done, names, strict=True)
+    opened = (replace(open_runs([run])[0], label=label) for run, label in named)
     with progress.step("reading the runs, making their sound"):
         left_out = [labels.printable(run.folder.resolve().name) for run in unsolved]
         content = page.gallery(opened, len(done), out.parent, left_out)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import sys
-import tempfile
 import webbrowser
 from collections.abc import Sequence
 from dataclasses import replace
@@ -26,7 +25,7 @@ from rolling.scene.surfaces import HeightFile
 from rolling.surface.measured import HeightArray, with_copy
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
-from rolling.terminal.files import FolderError
+from rolling.terminal.files import FolderError, write_temporary
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -143,9 +142,8 @@ def simulate(
         surface = heights if is_surface else HeightArray(heights, spacing_um=scene.spacing_um)
         scene = scene.with_(surface=surface)
     if scene.sweep:
-        raise SceneError(
-            [f"sweep: the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"]
-        )
+        words = f"the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"
+        raise SceneError([f"sweep: {words}"])
     runs, failures = simulated(scene, workers, progress)
     if failures:
         raise ContactError(next(iter(failures.values())))
@@ -318,10 +316,7 @@ def live(runs: Run | Sequence[Run]) -> Any:
         if len(shown) > 1:
             names = zip(shown, labels.labels(shown), strict=True)
             shown = [replace(run, label=label) for run, label in names]
-        prefix = f"{shown[0].scene.name}-live-"
-        with tempfile.NamedTemporaryFile(prefix=prefix, suffix=".html", delete=False) as file:
-            file.write(page(shown))
-        path = Path(file.name)
+        path = write_temporary(f"{shown[0].scene.name}-live-", ".html", page(shown))
     if terminal.in_notebook():
         from IPython.display import IFrame
 

@@ -47,7 +47,9 @@ def _filters(run: Run) -> bool:
 
 
 _LEVELS, _AREAS = (partial(sweep.swept_table, names=names) for names in (sweep.LEVELS, sweep.AREAS))
-_VIBRATES = attrgetter("vibration")
+_VIBRATES, _OCTAVES = map(attrgetter, ("vibration", "wavelength_octaves"))
+_PASSES, _SNAPSHOT = map(attrgetter, ("result.passes", "result.snapshot"))
+_EVENTS = attrgetter("event_statistics")
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(
@@ -63,19 +65,11 @@ SINGLE = {
     "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
     "spectrogram": FigureKind(sound.spectrogram, among=True),
     "modulation": FigureKind(origins.modulation, origins.modulation_table, _turns),
-    "wavelengths": FigureKind(
-        origins.wavelengths, origins.wavelength_table, attrgetter("wavelength_octaves")
-    ),
-    "running_in": FigureKind(
-        origins.running_in, origins.running_in_table, attrgetter("result.passes")
-    ),
+    "wavelengths": FigureKind(origins.wavelengths, origins.wavelength_table, _OCTAVES),
+    "running_in": FigureKind(origins.running_in, origins.running_in_table, _PASSES),
     "surface": FigureKind(contact.surface),
-    "contact_pressure": FigureKind(
-        contact.contact_pressure, holds=attrgetter("result.snapshot"), among=True
-    ),
-    "recovery_events": FigureKind(
-        contact.recovery_events, contact.recovery_event_table, attrgetter("event_statistics")
-    ),
+    "contact_pressure": FigureKind(contact.contact_pressure, holds=_SNAPSHOT, among=True),
+    "recovery_events": FigureKind(contact.recovery_events, contact.recovery_event_table, _EVENTS),
     "sources": FigureKind(vibration.sources, vibration.source_table, _VIBRATES),
     "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _VIBRATES),
     "contact_filter": FigureKind(

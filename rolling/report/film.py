@@ -136,12 +136,8 @@ def still(run: Run) -> dict[str, Any] | None:
     lit = glow(slow.release)[at]
     layers = (_dimmed()[shade], VEIL * (shade > 0)), (LIT[lit], lit)
     for colours, opacity in layers:
-        layer, mask = (
-            Image.fromarray(maps.upright(x.astype(np.uint8))).resize(
-                picture.size, Image.Resampling.NEAREST
-            )
-            for x in (colours, opacity)
-        )
+        cells = (Image.fromarray(maps.upright(x.astype(np.uint8))) for x in (colours, opacity))
+        layer, mask = (image.resize(picture.size, Image.Resampling.NEAREST) for image in cells)
         picture.paste(layer, mask=mask)
     place = 100 * _centres(run, slow)[at][0] / slow.pressure.shape[1]
     return {"png": maps.png(np.asarray(picture)), "at": round(place)}

@@ -69,7 +69,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     templates.globals["sharing"] = partial(_sharing, views)
     templates.globals["crowded"] = len(views) > MAX_BESIDE
     template = templates.get_template("report.html")
-    html = template.render(
+    return template.render(
         version=__version__,
         title=text.titles(runs),
         descriptions=_descriptions(shown),
@@ -95,8 +95,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         js=Markup(joined("page/begin.js" if shown else "page/chart.js")),
         engine=Markup(joined("engine/worklet.js")),
         data=data,
-    )
-    return html.encode()
+    ).encode()
 
 
 # ---- templates and scripts
@@ -281,15 +280,14 @@ def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[st
     cards = [_card(run, seconds, folder) for run in runs]
     gains = records.gains(*zip(*(card["loudness"] for card in cards), strict=True))
     template = environment().get_template("gallery.html")
-    html = template.render(
+    return template.render(
         version=__version__,
         cards=[*zip(cards, gains, strict=True)],
         seconds=seconds,
         unsolved=unsolved,
         remark=say("unvalidated"),
         css=Markup(text.asset("report.css") + text.asset("gallery.css")),
-    )
-    return html.encode()
+    ).encode()
 
 
 def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:

@@ -67,10 +67,8 @@ def sentence(runs: Sequence[Run]) -> str:
     name = name[0].upper() + name[1:]
     if high_db - low_db < 0.05:
         return f"{name}{at} is {low_db:.1f} dB(A) in all {len(sounding)} runs that sound.{also}"
-    return (
-        f"{name}{at} lies between {low_db:.1f} dB(A) ({quietest.label}) and {high_db:.1f} dB(A)"
-        f" ({loudest.label}), {high_db - low_db:.1f} dB apart.{also}"
-    )
+    ends = f"{low_db:.1f} dB(A) ({quietest.label}) and {high_db:.1f} dB(A) ({loudest.label})"
+    return f"{name}{at} lies between {ends}, {high_db - low_db:.1f} dB apart.{also}"
 
 
 def silence(run: Run) -> str:

@@ -6,7 +6,6 @@ A run is written as result.h5, summary.json, signal.wav and listen.wav.
 from __future__ import annotations
 
 import html
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -36,7 +35,7 @@ from rolling.sound.vibration_sound import Vibration, heard, vibrate
 from rolling.sound.wavelengths import WavelengthOctave, wavelength_octaves
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import progress
-from rolling.terminal.files import make_below, write_bytes, write_json
+from rolling.terminal.files import make_below, write_bytes, write_json, write_temporary
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -247,10 +246,8 @@ class Run(RunFolder):
             return Audio(samples.T, rate=self.sound.sample_rate, normalize=False)
         path = self.folder / "listen.wav"
         if "provenance" not in self.summary or not path.is_file():  # only in memory
-            prefix = f"{self.scene.name}-listen-"
-            with tempfile.NamedTemporaryFile(prefix=prefix, suffix=".wav", delete=False) as file:
-                file.write(listening.listen_wav(self)[0])
-            path = Path(file.name)
+            content, _ = listening.listen_wav(self)
+            path = write_temporary(f"{self.scene.name}-listen-", ".wav", content)
         print(f"listen: {path}   {listening.heard(self)[1]}")
         listening.open_player(path)
         return None

@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import secrets
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +81,13 @@ def _sync(folder: Path) -> None:
             raise
     finally:
         os.close(descriptor)
+
+
+def write_temporary(prefix: str, suffix: str, content: bytes) -> Path:
+    """Write a temporary file, which stays until the system removes it, and return its path."""
+    with tempfile.NamedTemporaryFile(prefix=prefix, suffix=suffix, delete=False) as file:
+        file.write(content)
+    return Path(file.name)
 
 
 def write_json(path: Path, content: Any) -> None:
