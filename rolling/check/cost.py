@@ -185,7 +185,7 @@ def surface_seconds(scene: Scene) -> tuple[float, float]:
     """Estimate the times [s] for a random surface in each worker, and then beside the workers."""
     if not scene.laws:
         return 0.0, 0.0
-    nodes, edges = _surface_nodes(scene), 0.0
+    nodes, edges = surface_nodes(scene), 0.0
     if has_blended_edges(scene):
         edges = EDGES if (r := subcells(scene)) == 1 else SUBCELL_HEIGHTS * (r / 2) ** 2
     making = MAKING + MOMENTS * _has_moments(scene)
@@ -198,7 +198,7 @@ def _has_moments(scene: Scene) -> bool:
     return not all(law.is_gaussian for law in scene.laws)
 
 
-def _surface_nodes(scene: Scene) -> int:
+def surface_nodes(scene: Scene) -> int:
     """Return the nodes of the surface and of a turn of a sphere that has a surface."""
     track = scene.track
     return (track.n_along + track.turn_nodes) * track.n_across
@@ -218,13 +218,11 @@ def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
         track, r = scene.track, subcells(scene, is_read=False)
         rq = roughness(scene)[0] if not scene.height_paths else 0.0
         side = min(window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across))
-        nodes = _surface_nodes(scene)
+        nodes = surface_nodes(scene)
         window = (WINDOW + WINDOW_SUBCELL * r**2) * side**2
+        heights = (NODE + NODE_SUBCELL * r**2 + MOMENTS_NODE * _has_moments(scene)) * nodes
         own = {
-            "surface": (NODE + NODE_SUBCELL * r**2 + MOMENTS_NODE * _has_moments(scene))
-            * nodes
-            * (not scene.is_smooth)
-            + 4 * _kept(scene),
+            "surface": heights * (not scene.is_smooth) + 4 * _kept(scene),
             "window": window * (ESTIMATE if scene.numerics.error_estimate else 1.0),
             "record": _record(scene),
         }

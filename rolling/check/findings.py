@@ -169,16 +169,13 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     seconds = sum(times.values())
     if len(runs) == 1:
         return Findings(by_run, seconds=seconds)
-    return Findings(
-        by_run,
-        (
-            ("expected time of all", f"{computing(seconds)}, {len(runs)} runs"),
-            ("memory of all", refusals.memory_text(cost.memory(scenes, cost.cores()))),
-            ("disk of all", f"about {byte_size(cost.disk(scenes))}"),
-        ),
-        tuple(f"{key} of all: {fault}" for key, fault in _excess(scenes).items()),
-        seconds,
+    of_all = (
+        ("expected time of all", f"{computing(seconds)}, {len(runs)} runs"),
+        ("memory of all", refusals.memory_text(cost.memory(scenes, cost.cores()))),
+        ("disk of all", f"about {byte_size(cost.disk(scenes))}"),
     )
+    excess = tuple(f"{key} of all: {fault}" for key, fault in _excess(scenes).items())
+    return Findings(by_run, of_all, excess, seconds)
 
 
 def _excess(scenes: Sequence[Scene]) -> dict[str, str]:

@@ -60,8 +60,7 @@ def tilt_text(levelling: Levelling) -> str:
     if not taken:
         return f"nothing removed, the plane has {plane}"
     before, after = si(levelling.ra_before, "m"), si(levelling.ra_after, "m")
-    order = "second order removed with the plane"
-    order = order if levelling.is_quadratic else "plane removed"
+    order = "second order removed with the plane" if levelling.is_quadratic else "plane removed"
     return f"{order}: {plane}; Ra {before} before, {after} after"
 
 

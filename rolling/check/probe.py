@@ -186,8 +186,7 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
     reasons: list[str] = []
     seconds, made = 0.0, set[object]()
     for scene in scenes:
-        nodes = (scene.track.n_along + scene.track.turn_nodes) * scene.track.n_across
-        nodes = 0 if isinstance(scene.surface, HeightFile) else nodes
+        nodes = 0 if isinstance(scene.surface, HeightFile) else cost.surface_nodes(scene)
         solving = POSITIONS * (1 + COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
         reason = ""
         if nodes > MAX_NODES:

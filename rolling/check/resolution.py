@@ -228,10 +228,8 @@ def refuse_long_steps(scene: Scene) -> None:
     for values, run in scene.runs():
         radius = contact_radius(run)
         if run.step > MAX_RADII * radius:
-            fault = f"{scene.place('numerics.step_nodes')}: {_fault(run, radius)}"
-            faults.append(
-                f"{fault} (in the run {run_name(values)} of the sweep)" if values else fault
-            )
+            which = f" (in the run {run_name(values)} of the sweep)" if values else ""
+            faults.append(f"{scene.place('numerics.step_nodes')}: {_fault(run, radius)}{which}")
     if faults:
         raise SceneError(faults)
 

@@ -170,8 +170,7 @@ def _fall(scene: Scene) -> Iterator[Finding]:
     elif thickness is not None and 1e3 * radius > THICK * thickness:
         doubt = "thickness"
     numbers = {"period": period, "width_um": 2e6 * radius, "share": radius / scene.radius}
-    numbers |= {"most": MAX_CONTACT, "thick": THICK}
-    numbers |= {"thickness": 1e3 * radius / THICK}
+    numbers |= {"most": MAX_CONTACT, "thick": THICK, "thickness": 1e3 * radius / THICK}
     yield judged("drop_width", f"radius {si(radius, 'm')}", doubt, **numbers)
     if math.isfinite(scene.hardness):
         height = 1e3 * drop.elastic_height_m(scene)

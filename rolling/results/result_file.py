@@ -125,10 +125,9 @@ def _sealed(path: Path, scene: Scene) -> bytes:
     except OSError as error:
         raise FolderError(f"{path}: not readable ({error.strerror or error})") from error
     if content[-_SEAL_LENGTH:] != _seal(memoryview(content)[:-_SEAL_LENGTH]):
-        raise FolderError(
-            f"{path}: damaged, or of version 0.1.0: its SHA-256 does not hold (delete the file, and"
-            " the same command solves it again)"
-        )
+        words = "damaged, or of version 0.1.0: its SHA-256 does not hold"
+        advice = "delete the file, and the same command solves it again"
+        raise FolderError(f"{path}: {words} ({advice})")
     return content
 
 
@@ -138,10 +137,8 @@ def _refuse_version(path: Path, file: h5py.File) -> None:
     own = facts.get("format", 1)
     if own != FORMAT:
         program = facts.get("program", "0.1.0")
-        raise FolderError(
-            f"{path}: format {own}, which version {program} of the program reads; this version"
-            f" reads format {FORMAT}"
-        )
+        reader = f"which version {program} of the program reads"
+        raise FolderError(f"{path}: format {own}, {reader}; this version reads format {FORMAT}")
 
 
 def _refuse_shapes(arrays: dict[str, h5py.Dataset], result: Result, size: int) -> None:

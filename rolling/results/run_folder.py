@@ -92,9 +92,8 @@ def read_summary(path: Path) -> dict[str, Any]:
             raise ValueError(f"{key} is of another kind")
     except (OSError, ValueError, RecursionError) as error:
         reason = (isinstance(error, OSError) and error.strerror) or str(error)
-        raise FolderError(
-            f"{path}: not readable ({reason}); delete it, and the same command solves the run again"
-        ) from error
+        advice = "delete it, and the same command solves the run again"
+        raise FolderError(f"{path}: not readable ({reason}); {advice}") from error
     return summary
 
 

@@ -61,11 +61,8 @@ def verdict(summary: Mapping[str, Any], scene: Scene) -> dict[str, Any] | None:
 
 def expected(scene: Scene, findings: Sequence[Finding]) -> tuple[str, str]:
     """Return the best word that a run of a scene can expect before it is run, and the reason."""
-    caveats = [
-        {"key": finding.key, "text": f"{finding.quantity}: {finding.warning}"}
-        for finding in findings
-        if finding.warning
-    ]
+    warned = [finding for finding in findings if finding.warning]
+    caveats = [{"key": x.key, "text": f"{x.quantity}: {x.warning}"} for x in warned]
     summary: dict[str, Any] = {"source": scene.sound.source, "caveats": caveats}
     if scene.numerics.error_estimate and not error_cost.too_short(scene):
         summary |= {"laeq_grid_error_db": 0.0, "laeq_subgrid_error_db": 0.0}

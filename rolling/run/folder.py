@@ -50,11 +50,9 @@ def stored_runs(folder: Path) -> list[RunFolder]:
     """
     above = folder.absolute().parent
     if not (folder / SCENE).is_file() and _is_marked(above):
-        runs = [
-            run for run in runs_in(above, stored_scene(above)) if run.folder.name == folder.name
-        ]
-        if runs:
-            return [RunFolder(runs[0].values, runs[0].scene, folder)]
+        for run in runs_in(above, stored_scene(above)):
+            if run.folder.name == folder.name:
+                return [RunFolder(run.values, run.scene, folder)]
     return runs_in(folder, stored_scene(folder))
 
 
@@ -72,9 +70,8 @@ def done_run(folder: Path, act: str) -> RunFolder:
     runs = stored_runs(folder)
     if len(runs) > 1:
         names = ", ".join(run.folder.name for run in runs[:3])
-        raise FolderError(
-            f"{folder}: holds {len(runs)} runs; {act} one of the folders in it ({names}, ...)"
-        )
+        words = f"holds {len(runs)} runs; {act} one of the folders in it"
+        raise FolderError(f"{folder}: {words} ({names}, ...)")
     return done_runs(folder)[0]
 
 
@@ -89,9 +86,8 @@ def stored_scene(folder: Path) -> Scene:
     if not _is_marked(folder):
         if (folder / RESULT).is_file() and _is_marked(above := folder.absolute().parent):
             raise FolderError(f"{folder}: a single run of a sweep; name the folder of it, {above}")
-        raise FolderError(
-            f"{folder}: {_foreign(folder) or 'no run folder, there is no scene.yaml'}"
-        )
+        reason = _foreign(folder) or "no run folder, there is no scene.yaml"
+        raise FolderError(f"{folder}: {reason}")
     return file.read_scene(folder / SCENE)
 
 
@@ -132,26 +128,25 @@ def refuse_other(folder: Path, scene: Scene) -> bool:
     """
     if not _is_marked(folder):
         if reason := _foreign(folder):
-            raise FolderError(
-                f"{folder}: {reason}; take another --out, such as {free_name(folder)}"
-            )
+            raise FolderError(f"{folder}: {reason}; {_way_out(folder)}")
         return False
     old, new = stored_scene(folder), seen_from(folder, scene)
     lines = sweeps.differences(old, new)
     if lines and not (old.sweep and new.sweep and sweeps.contains(old, new)):
         text = "".join(f"\n  {text}" for text in lines)
-        raise FolderError(
-            f"{folder}: holds runs of another scene; take another --out, such as"
-            f" {free_name(folder)}{text}"
-        )
+        raise FolderError(f"{folder}: holds runs of another scene; {_way_out(folder)}{text}")
     maker = made_by(folder)
     if maker != this_program() and not all(run.is_done for run in runs_in(folder, new)):
         raise FolderError(
             f"{folder}: holds runs or pieces of {maker}, and this is {this_program()}; numbers of"
-            f" two programs are not mixed, so take another --out, such as {free_name(folder)}, or"
-            " delete the folder"
+            f" two programs are not mixed, so {_way_out(folder)}, or delete the folder"
         )
     return not lines
+
+
+def _way_out(folder: Path) -> str:
+    """Advise to take another folder, by a name that is free."""
+    return f"take another --out, such as {free_name(folder)}"
 
 
 def this_program() -> str:

@@ -129,9 +129,8 @@ def runs_of_part(runs: Sequence[RunFolder], part: folders.Part | None) -> list[R
     number, count = part
     marches = [contact_identity(run.scene) for run in runs]
     places = {march: place for place, march in enumerate(dict.fromkeys(marches))}
-    return [
-        run for run, march in zip(runs, marches, strict=True) if places[march] % count == number - 1
-    ]
+    pairs = zip(runs, marches, strict=True)
+    return [run for run, march in pairs if places[march] % count == number - 1]
 
 
 def _solve(

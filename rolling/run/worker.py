@@ -118,7 +118,7 @@ def act(task: bytes, program: Program) -> Any:
         raise OtherProgramError(str(identity()))
     for _ in range(MAX_BREAKS):
         if not hasattr(_threads, "process"):
-            _threads.process = _process()
+            _threads.process = _started(f"serve({os.getpid()})", subprocess.PIPE)
         process = _threads.process
         try:
             process.stdin.write(task)
@@ -133,11 +133,6 @@ def act(task: bytes, program: Program) -> Any:
             raise value
         return value
     raise MemoryError(KILLED)
-
-
-def _process() -> subprocess.Popen[bytes]:
-    """Start a process that does pickled tasks from its standard input, until that ends."""
-    return _started(f"serve({os.getpid()})", subprocess.PIPE)
 
 
 def compiler(part: str) -> subprocess.Popen[bytes]:
