@@ -141,10 +141,8 @@ def _limited_slopes(s: Array, means: Array) -> Array:
     inner = joined / (lengths[1:] + lengths[:-1])
     inner = np.minimum(inner, 1.5 * np.minimum(means[:-1], means[1:]))
     ends = [inner[:1], inner[-1:]] if len(inner) else [means, means]
-    first, last = (
-        np.clip(2 * mean - end, 0.5 * mean, 1.5 * mean)
-        for mean, end in zip((means[:1], means[-1:]), ends, strict=True)
-    )
+    pairs = zip((means[:1], means[-1:]), ends, strict=True)
+    first, last = (np.clip(2 * mean - end, 0.5 * mean, 1.5 * mean) for mean, end in pairs)
     at_loads = np.concatenate((first, inner, last))
     slopes = np.empty((2 * len(s) - 1, means.shape[1]))
     slopes[::2], slopes[1::2] = at_loads, 2 * means - (at_loads[:-1] + at_loads[1:]) / 2

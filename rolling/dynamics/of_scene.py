@@ -83,12 +83,10 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
         rectangle, ends = rectangular_plate(scene), tuple(scene.plate.contact_ends_mm.values())
         modes = None if rectangle is None else _modes_between(rectangle, ends)
         return Chain(scene.mass, bending.mobility_s_kg, stiffness_n_m, modes, loss_factor)
-    density = scene.plate.density_kg_m3
+    young, density = scene.plate.youngs_modulus_gpa * 1e9, scene.plate.density_kg_m3
     assert density is not None  # dynamics needs it
     resonance = Chain(scene.mass, 0.0, stiffness_n_m).resonance_hz
-    mobility = half_space_mobility(
-        resonance, scene.plate.youngs_modulus_gpa * 1e9, scene.plate.poissons_ratio, density
-    )
+    mobility = half_space_mobility(resonance, young, scene.plate.poissons_ratio, density)
     return Chain(scene.mass, mobility, stiffness_n_m, None, loss_factor)
 
 

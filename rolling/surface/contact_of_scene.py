@@ -60,7 +60,6 @@ def on_subcells(
     z = contact.heights
     smooth = kept(z, "smooth", lambda: refined.dies_out(z)) if smooth is None else smooth
     key = subcells, smooth
-    fine, spacing = kept(z, key, lambda: refined.subcell_heights(z, *key)), contact.spacing
-    return replace(
-        contact, heights=fine, spacing=spacing / subcells, subcells=subcells, slopes=smooth
-    )
+    fine = kept(z, key, lambda: refined.subcell_heights(z, *key))
+    spacing = contact.spacing / subcells
+    return replace(contact, heights=fine, spacing=spacing, subcells=subcells, slopes=smooth)

@@ -238,10 +238,8 @@ def _add_patch(
     """Add a fault about a row and a column, in nodes, to the heights [m] around it."""
     size, length = fault.size_um * 1e-6, (fault.length_um or 0.0) * 1e-6
     reach = (RIM if fault.kind == "dent" else 1.0) * size / 2 + length / 2
-    rows, columns = (
-        _within(middle, reach / spacing, nodes)
-        for middle, nodes in zip((row, column), heights.shape, strict=True)
-    )
+    rows = _within(row, reach / spacing, heights.shape[0])
+    columns = _within(column, reach / spacing, heights.shape[1])
     x, y = (rows[:, None] - row) * spacing, (columns - column) * spacing
     if length:  # the distance from the line of a scratch
         angle = math.radians(90.0 if fault.angle_deg is None else fault.angle_deg)

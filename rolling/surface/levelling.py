@@ -123,11 +123,8 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
     taken = plane[0] if tilted[0] else 0.0, plane[1] if tilted[1] else 0.0
     before = after = float(np.abs(heights).mean())
     if any(taken) or mode == "quadratic":
-        along, across = (
-            s * spacing * centred(n) for s, n in zip(taken, heights.shape, strict=True)
-        )
-        heights = heights - along[:, None]
-        heights -= across
+        heights = heights - (taken[0] * spacing * centred(heights.shape[0]))[:, None]
+        heights -= taken[1] * spacing * centred(heights.shape[1])
         if mode == "quadratic":
             heights -= _second_order(heights)
         after = float(np.abs(heights).mean())
@@ -167,10 +164,8 @@ def seam(heights: Array, axis: int) -> Seam:
     step = float(np.sqrt(np.mean(last_to_first**2)))
     medians = np.median(differences, axis=1 - axis)
     usual, middle = float(np.median(rms)), float(np.median(np.abs(last_to_first)))
-    stands_out = _stands_out(step, rms) or (
-        middle > BEYOND_USUAL * usual and _stands_out(middle, medians)
-    )
-    return Seam(step, usual, stands_out)
+    is_unusual = middle > BEYOND_USUAL * usual and _stands_out(middle, medians)
+    return Seam(step, usual, _stands_out(step, rms) or is_unusual)
 
 
 def slope(heights: Array, spacing: float, axis: int) -> float:
@@ -225,6 +220,5 @@ def _stands_out(size: float, neighbours: Array) -> bool:
     """Tell whether a difference across the seam exceeds the range of all neighbours."""
     rows = len(neighbours) + 1
     median, maximum = float(np.median(neighbours)), float(neighbours.max())
-    return size > (BEYOND_MAXIMUM + 4 / rows) * maximum and size - median > (
-        BEYOND_RANGE + 16 / rows
-    ) * (maximum - median)
+    beyond_range = (BEYOND_RANGE + 16 / rows) * (maximum - median)
+    return size > (BEYOND_MAXIMUM + 4 / rows) * maximum and size - median > beyond_range

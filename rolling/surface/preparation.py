@@ -112,9 +112,8 @@ def prepare(
     if not is_period:
         _close(work, surface, grid)
     if work.effects:
-        plane = replace(
-            plane, seams=(levelling.seam(work.heights, 0), levelling.seam(work.heights, 1))
-        )
+        seams = levelling.seam(work.heights, 0), levelling.seam(work.heights, 1)
+        plane = replace(plane, seams=seams)
     return np.ascontiguousarray(work.heights), plane, work.effects
 
 
@@ -219,9 +218,8 @@ def filled(heights: Array, wraps: bool) -> Array:
     inner = np.flatnonzero(neighbours >= 0)
     links = np.ones(len(inner)), (inner % count, neighbours[inner])
     laplace = 4 * sparse.eye_array(count) - sparse.coo_array(links, shape=(count, count))
-    factors = linalg.splu(
-        laplace.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    symmetric = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    factors = linalg.splu(laplace.tocsc(), "MMD_AT_PLUS_A", **symmetric)
     result = heights.copy()
     result[gaps] = factors.solve(known)
     return result
