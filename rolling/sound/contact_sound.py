@@ -164,9 +164,7 @@ class ContactSound:
     @property
     def channels(self) -> Array:
         """The record, (samples,) or, of two listeners, (samples, 2) [Pa]."""
-        if self.right is None:
-            return self.pressure
-        return np.stack((self.pressure, self.right), axis=1)
+        return self.pressure if self.right is None else np.stack((self.pressure, self.right), 1)
 
     @property
     def loops(self) -> bool:
@@ -254,24 +252,23 @@ def contact_sound(
     time, speed = middle_speeds(motion, steps, step)
     power, step_duration = per_metre * speed, np.diff(times)
     mean_power = float(per_metre.mean()) * steps * step / duration
-    samples = max(2, round(duration * wav.SAMPLE_RATE_HZ))
+    rate = wav.SAMPLE_RATE_HZ
+    samples = max(2, round(duration * rate))
     if constant:
         signal = resampling.undo_step_mean(power if closed else faded(power, duration))
         fluctuation = resampling.resample_closed(signal, samples)
     else:
         fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
 
-    audible = resampling.band_limit(_intensity(scene, fluctuation), wav.SAMPLE_RATE_HZ)
+    audible = resampling.band_limit(_intensity(scene, fluctuation), rate)
     audible_rms = float(np.sqrt(np.mean(np.square(audible))) / _intensity(scene, np.ones(1))[0])
     resolved_rms = resolved_fluctuation(scene) * _white_rms(per_metre, step, speed, step_duration)
     if audible_rms <= resolved_rms:
         audible = np.zeros_like(audible)
     pressure, factor = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
-    levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, looped)
+    levels = level.sound_levels(pressure, rate, highest, looped)
     lap, own_factor = per_metre[:lap_steps], scene.sound.gain_pa_per_w_m2 is None
-    spread = uncertainty.level_uncertainty(
-        pressure, wav.SAMPLE_RATE_HZ, levels, own_factor, laps=steps / len(lap)
-    )
+    spread = uncertainty.level_uncertainty(pressure, rate, levels, own_factor, steps / len(lap))
     mean_intensity = float(_intensity(scene, np.array([mean_power]))[0])
     steady_level = level.level_db(mean_intensity, radiation.I_REF_W_M2)
     steady_spread = uncertainty.steady_uncertainty_db(lap, steps / duration)

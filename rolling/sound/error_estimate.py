@@ -135,9 +135,8 @@ class LevelErrors(NamedTuple):
 
 def band_powers(signals: StretchSignals) -> BandPowers:
     """Sum the line powers of all levels to third octaves, stretch by stretch."""
-    own, tight, fine, coarse = (
-        _spectrum(values) for values in (signals.own, signals.tight, signals.fine, signals.coarse)
-    )
+    marches = signals.own, signals.tight, signals.fine, signals.coarse
+    own, tight, fine, coarse = map(_spectrum, marches)
     spectra = own, tight, fine, own - tight, tight - fine, coarse - tight
     common = np.real((coarse - tight) * (tight - fine).conj())
     powers = np.stack([*(np.abs(lines) ** 2 for lines in spectra), common], axis=1)

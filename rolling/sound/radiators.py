@@ -203,7 +203,6 @@ def vibration_estimate(
     points = np.maximum(frequency[:, None] + offsets, 1.0).ravel()
     weighted = roughness_gain(bodies, chain)(points) * 10 ** (a_weighting_db(points) / 10)
     forces = np.square(np.abs(chain.force(points, np.ones(len(points)))))
-    square, force_square = (
-        float(mean_square @ gain.reshape(-1, _POINTS).mean(axis=1)) for gain in (weighted, forces)
-    )
+    gains = (gain.reshape(-1, _POINTS).mean(axis=1) for gain in (weighted, forces))
+    square, force_square = (float(mean_square @ gain) for gain in gains)
     return level.level_db(square), math.sqrt(force_square) / scene.load

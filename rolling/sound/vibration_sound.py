@@ -102,10 +102,8 @@ class Vibration:
 
     def listener_levels(self) -> list[level.SoundLevels]:
         """Return the levels at each listener."""
-        rest = (
-            level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, self.highest, self.closed)
-            for pressure in self.pressures[1:]
-        )
+        record = wav.SAMPLE_RATE_HZ, self.highest, self.closed
+        rest = [level.sound_levels(pressure, *record) for pressure in self.pressures[1:]]
         return [self.levels, *rest]
 
     @cached_property
