@@ -207,10 +207,8 @@ def _bound_keys(scene: Scene) -> set[str]:
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a scene file, for editors."""
-    result = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **Scene.model_json_schema(),
-    }
+    result: dict[str, Any] = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    result |= Scene.model_json_schema()
     result["title"] = "Scene of rolling contact noise"
     result["description"] = (
         "A sphere that rolls on a rough surface, how its contact is solved, and where it is heard."

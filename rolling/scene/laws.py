@@ -130,10 +130,9 @@ class Roughness(Distribution):
         if not angle:
             return first, second
         cosine, sine = math.cos(angle), math.sin(angle)
-        return (
-            1 / math.hypot(cosine / first, sine / second),
-            1 / math.hypot(sine / first, cosine / second),
-        )
+        along = 1 / math.hypot(cosine / first, sine / second)
+        across = 1 / math.hypot(sine / first, cosine / second)
+        return along, across
 
     @property
     def goes_on(self) -> bool:

@@ -35,10 +35,8 @@ SMOOTH = 0.1  # rms roughness over Hertz deflection, below which the tolerance f
 FILE_TOLERANCE = 2e-5  # for a height file, whose roughness the scene does not know
 PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 DEFAULT_NAME = "scene"  # name of a scene that is built in Python
-NAME = (
-    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
-    " quotes)"
-)
+NAME = "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first"
+NAME += " (numbers in quotes)"
 
 
 def _name(value: Any) -> Any:

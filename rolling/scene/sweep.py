@@ -146,11 +146,9 @@ def choices(listed: Any) -> list[Choice]:
 def product(sweep: Mapping[str, Any]) -> Iterator[tuple[dict[str, Value], dict[str, Any]]]:
     """Yield the values of each run by dotted key, and their plain forms; the last is fastest."""
     for row in itertools.product(*map(choices, sweep.values())):
-        chosen = dict(zip(sweep, row, strict=True))
-        yield (
-            {name: value for name, (value, _) in chosen.items()},
-            {name: form for name, (_, form) in chosen.items()},
-        )
+        values = {name: value for name, (value, _) in zip(sweep, row, strict=True)}
+        forms = {name: form for name, (_, form) in zip(sweep, row, strict=True)}
+        yield values, forms
 
 
 def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, Any]:
@@ -167,12 +165,8 @@ def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, 
 
 def with_value(data: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
     """Return plain values with the value of a dotted name, which leaves the sweep."""
-    key = messages.key_of(name)
-    if (
-        name == "plate.hardness_gpa"
-        and value is None
-        and library.name_of("plate", data.get("plate"))
-    ):
+    key, material = messages.key_of(name), library.name_of("plate", data.get("plate"))
+    if name == "plate.hardness_gpa" and value is None and material:
         value = library.NONE  # which the material would give again
     result: dict[str, Any] = _changed(library.freed(data, name, value), key, value)
     if len(key) > 1 and key[0] != "sweep" and isinstance(swept := result.get("sweep"), dict):

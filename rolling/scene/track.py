@@ -142,10 +142,8 @@ class Motion:
         if speeds[-1] == 0:
             end = distances[-1]
             if np.any(d > end * (1 + ROUNDING)):
-                raise ValueError(
-                    f"the sphere comes to rest after {end:.6g} m and never reaches {np.max(d):.6g}"
-                    " m"
-                )
+                words = f"the sphere comes to rest after {end:.6g} m"
+                raise ValueError(f"{words} and never reaches {np.max(d):.6g} m")
             d = np.minimum(d, end)
         # A stretch owns its end but not its start, so a distance at which the sphere rests belongs
         # to its arrival.
