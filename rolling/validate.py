@@ -361,10 +361,8 @@ def wheel_on_rail(scene: Scene, published: pd.DataFrame) -> pd.DataFrame:
             ridges = np.repeat(profile, single.track.n_across, axis=1)
             surfaces = {"isotropic": None} | ({} if sample else {"ridges": ridges})
             for surface, given in surfaces.items():
-                part = _beside(table, filter_db(_run(single, given)))
-                rows.append(
-                    part.assign(load_kn=load, wheel_mm=wheel, surface=surface, sample=sample)
-                )
+                case = {"load_kn": load, "wheel_mm": wheel, "surface": surface, "sample": sample}
+                rows.append(_beside(table, filter_db(_run(single, given))).assign(**case))
     return pd.concat(rows, ignore_index=True)
 
 

@@ -133,10 +133,9 @@ def diagram(study: xr.Dataset) -> Figure:
     handles, labels = axes[2].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
     best = frame[frame.curve == REFERENCE].iloc[0]
-    figure.suptitle(
-        f"{study.attrs['name']}: error against time over"
-        f" {rounded(study.attrs['length_m'] * 1e3, 3)} mm of track\nreference: {_settings(best)}"
-    )
+    length = f"{rounded(study.attrs['length_m'] * 1e3, 3)} mm of track"
+    title = f"{study.attrs['name']}: error against time over {length}"
+    figure.suptitle(f"{title}\nreference: {_settings(best)}")
     return figure
 
 
