@@ -293,15 +293,14 @@ def follow_field(system, slack):
     p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
     edge, place, lifts = system.edges.edge, system.stencil.node, system.work.trial
     edges_in_field(place, system.stencil.row_length, system.edges, lifts)
-    per_hardness, highest = 2.0 / system.limits.hardness, 0.0
-    left, stiffness = system.model.softening.reshape(-1), system.model.stiffness
+    per_hardness, highest, stiffness = 2.0 / system.limits.hardness, 0.0, system.model.stiffness
+    left, share_left = system.model.softening.reshape(-1), system.work.r
     for k in range(p.size):
         now = lifts[k] if abs(lifts[k] - edge[k]) > slack else edge[k]
         lifts[k] = (edge[k] - now) * (1.0 - per_hardness * p[k])
         edge[k] = now
     for k in range(p.size):
         g[k] += lifts[k]
-    share_left = system.work.r
     for k in range(p.size):
         compliance[k] = per_hardness * edge[k]
         share_left[k] = 1.0 / (1.0 + compliance[k] * stiffness)

@@ -72,7 +72,7 @@ _SINGLE = np.empty(0, np.float32)  # array of single precision
 
 # Answers of a solve: the solution, an error, or what its caller has to provide.
 SOLVED, SPENT, NOT_FINITE, TOO_WIDE, UNFINISHED = range(5)
-TRANSFORMS, FAR_FIELD, KERNEL, PRECISION = range(5, 9)
+TRANSFORMS, FAR_FIELD, KERNEL, PRECISION, FIELDS = range(5, 10)
 # Entries of the state of a solve, which begins with zeros.
 (ITERATIONS, RESTARTS, PLAIN_STEPS, STUCK, ROUNDS, MOVES, LOAD_MISSED, EXHAUSTED) = range(8)
 (CARRIED, CANDIDATES, DEFLECTION, STATES) = range(8, 12)

@@ -19,6 +19,7 @@ from rolling.contact import _window_kernels as windows
 from rolling.contact._by_address import address_of, caller
 from rolling.contact._condition_kernels import has_partial_cells, yielding_overlap
 from rolling.contact._transform_kernels import MAX_NODES
+from rolling.contact._window_kernels import copy_line
 from rolling.contact.compiling import njit
 
 # This is the minimum useful weight of the sphere-fixed start at the second position. Below it the
@@ -69,18 +70,22 @@ def converge(problem, single, kernels, patience):
         address, of_step = kernels[1 if single else 0]
         if address == 0:
             return single, (descent.KERNEL, 0.0, 0.0, 0.0, (1 if single else 0, 0, 0, 0))
-        if single:
-            answer = _converge_at(address, (*problem, of_step, _SINGLE))
-        else:
-            answer = _converge_at(address, (*problem, of_step, _DOUBLE))
+        in_single, in_double = (*problem, of_step, _SINGLE), (*problem, of_step, _DOUBLE)
+        answer = _converge_at(address, in_single) if single else _converge_at(address, in_double)
         if answer[0] == descent.PRECISION:
             single = not single
         elif answer[0] != descent.UNFINISHED or state[descent.ITERATIONS] >= patience:
             return single, answer
 
 
+@njit(cache=True, inner=True)
+def field_of(numbers, shape):
+    """Return the first numbers of a line as an array of a shape."""
+    return numbers[: shape[0] * shape[1]].reshape(shape)
+
+
 @njit(cache=True)
-def solve(window, start, before, numbers, stencils, flags, table, kernels, patience):
+def solve(window, start, before, numbers, flags, stencils, table, fields, kernels, patience):
     """Solve a contact, with blended edges where it yields and with sharp edges elsewhere.
 
     Between both the maximum overlap at the hardness, over the half range that pressures level, is
@@ -96,6 +101,10 @@ def solve(window, start, before, numbers, stencils, flags, table, kernels, patie
     flags : tuple of bool
         Whether the start is close to the solution, whether single precision may serve, whether
         edges may be blended, and whether they are sharp at first.
+    fields : (2 or 3, nodes) array
+        Pressure and deflection of the solution, and half ranges of its edges where they may be
+        blended. Arrays that are made here would be handed over by Python code, which may hear an
+        interrupt where nothing can raise it.
     kernels : (2, 2) array
         Addresses of `converge` and of the step of a descent, in double and in single precision.
     patience : int
@@ -104,25 +113,27 @@ def solve(window, start, before, numbers, stencils, flags, table, kernels, patie
     Returns
     -------
     tuple
-        Answer and what is missing; pressure, deflection and half ranges of the edges; approach,
-        maximum deflection, maximum violation [m], share of the edges, and the maximum gap [m] of a
-        solve that stopped; iterations, convolutions, restarts, plain steps, rounds and whether the
-        last of them are of single precision.
+        Answer and what is missing; approach, maximum deflection, maximum violation [m], share of
+        the edges, and the maximum gap [m] of a solve that stopped; iterations, convolutions,
+        restarts, plain steps, rounds and whether the last of them are of single precision.
     """
     (gap, _), (hardness, _, tolerance, levelled) = window, numbers
     close, single, blended, sharp = flags
-    p, u, nothing, given = start[0].copy(), np.empty(gap.shape), np.empty((0, 0)), start[1]
-    edge = np.zeros(gap.shape) if blended else nothing
+    nothing, given = np.empty((0, 0)), start[1]
+    p, u = field_of(fields[0], gap.shape), field_of(fields[1], gap.shape)
+    edge = field_of(fields[2], gap.shape) if blended else nothing
+    copy_line(start[0].reshape(-1), p.reshape(-1))
+    edge[:] = 0.0
     state, iterations, begun = np.zeros(descent.STATES, np.int64), 0, table[0, 0]
     state[descent.DEFLECTION] = descent.GIVEN if given.size else descent.UNKNOWN
     single = single and tolerance >= descent.SINGLE_TOLERANCE
     share = 0.0 if sharp or not blended else 1.0
-    known, highest = (p, u, (0.0, 0.0, 0.0)), 0.0
+    known = p, u, (0.0, 0.0, 0.0)
     while True:
         out, precise = (u, edge if share else nothing), (close, flags[1])
-        fields = window, (p, given), before, out, (*numbers, share), stencils, precise, state, table
+        given_all = window, (p, given), before, out, (*numbers, share), stencils, precise
         single, (answer, approach, u_max, worst, missing) = converge(
-            fields, single, kernels, patience - iterations
+            (*given_all, state, table), single, kernels, patience - iterations
         )
         iterations += state[descent.ITERATIONS]
         if answer != descent.SOLVED or not blended or 0 < share < 1:
@@ -141,16 +152,17 @@ def solve(window, start, before, numbers, stencils, flags, table, kernels, patie
             if share == 0:
                 edge[:] = 0.0
                 if sharp:
-                    p, u, (approach, u_max, worst) = known
+                    copy_line(known[0].reshape(-1), p.reshape(-1))
+                    copy_line(known[1].reshape(-1), u.reshape(-1))
+                    approach, u_max, worst = known[2]
                     break
         state[:] = 0
         state[descent.DEFLECTION], close = descent.FRESH, True
-    if answer == descent.SPENT:
-        highest = np.abs(gap).max()
+    highest = np.abs(gap).max() if answer == descent.SPENT else 0.0
     measures = approach, u_max, worst, share, highest
     counts = iterations, table[0, 0] - begun, state[descent.RESTARTS], state[descent.PLAIN_STEPS]
     rounds = state[descent.ROUNDS], 1 if single else 0
-    return answer, missing, (p, u, edge), measures, (*counts, *rounds)
+    return answer, missing, measures, (*counts, *rounds)
 
 
 @njit(cache=True, inner=True)
@@ -267,19 +279,21 @@ def warm_start(surface, place, states, hardness, blended):
 
 
 @njit(cache=True, inner=True)
-def measure(fields, maxima, sphere, numbers, approach, window):
+def measure(fields, blended, maxima, sphere, numbers, approach, window):
     """Return the loaded block of a solved window, and the measures of its nodes.
 
     The measures are the numbers of nodes in contact and at the hardness, the maximum pressure, the
     sum of p u, and the spread of the load [m].
     """
-    (p, u, edge), (hardness, _, _, levelled) = fields, numbers
+    hardness, _, _, levelled = numbers
     spacing, radius, radius_across, x, y = sphere
-    gap = max(windows.farthest_gap(maxima, sphere, approach, edge.size > 0) + maxima[3], 0.0)
+    p, u = field_of(fields[0], window[2:]), field_of(fields[1], window[2:])
+    gap = max(windows.farthest_gap(maxima, sphere, approach, blended) + maxima[3], 0.0)
     reach = np.sqrt(2 * max(radius, radius_across) * gap) / spacing
     row, column = x / spacing - window[0], y / spacing - window[1]
     # Below the hardness there is no patch that could end within a cell.
-    ends = edge if edge.size and p.max() >= hardness else np.empty((0, 0))
+    yields = blended and p.max() >= hardness
+    ends = field_of(fields[2], window[2:]) if yields else np.empty((0, 0))
     measures = windows.measures(p, u, hardness, ends, levelled, row, column, reach)
     count, capped, maximum, work, spread, first_row, last_row, first_column, last_column = measures
     rows, columns = last_row - first_row + 1, last_column - first_column + 1
@@ -288,7 +302,9 @@ def measure(fields, maxima, sphere, numbers, approach, window):
 
 
 @njit(cache=True)
-def solve_position(surface, place, states, numbers, stencils, flags, table, kernels, patience):
+def solve_position(
+    surface, place, states, numbers, flags, stencils, table, fields, kernels, patience
+):
     """Solve the contact at a position, again on a larger window where contact may be outside of it.
 
     Parameters
@@ -307,14 +323,14 @@ def solve_position(surface, place, states, numbers, stencils, flags, table, kern
     flags : tuple of bool
         Whether single precision may serve, whether edges may be blended, and whether the surface
         continues between the nodes.
-    numbers, stencils, table, kernels, patience
+    numbers, stencils, table, fields, kernels, patience
         Arguments of `solve`.
 
     Returns
     -------
     tuple
-        Answer, what is missing, fields, measures and counts of `solve`, window, loaded block, share
-        that moved with the sphere, and the measures of the loaded nodes (see `measures`).
+        Answer, what is missing, measures and counts of `solve`, window, loaded block, share that
+        moved with the sphere, and the measures of the loaded nodes (see `measure`).
     """
     (heights, maxima), (sphere, _, load, near2, subcells, _) = surface, place
     old, (may_be_single, blended, slopes), hardness = states[0], flags, numbers[0]
@@ -325,24 +341,26 @@ def solve_position(surface, place, states, numbers, stencils, flags, table, kern
         window, start, last, limits, share = warm_start(surface, place, states, hardness, blended)
     # The transforms of sub-cells need a border of one cell all around.
     begun, iterations, most = table[0, 0], 0, MAX_NODES if subcells == 1 else MAX_NODES - 4
-    answer, missing = descent.TOO_WIDE, (0, 0, 0, 0)
-    fields, measures, counts = (nothing, nothing, nothing), (0.0,) * 5, (0,) * 6
+    measures, counts = (0.0,) * 5, (0,) * 6
     loaded, measured = window, (0.0,) * 5
     while True:
         sides = window[2] // subcells, window[3] // subcells
         if max(sides) > most:
             answer, missing = descent.TOO_WIDE, (sides[0], sides[1], most, 0)
             break
+        if window[2] * window[3] > fields.shape[1]:
+            answer, missing = descent.FIELDS, (window[2] * window[3], 0, 0, 0)
+            break
         gap = gap_on(heights, sphere, window)
         shape = gap_on(np.zeros((1, 1)), sphere, window) if blended and not slopes else gap
         kind = close, may_be_single, blended, sharp
-        answer, missing, fields, measures, counts = solve(
-            (gap, shape), start, last, numbers, stencils, kind, table, kernels, patience
+        answer, missing, measures, counts = solve(
+            (gap, shape), start, last, numbers, kind, stencils, table, fields, kernels, patience
         )
         iterations += counts[0]
         if answer != descent.SOLVED:
             break
-        loaded, measured = measure(fields, maxima, sphere, numbers, measures[0], window)
+        loaded, measured = measure(fields, blended, maxima, sphere, numbers, measures[0], window)
         if measures[0] <= limits[0] and measured[4] <= limits[1]:
             break
         least = load, measured[4] ** 2 + near2
@@ -350,7 +368,8 @@ def solve_position(surface, place, states, numbers, stencils, flags, table, kern
         if covers(window, wider):
             break
         wider = room(wider, subcells)
-        start, last = (moved(fields[0], window, wider, False), nothing), (nothing, nothing, 0, 0)
+        pressure = field_of(fields[0], gap.shape)
+        start, last = (moved(pressure, window, wider, False), nothing), (nothing, nothing, 0, 0)
         window, close, sharp = wider, True, False
     counts = iterations, table[0, 0] - begun, *counts[2:]
-    return answer, missing, fields, measures, counts, window, loaded, share, measured
+    return answer, missing, measures, counts, window, loaded, share, measured

@@ -15,7 +15,6 @@ import numpy as np
 from acoustics.arrays import instance
 from acoustics.numbers import rounded
 from rolling.contact import _position_kernels, closed_forms, solver
-from rolling.contact._far_field import stencils
 from rolling.contact._transform_kernels import MAX_NODES
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.solver import ContactError, ConvergenceError
@@ -86,22 +85,21 @@ def march(
         if got != own:
             raise ValueError(f"half_space: got {name} {got:g}, allowed: that of contact, {own:g}")
     _refuse_the_impossible(contact)
-    state: ContactState | None = None
-    before: ContactState | None = None
+    states: list[ContactState] = []  # the last two
     for k in range(first, last + 1):
         here = contact.loaded_at(k)
         try:
             following = None
             # A change of the load on a plate that mostly yields may lead nowhere.
             with suppress(ConvergenceError):
-                following = state and _follow(here, k, half_space, state, before)
+                following = _follow(here, k, half_space, states) if states else None
             following = following or _start(here, k, half_space)
         except ContactError as error:
             raise ContactError(
                 f"step {k} (sphere at {contact.position(k) * 1e3:.4f} mm): {error}"
             ) from error
-        state, before = following, state
-        yield state
+        states = [*states[-1:], following]
+        yield following
 
 
 def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactState:
@@ -126,28 +124,21 @@ def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactSta
 
 
 def _follow(
-    contact: RollingContact,
-    k: int,
-    half_space: HalfSpace,
-    old: ContactState,
-    before: ContactState | None,
+    contact: RollingContact, k: int, half_space: HalfSpace, states: list[ContactState]
 ) -> ContactState:
-    """Solve the next position from that of one or two states."""
+    """Solve the next position from one or two states."""
+    old, before = states[-1], _NO_STATE
     known = old.approach, old.max_deflection, old.spread, old.sphere_share, old.edge_share
     fields, iterated = (old.pressure, old.deflection), old.iterations > 0
-    states = (tuple(old.window), tuple(old.loaded), fields, known, iterated), _NO_STATE
-    if before is not None:
-        corner, fields = before.window[:2], (before.pressure, before.deflection)
-        states = states[0], (*corner, *fields, before.approach)
-    return _solve(contact, k, half_space, states, contact.tolerance)
+    last = tuple(old.window), tuple(old.loaded), fields, known, iterated
+    if len(states) > 1:
+        first = states[0]
+        before = *first.window[:2], first.pressure, first.deflection, first.approach
+    return _solve(contact, k, half_space, (last, before), contact.tolerance)
 
 
 def _solve(
-    contact: RollingContact,
-    k: int,
-    half_space: HalfSpace,
-    states: tuple[Any, ...],
-    tolerance: float,
+    contact: RollingContact, k: int, half_space: HalfSpace, given: tuple[Any, Any], tolerance: float
 ) -> ContactState:
     """Solve a position from the states that `solve_position` of the kernels takes."""
     spacing, sphere, cell = contact.spacing, contact.sphere(k), contact.spacing**2
@@ -155,27 +146,27 @@ def _solve(
     nodes = nodes if nodes * spacing == contact.step else 0
     ahead = contact.sphere(k + 1)[3] if contact.step <= LOOK_AHEAD * spacing else np.nan
     numbers = float(contact.hardness), float(contact.load / cell), float(tolerance)
-    levelled = solver.levelled_range(half_space, contact.hardness)
-    (p, u, edge), measures, counts, window, loaded, share, measured = solver.complete(
+    # Most windows fit these arrays; the compiled code asks for larger ones.
+    lines, room = 3 if contact.has_blended_edges else 2, 500 + 5 * given[0][2][0].size // 4
+    fields, measures, counts, window, loaded, share, measured = solver.complete(
         half_space,
         _position_kernels.solve_position,
-        (
-            (contact.heights, tuple(contact.maxima)),
-            (sphere, ahead, *contact.least_deflection, contact.subcells, nodes),
-            states,
-            (*numbers, levelled),
-            (half_space.unit, *stencils(half_space.unit)),
-            (contact.single, contact.has_blended_edges, contact.slopes),
-        ),
-        tolerance,
+        np.empty((lines, room)),
+        (contact.heights, tuple(contact.maxima)),
+        (sphere, ahead, *contact.least_deflection, contact.subcells, nodes),
+        given,
+        (*numbers, solver.levelled_range(half_space, contact.hardness)),
+        (contact.single, contact.has_blended_edges, contact.slopes),
     )
+    size, shape = window[2] * window[3], window[2:]
+    p, u, *edge = (line[:size].reshape(shape) for line in fields)
     approach, u_max, worst, edge_share, _ = measures
     count, capped, maximum, work, spread = measured
     _refuse_wide(contact, loaded[2] * spacing, loaded[3] * spacing)
     areas, energy = (count * cell, capped * cell), 0.5 * work * cell
     return ContactState(
         *(k, Window(*window), Window(*loaded), p, u, approach, *areas, maximum, u_max, energy),
-        *(worst / u_max, *counts[:2], edge if edge.size else None, edge_share, share, spread),
+        *(worst / u_max, *counts[:2], edge[0] if edge else None, edge_share, share, spread),
     )
 
 

@@ -274,21 +274,19 @@ def solve_contact(
     if start.deflection is not None:
         u = _plain("start.deflection", start.deflection, gap)
     total, levelled = load / half_space.spacing**2, levelled_range(half_space, hardness)
-    (p, u, edge), (approach, u_max, worst, share, _), counts = complete(
+    fields, (approach, u_max, worst, share, _), counts = complete(
         half_space,
         _position_kernels.solve,
-        (
-            (gap, gap if shape is None else shape),
-            (pressure, u),
-            (_NOTHING, _NOTHING, 0, 0),
-            (hardness, total, tolerance, levelled),
-            (half_space.unit, *stencils(half_space.unit)),
-            (bool(start.close), bool(single), shape is not None, False),
-        ),
-        tolerance,
+        np.empty((2 if shape is None else 3, gap.size)),
+        (gap, gap if shape is None else shape),
+        (pressure, u),
+        (_NOTHING, _NOTHING, 0, 0),
+        (hardness, total, tolerance, levelled),
+        (bool(start.close), bool(single), shape is not None, False),
     )
+    p, u, *edge = fields.reshape(-1, *gap.shape)
     solution = p, u, half_space.spacing, approach, u_max, worst / u_max, counts[0]
-    return Contact(*solution, None if shape is None else edge, share)
+    return Contact(*solution, edge[0] if edge else None, share)
 
 
 def _plain(name: str, array: Array, like: Array | None = None) -> Array:
@@ -303,27 +301,30 @@ def _plain(name: str, array: Array, like: Array | None = None) -> Array:
 
 
 def complete(
-    half_space: HalfSpace, kernel: Callable[..., Any], arguments: tuple[Any, ...], tolerance: float
+    half_space: HalfSpace, kernel: Callable[..., Any], fields: Array, *given: tuple[Any, ...]
 ) -> tuple[Any, ...]:
     """Call a compiled solve with its first arguments, and provide what it needs until it ends.
 
-    Returns its fields, measures, counts, and all else it returns (see `_position_kernels`). Raises
-    ContactError as `solve_contact` does.
+    Returns the fields (see `solve` of `_position_kernels`), or larger ones that hold its window,
+    its measures, its counts, and all else it returns. Raises ContactError as `solve_contact` does.
     """
+    own = half_space.unit, *stencils(half_space.unit)
     patience = kernels.LONGEST
     while True:
-        answer, missing, *solved = kernel(*arguments, half_space.table, _addresses, patience)
+        shared = own, half_space.table, fields, _addresses, patience
+        answer, missing, *solved = kernel(*given, *shared)
         if answer == kernels.SOLVED:
-            return tuple(solved)
-        if answer == kernels.TRANSFORMS:
+            return fields, *solved
+        if answer == kernels.FIELDS:
+            fields = np.empty((len(fields), missing[0]))
+        elif answer == kernels.TRANSFORMS:
             half_space.provide(*missing)
         elif answer == kernels.FAR_FIELD:
-            rows, columns, tile = missing[:3]
-            half_space.keep(rows, columns, tile, far_field(rows, columns, tile))
+            grid = missing[:3]  # rows, columns and tile
+            half_space.keep(*grid, far_field(*grid))
         elif answer == kernels.KERNEL:
-            single = bool(missing[0])
-            addresses = _position_kernels.converge_address(single), kernels.step_address(single)
-            _addresses[missing[0]] = addresses
+            single, addresses = bool(missing[0]), _addresses[missing[0]]
+            addresses[:] = _position_kernels.converge_address(single), kernels.step_address(single)
         elif answer == kernels.UNFINISHED:
             patience *= 2
         elif answer == kernels.TOO_WIDE:
@@ -336,7 +337,8 @@ def complete(
             strange = "the contact solve met numbers that are not finite: check units of load"
             raise ContactError(f"{strange}, modulus and heights")
         else:
-            raise _not_converged(solved[1], solved[2], tolerance)
+            _, _, _, (_, _, tolerance, _), *_ = given
+            raise _not_converged(solved[0], solved[1], tolerance)
 
 
 def _not_converged(

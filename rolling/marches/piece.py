@@ -187,8 +187,7 @@ def _contact_of(piece: Piece) -> RollingContact:
         else:
             own = piece.identity, scene
             if not (_last and own == _last[0]):
-                _last.clear()
-                _last.extend([own, rolling_contact(scene)])
+                _last[:] = [own, rolling_contact(scene)]
             contact = _last[1]
         same = not scene.height_paths or contact_identity(scene) == piece.identity
     except SceneError as error:

@@ -18,9 +18,16 @@ def inner_kernels() -> dict[str, set[str]]:
     return {module: names for module, names in listed.items() if names}
 
 
+def is_compiled(part: ast.stmt) -> bool:
+    """Return whether a part of a module is a function that is compiled."""
+    decorators = part.decorator_list if isinstance(part, ast.FunctionDef) else []
+    return any("njit" in ast.unparse(decorator) for decorator in decorators)
+
+
 def calls(path: Path, inner: dict[str, set[str]]) -> Iterator[str]:
-    """Yield the inner functions that the Python code of a file names."""
+    """Yield the inner functions that a file names outside of compiled functions."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree.body = [part for part in tree.body if not is_compiled(part)]
     modules: dict[str, str] = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):

@@ -38,7 +38,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[Call]:
     def watched(kernel: Callable[..., tuple]) -> Callable[..., tuple]:
         def listing(*arguments: Any) -> tuple:
             answer = kernel(*arguments)
-            *_, rounds, single = answer[4]
+            *_, rounds, single = answer[3]
             listed.append(Call(answer[0], rounds, not single))
             return answer
 

@@ -179,3 +179,13 @@ def test_a_soft_plate_follows_every_change_of_the_load(heights: np.ndarray, chan
     states = roll(track, 0, 2)
     for state, load in zip(states, loads, strict=True):
         assert_solved(replace(track, load=load), state)
+
+
+@pytest.mark.parametrize("hardness", [np.inf, 2e9], ids=["elastic", "capped"])
+def test_a_window_beyond_the_longest_transform_is_refused_with_its_size(hardness: float) -> None:
+    """The sphere is so flat along the track that a light load touches 20 mm of it."""
+    track = make_track(np.zeros((40_000, 64)), load=5.0, hardness=hardness, tolerance=1e-4)
+    track = replace(track, radius=2e3, radius_across=1e-4, blended=np.isfinite(hardness))
+    refusal = r"needs a window of \d+ by \d+ nodes, more than the \d+ there is room for"
+    with pytest.raises(solver.ContactError, match=refusal):
+        roll(track, 0, 0)
