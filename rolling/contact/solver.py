@@ -321,7 +321,7 @@ def complete(
             half_space.provide(*missing)
         elif answer == kernels.FAR_FIELD:
             grid = missing[:3]  # rows, columns and tile
-            half_space.keep(*grid, far_field(*grid))
+            half_space.keep(*grid, far_field=far_field(*grid))
         elif answer == kernels.KERNEL:
             single, addresses = bool(missing[0]), _addresses[missing[0]]
             addresses[:] = _position_kernels.converge_address(single), kernels.step_address(single)
