@@ -320,8 +320,8 @@ def complete(
         elif answer == kernels.TRANSFORMS:
             half_space.provide(*missing)
         elif answer == kernels.FAR_FIELD:
-            grid = missing[:3]  # rows, columns and tile
-            half_space.keep(*grid, far_field=far_field(*grid))
+            rows, columns, tile, _ = missing
+            half_space.keep(rows, columns, tile, far_field(rows, columns, tile))
         elif answer == kernels.KERNEL:
             single, addresses = bool(missing[0]), _addresses[missing[0]]
             addresses[:] = _position_kernels.converge_address(single), kernels.step_address(single)
