@@ -193,6 +193,7 @@ def _contact_of(piece: Piece) -> RollingContact:
     except SceneError as error:
         raise ContactError(f"the surface that was solved is gone: {error}") from error
     if not same:
+        _last.clear()
         files = " or ".join(map(str, scene.height_paths.values()))
         raise ContactError(f"{files} is not the surface that was solved")
     if piece.kind == "error":

@@ -168,6 +168,21 @@ def test_heights_that_were_replaced_or_removed_are_refused(tmp_path: Path) -> No
     march_piece(pieces[0])
 
 
+def test_a_contact_over_replaced_heights_is_not_kept(tmp_path: Path) -> None:
+    """The heights are replaced before the first piece makes its contact, and restored after."""
+    given = measured(tmp_path)
+    pieces = next_pieces(given, Result.empty(given))
+    expected = march_piece(pieces[0])["approach"]
+    piece_module._last.clear()
+    path = tmp_path / "heights.npy"
+    content = path.read_bytes()
+    np.save(path, 1.5 * np.load(path))
+    with pytest.raises(ContactError, match="not the surface that was solved"):
+        march_piece(pieces[0])
+    path.write_bytes(content)
+    assert march_piece(pieces[0])["approach"].tolist() == expected.tolist()
+
+
 def test_pieces_of_a_track_share_its_contact(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its surface is looked through once, not once in each piece; another scene has another."""
     made: list[Scene] = []
