@@ -103,8 +103,8 @@ def solve(window, start, before, numbers, flags, stencils, table, fields, kernel
         edges may be blended, and whether they are sharp at first.
     fields : (2 or 3, nodes) array
         Pressure and deflection of the solution, and half ranges of its edges where they may be
-        blended. Arrays that are made here would be handed over by Python code, which may hear an
-        interrupt where nothing can raise it.
+        blended. Numba would hand arrays of its own over by Python code, where an interrupt cannot
+        be raised.
     kernels : (2, 2) array
         Addresses of `converge` and of the step of a descent, in double and in single precision.
     patience : int
@@ -130,10 +130,10 @@ def solve(window, start, before, numbers, flags, stencils, table, fields, kernel
     share = 0.0 if sharp or not blended else 1.0
     known = p, u, (0.0, 0.0, 0.0)
     while True:
-        out, precise = (u, edge if share else nothing), (close, flags[1])
-        given_all = window, (p, given), before, out, (*numbers, share), stencils, precise
+        out, kind = (u, edge if share else nothing), (close, flags[1])
+        problem = window, (p, given), before, out, (*numbers, share), stencils, kind, state, table
         single, (answer, approach, u_max, worst, missing) = converge(
-            (*given_all, state, table), single, kernels, patience - iterations
+            problem, single, kernels, patience - iterations
         )
         iterations += state[descent.ITERATIONS]
         if answer != descent.SOLVED or not blended or 0 < share < 1:

@@ -337,8 +337,8 @@ def complete(
             strange = "the contact solve met numbers that are not finite: check units of load"
             raise ContactError(f"{strange}, modulus and heights")
         else:
-            _, _, _, (_, _, tolerance, _), *_ = given
-            raise _not_converged(solved[0], solved[1], tolerance)
+            numbers = given[3]
+            raise _not_converged(solved[0], solved[1], tolerance=numbers[2])
 
 
 def _not_converged(

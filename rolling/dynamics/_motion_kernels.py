@@ -239,17 +239,20 @@ def pressed(approach, sigma, push, give, table, pieces):
 
 @njit(cache=True)
 def advance(state, load, bodies, places, points, table, record):
-    """Set the rows of `record` to force, approach, ball velocity and plate displacement.
+    """Set the rows of `record` to force, approach, ball velocity and plate displacement, and modes.
 
     Row i is of the middle of step i, where the ball is at place i and touches a plate with edges at
     point i, or at the only point: the mean force, and the means of the states at both ends.
 
-    Returns the state at the end, and energies [J]: the change of kinetic energy, U and modes, the
-    work of load and track, the losses to plate and contact, and the range of U. The work of the
-    track is the change of U from one step's law and point to the next.
+    The modes become those at the end. Returns the other numbers of the state there, and no array:
+    numba hands arrays over by Python code, where an interrupt ends the process.
+
+    Also returns energies [J]: the change of kinetic energy, U and modes, the work of load and
+    track, the losses to plate and contact, and the range of U. The work of the track is the change
+    of U from one step's law and point to the next.
     """
     approach, velocity, plate = state.approach, state.velocity, state.plate
-    step, mass, mobility, modes = bodies.step, bodies.mass, bodies.mobility, state.modes.copy()
+    step, mass, mobility, modes = bodies.step, bodies.mass, bodies.mobility, state.modes
     yielding = step * step / (2.0 * mass) + step * mobility
     back, compliance, drag = 0.0, 0.0, 0.0
     law = table.values[0].copy()
@@ -312,4 +315,4 @@ def advance(state, load, bodies, places, points, table, record):
     modal_energy += 0.5 * np.sum(modes * modes)
     change, loss = kinetic + (energy - first) + modal_energy, loss - modal_energy
     energies = (change, load_work, track_work, loss, contact_loss, highest - lowest)
-    return State(approach, velocity, plate, modes), energies
+    return (approach, velocity, plate), energies

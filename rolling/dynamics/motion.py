@@ -149,9 +149,9 @@ def advance(
     over the same or another force law. The contact points (n, 2) [m] of a plate with edges are one
     that is fixed, or one for each step.
     """
-    record = np.empty((len(places), 4))
+    record, state = np.empty((len(places), 4)), state._replace(modes=state.modes.copy())
     end, energies = _motion_kernels.advance(state, load_n, bodies, places, points, table, record)
-    return Steps(places, record, State(*end), energies)
+    return Steps(places, record, State(end[0], end[1], end[2], state.modes), energies)
 
 
 def at_rest(

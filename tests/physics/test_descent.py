@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from helpers import assert_solved, make_track, roll, rough, space_of
 
 from rolling.contact import _candidate_kernels, _condition_kernels, _position_kernels, solver
 from rolling.contact import _descent_kernels as kernels
+from rolling.contact import march as march_module
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import ContactState, RollingContact
@@ -45,8 +47,12 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[Call]:
 
         return listing
 
-    for name in ("solve", "solve_position"):
-        monkeypatch.setattr(_position_kernels, name, watched(getattr(_position_kernels, name)))
+    # The kernels call each other, so the names in their own module stay as they are.
+    names = ("solve", "solve_position")
+    kernel = {name: watched(getattr(_position_kernels, name)) for name in names}
+    seen = SimpleNamespace(**vars(_position_kernels) | kernel)
+    for module in (solver, march_module):
+        monkeypatch.setattr(module, "_position_kernels", seen)
     return listed
 
 

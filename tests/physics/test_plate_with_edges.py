@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+
 import numpy as np
 import pytest
 from helpers import hertz_law, track_work
@@ -252,3 +254,20 @@ def test_table_of_the_receptance(loss_factor: float) -> None:
     frequency = np.geomspace(20, 40e3, 6001)
     exact = np.concatenate([modes.receptance(part) for part in np.array_split(frequency, 10)])
     assert np.abs(modes.receptance(frequency) / exact - 1).max() < 0.01
+
+
+def test_an_interrupt_during_a_motion_is_raised() -> None:
+    """Numba hands over arrays and named tuples by Python code, where nothing can be raised."""
+    law = track_law(waves(64, 1, 1e-8))
+    own = bodies(law, 10)
+    stepped = own.steps(1.5e-6)
+    state = at_rest(stepped, POINT, float(law.approach(0.0, LOAD)), 0.0, 0.0)
+    places = 1.5e-6 * (np.arange(400_000) + 0.5)
+    advance(law.table, stepped, LOAD, state, places[:10], POINT)
+    handler = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_REAL, 0.02)
+            advance(law.table, stepped, LOAD, state, places, POINT)
+    finally:
+        signal.signal(signal.SIGALRM, handler)

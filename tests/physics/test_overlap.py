@@ -1,4 +1,4 @@
-"""The block of the nodes below the approach is that of a search over all nodes."""
+"""The window of the nodes below the approach is that of a search over all nodes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SPACING, RADIUS = 2e-6, 1e-3
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_overlap_block_is_that_of_a_plain_search(seed: int) -> None:
+def test_the_overlap_is_that_of_a_plain_search(seed: int) -> None:
     """Rough plates, high and low approaches, and spheres near the border of a period."""
     rng = np.random.default_rng(seed)
     along, across = rng.integers(12, 60, 2)
