@@ -26,8 +26,8 @@ from rolling.contact.compiling import njit
 from rolling.contact.half_space import OWN_COEFFICIENT
 
 MAX_ITERATIONS = 1000
-# A descent ends after so many iterations, and so does a first call of a solve, so that Python
-# learns of an interrupt. A next call begins anew and may take twice as many.
+# A descent and a call of the solve end after so many iterations, so that Python learns of an
+# interrupt before the next call goes on.
 LONGEST = 100
 # Sweeps before the far field of the model, first from the extrapolation, then in each iteration.
 # With half as many, steps take 0.1 to 0.7 convolutions more.

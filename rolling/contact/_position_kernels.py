@@ -2,8 +2,8 @@
 
 `solve` goes from a start to the accepted solution, with blended edges where the contact yields, and
 `solve_position` from the states of two positions to the next. Both return early where Python has to
-provide something: transforms of a size, the far field of a grid or a kernel. They then begin anew,
-from the same start to the same digits.
+provide something: transforms of a size, the far field of a grid, a kernel or larger fields. Their
+progress stays in arrays of the caller, so that the next call goes on, to the same digits.
 """
 
 # mypy: disable-error-code="no-untyped-def,no-untyped-call"
@@ -33,6 +33,12 @@ STEADY_SHARE = 0.98
 # A window has room for a load spread so many times as wide as at the position before.
 ROOM = 1.1
 
+# Entries of the progress of a position after the state of its descents: the number of convolutions
+# when it began, marks, iterations of earlier solves, two windows, the measures of the solution with
+# sharp edges and the share of the edges. All others begin with zeros.
+CONVOLVED, BEGUN, LATER, SINGLE, EARLIER, WIDENED = range(descent.STATES, descent.STATES + 6)
+WINDOW, NARROWER, KNOWN, PROGRESS = (WIDENED + 1 + further for further in (0, 4, 8, 12))
+
 _SINGLE, _DOUBLE = np.empty(0, np.float32), np.empty(0)  # arrays of the transforms' type
 _field, _number, _whole = types.float64[:, ::1], types.float64, types.int64
 _SOLVED = types.Tuple([_whole, *[_number] * 3, types.UniTuple(_whole, 4)])
@@ -60,22 +66,18 @@ def converge_address(single: bool) -> int:
 
 
 @njit(cache=True, inner=True)
-def converge(problem, single, kernels, patience):
-    """Converge in single or double precision, and go on in the other one where need be.
-
-    Returns the precision at the end, and the answer as `converge` of the descents does.
-    """
-    state = problem[7]
+def converge(problem, progress, kernels):
+    """Converge in single or double precision, and go on in the other one where need be."""
     while True:
-        address, of_step = kernels[1 if single else 0]
+        single = progress[SINGLE]
+        address, of_step = kernels[single]
         if address == 0:
-            return single, (descent.KERNEL, 0.0, 0.0, 0.0, (1 if single else 0, 0, 0, 0))
+            return descent.KERNEL, 0.0, 0.0, 0.0, (single, 0, 0, 0)
         in_single, in_double = (*problem, of_step, _SINGLE), (*problem, of_step, _DOUBLE)
         answer = _converge_at(address, in_single) if single else _converge_at(address, in_double)
-        if answer[0] == descent.PRECISION:
-            single = not single
-        elif answer[0] != descent.UNFINISHED or state[descent.ITERATIONS] >= patience:
-            return single, answer
+        if answer[0] != descent.PRECISION:
+            return answer
+        progress[SINGLE] = 1 - single
 
 
 @njit(cache=True, inner=True)
@@ -85,7 +87,7 @@ def field_of(numbers, shape):
 
 
 @njit(cache=True)
-def solve(window, start, before, numbers, flags, stencils, table, fields, kernels, patience):
+def solve(window, start, before, numbers, flags, stencils, table, fields, kernels, progress):
     """Solve a contact, with blended edges where it yields and with sharp edges elsewhere.
 
     Between both the maximum overlap at the hardness, over the half range that pressures level, is
@@ -101,14 +103,14 @@ def solve(window, start, before, numbers, flags, stencils, table, fields, kernel
     flags : tuple of bool
         Whether the start is close to the solution, whether single precision may serve, whether
         edges may be blended, and whether they are sharp at first.
-    fields : (2 or 3, nodes) array
-        Pressure and deflection of the solution, and half ranges of its edges where they may be
-        blended. Numba would hand arrays of its own over by Python code, where an interrupt cannot
-        be raised.
+    fields : (2, 3 or 5, nodes) array
+        Pressure and deflection of the solution, half ranges of its edges where they may be blended,
+        and room for the solution with sharp edges where they are sharp at first. Numba would hand
+        arrays of its own over by Python code, where an interrupt cannot be raised.
     kernels : (2, 2) array
         Addresses of `converge` and of the step of a descent, in double and in single precision.
-    patience : int
-        Iterations after which Python learns of an interrupt.
+    progress : (PROGRESS,) array
+        Progress of the solve.
 
     Returns
     -------
@@ -118,31 +120,33 @@ def solve(window, start, before, numbers, flags, stencils, table, fields, kernel
         restarts, plain steps, rounds and whether the last of them are of single precision.
     """
     (gap, _), (hardness, _, tolerance, levelled) = window, numbers
-    close, single, blended, sharp = flags
-    nothing, given = np.empty((0, 0)), start[1]
-    p, u = field_of(fields[0], gap.shape), field_of(fields[1], gap.shape)
-    edge = field_of(fields[2], gap.shape) if blended else nothing
-    copy_line(start[0].reshape(-1), p.reshape(-1))
-    edge[:] = 0.0
-    state, iterations, begun = np.zeros(descent.STATES, np.int64), 0, table[0, 0]
-    state[descent.DEFLECTION] = descent.GIVEN if given.size else descent.UNKNOWN
-    single = single and tolerance >= descent.SINGLE_TOLERANCE
-    share = 0.0 if sharp or not blended else 1.0
-    known = p, u, (0.0, 0.0, 0.0)
+    close, may_be_single, blended, sharp = flags
+    nothing, given, shape = np.empty((0, 0)), start[1], gap.shape
+    p, u = field_of(fields[0], shape), field_of(fields[1], shape)
+    edge = field_of(fields[2], shape) if blended else nothing
+    state, known = progress[: descent.STATES], progress[KNOWN:].view(np.float64)
+    if not progress[BEGUN]:
+        copy_line(start[0].reshape(-1), p.reshape(-1))
+        edge[:] = 0.0
+        state[:] = 0
+        state[descent.DEFLECTION] = descent.GIVEN if given.size else descent.UNKNOWN
+        progress[BEGUN], progress[LATER] = 1, 0
+        progress[SINGLE] = 1 if may_be_single and tolerance >= descent.SINGLE_TOLERANCE else 0
+        known[3] = 0.0 if sharp or not blended else 1.0
     while True:
-        out, kind = (u, edge if share else nothing), (close, flags[1])
+        share = known[3]
+        out, kind = (u, edge if share else nothing), (close or progress[LATER] > 0, may_be_single)
         problem = window, (p, given), before, out, (*numbers, share), stencils, kind, state, table
-        single, (answer, approach, u_max, worst, missing) = converge(
-            problem, single, kernels, patience - iterations
-        )
-        iterations += state[descent.ITERATIONS]
+        answer, approach, u_max, worst, missing = converge(problem, progress, kernels)
         if answer != descent.SOLVED or not blended or 0 < share < 1:
             break
         # No contact is known to yield with blended edges that does not yield with sharp edges.
         if share == 0:
             if not sharp or p.max() < hardness:
                 break
-            known, share = (p.copy(), u.copy(), (approach, u_max, worst)), 1.0
+            copy_line(p.reshape(-1), fields[3][: p.size])
+            copy_line(u.reshape(-1), fields[4][: p.size])
+            known[0], known[1], known[2], share = approach, u_max, worst, 1.0
         else:
             flat = gap.reshape(-1), u.reshape(-1), p.reshape(-1)
             overlap = yielding_overlap(flat[0], flat[1], flat[2], hardness, approach, levelled)
@@ -152,16 +156,19 @@ def solve(window, start, before, numbers, flags, stencils, table, fields, kernel
             if share == 0:
                 edge[:] = 0.0
                 if sharp:
-                    copy_line(known[0].reshape(-1), p.reshape(-1))
-                    copy_line(known[1].reshape(-1), u.reshape(-1))
-                    approach, u_max, worst = known[2]
+                    copy_line(fields[3][: p.size], p.reshape(-1))
+                    copy_line(fields[4][: p.size], u.reshape(-1))
+                    approach, u_max, worst = known[0], known[1], known[2]
                     break
+        progress[EARLIER] += state[descent.ITERATIONS]
+        progress[LATER], known[3] = 1, share
         state[:] = 0
-        state[descent.DEFLECTION], close = descent.FRESH, True
+        state[descent.DEFLECTION] = descent.FRESH
     highest = np.abs(gap).max() if answer == descent.SPENT else 0.0
     measures = approach, u_max, worst, share, highest
-    counts = iterations, table[0, 0] - begun, state[descent.RESTARTS], state[descent.PLAIN_STEPS]
-    rounds = state[descent.ROUNDS], 1 if single else 0
+    iterations = progress[EARLIER] + state[descent.ITERATIONS]
+    counts = iterations, table[0, 0] - progress[CONVOLVED], state[descent.RESTARTS]
+    rounds = state[descent.PLAIN_STEPS], state[descent.ROUNDS], progress[SINGLE]
     return answer, missing, measures, (*counts, *rounds)
 
 
@@ -173,6 +180,12 @@ def around(window, other):
     row, column = min(window[0], other[0]), min(window[1], other[1])
     end = max(window[0] + window[2], other[0] + other[2])
     return row, column, end - row, max(window[1] + window[3], other[1] + other[3]) - column
+
+
+@njit(cache=True, inner=True)
+def window_in(progress, first):
+    """Return the window whose numbers begin at an entry."""
+    return progress[first], progress[first + 1], progress[first + 2], progress[first + 3]
 
 
 @njit(cache=True, inner=True)
@@ -303,7 +316,7 @@ def measure(fields, blended, maxima, sphere, numbers, approach, window):
 
 @njit(cache=True)
 def solve_position(
-    surface, place, states, numbers, flags, stencils, table, fields, kernels, patience
+    surface, place, states, numbers, flags, stencils, table, fields, kernels, progress
 ):
     """Solve the contact at a position, again on a larger window where contact may be outside of it.
 
@@ -323,7 +336,7 @@ def solve_position(
     flags : tuple of bool
         Whether single precision may serve, whether edges may be blended, and whether the surface
         continues between the nodes.
-    numbers, stencils, table, fields, kernels, patience
+    numbers, stencils, table, fields, kernels, progress
         Arguments of `solve`.
 
     Returns
@@ -336,14 +349,19 @@ def solve_position(
     old, (may_be_single, blended, slopes), hardness = states[0], flags, numbers[0]
     warm, nothing = old[2][1].size > 0, np.empty((0, 0))
     window, start, last = old[0], old[2], (nothing, nothing, 0, 0)
-    limits, share, close, sharp = (-np.inf, np.inf), 0.0, warm, warm and old[3][4] == 0.0
+    limits, share, close, sharp = (-np.inf, np.inf), 0.0, warm, old[3][4] == 0.0
     if warm:
         window, start, last, limits, share = warm_start(surface, place, states, hardness, blended)
-    # The transforms of sub-cells need a border of one cell all around.
-    begun, iterations, most = table[0, 0], 0, MAX_NODES if subcells == 1 else MAX_NODES - 4
-    measures, counts = (0.0,) * 5, (0,) * 6
-    loaded, measured = window, (0.0,) * 5
+    most = MAX_NODES if subcells == 1 else MAX_NODES - 4  # sub-cells need a border of one cell
+    measures, counts, loaded, measured = (0.0,) * 5, (0,) * 6, window, (0.0,) * 5
     while True:
+        if progress[WIDENED]:
+            window, last, close, sharp = (
+                window_in(progress, WINDOW),
+                (nothing, nothing, 0, 0),
+                True,
+                False,
+            )
         sides = window[2] // subcells, window[3] // subcells
         if max(sides) > most:
             answer, missing = descent.TOO_WIDE, (sides[0], sides[1], most, 0)
@@ -351,13 +369,16 @@ def solve_position(
         if window[2] * window[3] > fields.shape[1]:
             answer, missing = descent.FIELDS, (window[2] * window[3], 0, 0, 0)
             break
+        if progress[WIDENED] and not progress[BEGUN]:
+            narrower = window_in(progress, NARROWER)
+            pressure = field_of(fields[0], narrower[2:])
+            start = moved(pressure, narrower, window, False), nothing
         gap = gap_on(heights, sphere, window)
         shape = gap_on(np.zeros((1, 1)), sphere, window) if blended and not slopes else gap
         kind = close, may_be_single, blended, sharp
         answer, missing, measures, counts = solve(
-            (gap, shape), start, last, numbers, kind, stencils, table, fields, kernels, patience
+            (gap, shape), start, last, numbers, kind, stencils, table, fields, kernels, progress
         )
-        iterations += counts[0]
         if answer != descent.SOLVED:
             break
         loaded, measured = measure(fields, blended, maxima, sphere, numbers, measures[0], window)
@@ -367,9 +388,8 @@ def solve_position(
         wider = around(window, windows.overlap(maxima, sphere, measures[0], least, blended))
         if covers(window, wider):
             break
-        wider = room(wider, subcells)
-        pressure = field_of(fields[0], gap.shape)
-        start, last = (moved(pressure, window, wider, False), nothing), (nothing, nothing, 0, 0)
-        window, close, sharp = wider, True, False
-    counts = iterations, table[0, 0] - begun, *counts[2:]
+        progress[EARLIER] += progress[descent.ITERATIONS]
+        progress[BEGUN], progress[WIDENED] = 0, 1
+        for k, number in enumerate(room(wider, subcells)):
+            progress[WINDOW + k], progress[NARROWER + k] = number, window[k]
     return answer, missing, measures, counts, window, loaded, share, measured

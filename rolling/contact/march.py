@@ -118,7 +118,8 @@ def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactSta
     if max(window.cells(contact.subcells)[2:]) <= MAX_NODES:
         load, gap = contact.load, contact.gap(k, window)
         pressure = solver.foundation(gap, load, contact.spacing, stiffness, contact.hardness)
-    cold = tuple(window), tuple(window), (pressure, _NOTHING), (0.0,) * 5, False
+    whole_edges = 0.0, 0.0, 0.0, 0.0, 1.0
+    cold = tuple(window), tuple(window), (pressure, _NOTHING), whole_edges, False
     tolerance = COLD_TIGHTENING * contact.tolerance
     return _solve(contact, k, half_space, (cold, _NO_STATE), tolerance)
 
@@ -146,7 +147,8 @@ def _solve(
     ahead = contact.sphere(k + 1)[3] if contact.step <= LOOK_AHEAD * spacing else np.nan
     numbers = float(contact.hardness), float(contact.load / cell), float(tolerance)
     # Most windows fit these arrays; the compiled code asks for larger ones.
-    lines, room = 3 if contact.has_blended_edges else 2, 500 + 5 * given[0][2][0].size // 4
+    room = 500 + 5 * given[0][2][0].size // 4
+    lines = (3 if given[0][3][4] else 5) if contact.has_blended_edges else 2
     fields, measures, counts, window, loaded, share, measured = solver.complete(
         half_space,
         _position_kernels.solve_position,

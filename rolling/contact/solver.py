@@ -309,14 +309,16 @@ def complete(
     its measures, its counts, and all else it returns. Raises ContactError as `solve_contact` does.
     """
     own = half_space.unit, *stencils(half_space.unit)
-    patience = kernels.LONGEST
+    progress = np.zeros(_position_kernels.PROGRESS, np.int64)
+    progress[_position_kernels.CONVOLVED] = half_space.count
     while True:
-        shared = own, half_space.table, fields, _addresses, patience
+        shared = own, half_space.table, fields, _addresses, progress
         answer, missing, *solved = kernel(*given, *shared)
         if answer == kernels.SOLVED:
             return fields, *solved
         if answer == kernels.FIELDS:
-            fields = np.empty((len(fields), missing[0]))
+            smaller, fields = fields, np.empty((len(fields), missing[0]))
+            fields[:, : smaller.shape[1]] = smaller
         elif answer == kernels.TRANSFORMS:
             half_space.provide(*missing)
         elif answer == kernels.FAR_FIELD:
@@ -326,7 +328,7 @@ def complete(
             single, addresses = bool(missing[0]), _addresses[missing[0]]
             addresses[:] = _position_kernels.converge_address(single), kernels.step_address(single)
         elif answer == kernels.UNFINISHED:
-            patience *= 2
+            pass  # Python hears an interrupt here
         elif answer == kernels.TOO_WIDE:
             rows, columns, most, _ = missing
             raise ContactError(

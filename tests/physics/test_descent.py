@@ -11,7 +11,13 @@ import numpy as np
 import pytest
 from helpers import assert_solved, make_track, roll, rough, space_of
 
-from rolling.contact import _candidate_kernels, _condition_kernels, _position_kernels, solver
+from rolling.contact import (
+    _candidate_kernels,
+    _condition_kernels,
+    _position_kernels,
+    half_space,
+    solver,
+)
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact import march as march_module
 from rolling.contact.half_space import HalfSpace
@@ -94,6 +100,54 @@ def test_a_solve_that_python_provides_for_ends_with_the_same_digits(
     assert [call.answer for call in calls] == [kernels.SOLVED] * len(states)
 
 
+def test_a_solve_goes_on_where_transforms_are_thrown_away(
+    track: RollingContact, calls: list[Call], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two sizes of transforms and a far field are kept, as on contacts 2,000 nodes wide.
+
+    A solve that began anew for each size that it lacks would never end.
+    """
+    states = roll(track, 0, 8)
+    monkeypatch.setattr(half_space, "KEPT_BYTES", 0)
+    monkeypatch.setattr(half_space, "KEPT_FIELDS", 1)
+    del calls[:]
+    for state, other in zip(states, march(track, 0, 8, space_of(track)), strict=True):
+        assert np.array_equal(state.pressure, other.pressure)
+        assert (state.iterations, state.convolutions) == (other.iterations, other.convolutions)
+        assert len(calls) < 20 * (1 + state.position)
+    assert len(calls) > 2 * len(states)
+
+
+def test_a_solve_on_a_wider_window_goes_on_in_larger_fields(
+    track: RollingContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A load that rises at once widens the window beyond the fields after a first solve."""
+    rising = replace(track, hardness=np.inf, loads=np.array([0.5, 0.5, 2.0, 2.0]))
+    complete, later = solver.complete, []
+
+    def watching(space: HalfSpace, kernel: Callable[..., tuple], *given: Any) -> tuple:
+        def watched(*arguments: Any) -> tuple:
+            answer = kernel(*arguments)
+            if answer[0] == kernels.FIELDS:
+                later.append(arguments[-1][_position_kernels.WIDENED])
+            return answer
+
+        return complete(space, watched, *given)
+
+    def in_large_fields(*arguments: Any) -> tuple:
+        space, kernel, lines, *given = arguments
+        return complete(space, kernel, np.empty((len(lines), 40_000)), *given)
+
+    marches = []
+    for completed in (in_large_fields, watching):
+        monkeypatch.setattr(solver, "complete", completed)
+        marches.append(roll(rising, 0, 3))
+    assert later == [1]
+    for state, other in zip(*marches, strict=True):
+        assert np.array_equal(state.pressure, other.pressure)
+        assert (state.iterations, state.convolutions) == (other.iterations, other.convolutions)
+
+
 def _moving(
     track: RollingContact, gap: np.ndarray, p: np.ndarray, u: np.ndarray, rest: float
 ) -> tuple[float, np.ndarray]:
@@ -166,9 +220,9 @@ def test_nodes_that_rest_by_mistake_are_released(calls: list[Call]) -> None:
 def test_a_solve_that_takes_long_lets_python_hear_an_interrupt(calls: list[Call]) -> None:
     """Far from zero, gaps are rounded so coarsely that no iteration reaches the tolerance.
 
-    Python is called after 100, 200, 400 and 800 iterations.
+    Python is called once in 100 to 200 iterations, and the solve goes on.
     """
     gap = 100.0 + 1e-6 * np.random.default_rng(3).standard_normal((160, 160))
     with pytest.raises(solver.ContactError, match="stopped after 1000 iterations"):
         solver.solve_contact(HalfSpace(1e-6, 1e11), gap, 1.0, hardness=2e9, tolerance=1e-9)
-    assert [call.answer for call in calls].count(kernels.UNFINISHED) == 4
+    assert [call.answer for call in calls].count(kernels.UNFINISHED) >= 5
