@@ -63,8 +63,7 @@ def advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
         return [*lines, "the reference is silent: levels cannot be compared"]
     best = frame[frame.curve == REFERENCE].iloc[0]
     same = frame[(frame.edges == best.edges) & (frame.step_um == best.step_um)]
-    coarser = same[same.curve != REFERENCE]
-    next_grid = coarser.sort_values(["spacing_um", "tolerance"]).iloc[0]
+    next_grid = same[same.curve != REFERENCE].sort_values(["spacing_um", "tolerance"]).iloc[0]
     laeq, band = abs(next_grid.error_laeq_db), next_grid.worst_band_db
     off = f"the reference is off by {laeq:.3f} dB of LAeq and {band:.2f} dB of a third octave"
     grid = f"if errors halve with the spacing (the errors at {next_grid.spacing_um:g} µm)"

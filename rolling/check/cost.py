@@ -71,8 +71,7 @@ def roughness(scene: Scene) -> tuple[float, float]:
     parts = [(law.rq_m, law.rms_slope(scene.spacing_um)) for law in scene.laws]
     ball = scene.sphere.surface
     if ball is not None and ball.waviness:
-        waves = ball.waviness.items()
-        slopes = [k * a * 1e-6 / scene.radius / math.sqrt(2) for k, a in waves]
+        slopes = [k * a * 1e-6 / scene.radius / math.sqrt(2) for k, a in ball.waviness.items()]
         parts.append((0.0, math.hypot(*slopes)))
     return math.hypot(*(rq for rq, _ in parts)), math.hypot(*(slope for _, slope in parts))
 

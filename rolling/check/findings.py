@@ -260,8 +260,7 @@ def _window(scene: Scene, rq: float) -> Finding:
     numbers = {"across": across, "side": side, "period": period, "key": key, "least": 1e6 * across}
     ahead = max(1.0, scene.numerics.step_nodes)
     columns, rows = (length / scene.spacing + ahead for length in lengths)
-    value = f"about {rows:.0f} x {columns:.0f} nodes"
-    return judged("window", value, across > period, **numbers)
+    return judged("window", f"about {rows:.0f} x {columns:.0f} nodes", across > period, **numbers)
 
 
 def _memory(scene: Scene) -> Iterator[Finding]:

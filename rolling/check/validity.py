@@ -260,8 +260,7 @@ def _mean_heights(scene: Scene, law: HeightLaw, along: Array) -> Array:
     across = np.concatenate(([0.0], np.geomspace(1e-4 * widest, widest, _ACROSS)))
     # The highest asperities carry where smooth surfaces would be an rms height apart.
     whole = cost.roughness(scene)[0]
-    radii = scene.radius, scene.radius_across
-    axes = zip(semi_axes(scene), radii, strict=True)
+    axes = zip(semi_axes(scene), (scene.radius, scene.radius_across), strict=True)
     length, width = (math.sqrt(axis**2 + radius * whole) for axis, radius in axes)
     q = np.hypot(length * along[:, None], width * across)
     pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3

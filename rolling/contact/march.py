@@ -120,8 +120,7 @@ def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactSta
         pressure = solver.foundation(gap, load, contact.spacing, stiffness, contact.hardness)
     whole_edges = 0.0, 0.0, 0.0, 0.0, 1.0
     cold = tuple(window), tuple(window), (pressure, _NOTHING), whole_edges, False
-    tolerance = COLD_TIGHTENING * contact.tolerance
-    return _solve(contact, k, half_space, (cold, _NO_STATE), tolerance)
+    return _solve(contact, k, half_space, (cold, _NO_STATE), COLD_TIGHTENING * contact.tolerance)
 
 
 def _follow(

@@ -107,8 +107,7 @@ class LongMotion:
             return at_rest(self._bodies, points, *drop.start(self._scene, law, self._chain), -load)
         speed, begin = float(self._scene.motion.speed(0.0)), float(law.position_m[0])
         if law.period_m is None or speed <= 0:
-            approach = float(law.approach(begin, load))
-            return at_rest(self._bodies, points, approach, 0.0, 0.0)
+            return at_rest(self._bodies, points, float(law.approach(begin, load)), 0.0, 0.0)
         steps = math.ceil(min(DECAYS * self._chain.decay_s, law.period_m / speed) / self.step)
         before = self.step * (np.arange(steps, 0, -1) - 0.5)
         return run_in(law, self._bodies, load, np.asarray(begin - speed * before), points)

@@ -126,8 +126,7 @@ def motion(scene: Scene, law: ForceLaw, time_step_s: float | None = None) -> Bod
     fastest = scene.motion.fastest(duration)
     speed: float | Travel = fastest
     if not scene.motion.is_constant(duration):
-        count = min(4 * scene.track.steps, _MAX_TIMES)
-        times = np.linspace(0.0, duration, count + 1)
+        times = np.linspace(0.0, duration, min(4 * scene.track.steps, _MAX_TIMES) + 1)
         places = np.minimum(scene.motion.distance(times), scene.track.distance)
         speed = Travel(times, np.asarray(places, dtype=float))
     stepping = Stepping(time_step_s=time_step_s)

@@ -173,8 +173,7 @@ def swept_table(runs: Sequence[Run], names: Numbers) -> pd.DataFrame:
 
 def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Return the table of runs with the columns of runs.csv and the names of their scenes."""
-    frame = runs_table(runs).reset_index()
-    return frame.assign(**{SCENE: [run.scene.name for run in runs]})
+    return runs_table(runs).reset_index().assign(**{SCENE: [run.scene.name for run in runs]})
 
 
 def _against_key(

@@ -94,8 +94,7 @@ def change(
 
 def _means(cases: pd.DataFrame, column: str, statistic: str = "mean") -> pd.DataFrame:
     """Return a statistic over the surfaces: a row for each roughness, a column for each load."""
-    values = cases.groupby([ROUGHNESS, LOAD])[column].agg(statistic).dropna()
-    return values.unstack(LOAD)
+    return cases.groupby([ROUGHNESS, LOAD])[column].agg(statistic).dropna().unstack(LOAD)
 
 
 # ---- trends
@@ -281,8 +280,7 @@ def less_than_twin(cases: pd.DataFrame, column: str) -> Iterator[Comparison]:
     """Compare the column with its twin without hardness; it must be lower on every surface."""
     for place, group in _pairs(cases, column):
         ratios = group[column] / group[f"{column}_elastic"]
-        measured = f"{ratios.mean():.3f} of the twin"
-        yield Comparison(place, bool((ratios < 1).all()), measured)
+        yield Comparison(place, bool((ratios < 1).all()), f"{ratios.mean():.3f} of the twin")
 
 
 def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> Iterator[Comparison]:

@@ -60,8 +60,7 @@ def pass_pieces(scene: Scene) -> list[tuple[int, int]]:
     steps, count = scene.track.solved_steps, 1
     if not _is_groove(scene):
         count = max(1, round(steps * cost.RUN_IN_SHARE / run_in(scene, steps)))
-    ends = [k * steps // count for k in range(count + 1)]
-    return list(pairwise(ends))
+    return list(pairwise([k * steps // count for k in range(count + 1)]))
 
 
 def unrolled(scene: Scene, heights: Array, steps: int) -> Array:

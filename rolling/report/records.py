@@ -126,8 +126,7 @@ def gains(
         scale, `calibrated_pa` [Pa], and for a common LAeq; `equal_db` [dB] is the gain of the
         second over the first. A silent record has factors of 0 and nothing else.
     """
-    scales = [full_scale(peak) for peak in peaks_pa]
-    records = [*zip(scales, peaks_pa, laeq_db, strict=True)]
+    records = [*zip([full_scale(peak) for peak in peaks_pa], peaks_pa, laeq_db, strict=True)]
     common = max((scale for scale, peak, _ in records if peak > 0), default=1.0)
     # Each record is loudest with its peak at the limit. All records can reach the minimum of these
     # levels.

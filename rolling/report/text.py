@@ -80,8 +80,7 @@ def silence(run: Run) -> str:
 
 def level_head(runs: Sequence[Run]) -> str:
     """Name the level of runs: of the vibration, of the released power, or of both."""
-    names = dict.fromkeys(level_name(run.summary) for run in runs)
-    return " or ".join(names)
+    return " or ".join(dict.fromkeys(level_name(run.summary) for run in runs))
 
 
 def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]:

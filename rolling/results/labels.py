@@ -48,8 +48,7 @@ def labels(runs: Sequence[RunFolder]) -> list[str]:
     of equal scenes. A single run is named by its swept values, or by its load.
     """
     names = [run.scene.name for run in runs]
-    rows = zip(*_parts(runs), strict=True)
-    texts = [", ".join(filter(None, row)) for row in rows]
+    texts = [", ".join(filter(None, row)) for row in zip(*_parts(runs), strict=True)]
     if len(set(names)) > 1:
         texts = [f"{name}, {text}" for name, text in zip(names, texts, strict=True)]
     homes = [run.home.resolve().name for run in runs]

@@ -245,8 +245,7 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
     speeds = np.asarray(1.0 if speed is None else speed, dtype=float)
     most_speed = speeds.max(initial=0.0)
     if speeds.shape not in ((), (2,)) or not (speeds.min(initial=0.0) >= 0 < most_speed < math.inf):
-        got = ":".join(f"{v:g}" for v in speeds.ravel())
-        raise ListeningError(say("refused.speed", got=got))
+        raise ListeningError(say("refused.speed", got=":".join(f"{v:g}" for v in speeds.ravel())))
 
 
 def sentence(run: Run, long: Listening) -> str:

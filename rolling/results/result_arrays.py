@@ -248,8 +248,7 @@ def _write_passes(passes: Passes, run: Run) -> Group:
 
 def _read_passes(arrays: Arrays, facts: Facts, result: Result) -> Passes:
     """Return the passes of a group, without the surface before the last."""
-    series = {name: arrays[name] for name in PASS_SERIES}
-    return Passes(series, arrays["depth"], arrays["sunk"])
+    return Passes({name: arrays[name] for name in PASS_SERIES}, arrays["depth"], arrays["sunk"])
 
 
 def _contact_force(vibration: Vibration) -> Group:

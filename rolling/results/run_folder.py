@@ -47,8 +47,7 @@ class RunFolder:
     def failure(self) -> str | None:
         """The reason of the last failure, or None."""
         try:
-            content = read_regular(self.folder / FAILED, MAX_FAILURE)
-            return str(json.loads(content)["reason"])
+            return str(json.loads(read_regular(self.folder / FAILED, MAX_FAILURE))["reason"])
         except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, KeyError, TypeError, RecursionError):

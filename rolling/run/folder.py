@@ -176,8 +176,7 @@ def free_name(folder: Path) -> Path:
 def write_scene(folder: Path, scene: Scene) -> None:
     """Write the resolved scene of a run folder."""
     head = f"{MARK}, written by {this_program()}\n"
-    text = file.dump(seen_from(folder, scene))
-    files.write_bytes(folder / SCENE, (head + text).encode())
+    files.write_bytes(folder / SCENE, (head + file.dump(seen_from(folder, scene))).encode())
 
 
 def seen_from(folder: Path, scene: Scene) -> Scene:

@@ -202,8 +202,7 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
             file=sys.stderr,
         )
         return Pool()
-    surfaces = len({identity(scene) for scene in scenes})
-    return LocalPool(workers, min(workers, surfaces, MAX_TEAMS))
+    return LocalPool(workers, min(workers, len({identity(scene) for scene in scenes}), MAX_TEAMS))
 
 
 class Cluster(Pool):

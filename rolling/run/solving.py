@@ -98,8 +98,7 @@ def solve_folder(
             if not progress.is_quiet():
                 print(f"files: {folder}", flush=True)
             runs = folders.runs_in(folder, scene)
-            own = runs_of_part(runs, part)
-            failures = _solve(folder, runs, own, sources, workers, pool)
+            failures = _solve(folder, runs, runs_of_part(runs, part), sources, workers, pool)
             if not (folder / folders.SCENE).is_file():  # somebody removed the folder meanwhile
                 folders.write_scene(folder, scene)
             if derive and part is None:

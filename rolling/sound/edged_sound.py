@@ -182,8 +182,7 @@ def _ball(scene: Scene, frequency: NDArray[Any], listener: Listener) -> Complex:
     """Return the pressure of the sphere per force [Pa/N] from the middle of its path."""
     if not scene.sound.ball or listener[2] < 0:
         return np.zeros(len(frequency), dtype=complex)
-    ends = points_on_path(scene)[[0, -1]]
-    distance = math.dist((*ends.mean(axis=0), 0.0), listener)
+    distance = math.dist((*points_on_path(scene)[[0, -1]].mean(axis=0), 0.0), listener)
     pressure = axis_transfer(frequency, of_scene.ball(scene), distance, listener[2] / distance)
     further = distance - _path(scene)
     return np.asarray(pressure * np.exp(-2j * np.pi * frequency * further / SOUND_M_S))

@@ -111,8 +111,7 @@ def listen_to_release(
     circumference, spacing = turn_m(scene), step / finer
     turn = None if circumference is None else round(circumference / spacing)
     rows = ContinuedRows(row, closed, seed, turn)
-    fluctuation = _in_time(scene, rows, spacing, seconds)
-    faded = contact_sound.faded(fluctuation, seconds)
+    faded = contact_sound.faded(_in_time(scene, rows, spacing, seconds), seconds)
     intensity = radiation.intensity(faded, scene.sound.distance_m, scene.sound.q)
     audible = resampling.band_limit(intensity, rate)
     pressure, _ = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)

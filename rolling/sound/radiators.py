@@ -81,8 +81,7 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
     def gain(frequency: Array) -> Array:
         force = chain.force(frequency, np.ones(len(frequency)))
         if plate is not None:
-            square = edged_sound.square_transfer(scene, plate, frequency)
-            return square * np.square(np.abs(force))
+            return edged_sound.square_transfer(scene, plate, frequency) * np.square(np.abs(force))
         transfer = sum(axis_transfer(frequency, body, scene.sound.distance_m) for body in bodies)
         return np.square(np.abs(transfer * force))
 
@@ -193,8 +192,7 @@ def vibration_estimate(
         signal = np.interp(places, np.arange(steps + 1), approach)
     if not (closed and constant):
         signal = faded(signal, duration)
-    rate = len(signal) / duration
-    frequency, mean_square = audible_lines(signal - signal.mean(), rate)
+    frequency, mean_square = audible_lines(signal - signal.mean(), len(signal) / duration)
     if not len(frequency):
         return None, 0.0
     bodies = with_bodies(scene)

@@ -33,8 +33,7 @@ def dies_out(heights: Array) -> bool:
     along, across = np.fft.fftfreq(z.shape[0]), np.fft.rfftfreq(z.shape[1])
     inner = [2 * np.abs(frequency) < OUTER for frequency in (along, across)]
     lines[np.ix_(*inner)] = 0.0
-    outer = np.fft.irfft2(lines, s=z.shape)
-    return float(np.abs(outer).max()) <= MAX_OUTER * rms
+    return float(np.abs(np.fft.irfft2(lines, s=z.shape)).max()) <= MAX_OUTER * rms
 
 
 def refined(heights: Array, times: int) -> Array:
