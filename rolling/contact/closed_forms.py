@@ -101,7 +101,8 @@ def hertz_pressure(load: float, radius: float, contact_modulus: float) -> float:
     >>> f"{closed_forms.hertz_pressure(5.0, 5e-3, 230e9) * 1e-9:.3f} GPa"
     '1.270 GPa'
     """
-    return float(3 * load / (2 * np.pi * hertz_radius(load, radius, contact_modulus) ** 2))
+    contact_radius = hertz_radius(load, radius, contact_modulus)
+    return float(3 * load / (2 * np.pi * contact_radius**2))
 
 
 def hertz_approach(load: float, radius: float, contact_modulus: float) -> float:

@@ -5,6 +5,7 @@ commands.toml lists commands and arguments, with their texts.
 
 import argparse
 import difflib
+import os
 import re
 import tomllib
 from collections.abc import Sequence
@@ -23,6 +24,10 @@ _LIKENESS = 0.5  # least likeness of a nearest name, between 0 and 1
 def _path(text: str) -> Path:
     if not text.strip():
         raise argparse.ArgumentTypeError("empty; is a variable of the shell not set?")
+    # `Path.is_file` would raise an error where a folder may not be searched.
+    files = (above for above in Path(text).parents if os.path.isfile(above))  # noqa: PTH113
+    if file := next(files, None):
+        raise argparse.ArgumentTypeError(f"got {text!r}, but {str(file)!r} is a file")
     return Path(text)
 
 
