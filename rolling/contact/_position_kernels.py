@@ -37,7 +37,7 @@ ROOM = 1.1
 # when it began, marks, iterations of earlier solves, two windows, the measures of the solution with
 # sharp edges and the share of the edges. All others begin with zeros.
 CONVOLVED, BEGUN, LATER, SINGLE, EARLIER, WIDENED = range(descent.STATES, descent.STATES + 6)
-WINDOW, NARROWER, KNOWN, PROGRESS = (WIDENED + 1 + further for further in (0, 4, 8, 12))
+WINDOW, NARROWER, KEPT, PROGRESS = (WIDENED + 1 + further for further in (0, 4, 8, 12))
 
 _SINGLE, _DOUBLE = np.empty(0, np.float32), np.empty(0)  # arrays of the transforms' type
 _field, _number, _whole = types.float64[:, ::1], types.float64, types.int64
@@ -124,7 +124,7 @@ def solve(window, start, before, numbers, flags, stencils, table, fields, kernel
     nothing, given, shape = np.empty((0, 0)), start[1], gap.shape
     p, u = field_of(fields[0], shape), field_of(fields[1], shape)
     edge = field_of(fields[2], shape) if blended else nothing
-    state, known = progress[: descent.STATES], progress[KNOWN:].view(np.float64)
+    state, kept = progress[: descent.STATES], progress[KEPT:].view(np.float64)
     if not progress[BEGUN]:
         copy_line(start[0].reshape(-1), p.reshape(-1))
         edge[:] = 0.0
@@ -132,9 +132,9 @@ def solve(window, start, before, numbers, flags, stencils, table, fields, kernel
         state[descent.DEFLECTION] = descent.GIVEN if given.size else descent.UNKNOWN
         progress[BEGUN], progress[LATER] = 1, 0
         progress[SINGLE] = 1 if may_be_single and tolerance >= descent.SINGLE_TOLERANCE else 0
-        known[3] = 0.0 if sharp or not blended else 1.0
+        kept[3] = 0.0 if sharp or not blended else 1.0
     while True:
-        share = known[3]
+        share = kept[3]
         out, kind = (u, edge if share else nothing), (close or progress[LATER] > 0, may_be_single)
         problem = window, (p, given), before, out, (*numbers, share), stencils, kind, state, table
         answer, approach, u_max, worst, missing = converge(problem, progress, kernels)
@@ -146,7 +146,7 @@ def solve(window, start, before, numbers, flags, stencils, table, fields, kernel
                 break
             copy_line(p.reshape(-1), fields[3][: p.size])
             copy_line(u.reshape(-1), fields[4][: p.size])
-            known[0], known[1], known[2], share = approach, u_max, worst, 1.0
+            kept[0], kept[1], kept[2], share = approach, u_max, worst, 1.0
         else:
             flat = gap.reshape(-1), u.reshape(-1), p.reshape(-1)
             overlap = yielding_overlap(flat[0], flat[1], flat[2], hardness, approach, levelled)
@@ -158,10 +158,10 @@ def solve(window, start, before, numbers, flags, stencils, table, fields, kernel
                 if sharp:
                     copy_line(fields[3][: p.size], p.reshape(-1))
                     copy_line(fields[4][: p.size], u.reshape(-1))
-                    approach, u_max, worst = known[0], known[1], known[2]
+                    approach, u_max, worst = kept[0], kept[1], kept[2]
                     break
         progress[EARLIER] += state[descent.ITERATIONS]
-        progress[LATER], known[3] = 1, share
+        progress[LATER], kept[3] = 1, share
         state[:] = 0
         state[descent.DEFLECTION] = descent.FRESH
     highest = np.abs(gap).max() if answer == descent.SPENT else 0.0
@@ -356,12 +356,8 @@ def solve_position(
     measures, counts, loaded, measured = (0.0,) * 5, (0,) * 6, window, (0.0,) * 5
     while True:
         if progress[WIDENED]:
-            window, last, close, sharp = (
-                window_in(progress, WINDOW),
-                (nothing, nothing, 0, 0),
-                True,
-                False,
-            )
+            window, last = window_in(progress, WINDOW), (nothing, nothing, 0, 0)
+            close, sharp = True, False
         sides = window[2] // subcells, window[3] // subcells
         if max(sides) > most:
             answer, missing = descent.TOO_WIDE, (sides[0], sides[1], most, 0)
