@@ -278,6 +278,8 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
         problem = getattr(error, "problem", None) or getattr(error, "reason", None)
         problem = (problem or first_line(error)).replace("<stream end>", "the end").splitlines()[0]
         place = f"{where}:{mark.line + 1}" if mark else where
+        if (position := getattr(error, "position", None)) is not None:  # of a letter
+            place = f"{where}:{text[:position].count(chr(10)) + 1}"
         raise SceneError([f"{place}: not YAML: {problem}"]) from error
     except Exception as error:  # ruamel.yaml raises any kind, as on a directive of YAML 1.164
         raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error

@@ -35,6 +35,7 @@ FIRST = "allowed: a scene of keys and values, the first being name"
             '6: not YAML: found duplicate key "poissons_ratio" with value',
         ),
         ("name: x\n---\nname: y\n", "2: not YAML: but found another document"),
+        ("name: x\nsphere: \x07\n", "2: not YAML: special characters are not allowed"),
     ],
 )
 def test_message_of_text_that_is_no_scene(text: str, message: str) -> None:
