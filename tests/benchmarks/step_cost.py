@@ -2,7 +2,7 @@
 
 The script marches spheres over plates under loads whose windows are 40 to 2,000 nodes wide, writes
 step-cost.json and step-cost.md, draws step-cost.svg, and prints the tables. It takes five
-minutes on a machine on which nothing else runs, `--quick` stops at 350 nodes.
+to ten minutes on a machine on which nothing else runs, `--quick` stops at 350 nodes.
 
 python tests/benchmarks/step_cost.py [--quick] [--out FOLDER]
 python tests/benchmarks/step_cost.py --draw scenarios/pictures/step-cost.png    from the last json
