@@ -138,7 +138,6 @@ def test_runs_with_one_march_stay_in_one_part(tmp_path: Path) -> None:
         (["--part", "0/3"], "got '0/3', allowed: K/N"),
         (["--part", "a/b"], "got 'a/b', allowed: K/N"),
         (["--part", "1/2"], "the scene has none"),
-        (["--out", f"{__file__}/out"], "test_run_command.py' is a file"),
         (["--set", "rolling.laod_n=3"], "nearest: rolling.load_n"),
         (["--set", "surface.kind=file", "--set", "surface.path=none.npy"], "surface"),
     ],

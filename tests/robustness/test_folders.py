@@ -341,6 +341,8 @@ def test_a_folder_below_a_file_is_refused(
     scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "file").write_text("mine")
-    assert run(scene, tmp_path / "file" / "out") == 1
-    assert "Not a directory" in capsys.readouterr().err
+    with pytest.raises(SystemExit, match="2"):
+        run(scene, tmp_path / "file" / "out")
+    assert "file/out', but " in (message := capsys.readouterr().err)
+    assert message.endswith("file' is a file\n")
     assert (tmp_path / "file").read_text() == "mine"
