@@ -131,7 +131,8 @@ def _follow(
     known = old.approach, old.max_deflection, old.spread, old.sphere_share, old.edge_share
     fields, iterated = (old.pressure, old.deflection), old.iterations > 0
     last = tuple(old.window), tuple(old.loaded), fields, known, iterated
-    for first in states[:-1]:
+    if len(states) > 1:
+        first = states[0]
         before = *first.window[:2], first.pressure, first.deflection, first.approach
     return _solve(contact, k, half_space, (last, before), contact.tolerance)
 
