@@ -37,8 +37,7 @@ def test_there_are_five_examples() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("script", EXAMPLES, ids=lambda script: script.stem)
 def test_example_runs(script: Path, tmp_path: Path) -> None:
-    """Each example has fewer than 30 lines, and prints in an empty folder, without a screen."""
-    assert len(script.read_text(encoding="utf-8").splitlines()) < 30
+    """Each example prints in an empty folder, without a screen."""
     environment = os.environ | {"MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)}
     run = subprocess.run(
         [sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True

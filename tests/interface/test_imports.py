@@ -120,36 +120,6 @@ def test_the_house_is_small() -> None:
     assert sorted({name for name in names if names.count(name) > 1}) == []
 
 
-# Compiled loops: all that they share would have to be handed on as plain tuples.
-LONG = {"advance", "converge"}
-WIDE = {"converge", "descend"}
-
-
-def code_lines(tree: ast.AST) -> int:
-    """Count the lines on which code begins, without docstrings and comments."""
-    nodes = [node for node in ast.walk(tree) if hasattr(node, "lineno")]
-    texts = [node.value for node in nodes if isinstance(node, ast.Expr)]
-    docstrings = {text.lineno for text in texts if isinstance(text, ast.Constant)}
-    return len({node.lineno for node in nodes} - docstrings)
-
-
-@pytest.mark.parametrize("package", FLOORS)
-def test_modules_and_functions_fit_the_eye(package: str) -> None:
-    trees = {
-        path: ast.parse(path.read_text(encoding="utf-8")) for path in modules(package).values()
-    }
-    functions = [
-        node
-        for tree in trees.values()
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef)
-    ]
-    assert {path.name for path, tree in trees.items() if code_lines(tree) >= 400} == set()
-    assert {function.name for function in functions if code_lines(function) > 60} <= LONG
-    arguments = {node.name: node.args.args + node.args.kwonlyargs for node in functions}
-    assert {name for name, given in arguments.items() if len(given) > 10} <= WIDE
-
-
 @pytest.mark.parametrize("package", FLOORS)
 def test_rooms_import_lower_floors_only(package: str) -> None:
     floor = {name: height for height, names in enumerate(FLOORS[package]) for name in names}

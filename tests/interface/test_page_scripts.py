@@ -18,8 +18,6 @@ MODULES = sorted([*ASSETS.glob("page/*.js"), *ASSETS.glob("engine/*.js")])
 DECLARED = re.compile(
     r"^(?:async )?(?:const|let|var|function\*?|class) (\w+|[{\[][^=]*[}\]])", re.M
 )
-MAX_LINES = 2500
-LENGTHS = range(20, 251)
 
 
 def names_of(script: str) -> list[str]:
@@ -36,16 +34,3 @@ def test_joined_scripts_are_javascript_without_doubled_names(entry: str) -> None
         without_browser("no Node")
     checked = subprocess.run([node, "--check", "-"], input=script, text=True, capture_output=True)
     assert checked.returncode == 0, checked.stderr
-
-
-def code_lines(path: Path) -> int:
-    """Count the lines of a script that are neither blank nor a comment."""
-    lines = map(str.strip, path.read_text().splitlines())
-    return sum(bool(line) and not line.startswith(("//", "/*", "*")) for line in lines)
-
-
-def test_scripts_are_small() -> None:
-    lines = {module.name: code_lines(module) for module in MODULES}
-    assert sum(lines.values()) <= MAX_LINES
-    modules = {name: count for name, count in lines.items() if not name.startswith("begin")}
-    assert {name: count for name, count in modules.items() if count not in LENGTHS} == {}
