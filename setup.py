@@ -49,7 +49,6 @@ TABLES = (
     "results",
     "scene",
     "surface",
-    "terminal",
 )  # rooms with tables beside their code
 
 

@@ -1,20 +1,24 @@
-"""Command line `rolling`: its parser, and a function for each command.
+"""Command line `rolling`: a function for each command.
 
 Each command imports its modules itself, so that `--help` is instant.
 """
+
+from __future__ import annotations
 
 import argparse
 import os
 import sys
 import time
-from collections.abc import Callable, Sequence
-from functools import partial
-from importlib import import_module
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rolling import __version__, _own_acoustics
-from rolling.terminal import arguments, defaults, progress, streams
+from rolling.terminal import arguments, defaults, parser, progress, streams
 from rolling.terminal.progress import Level
+
+if TYPE_CHECKING:
+    from rolling.scene.scene import Scene
 
 LOADING = "loading the program"  # with the solver in it, which takes seconds
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -41,22 +45,26 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _act(argv: Sequence[str] | None) -> int:
     """Parse the arguments and run their command; return the exit code."""
-    parser = _parser()
+    command_line = parser.build(__version__)
     words = sys.argv[1:] if argv is None else list(argv)
     if not words:
-        parser.print_help()
+        command_line.print_help()
         return OK
-    arguments.refuse_unknown_command(parser, words)
-    given, unknown = parser.parse_known_args(words)
+    arguments.refuse_unknown_command(command_line, words, list(COMMANDS))
+    given, unknown = command_line.parse_known_args(words)
     if unknown:
         arguments.refuse_unknown_arguments(given.parser, unknown)
     if message := _own_acoustics.fault():
         _say(message)
         return BAD_INPUT
-    level = Level.QUIET if given.quiet else Level.VERBOSE if given.verbose else Level.NORMAL
+    level = Level.NORMAL
+    if given.quiet:
+        level = Level.QUIET
+    elif given.verbose:
+        level = Level.VERBOSE
     try:
         with progress.begin(level):
-            return int(given.command(given))
+            return COMMANDS[given.command](given)
     except KeyboardInterrupt:
         _say("interrupted")
         return INTERRUPTED
@@ -87,31 +95,41 @@ def _say(text: str) -> None:
     print(text, file=sys.stderr)
 
 
-# ---- commands
+# ---- commands: each imports what it needs, and returns the exit code
 
 
-def _call(name: str, given: argparse.Namespace) -> int:
-    """Call the function of a command, read its scene before; print its failures or its files."""
-    own = ("command", "parser", "quiet", "verbose", "study")
-    keywords = {key: value for key, value in vars(given).items() if key not in own}
-    if "scene" in keywords:  # before the solver is loaded
-        from rolling.scene import file
-
-        keywords["scene"] = file.read_scene(given.scene, keywords.pop("overrides"))
-    module, function = arguments.COMMANDS[name].get("call", f"rolling.commands:{name}").split(":")
+def _run(given: argparse.Namespace) -> int:
+    """Run a scene."""
+    scene = _read_scene(given)
     with progress.step(LOADING):
-        act = getattr(import_module(module), function)
-    result = act(**keywords)
-    if isinstance(result, int):
-        return result
-    failures = result if isinstance(result, dict) else {}
-    for label, reason in failures.items():
-        _say(f"failed: {label}: {reason}")
-    if failures:
-        _say("the same command tries them again")
-    for path in result if isinstance(result, list) else ():
-        print(path)
-    return FAILED if failures else OK
+        from rolling.commands import run_scene
+    failures = run_scene(
+        scene,
+        given.out,
+        part=given.part,
+        workers=given.workers,
+        cluster=given.cluster,
+        report=given.report,
+        open=given.open,
+    )
+    return _code_of_failures(failures)
+
+
+def _check(given: argparse.Namespace) -> int:
+    """Check a scene and estimate its cost."""
+    scene = _read_scene(given)
+    with progress.step(LOADING):
+        from rolling.check.findings import check_scene
+    findings = check_scene(scene, solve=not given.fast)
+    if progress.is_quiet():
+        for warning in findings.warnings:
+            print(f"warning: {warning}")
+        return OK
+    from rolling.results import verdict
+
+    print(findings)
+    print(f"\n{streams.wrapped(verdict.conclusion(scene, findings), '')}")
+    return OK
 
 
 def _status(given: argparse.Namespace) -> int:
@@ -129,22 +147,100 @@ def _status(given: argparse.Namespace) -> int:
         time.sleep(defaults.WATCH_SECONDS)
 
 
-def _check(given: argparse.Namespace) -> int:
-    """Check a scene and estimate its cost."""
-    from rolling.scene import file
-
-    scene = file.read_scene(given.scene, given.overrides)
+def _table(given: argparse.Namespace) -> int:
+    """Gather the numbers of a sweep."""
     with progress.step(LOADING):
-        from rolling.check.findings import check_scene
-    findings = check_scene(scene, solve=not given.fast)
-    if not progress.is_quiet():
-        from rolling.results import verdict
+        from rolling.commands import table
+    return _print_paths(table(given.folder, given.numbers, given.against, given.over))
 
-        print(findings)
-        print(f"\n{streams.wrapped(verdict.conclusion(scene, findings), '')}")
-    for warning in findings.warnings if progress.is_quiet() else ():
-        print(f"warning: {warning}")
-    return OK
+
+def _plot(given: argparse.Namespace) -> int:
+    """Draw single figures of a run."""
+    with progress.step(LOADING):
+        from rolling.commands import plot
+    return _print_paths(plot(given.folder, given.names, given.form, given.out))
+
+
+def _resound(given: argparse.Namespace) -> int:
+    """Run a stored scene with another sound, speed or body."""
+    with progress.step(LOADING):
+        from rolling.commands import resound
+    failures = resound(
+        given.folder,
+        given.overrides,
+        given.out,
+        workers=given.workers,
+        report=given.report,
+    )
+    return _code_of_failures(failures)
+
+
+def _report(given: argparse.Namespace) -> int:
+    """Write the page of runs."""
+    with progress.step(LOADING):
+        from rolling.commands import report
+    return _print_paths(report(given.run_folders, given.out))
+
+
+def _gallery(given: argparse.Namespace) -> int:
+    """Write one page of many runs."""
+    with progress.step(LOADING):
+        from rolling.commands import gallery
+    return _print_paths(gallery(given.run_folders, given.out))
+
+
+def _listen(given: argparse.Namespace) -> int:
+    """Write a long record of a run."""
+    with progress.step(LOADING):
+        from rolling.commands import listen
+    return _print_paths(listen(given.folder, given.seconds, given.speed, given.seed))
+
+
+def _compare(given: argparse.Namespace) -> int:
+    """Compare a run with a recording."""
+    with progress.step(LOADING):
+        from rolling.commands import compare
+    paths = compare(given.folder, given.recording, given.calibration, given.background)
+    return _print_paths(paths)
+
+
+def _surface(given: argparse.Namespace) -> int:
+    """Describe measured heights, or the surface of a scene."""
+    with progress.step(LOADING):
+        from rolling.commands import surface
+    paths = surface(
+        given.source,
+        given.overrides,
+        given.spacing_um,
+        given.channel,
+        given.unit,
+        save=given.save,
+        out=given.out,
+    )
+    return _print_paths(paths)
+
+
+def _accuracy(given: argparse.Namespace) -> int:
+    """Study speed against error."""
+    scene = _read_scene(given)
+    with progress.step(LOADING):
+        from rolling.accuracy.study import run_study
+    paths = run_study(scene, given.out, given.workers, given.finest, given.duration_s)
+    return _print_paths(paths)
+
+
+def _reproduce(given: argparse.Namespace) -> int:
+    """Run the study of an article."""
+    with progress.step(LOADING):
+        from rolling.lee2025.reproduce import reproduce
+    return reproduce(given.readings, given.out, given.quick, given.workers)
+
+
+def _validate(given: argparse.Namespace) -> int:
+    """Compare the program with published results."""
+    with progress.step(LOADING):
+        from rolling.validate import validate
+    return validate(given.cases, given.out)
 
 
 def _scenes(given: argparse.Namespace) -> int:
@@ -180,27 +276,49 @@ def _schema(given: argparse.Namespace) -> int:
     return OK
 
 
-_ACTS: dict[str, Callable[[argparse.Namespace], int]] = {
-    act.__name__.removeprefix("_"): act for act in (_check, _status, _scenes, _init, _schema)
+COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
+    "run": _run,
+    "check": _check,
+    "status": _status,
+    "table": _table,
+    "plot": _plot,
+    "resound": _resound,
+    "report": _report,
+    "gallery": _gallery,
+    "listen": _listen,
+    "compare": _compare,
+    "surface": _surface,
+    "accuracy": _accuracy,
+    "reproduce": _reproduce,
+    "validate": _validate,
+    "scenes": _scenes,
+    "init": _init,
+    "schema": _schema,
 }
 
 
-def _parser() -> argparse.ArgumentParser:
-    """Build the parser of the command line."""
-    parser = argparse.ArgumentParser(
-        prog="rolling", description="Contact noise of a sphere rolling over a rough surface."
-    )
-    parser.add_argument(
-        "-V", "--version", action="version", version=f"rolling-contact-noise {__version__}"
-    )
-    arguments.add_volume(parser, False)
-    parsers = parser.add_subparsers(required=True, metavar="COMMAND")
-    for name, command in arguments.COMMANDS.items():
-        sub = parsers.add_parser(name, help=command["help"], description=command["help"])
-        sub.set_defaults(command=_ACTS.get(name, partial(_call, name)), parser=sub)
-        arguments.add_volume(sub, argparse.SUPPRESS)  # which keeps an option before the command
-        arguments.add(sub, name)
-    return parser
+def _read_scene(given: argparse.Namespace) -> Scene:
+    """Read the scene of a command with its overrides, before the solver is loaded."""
+    from rolling.scene import file
+
+    return file.read_scene(given.scene, given.overrides)
+
+
+def _code_of_failures(failures: Mapping[str, str]) -> int:
+    """Print the runs that failed with their reasons, and return the exit code."""
+    if not failures:
+        return OK
+    for label, reason in failures.items():
+        _say(f"failed: {label}: {reason}")
+    _say("the same command tries them again")
+    return FAILED
+
+
+def _print_paths(paths: Sequence[Path]) -> int:
+    """Print the files that a command wrote, and return the exit code."""
+    for path in paths:
+        print(path)
+    return OK
 
 
 if __name__ == "__main__":

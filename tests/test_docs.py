@@ -23,7 +23,7 @@ import rolling
 from rolling import cli, read_scene
 from rolling.scene import file as scene_file
 from rolling.scene import library as scene_library
-from rolling.terminal.arguments import COMMANDS
+from rolling.terminal import parser as command_line
 
 ROOT = next(folder for folder in Path(__file__).parents if (folder / "pyproject.toml").exists())
 DOCS = ROOT / "docs"
@@ -92,10 +92,10 @@ def _commands(text: str) -> Iterator[list[str]]:
 @pytest.mark.parametrize("page", COMMANDED, ids=_name)
 def test_commands_have_options_scenes_and_keys_of_the_program(page: Path):
     """A word of the usage, such as SCENE or RUN, stands for a scene, a file or a folder."""
-    library, parser = scene_library.scenes(), cli._parser()
+    library, parser = scene_library.scenes(), command_line.build(rolling.__version__)
     text = _prose(page)
     for words in _commands(text):
-        if words == ["COMMAND", "--help"] or (len(words) == 1 and words[0] in COMMANDS):
+        if words == ["COMMAND", "--help"] or (len(words) == 1 and words[0] in cli.COMMANDS):
             continue
         given = vars(parser.parse_args(words))
         named = str(given.get("scene") or given.get("source") or given.get("name") or "SCENE")

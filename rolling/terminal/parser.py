@@ -1,0 +1,480 @@
+"""Parser of the command line `rolling`: a function for each command adds its arguments.
+
+The parser imports nothing heavy, so that `--help` is instant. `build` sets `command`, the name of
+the command, and `parser`, the parser of the command, beside the arguments.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from rolling.terminal import arguments, defaults
+
+LONG_SCENE = "scene file (YAML), or a name of `rolling scenes`"
+
+
+def build(version: str) -> argparse.ArgumentParser:
+    """Build the parser of the command line.
+
+    Parameters
+    ----------
+    version : str
+        Version that `--version` prints.
+
+    Returns
+    -------
+    argparse.ArgumentParser
+    """
+    parser = argparse.ArgumentParser(
+        prog="rolling", description="Contact noise of a sphere rolling over a rough surface."
+    )
+    parser.add_argument(
+        "-V", "--version", action="version", version=f"rolling-contact-noise {version}"
+    )
+    _add_volume(parser, default=False)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    _add_run(commands)
+    _add_check(commands)
+    _add_status(commands)
+    _add_table(commands)
+    _add_plot(commands)
+    _add_resound(commands)
+    _add_report(commands)
+    _add_gallery(commands)
+    _add_listen(commands)
+    _add_compare(commands)
+    _add_surface(commands)
+    _add_accuracy(commands)
+    _add_reproduce(commands)
+    _add_validate(commands)
+    _add_scenes(commands)
+    _add_init(commands)
+    _add_schema(commands)
+    return parser
+
+
+# ---- one function for each command
+
+
+def _add_run(commands: Any) -> None:
+    run = _command(
+        commands,
+        name="run",
+        help="run a scene: release, sound, levels and page; again: goes on, or adds runs of its"
+        " sweep",
+    )
+    _add_scene(run)
+    _add_out(run, help="run folder (default: outputs/NAME-DIGITS); again: goes on there")
+    run.add_argument(
+        "--part",
+        type=arguments.part,
+        metavar="K/N",
+        help="do every N-th march of a sweep from march K on, in a folder that the commands of all"
+        " parts share: for array jobs",
+    )
+    _add_workers(run)
+    run.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="solve on the workers of a Dask scheduler: its address, or its scheduler file (.json)",
+    )
+    _add_no_report(run)
+    run.add_argument("--open", action="store_true", help="open the report page in a browser")
+
+
+def _add_check(commands: Any) -> None:
+    check = _command(
+        commands,
+        name="check",
+        help="validate a scene, estimate its cost and name its doubtful numbers",
+    )
+    _add_scene(check)
+    check.add_argument(
+        "--fast",
+        action="store_true",
+        help="solve no positions; use closed forms and estimates only",
+    )
+
+
+def _add_status(commands: Any) -> None:
+    status = _command(
+        commands,
+        name="status",
+        help="tell which runs of a folder are done, running, waiting or failed (why)",
+    )
+    _add_folder(status)
+    status.add_argument(
+        "--watch",
+        action="store_true",
+        help="print the status again when it changes, until no run is waiting or running",
+    )
+
+
+def _add_table(commands: Any) -> None:
+    table = _command(
+        commands,
+        name="table",
+        help="gather all numbers of a sweep, their statistics over the seeds, and plots of them",
+    )
+    _add_folder(table)
+    table.add_argument(
+        "--plot",
+        dest="numbers",
+        nargs="+",
+        default=[],
+        metavar="NUMBER",
+        help="columns of runs.csv to plot (default: laeq_db)",
+    )
+    table.add_argument(
+        "--against",
+        nargs="+",
+        default=[],
+        metavar="KEY",
+        help="a swept key for lines, or two for a map (default: the first swept key)",
+    )
+    table.add_argument(
+        "--over",
+        metavar="KEY",
+        default="surface.seed",
+        help="the swept key over which statistics are made (default: surface.seed)",
+    )
+
+
+def _add_plot(commands: Any) -> None:
+    plot = _command(
+        commands,
+        name="plot",
+        help="draw single figures of a run as PNG or SVG, or write their numbers as CSV",
+    )
+    _add_folder(plot)
+    plot.add_argument(
+        "--figure",
+        dest="names",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="figures to draw (default: all)",
+    )
+    plot.add_argument(
+        "--format",
+        dest="form",
+        choices=["png", "svg", "csv"],
+        default="png",
+        help="picture, or its numbers (default: png)",
+    )
+    _add_out(plot, help="folder of the files (default: RUN/figures)")
+
+
+def _add_resound(commands: Any) -> None:
+    resound = _command(
+        commands,
+        name="resound",
+        help="run a stored scene with another sound, speed or body; stored marches are not solved"
+        " again",
+    )
+    _add_folder(resound)
+    _add_set(resound)
+    _add_out(resound, help="run folder; again: goes on there")
+    _add_workers(resound)
+    _add_no_report(resound)
+
+
+def _add_report(commands: Any) -> None:
+    report = _command(
+        commands,
+        name="report",
+        help="write one page to hear, see and read runs: a single HTML file that needs no network",
+    )
+    _add_run_folders(report)
+    _add_out(report, metavar="PAGE", help="page to write (default: RUN/report.html)")
+
+
+def _add_gallery(commands: Any) -> None:
+    gallery = _command(
+        commands,
+        name="gallery",
+        help="write one page of many runs: each with a picture, a sound, its level and a sentence",
+    )
+    _add_run_folders(gallery)
+    _add_out(gallery, metavar="PAGE", help="page to write (default: gallery.html)")
+
+
+def _add_listen(commands: Any) -> None:
+    listen = _command(
+        commands,
+        name="listen",
+        help="write a long record of a run: the ball rolls on beyond the solved track, over a"
+        " random continuation of it, at any speed",
+    )
+    _add_folder(listen)
+    listen.add_argument(
+        "--seconds",
+        type=arguments.positive,
+        default=defaults.LISTENED_SECONDS,
+        metavar="S",
+        help=f"length of the record to make (default {defaults.LISTENED_SECONDS:g}), up to"
+        f" {defaults.MAX_LISTENED_SECONDS:g}",
+    )
+    listen.add_argument(
+        "--speed",
+        type=arguments.speed,
+        metavar="V",
+        help="speed in m/s, or start:end for an even change (default: the scene's, which goes on"
+        " at its last speed)",
+    )
+    listen.add_argument(
+        "--seed",
+        type=arguments.whole,
+        default=0,
+        metavar="N",
+        help="number of the random continuation (default 0)",
+    )
+
+
+def _add_compare(commands: Any) -> None:
+    compare = _command(
+        commands,
+        name="compare",
+        help="compare a run with a recording of the real thing: third octaves, LAeq, modulation;"
+        " writes RUN/compare-RECORDING.html",
+    )
+    _add_folder(compare)
+    compare.add_argument(
+        "recording",
+        type=arguments.path,
+        metavar="RECORDING",
+        help="sound file of 0.5 to 120 s at 16 kHz or more: WAV, FLAC, OGG, MP3, AIFF",
+    )
+    compare.add_argument(
+        "--calibration",
+        metavar="TONE.wav=DB",
+        help="recorded tone and its level in dB re 20 uPa, or the pressure of full scale in Pa"
+        " (default: only shapes are compared)",
+    )
+    compare.add_argument(
+        "--background",
+        type=arguments.path,
+        metavar="NOISE",
+        help="recording of the background alone, which is subtracted",
+    )
+
+
+def _add_surface(commands: Any) -> None:
+    surface = _command(
+        commands,
+        name="surface",
+        help="describe measured heights, or the surface of a scene: parameters of ISO 25178-2,"
+        " picture",
+    )
+    surface.add_argument(
+        "source",
+        type=arguments.path,
+        metavar="FILE",
+        help=f"file of heights in any format, {LONG_SCENE}",
+    )
+    _add_set(surface)
+    surface.add_argument(
+        "--spacing-um",
+        type=arguments.positive,
+        metavar="UM",
+        help="node spacing, if FILE has none",
+    )
+    surface.add_argument("--channel", metavar="NAME", help="channel of FILE (default: the first)")
+    surface.add_argument(
+        "--height-unit",
+        dest="unit",
+        choices=["m", "mm", "um", "nm"],
+        default="m",
+        help="unit of the heights, if FILE has none (default: m)",
+    )
+    surface.add_argument(
+        "--save",
+        type=arguments.path,
+        metavar="OUT",
+        help="new file for the heights, in the format of its ending",
+    )
+    _add_out(surface, help="folder of picture and table (default: outputs/NAME-surface)")
+
+
+def _add_accuracy(commands: Any) -> None:
+    accuracy = _command(
+        commands,
+        name="accuracy",
+        help="speed against error: a scene on finer grids, with other edges, tolerances and steps",
+    )
+    _add_scene(accuracy)
+    _add_out(accuracy, help="run folder; again: goes on there")
+    _add_workers(accuracy)
+    accuracy.add_argument(
+        "--finest",
+        type=arguments.power_of_two,
+        default=defaults.FINEST,
+        metavar="N",
+        help=f"divide the spacing by 2, 4, ... up to N (default {defaults.FINEST})",
+    )
+    accuracy.add_argument(
+        "--duration",
+        dest="duration_s",
+        type=arguments.positive,
+        default=defaults.ACCURACY_SECONDS,
+        metavar="S",
+        help=f"seconds of rolling at most (default {defaults.ACCURACY_SECONDS:g}: no third octave"
+        " from 100 Hz is empty)",
+    )
+
+
+def _add_reproduce(commands: Any) -> None:
+    reproduce = _command(
+        commands,
+        name="reproduce",
+        help="run the study of an article in several readings and answer for its statements; again:"
+        " goes on where it stopped",
+    )
+    reproduce.add_argument(
+        "study",
+        choices=["lee2025"],
+        metavar="STUDY",
+        help="lee2025: Lee, Kim & Kim, Inventions 10(1), 17",
+    )
+    reproduce.add_argument(
+        "--readings",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="readings to run (default: all)",
+    )
+    first, second, third = defaults.QUICK_LOADS_N
+    reproduce.add_argument(
+        "--quick",
+        action="store_true",
+        help=f"{defaults.QUICK_SEEDS} surface, loads of {first}, {second}, {third} N,"
+        f" {defaults.QUICK_SECONDS:g} s in steps {defaults.QUICK_STRIDES} times as long",
+    )
+    _add_out(reproduce, help="folder of the study (default: outputs/STUDY); again: goes on there")
+    _add_workers(reproduce)
+
+
+def _add_validate(commands: Any) -> None:
+    validate = _command(
+        commands,
+        name="validate",
+        help="compare the program with published results, and write the page of all differences",
+    )
+    validate.add_argument(
+        "cases",
+        nargs="*",
+        default=["all"],
+        metavar="CASE",
+        help="headings of the page in short, such as impact (default: all); a wrong name lists"
+        " them",
+    )
+    _add_out(validate, metavar="PAGE", help="page to write (default: validation.md)")
+
+
+def _add_scenes(commands: Any) -> None:
+    scenes = _command(commands, name="scenes", help="list the scenes that come with the program")
+    scenes.add_argument("--all", action="store_true", help="list the scenes of studies as well")
+
+
+def _add_init(commands: Any) -> None:
+    init = _command(
+        commands,
+        name="init",
+        help="copy a scene that comes with the program into the current folder",
+    )
+    init.add_argument(
+        "name",
+        nargs="?",
+        default="quickstart",
+        metavar="NAME",
+        help="name of the scene (default: quickstart)",
+    )
+
+
+def _add_schema(commands: Any) -> None:
+    _command(commands, name="schema", help="print the JSON Schema of scene files, for editors")
+
+
+# ---- arguments of several commands
+
+
+def _command(commands: Any, *, name: str, help: str) -> argparse.ArgumentParser:
+    """Add the parser of a command."""
+    parser: argparse.ArgumentParser = commands.add_parser(name, help=help, description=help)
+    parser.set_defaults(command=name, parser=parser)
+    # An option before the command holds, too: the default of the command must not replace it.
+    _add_volume(parser, default=argparse.SUPPRESS)
+    return parser
+
+
+def _add_volume(parser: argparse.ArgumentParser, *, default: Any) -> None:
+    """Add the options that say more or less."""
+    either = parser.add_mutually_exclusive_group()
+    either.add_argument(
+        "-q",
+        "--quiet",
+        action="store_true",
+        default=default,
+        help="print refusals, errors and the folder (or page) only",
+    )
+    either.add_argument(
+        "-v",
+        "--verbose",
+        action="store_true",
+        default=default,
+        help="say more: steps and times",
+    )
+
+
+def _add_scene(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scene", type=arguments.path, metavar="SCENE", help=LONG_SCENE)
+    _add_set(parser)
+
+
+def _add_set(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--set",
+        dest="overrides",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="override, such as rolling.load_n=50",
+    )
+
+
+def _add_folder(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", type=arguments.path, metavar="RUN", help="run folder")
+
+
+def _add_run_folders(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "run_folders",
+        type=arguments.path,
+        metavar="RUN",
+        nargs="+",
+        help="run folders, and folders of sweeps",
+    )
+
+
+def _add_out(parser: argparse.ArgumentParser, *, help: str, metavar: str = "FOLDER") -> None:
+    parser.add_argument("--out", type=arguments.path, metavar=metavar, help=help)
+
+
+def _add_workers(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--workers",
+        type=arguments.count,
+        default=0,
+        metavar="N",
+        help="processes (default: one per core)",
+    )
+
+
+def _add_no_report(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--no-report",
+        action="store_false",
+        dest="report",
+        help="write no report page and no figures",
+    )
