@@ -45,7 +45,7 @@ def index_page(readme: str, repository: str | None, revision: str) -> str:
 
 TABLES = (
     "check",
-    "lee2025",
+    "studies",
     "results",
     "scene",
     "surface",

@@ -224,7 +224,7 @@ def _accuracy(given: argparse.Namespace) -> int:
     """Study speed against error."""
     scene = _read_scene(given)
     with progress.step(LOADING):
-        from rolling.accuracy.study import run_study
+        from rolling.studies.accuracy import run_study
     paths = run_study(scene, given.out, given.workers, given.finest, given.duration_s)
     return _print_paths(paths)
 
@@ -232,14 +232,14 @@ def _accuracy(given: argparse.Namespace) -> int:
 def _reproduce(given: argparse.Namespace) -> int:
     """Run the study of an article."""
     with progress.step(LOADING):
-        from rolling.lee2025.reproduce import reproduce
+        from rolling.studies.lee2025 import reproduce
     return reproduce(given.readings, given.out, given.quick, given.workers)
 
 
 def _validate(given: argparse.Namespace) -> int:
     """Compare the program with published results."""
     with progress.step(LOADING):
-        from rolling.validate import validate
+        from rolling.studies.validate import validate
     return validate(given.cases, given.out)
 
 

@@ -23,11 +23,11 @@ import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, reliable
 from acoustics.level import SoundLevels
-from rolling.accuracy.variants import Variant, march_variant
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
 from rolling.sound.contact_sound import contact_sound
+from rolling.studies.accuracy_variants import Variant, march_variant
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.made import continued
 from rolling.surface.scene_surface import heights

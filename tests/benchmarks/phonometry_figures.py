@@ -4,8 +4,8 @@
     python tests/benchmarks/phonometry_figures.py > scenarios/validation/phonometry.csv
 
 The script imports nothing of this program, so that both compute alone. The test signal is defined
-here and in `rolling.validate` in the same way: standard normal numbers of `default_rng(1)`, four
-seconds at 48 kHz, 0.1 Pa rms.
+here and in `rolling.studies.validate` in the same way: standard normal numbers of `default_rng(1)`,
+four seconds at 48 kHz, 0.1 Pa rms.
 """
 
 from __future__ import annotations

@@ -23,8 +23,8 @@ FLOORS = {
         ("marches",),
         ("results",),
         ("figures", "run"),
-        ("accuracy", "lee2025", "plot", "report"),
-        ("commands", "validate"),
+        ("plot", "report"),
+        ("commands", "studies"),
         ("cli", "interface"),
     ),
     "acoustics": (

@@ -12,9 +12,9 @@ from helpers import STEEL, make_track, releases, roll, rough
 from acoustics import resampling
 from rolling.check import findings, resolution
 from rolling.contact import closed_forms
-from rolling.lee2025 import reproduce
 from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
+from rolling.studies import lee2025 as reproduce
 
 SCENE = """\
 name: long

@@ -14,11 +14,12 @@ from hard_cases.gaussian_heights import gaussian
 from scene_text import SMALL
 
 from rolling import cli
-from rolling.accuracy import study as studies
-from rolling.accuracy import variants, work_precision
-from rolling.accuracy.variants import stretch_of, variant_contact, variants_of
 from rolling.contact.solver import ContactError
 from rolling.scene.scene import Scene
+from rolling.studies import accuracy as studies
+from rolling.studies import accuracy_variants as variants
+from rolling.studies import work_precision
+from rolling.studies.accuracy_variants import stretch_of, variant_contact, variants_of
 from rolling.surface import refined
 
 pytestmark = pytest.mark.slow

@@ -18,12 +18,12 @@ from rolling import cli
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import Window
-from rolling.lee2025 import reproduce
-from rolling.lee2025.cases import band_columns
 from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import Gaussian
+from rolling.studies import lee2025 as reproduce
+from rolling.studies.lee2025_cases import band_columns
 from rolling.surface.contact_of_scene import rolling_contact
 
 pytestmark = pytest.mark.slow

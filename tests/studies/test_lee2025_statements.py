@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from acoustics.bands import BAND_NAMES, MID_HZ
-from rolling.lee2025.cases import TWIN_KEYS, band_columns, by_reading, frame
-from rolling.lee2025.conditions import FAILS, HOLDS, IN_PART, NOT_RUN, change
-from rolling.lee2025.reproduce import STATEMENTS, Statement, judge, outlook, verdicts
+from rolling.studies.lee2025 import STATEMENTS, Statement, judge, outlook, verdicts
+from rolling.studies.lee2025_cases import TWIN_KEYS, band_columns, by_reading, frame
+from rolling.studies.lee2025_conditions import FAILS, HOLDS, IN_PART, NOT_RUN, change
 
 Row = dict[str, Any]
 Edit = Callable[[Row], Row]

@@ -13,7 +13,7 @@ import pytest
 
 import rolling
 from rolling import cli, validate
-from rolling.validate import Figure
+from rolling.studies.validate import Figure
 
 CONTENT = tomllib.loads((validate.FOLDER / "cases.toml").read_text(encoding="utf-8"))
 TABLE = CONTENT["cases"]

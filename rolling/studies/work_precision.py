@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, LINE_STYLES, MARKERS
-from rolling.accuracy.variants import OWN, REFERENCE, SOLVER, tolerance_text
+from rolling.studies.accuracy_variants import OWN, REFERENCE, SOLVER, tolerance_text
 
 LAEQ_LIMIT_DB, BAND_LIMIT_DB = 0.1, 0.5  # maximum errors of a recommended variant
 # A solve whose error is a fifth of the error of the grid adds 0.2 dB to the whole.

@@ -11,14 +11,22 @@ from typing import Any
 
 import pandas as pd
 
-from rolling.lee2025 import conditions
-from rolling.lee2025.cases import CURVES, Maps, by_reading, case_of, finished_runs, frame, maps_of
-from rolling.lee2025.conditions import FAILS, HOLDS, IN_PART, NOT_RUN, OUTLOOK, ROUGHNESS
 from rolling.run import folder as folders
 from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.messages import nearest, table
 from rolling.scene.scene import Scene
+from rolling.studies import lee2025_conditions as conditions
+from rolling.studies.lee2025_cases import (
+    CURVES,
+    Maps,
+    by_reading,
+    case_of,
+    finished_runs,
+    frame,
+    maps_of,
+)
+from rolling.studies.lee2025_conditions import FAILS, HOLDS, IN_PART, NOT_RUN, OUTLOOK, ROUGHNESS
 from rolling.terminal import defaults, progress
 from rolling.terminal.files import PARTIAL, FolderError, make_below, write_bytes
 
@@ -84,7 +92,7 @@ def _write(
     folder: Path, cases: pd.DataFrame, maps: dict[str, Maps], scene_files: list[tuple[str, Path]]
 ) -> str:
     """Write tables and figures of the cases, and return the verdicts in a sentence."""
-    from rolling.lee2025 import figures  # matplotlib
+    from rolling.studies import lee2025_figures as figures  # matplotlib
 
     readings = by_reading(cases)
     table = verdicts(readings)
@@ -136,7 +144,7 @@ def _refuse_foreign(folder: Path) -> None:
 
 Statement = dict[str, Any]  # a table of statements.toml, whose head explains its keys
 
-STATEMENTS: list[Statement] = table("rolling.lee2025", "statements")["statement"]
+STATEMENTS: list[Statement] = table("rolling.studies", "lee2025_statements")["statement"]
 SCALES = (10, 20)  # factors of the logarithm in the level of a release power
 WORDS = ["key", "source", "sentence", "criterion"]
 COLUMNS = ["key", "source", "statement", "criterion", "reading", "scale", "verdict", "measured"]

@@ -14,7 +14,7 @@ import pandas as pd
 
 from acoustics.bands import BAND_NAMES, MID_HZ, band_uncertainty_db, reliable
 from acoustics.numbers import rounded
-from rolling.lee2025.cases import band_columns
+from rolling.studies.lee2025_cases import band_columns
 
 ROUGHNESS, LOAD, LENGTH, SKEWNESS = "roughness_um", "load_n", "correlation_um", "skewness"
 FORMS = {ROUGHNESS: "Ra {:g} µm", LOAD: "{:g} N", LENGTH: "{:g} µm", SKEWNESS: "skewness {:g}"}

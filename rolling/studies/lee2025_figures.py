@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from acoustics.plot_style import look_of
 from acoustics.plots import Lines, level_limits, spectrum
 from rolling.check.validity import MAX_SLOPE
-from rolling.lee2025.cases import CELLS, Maps
-from rolling.lee2025.conditions import LOAD, OUTLOOK, ROUGHNESS, label, swept
+from rolling.studies.lee2025_cases import CELLS, Maps
+from rolling.studies.lee2025_conditions import LOAD, OUTLOOK, ROUGHNESS, label, swept
 
 MAP_FIGURES = (
     ("height [µm]", "fig1_surfaces", "cividis"),

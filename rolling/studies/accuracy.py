@@ -13,8 +13,6 @@ import xarray as xr
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from rolling import __version__
-from rolling.accuracy import variants, work_precision
-from rolling.accuracy.variants import OWN, REFERENCE, SOLVER, Variant, label
 from rolling.check import resolution
 from rolling.contact.solver import ContactError
 from rolling.run import pools
@@ -23,6 +21,9 @@ from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import digest, run_name, scene_identity
 from rolling.sound.contact_sound import contact_sound
+from rolling.studies import accuracy_variants as variants
+from rolling.studies import work_precision
+from rolling.studies.accuracy_variants import OWN, REFERENCE, SOLVER, Variant, label
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
 
