@@ -439,7 +439,7 @@ def surface(
     """
     from rolling.figures.contact import parameter_lines, topography
     from rolling.surface import measured, scene_surface
-    from rolling.surface.parameters import parameters
+    from rolling.surface.parameters import is_upper_bound, parameters
 
     for path in (save, out):
         if path is not None and path.exists() and (path is save or not path.is_dir()):
@@ -464,7 +464,8 @@ def surface(
             words += f", {gaps} unmeasured"
     with progress.step("computing the parameters, drawing the picture"):
         values = parameters(heights, steps, is_scene)
-        drawn = topography(name, values, heights, steps, is_scene)
+        is_bound = is_upper_bound(heights, steps, is_scene)
+        drawn = topography(name, values, heights, steps, is_scene, is_bound)
         folder = out or Path("outputs") / f"{name}-surface"
         names = {form: folder / f"{drawn.name}.{form}" for form in ("png", "csv")}
         contents = {path: drawn.file(form) or b"" for form, path in names.items()}
@@ -483,5 +484,6 @@ def surface(
         return [folder]
     nodes, sides = (" x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * steps, 6)))
     print(f"{labels.printable(name)}: {nodes} nodes of {sides} um, {words}")
-    print(*parameter_lines(values), "", f"all files: {labels.printable(str(folder))}", sep="\n")
+    print("\n".join(parameter_lines(values, is_bound)))
+    print(f"\nall files: {labels.printable(str(folder))}")
     return []

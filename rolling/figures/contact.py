@@ -220,7 +220,12 @@ _LOOKS: tuple[dict[str, Any], ...] = (
 
 
 def topography(
-    name: str, values: dict[str, float], heights: Array, steps: Array, wrap: bool
+    name: str,
+    values: dict[str, float],
+    heights: Array,
+    steps: Array,
+    wrap: bool,
+    str_is_bound: bool = False,
 ) -> picture.Picture:
     """Draw map, material ratio, spectrum and autocorrelation of heights, with the parameters.
 
@@ -236,6 +241,8 @@ def topography(
         Node spacings along and across.
     wrap : bool
         Whether the heights are one period of the surface.
+    str_is_bound : bool
+        Whether Str is an upper bound.
     """
     z = 1e6 * iso.about_mean(heights)
     descending = np.sort(z[~np.isnan(z)])[::-1]
@@ -254,8 +261,11 @@ def topography(
         on_correlation.set_axis_off()
     facts = ", ".join(f"{short} {written(short, values)}" for short in _TITLED)
     title = f"Surface: {name}: {facts.replace(' um', ' µm')}"
+    if str_is_bound:
+        title += " at most"
     figure.suptitle(picture.drawable(title), x=0.012, ha="left", fontsize=11, parse_math=False)
-    rows = [(short, values[short], unit, text) for short, (unit, text) in iso.NAMES.items()]
+    meanings = iso.meanings(str_is_bound)
+    rows = [(short, values[short], unit, meanings[short]) for short, (unit, _) in iso.NAMES.items()]
     table = pd.DataFrame(rows, columns=["parameter", "value", "unit", "meaning"])
     return picture.Picture("surface", figure, table)
 
@@ -268,10 +278,10 @@ def written(short: str, values: dict[str, float]) -> str:
     return "-" if math.isnan(value) else f"{rounded(value, 4)} {unit}".rstrip()
 
 
-def parameter_lines(values: dict[str, float]) -> list[str]:
+def parameter_lines(values: dict[str, float], str_is_bound: bool = False) -> list[str]:
     """Write parameters with their units and meanings, one on each line."""
-    names = iso.NAMES.items()
-    return [f"{short:6}{written(short, values):>12}  {text}" for short, (_, text) in names]
+    meanings = iso.meanings(str_is_bound).items()
+    return [f"{short:6}{written(short, values):>12}  {text}" for short, text in meanings]
 
 
 def _heights_map(ax: Axes, z: Array, steps: Array, descending: Array) -> None:

@@ -15,7 +15,7 @@ from rolling.scene.messages import table
 # Unit in SI and meaning by short name.
 NAMES: dict[str, tuple[str, str]] = table("rolling.surface", "parameters")
 DECAY = 0.2  # of the autocorrelation, the default of ISO 25178-3
-CORE = 0.4  # of the material ratio, over which the secant of the core is drawn
+CORE = 0.4  # of the material ratio, the section of the core
 _ROUNDING = 1e-12  # of the heights with their plane; less is no roughness
 _RAYS = 360  # directions of the half-plane
 _BLOCK = 64  # samples of a ray at a time, two in each node
@@ -173,6 +173,31 @@ def spatial_parameters(z: Array, steps: Array, wrap: bool) -> dict[str, float]:
     return {"Sal": length, "Str": ratio, "Std": _lay(z, steps, wrap)}
 
 
+def is_upper_bound(heights: Array, spacing: float | Sequence[float] | Array, wrap: bool) -> bool:
+    """Tell whether Str is an upper bound: the autocorrelation stays above 0.2 on some ray.
+
+    The lags reach half the surface. Str of a profile or of a flat surface is not defined.
+    """
+    z, steps = about_mean(heights), np.broadcast_to(spacing, 2)
+    if 1 in z.shape or not np.nan_to_num(z).any():
+        return False
+    decay, _ = _decay(autocorrelation(z, wrap), steps, wrap)
+    return bool(np.isinf(decay).any() and np.isfinite(decay).any())
+
+
+def meanings(str_is_bound: bool) -> dict[str, str]:
+    """Return the meaning of each parameter; that of Str says how far the lags reach."""
+    words = {name: meaning for name, (_, meaning) in NAMES.items()}
+    if str_is_bound:
+        words["Str"] += (
+            ", an upper bound: in some direction the autocorrelation stays above 0.2 up to half"
+            " the surface"
+        )
+    else:
+        words["Str"] += ", of lags up to half the surface"
+    return words
+
+
 def autocorrelation(z: Array, wrap: bool) -> Array:
     """Return the autocorrelation of heights about their mean [m], lag 0 in the middle.
 
@@ -281,9 +306,9 @@ def material_parameters(z: Array) -> dict[str, float]:
 def core(descending: Array) -> tuple[float, float]:
     """Return the heights [m] of the equivalent line at the material ratios 0 and 100 %.
 
-    The line is the secant of least slope over 40 % of the material ratio, the first among equals.
-    For Gaussian heights its Sk is 2.622 Sq; the least-squares line of ISO 13565-2 over the same
-    nodes has 2.574 Sq.
+    The secant of least slope over 40 % of the material ratio, the first among equals, finds the
+    section of the core, and the equivalent line is the least-squares line of its nodes (ISO
+    13565-2). For Gaussian heights Sk is 2.574 Sq.
     """
     count = len(descending)
     width = max(1, round(CORE * count))
@@ -291,6 +316,10 @@ def core(descending: Array) -> tuple[float, float]:
         return float(descending[0]), float(descending[0])
     drop = descending[:-width] - descending[width:]
     first = int(np.argmax(drop <= drop.min() * (1 + 1e-9)))
-    slope = float(drop[first]) * count / width
-    top = float(descending[first]) + slope * (first + 0.5) / count
+    highest = float(descending[first])
+    fall = highest - descending[first : first + width + 1]
+    ratio = (np.arange(width + 1) - width / 2) / count  # about the middle of the section
+    slope = float(ratio @ fall / (ratio @ ratio))
+    middle = (first + 0.5 + width / 2) / count
+    top = highest - float(fall.mean()) + slope * middle
     return top, top - slope

@@ -58,6 +58,18 @@ def test_the_parameters_of_a_file_are_printed_and_written(
     assert Path("outputs/scan.xyz-surface/surface.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_an_aspect_ratio_that_half_the_surface_leaves_open_is_a_bound(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Grooves that are longer than the file say so on the terminal and in the table."""
+    grooves = 1e-7 * np.random.default_rng(2).standard_normal(40)
+    np.save("grooves.npy", np.tile(grooves, (60, 1)))
+    assert cli.main(["surface", "grooves.npy", "--spacing-um", "2"]) == 0
+    assert "upper bound" in capsys.readouterr().out
+    rows = pd.read_csv("outputs/grooves.npy-surface/surface.csv").set_index("parameter")
+    assert "upper bound" in rows["meaning"]["Str"]
+
+
 def test_a_measurement_and_an_earlier_surface_are_not_replaced(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
