@@ -8,7 +8,6 @@ Last, the end of each side is led into its beginning, so that the surface is per
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from scipy import fft
@@ -96,7 +95,7 @@ def prepare(
     named = any(keys) or surface.unmeasured == "fill" or surface.level == "quadratic"
     watched = named or not is_period or is_other(grid.steps, grid.spacing)
     work = Preparation(heights, grid.steps, watched)
-    _complete(work, surface, is_period)
+    _complete(work, surface)
     if cutoff := surface.s_filter_um:
         long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
         work.take(long, "s_filter", f"waves shorter than {cutoff:g} um removed")
@@ -117,7 +116,7 @@ def prepare(
     return np.ascontiguousarray(work.heights), plane, work.effects
 
 
-def _complete(work: Preparation, surface: HeightFile, is_period: bool) -> None:
+def _complete(work: Preparation, surface: HeightFile) -> None:
     """Make outliers unmeasured points, and fill all unmeasured points."""
     if threshold := surface.outliers:
         heights, count = without_outliers(work.heights, threshold)
@@ -125,7 +124,7 @@ def _complete(work: Preparation, surface: HeightFile, is_period: bool) -> None:
         work.take(heights, "outliers", text)
     if count := int(np.count_nonzero(np.isnan(work.heights))):
         text = f"{count} filled, {rounded(100 * count / work.heights.size)} % of the nodes"
-        work.take(filled(work.heights, is_period), "unmeasured", text)
+        work.take(filled(work.heights), "unmeasured", text)
 
 
 def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid, is_period: bool) -> None:
@@ -192,11 +191,12 @@ def without_outliers(heights: Array, threshold: float) -> tuple[Array, int]:
     return np.where(outliers, np.nan, heights), int(np.count_nonzero(outliers))
 
 
-def filled(heights: Array, wraps: bool) -> Array:
+def filled(heights: Array) -> Array:
     """Fill the NaN of heights by the equation of Laplace, with measured nodes as its boundary.
 
-    At the edges of heights that do not wrap the normal slope is zero. Raise SurfaceError where more
-    than half of the nodes are unmeasured.
+    At the edges the normal slope is zero, of a period too: a file that counts as a period may be
+    tilted, and its other end then lies at another height. Raise SurfaceError where more than half
+    of the nodes are unmeasured.
     """
     from scipy import sparse
     from scipy.sparse import linalg
@@ -209,9 +209,8 @@ def filled(heights: Array, wraps: bool) -> Array:
     number = np.full(heights.shape, -1)
     number[gaps] = np.arange(count)
     along, across = np.nonzero(gaps)
-    # Beyond an edge that does not wrap a node is its own neighbour, whose part cancels.
-    mode: Literal["wrap", "edge"] = "wrap" if wraps else "edge"
-    numbers, z = np.pad(number, 1, mode), np.pad(heights, 1, mode)
+    # Beyond an edge a node is its own neighbour, whose part cancels.
+    numbers, z = np.pad(number, 1, "edge"), np.pad(heights, 1, "edge")
     places = [(along + i, across + j) for i, j in ((2, 1), (0, 1), (1, 2), (1, 0))]
     known = np.nansum([z[place] for place in places], axis=0)
     neighbours = np.concatenate([numbers[place] for place in places])
