@@ -12,7 +12,8 @@ Public modules:
 - `recovery`: release from state to state, energy ledger, recovery events (`step_energy`,
   `EventTable`).
 - `compiling`, `compiling_ahead`: compilation by numba, with a cache wherever one can be kept, and
-  ahead of the first march on spare cores; `memory`: the plate that remembers its indentation.
+  ahead of the first march on spare cores; `cached_code`: the files of that cache.
+- `memory`: the plate that remembers its indentation.
 
 Private modules, mostly compiled:
 

@@ -19,6 +19,8 @@ from filelock import FileLock
 from numba.core import event
 from numba.core.compiler_lock import global_compiler_lock
 
+from rolling.contact.cached_code import CheckedFiles
+
 _VARIABLE = "NUMBA_CACHE_DIR"
 
 
@@ -57,7 +59,7 @@ def njit(
 
 def _kept(kernel: Any, inner: bool) -> Any:
     """Prepare a kernel whose code the cache keeps."""
-    _tie_to_sources(kernel)
+    _use_checked_files(kernel)
     if not inner:
         _compile_in_one_process(kernel)
     return kernel
@@ -83,15 +85,21 @@ def _compile_in_one_process(kernel: Any) -> None:
     kernel.compile = compile_alone
 
 
-def _tie_to_sources(kernel: Any) -> None:
-    """Tie the cached code of a kernel to the sources of all kernels.
+def _use_checked_files(kernel: Any) -> None:
+    """Let the cache of a kernel find damaged files, and tie its code to the sources of all kernels.
 
     Numba looks at the kernel's own file only. The cached code also holds the kernels that it calls,
     which may stand in other files and be newer.
     """
-    cache_file: Any = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
-    if hasattr(cache_file, "_source_stamp"):
-        cache_file._source_stamp = cache_file._source_stamp, _digest_of_sources()
+    cache = getattr(kernel, "_cache", None)
+    numba_files: Any = getattr(cache, "_cache_file", None)
+    if cache is None or numba_files is None:  # it is not compiled, or without a cache
+        return
+    cache._cache_file = CheckedFiles(
+        cache_path=cache._cache_path,
+        filename_base=cache._impl.filename_base,
+        source_stamp=(numba_files._source_stamp, _digest_of_sources()),
+    )
 
 
 @once

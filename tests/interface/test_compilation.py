@@ -23,12 +23,112 @@ def slow(x):
         total += np.sum(np.sort(np.array([a, x, -x])))
     return total
 """
+QUICK_KERNEL = """
+from rolling.contact.compiling import njit
+
+@njit(cache=True)
+def slow(x):
+    return x - 0.5
+"""
 CALL = """
 from rolling.contact import compiling
 compiled = []
 compiling.tell_always(lambda: compiled.append(1))
 import slow_kernel
 print(slow_kernel.slow(2.0), len(compiled))
+"""
+# Damages both files of a kernel in many ways, and tells after each damage: the value computed anew,
+# how often that compiled, how often the start after it did, and what the kernel printed of it.
+DAMAGE = """
+import importlib
+import shutil
+import sys
+from pathlib import Path
+
+from rolling.contact import compiling
+
+compiled = []
+compiling.tell_always(lambda: compiled.append(1))
+
+
+def start():
+    compiled.clear()
+    sys.modules.pop("slow_kernel", None)
+    module = importlib.import_module("slow_kernel")
+    return module.slow(2.0), len(compiled)
+
+
+def flipped(content, place):
+    at = int(place * (len(content) - 1))
+    return content[:at] + bytes([content[at] ^ 0x10]) + content[at + 1 :]
+
+
+def folder_in_place(path):
+    path.unlink()
+    path.mkdir()
+
+
+def dangling_link(path):
+    path.unlink()
+    path.symlink_to("nowhere")
+
+
+damages = {
+    "emptied": lambda path: path.write_bytes(b""),
+    "zeroed": lambda path: path.write_bytes(bytes(path.stat().st_size)),
+    "longer": lambda path: path.write_bytes(path.read_bytes() + b"x"),
+    "other bytes": lambda path: path.write_bytes(bytes(range(256)) * 40),
+    "link": dangling_link,
+    "folder": folder_in_place,
+}
+for share in (0.0, 0.01, 0.3, 0.6, 0.9, 1.0):
+    damages[f"flipped at {share}"] = lambda path, share=share: path.write_bytes(
+        flipped(path.read_bytes(), share)
+    )
+for length in (1, 10, 31, 33, 100, -32, -1):
+    damages[f"cut to {length}"] = lambda path, length=length: path.write_bytes(
+        path.read_bytes()[:length]
+    )
+start()
+(cache,) = {path.parent for path in Path(sys.argv[1]).rglob("*.nbi")}
+whole = cache.with_name("whole")
+shutil.copytree(cache, whole)
+for ending in ("nbi", "nbc"):
+    for name, damage in damages.items():
+        shutil.rmtree(cache)
+        shutil.copytree(whole, cache)
+        (path,) = cache.glob(f"slow_kernel.slow-*.{ending}")
+        damage(path)
+        print(ending, name.replace(" ", "_"), *start(), start()[1])
+"""
+STALE = """
+import importlib
+import sys
+from pathlib import Path
+
+from rolling.contact import cached_code
+
+
+def start():
+    sys.modules.pop("slow_kernel", None)
+    return importlib.import_module("slow_kernel").slow(2.0)
+
+
+def killed(*arguments):
+    raise KeyboardInterrupt
+
+
+source = Path(sys.argv[2])
+print(start())
+source.write_text(source.read_text().replace("x - 0.5", "x + 9.5"))
+save = cached_code.CheckedFiles._save_data
+cached_code.CheckedFiles._save_data = killed
+try:
+    start()
+except KeyboardInterrupt:
+    pass
+cached_code.CheckedFiles._save_data = save
+print(start())
 """
 SUMS = """
 import hashlib
@@ -103,6 +203,43 @@ def test_a_lock_that_cannot_be_had_does_not_stop_a_kernel(tmp_path: Path) -> Non
     )
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
     assert _run(refuse + CALL, **cache).communicate()[0].split()[0] == "1.5"
+
+
+def test_damaged_files_of_compiled_code_are_compiled_anew(tmp_path: Path) -> None:
+    """Each damage costs one compilation, whose files serve the next start.
+
+    A folder in place of a file cannot be replaced, which costs a sentence and each start that time.
+    """
+    (tmp_path / "slow_kernel.py").write_text(QUICK_KERNEL, encoding="utf-8")
+    cache = tmp_path / "cache"
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", DAMAGE, str(cache)],
+        env=os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    answers = [line.split() for line in done.stdout.splitlines()]
+    assert len(answers) == 2 * 19
+    for ending, name, value, compiled, compiled_again in answers:
+        assert value == "1.5" and int(compiled) > 0, (ending, name)
+        assert (int(compiled_again) > 0) == (name == "folder"), (ending, name)
+    assert done.stderr.count("cannot be kept") == 1 and str(cache) in done.stderr
+
+
+def test_code_of_older_sources_is_never_taken_for_new(tmp_path: Path) -> None:
+    """A process may be killed after it wrote the index, and before it wrote the code."""
+    source = tmp_path / "slow_kernel.py"
+    source.write_text(QUICK_KERNEL, encoding="utf-8")
+    cache = tmp_path / "cache"
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", STALE, str(cache), str(source)],
+        env=os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == ["1.5", "11.5"]
 
 
 def test_a_process_that_compiles_computes_the_digits_of_those_that_load(tmp_path: Path) -> None:
