@@ -9,7 +9,15 @@ from acoustics.radiation import Ball, ThinPlate
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.contact import closed_forms
 from rolling.dynamics import drop
-from rolling.dynamics.bodies import Chain, Modes, contact_stiffness, half_space_mobility, modes_of
+from rolling.dynamics.bodies import (
+    FALLING_TAIL,
+    ROLLING_TAIL,
+    Chain,
+    Modes,
+    contact_stiffness,
+    half_space_mobility,
+    modes_of,
+)
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion, Path, Stepping, Travel, move
 from rolling.dynamics.smooth_contact import equivalent_radius
@@ -81,7 +89,8 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
     bending, loss_factor = plate(scene), scene.plate.contact_loss_factor or 0.0
     if bending is not None:
         rectangle, ends = rectangular_plate(scene), tuple(scene.plate.contact_ends_mm.values())
-        modes = None if rectangle is None else _modes_between(rectangle, ends)
+        falls = scene.rolling.drop_mm is not None
+        modes = None if rectangle is None else _modes_between(rectangle, ends, falls)
         return Chain(scene.mass, bending.mobility_s_kg, stiffness_n_m, modes, loss_factor)
     young, density = scene.plate.youngs_modulus_gpa * 1e9, scene.plate.density_kg_m3
     assert density is not None  # dynamics needs it
@@ -91,9 +100,15 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
 
 
 @lru_cache(maxsize=8)
-def _modes_between(rectangle: RectangularPlate, ends_mm: tuple[tuple[float, float], ...]) -> Modes:
-    """Return the modes of a plate, weighted by their shapes along a path or at a point [mm]."""
-    return modes_of(rectangle, points_between(ends_mm, _STATIONS))
+def _modes_between(
+    rectangle: RectangularPlate, ends_mm: tuple[tuple[float, float], ...], falls: bool
+) -> Modes:
+    """Return the modes of a plate, weighted by their shapes along a path or at a point [mm].
+
+    The tail of the modes is the one for a sphere that falls, or for one that rolls.
+    """
+    tail = FALLING_TAIL if falls else ROLLING_TAIL
+    return modes_of(rectangle, points_between(ends_mm, _STATIONS), tail)
 
 
 def points_between(ends_mm: tuple[tuple[float, float], ...], count: int) -> Array:

@@ -60,6 +60,95 @@ def test_restitution(thickness: float, zener: float) -> None:
     assert first == pytest.approx(drop.fall_s(given), rel=0.002)  # at g, for the mass of the steps
 
 
+STEEL_BODY, GLASS_BODY = (7850.0, 206.0, 0.3), (2500.0, 70.0, 0.22)
+ALUMINIUM_BODY = (2700.0, 70.0, 0.33)
+CEMENTED_CARBIDE, BRONZE = (15000.0, 600.0, 0.22), (8900.0, 120.0, 0.34)
+HIGHEST_MODE_HZ = 200e3
+
+
+def fallen_on_all_modes(given: Scene) -> float:
+    """Return the restitution on a plate with every mode up to 200 kHz, by a leapfrog.
+
+    Modes beyond have the static compliance of an infinite plate's. Twice as many modes and half
+    the step change the result by less than 1e-4.
+    """
+    plate = given.plate
+    assert plate.density_kg_m3 and plate.edges_mm and plate.thickness_mm
+    sides = 1e-3 * np.array(plate.edges_mm)
+    point = 1e-3 * np.array(plate.contact_ends_mm["contact_mm"])
+    young, thickness = 1e9 * plate.youngs_modulus_gpa, 1e-3 * plate.thickness_mm
+    bending = young * thickness**3 / (12 * (1 - plate.poissons_ratio**2))
+    area_mass = plate.density_kg_m3 * thickness
+    wave = np.sqrt(bending / area_mass)
+    most = 1 + (sides / np.pi * np.sqrt(2 * np.pi * HIGHEST_MODE_HZ / wave)).astype(int)
+    along, across = (
+        np.pi * np.arange(1, n + 1) / side for n, side in zip(most, sides, strict=True)
+    )
+    frequency = wave * (along[:, None] ** 2 + across**2)
+    shape = np.sin(along * point[0])[:, None] * np.sin(across * point[1])
+    kept = frequency < 2 * np.pi * HIGHEST_MODE_HZ
+    frequency, shape = frequency[kept], shape[kept]
+    modal_mass = area_mass * sides.prod() / 4
+    beyond = 1 / (8 * np.sqrt(bending * area_mass)) / (np.pi**2 * HIGHEST_MODE_HZ)
+    hertz = 4 / 3 * given.contact_modulus * given.radius**0.5
+    step, speed = drop.impact_s(given) / 2000, drop.speed_m_s(given)
+    depth, velocity, force = 0.0, speed, 0.0
+    modes, rates = np.zeros_like(frequency), np.zeros_like(frequency)
+    while velocity > 0 or force > 0:
+        approach = depth - shape @ modes
+        for _ in range(4):  # Newton's method for the force that indents the modes beyond, too
+            indented = max(approach - beyond * force, 0.0)
+            slope = 1 + 1.5 * hertz * beyond * indented**0.5
+            force -= (force - hertz * indented**1.5) / slope
+        loss = (plate.loss_factor or 0.0) * frequency * rates
+        rates += step * (shape * force / modal_mass - frequency**2 * modes - loss)
+        modes += step * rates
+        velocity -= step * force / given.mass
+        depth += step * velocity
+        if force < 1e-9 * given.load and depth > step * speed:
+            break
+    return -velocity / speed
+
+
+@pytest.mark.law("Impact: on a plate with edges the restitution is that of a plate with all modes.")
+@pytest.mark.parametrize(
+    ("radius", "ball", "thickness", "sheet", "loss_factor", "edges", "contact", "height"),
+    [
+        (3, (7850.0, 210.0, 0.3), 2, ALUMINIUM_BODY, 0.02, "210, 330", "90.3, 122.1", 4),
+        (5, (7850.0, 210.0, 0.3), 5, GLASS_BODY, 0.006, "260, 180", "70, 111", 2),
+        (2, STEEL_BODY, 2, STEEL_BODY, 0.01, "300, 400", "129, 148", 10),
+        (4, GLASS_BODY, 3, GLASS_BODY, 0.005, "300, 200", "113, 71", 5),
+        (10, STEEL_BODY, 20, STEEL_BODY, 0.003, "600, 500", "251, 211", 1),
+        (2, STEEL_BODY, 4, ALUMINIUM_BODY, 0.01, "250, 250", "101, 117", 50),
+        (2.5, CEMENTED_CARBIDE, 2.5, BRONZE, 0.01, "300, 250", "131, 92", 30),
+    ],
+)
+def test_restitution_on_a_plate_with_edges(
+    radius: float,
+    ball: tuple[float, float, float],
+    thickness: float,
+    sheet: tuple[float, float, float],
+    loss_factor: float,
+    edges: str,
+    contact: str,
+    height: float,
+) -> None:
+    """The impacts last 16 to 103 us, and 40 steps in each leave 0.0007 (0.003 is asked)."""
+    body = ("density_kg_m3", "youngs_modulus_gpa", "poissons_ratio")
+    length, width = edges.split(", ")
+    given = scene(
+        *(f"sphere.{key}={value}" for key, value in zip(body, ball, strict=True)),
+        *(f"plate.{key}={value}" for key, value in zip(body, sheet, strict=True)),
+        *(f"sphere.radius_mm={radius}", f"plate.thickness_mm={thickness}"),
+        *(f"plate.length_mm={length}", f"plate.width_mm={width}", f"plate.contact_mm=[{contact}]"),
+        *(f"plate.loss_factor={loss_factor}", f"rolling.drop_mm={height}"),
+        f"rolling.duration_s={2e-3 + (2e-3 * height / GRAVITY) ** 0.5}",
+    )
+    motion = fallen(given)
+    assert motion.energy_error < 1e-9
+    assert drop.restitution(given, motion) == pytest.approx(fallen_on_all_modes(given), abs=0.0012)
+
+
 @pytest.mark.law("Impact: the force pulse of a small steel ball is Hertz's, 5.5 us at 1 m/s.")
 def test_pulse() -> None:
     """A ball of 1.58 mm, as of McLaskey & Glaser (2010); its pulse is nearly a sine to the 3/2."""

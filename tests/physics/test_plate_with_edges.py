@@ -141,7 +141,7 @@ def test_mean_mobility() -> None:
     ],
 )
 def test_restitution(modulus: float, thickness: float, side: float, restitution: float) -> None:
-    """The sum of the modes and its tail keep 0.008; modes to 30 kHz alone are off by 0.013."""
+    """The tail of a rolling sphere keeps 0.008; modes to 30 kHz alone are off by 0.013."""
     step = hertz_time(modulus, 0.1) / 300
     stepping = Stepping(time_step_s=step, start=(-1.5e-1 * step, 0.1))
     law = hertz_law(LOAD, RADIUS, modulus)
