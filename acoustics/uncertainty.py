@@ -224,8 +224,8 @@ def _lines_of_a_lap(frequency_hz: Array, mean_square: Array, laps: float) -> tup
     if laps <= 1.0:
         return frequency_hz, mean_square
     line_of_lap = np.rint(np.arange(len(mean_square)) / laps).astype(int)
-    joined = np.bincount(line_of_lap, weights=mean_square)
-    return np.arange(len(joined)) * (frequency_hz[1] * laps), joined
+    joined = np.asarray(np.bincount(line_of_lap, weights=mean_square), dtype=float)
+    return np.asarray(np.arange(len(joined)) * (frequency_hz[1] * laps), dtype=float), joined
 
 
 def _variance(part: Array, whole: Array, exponent: float) -> float:

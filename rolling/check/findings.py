@@ -14,7 +14,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from acoustics.numbers import rounded
-from rolling.check import cost, error_cost, heights, refusals, resolution, validity
+from rolling.check import comb, cost, error_cost, heights, refusals, resolution, validity
 from rolling.check.finding import SURFACE, Finding, byte_size, computing, judged, si, surface_time
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.scene.messages import SceneError
@@ -303,5 +303,5 @@ def _hardness(scene: Scene, pressure: float) -> Iterator[Finding]:
 # In the order of the table. A rule replaces the finding of an earlier rule with the same key.
 _RULES: tuple[Callable[[Scene], Iterable[Finding]], ...] = (
     *(_track, _march, _memory, _smooth_contact),
-    *(resolution.findings, heights.findings, validity.findings, resolution.record),
+    *(resolution.findings, heights.findings, validity.findings, comb.findings, resolution.record),
 )

@@ -234,7 +234,7 @@ def force_rms(scene: Scene) -> float | None:
     chain, speed = of_scene.smooth_chain(scene), scene.motion.fastest(scene.duration)
     longest, shortest = scene.track.n_along * scene.spacing, 2 * scene.step
     coarse = np.geomspace(2 * math.pi / longest, 2 * math.pi / shortest, _WAVES)
-    density = np.sum([_mean_heights(scene, law, coarse) for law in scene.laws], axis=0)
+    density = np.sum([mean_heights(scene, law, coarse) for law in scene.laws], axis=0)
     if longest <= shortest or not density.max() > _NOTHING:
         return 0.0
     kept = np.log(np.maximum(density, _NOTHING))
@@ -254,14 +254,23 @@ def force_rms(scene: Scene) -> float | None:
     return float(np.sqrt(np.trapezoid(power(fine), fine)))
 
 
-def _mean_heights(scene: Scene, law: HeightLaw, along: Array) -> Array:
+def contact_axes(scene: Scene) -> tuple[float, float]:
+    """Return the semi-axes [m] of the contact of a rough surface, along and across.
+
+    The highest asperities carry where smooth surfaces would be an rms height apart.
+    """
+    whole = cost.roughness(scene)[0]
+    length, width = semi_axes(scene)
+    return math.sqrt(length**2 + scene.radius * whole), math.sqrt(
+        width**2 + scene.radius_across * whole
+    )
+
+
+def mean_heights(scene: Scene, law: HeightLaw, along: Array) -> Array:
     """Return the two-sided spectral density [m3] of the heights that the contact averages."""
     widest = math.pi / scene.spacing
     across = np.concatenate(([0.0], np.geomspace(1e-4 * widest, widest, _ACROSS)))
-    # The highest asperities carry where smooth surfaces would be an rms height apart.
-    whole = cost.roughness(scene)[0]
-    axes = zip(semi_axes(scene), (scene.radius, scene.radius_across), strict=True)
-    length, width = (math.sqrt(axis**2 + radius * whole) for axis, radius in axes)
+    length, width = contact_axes(scene)
     q = np.hypot(length * along[:, None], width * across)
     pressure = 3 * (np.sin(q) - q * np.cos(q)) / q**3
     sides = [made.plane_density(law, along[:, None], side) for side in (across, -across)]

@@ -1,11 +1,12 @@
 """Sphere and plate of a scene as vibrating bodies, and their motion over a force law."""
 
+import math
 from functools import lru_cache, partial
 
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.radiation import Ball, ThinPlate
+from acoustics.radiation import Ball, HalfSpaceBody, ThinPlate
 from acoustics.rectangular_plate import RectangularPlate
 from rolling.contact import closed_forms
 from rolling.dynamics import drop
@@ -37,6 +38,18 @@ def plate(scene: Scene) -> ThinPlate | None:
         return None
     stiffness = p.youngs_modulus_gpa * 1e9 * thickness**3 / (12 * (1 - p.poissons_ratio**2))
     return ThinPlate(p.density_kg_m3 * thickness, stiffness, p.loss_factor or 0.0)
+
+
+def ground(scene: Scene) -> ThinPlate | HalfSpaceBody:
+    """Return the plate that bends, or the half-space where the scene gives no thickness."""
+    properties, bending = scene.plate, plate(scene)
+    if bending is not None:
+        return bending
+    assert properties.density_kg_m3 is not None  # dynamics needs it
+    # An incompressible half-space would carry compression at once, and radiate nothing.
+    nu = min(properties.poissons_ratio, 0.499)
+    stiffness = properties.youngs_modulus_gpa * 1e9 * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    return HalfSpaceBody(properties.density_kg_m3, math.sqrt(stiffness / properties.density_kg_m3))
 
 
 def thickness_m(scene: Scene) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.radiation import HalfSpaceBody
 from acoustics.wav import PEAK, SAMPLE_RATE_HZ
-from rolling.dynamics import _motion_kernels, drop
+from rolling.dynamics import _motion_kernels, drop, of_scene
 from rolling.dynamics._motion_kernels import LawTable
 from rolling.dynamics.bodies import half_space_mobility
 from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
@@ -23,7 +23,6 @@ from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
-from rolling.sound.radiators import ground
 from rolling.sound.vibration_sound import Vibration
 
 LARGEST = 300_000  # bytes of a law or a release on the page, in base64
@@ -64,7 +63,7 @@ def live_of(run: Run) -> Data | None:
         "listeners": [list(place) for place in scene.listeners] if ends else None,
         "hearBall": scene.sound.ball,
         "fullScale": peak / PEAK or 1.0,
-        "level": run.sound.levels.laeq_db,
+        "level": run.record_laeq_db,
     }
     data = _with_release(run, data) if vibration is None else _with_vibration(run, data, vibration)
     return data | {"remarks": _remarks(run, data.get("law") or data["energy"])}
@@ -148,7 +147,8 @@ def _with_vibration(run: Run, data: Data, vibration: Vibration) -> Data:
     if scene.rolling.load_n != WEIGHT:
         data["limits"]["load"] = [float(law.load_n[0]), float(law.load_n[-1])]
     data["fixed"]["shortestWave"] = wave
-    if isinstance(body := ground(scene), HalfSpaceBody):  # modulus of compression waves [Pa]
+    body = of_scene.ground(scene)
+    if isinstance(body, HalfSpaceBody):  # modulus of compression waves [Pa]
         data["fixed"]["compression"] = body.density_kg_m3 * body.compression_m_s**2
     closes = law.period_m is not None and not run.sound.has_seam
     return data | {"kind": "vibration", "law": stored_law(law, scene.load, closes)}

@@ -33,7 +33,7 @@ def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
     longs = [listening.recorded(run) for run in runs]
     heard = [long or run.sound for run, long in zip(runs, longs, strict=True)]
     levels = [
-        long.numbers["laeq_db"] if long else run.sound.levels.laeq_db
+        long.numbers["laeq_db"] if long else run.record_laeq_db
         for run, long in zip(runs, longs, strict=True)
     ]
     playbacks = gains([float(np.abs(record.channels).max()) for record in heard], levels)

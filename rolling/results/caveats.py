@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from acoustics.bands import OFF_DB
-from acoustics.numbers import rounded
+from acoustics.numbers import decibels_a, rounded
 from rolling.check import findings, resolution
-from rolling.dynamics.of_scene import BENT
+from rolling.dynamics.of_scene import BENT, NEAR_SPEEDS
 from rolling.marches.result import MovingRelease
 from rolling.results.run_errors import total_errors_db
 from rolling.results.sentences import say
@@ -71,7 +71,7 @@ def caveats(
             # A measured error of the grid, or a force, stands for its estimate before the run.
             if finding.warning
             and not (knows_grid and finding.key == resolution.KEY)
-            and not (vibration and finding.key in ("force_ratio", "impacts_yield"))
+            and not (vibration and finding.key in ("force_ratio", "impacts_yield", "comb"))
         }
         | _of_errors(scene, errors, knows_grid)
         | _of_vibration(scene, vibration)
@@ -239,6 +239,8 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
         texts["impacts"] = say("impacts", percent=percent, count=motion.impacts, s=s)
         if motion.flight_share == 1:
             texts["impacts"] += say("impacts.flight")
+    if vibration.is_mean_of_comb and scene.sound.source == "vibration":
+        texts["comb_mean"] = _comb_mean(vibration)
     repeats = not scene.is_smooth and scene.rolling.drop_mm is None
     if scene.track.closed and not motion.settled and repeats:
         texts["not_settled"] = say("not_settled")
@@ -251,3 +253,14 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
     if thickness is not None and (bent := 1e3 * np.ptp(motion.plate_m) / thickness) > BENT:
         texts["plate_deflection"] = say("plate_deflection", bent=bent, limit=BENT)
     return texts
+
+
+def _comb_mean(vibration: Vibration) -> str:
+    """Explain that LAeq is the mean over the comb, and how loud the record itself is."""
+    spread, record = vibration.spreads["comb"], decibels_a(vibration.levels.laeq_db)
+    return (
+        "comb: one undamped resonance decides the level of so short a track, so the LAeq that is "
+        f"stated is the mean over speeds within {100 * NEAR_SPEEDS:g} % and ± is the spread over "
+        f"them, {spread:.1f} dB; sound files, third octaves and the other levels belong to the "
+        f"one speed of the record, whose LAeq is {record} (record_laeq_db)"
+    )

@@ -130,6 +130,16 @@ class Run(RunFolder):
         """Number of times that the record holds the solved track, at least 1."""
         return max(1.0, self.result.steps / self.result.solved_steps)
 
+    @property
+    def record_laeq_db(self) -> float | None:
+        """LAeq of the record itself [dB].
+
+        It differs from the LAeq that is stated where this is the mean over a comb.
+        """
+        if self.vibration is not None and self.sound.source == "vibration":
+            return self.vibration.levels.laeq_db
+        return self.sound.levels.laeq_db
+
     @cached_property
     def long(self) -> Listening | None:
         """The record of `sound.listen_s` seconds; None where there is none, or a reason against."""

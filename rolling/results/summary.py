@@ -53,7 +53,7 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
     vibrates, law = sound.source == "vibration", _law(run)
     origins: dict[str, float | None] = {"record": sound.uncertainty.laeq_db}
     if vibration is not None and vibrates:
-        origins = {**vibration.spreads}
+        origins = {**vibration.parts}
         if (error := law.get("force_law_error_db")) is not None:
             origins["force_law"] = error
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
@@ -68,6 +68,7 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         "source": sound.source,
         "q": None if vibrates or scene.sound.gain_pa_per_w_m2 else scene.sound.q,
         **asdict(sound.levels),
+        "record_laeq_db": run.record_laeq_db,
         "steady_level_db": sound.steady_level,
         "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
@@ -242,7 +243,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration) -> dic
     share = plate and max(semi_axes(scene)) / of_scene.thickness_m(scene)
     mean = "compact_source_level_db" if edges is None else "hemisphere_mean_level_db"
     return {
-        **_difference(scene, release.levels, vibration.levels),
+        **_difference(scene, release.levels, vibration.stated_levels),
         **_fall(scene, motion),
         mean: compact_source_db(scene, vibration),
         **_listeners(scene, vibration),

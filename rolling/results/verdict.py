@@ -11,9 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ
+from acoustics.numbers import rounded
 from rolling.check import error_cost, resolution
 from rolling.check.finding import Finding, computing
 from rolling.check.findings import Findings
+from rolling.dynamics.comb import COMB_MOST_DB
+from rolling.dynamics.of_scene import NEAR_SPEEDS
 from rolling.results.sentences import say
 from rolling.scene.messages import table
 from rolling.scene.scene import Scene
@@ -146,14 +149,28 @@ def _record(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     if summary.get("source") != "vibration":
         keys = []  # the release has no such parts
     parts = [_sized(key, summary[key]) for key in keys if summary.get(key) is not None]
+    comb = summary.get("comb_spread_db") if keys else None
+    if comb is not None and comb > COMB_MOST_DB:
+        parts[0] = parts[0]._replace(text=_comb_text(comb))
     spread = summary.get("uncertainty_db", {}).get("laeq")
     if spread is not None:
-        others = sum(part.decibels**2 for part in parts if part.decibels)
-        parts.append(_sized("uncertainty", math.sqrt(max(spread**2 - others, 0.0))))
+        step = (summary.get("motion_step_error_db") or 0.0) if keys else 0.0
+        # Of the length of the record and its comb, only the larger is a part of the spread.
+        larger = math.sqrt(max(spread**2 - step**2, 0.0))
+        if comb is None or larger > comb:
+            parts.append(_sized("uncertainty", larger))
         together = _sized("laeq_uncertainty", spread)
         if all(together.rank[0] > part.rank[0] for part in parts):
             parts.append(together)
     return parts
+
+
+def _comb_text(spread: float) -> str:
+    """Say that a sharp resonance decides the level of a short track."""
+    return (
+        "the track is so short that one undamped resonance decides the level: at speeds within "
+        f"{100 * NEAR_SPEEDS:g} % LAeq lies {rounded(spread)} dB (rms) from the mean that is stated"
+    )
 
 
 def _grid(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:

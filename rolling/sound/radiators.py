@@ -7,20 +7,21 @@ describe the bodies: a steel sphere on a steel plate of 10 mm replaces missing o
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from acoustics import level, wav
 from acoustics.arrays import Array
-from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, third_octave_mean_square
+from acoustics.bands import EDGES_HZ, third_octave_mean_square
 from acoustics.numbers import rounded
-from acoustics.radiation import Body, HalfSpaceBody, ThinPlate, axis_transfer
+from acoustics.radiation import Body, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power
 from acoustics.spectrum import audible_lines
 from acoustics.weighting import a_weighting_db
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
+from rolling.dynamics.comb import Comb, speeds_of_comb, spread_db
 from rolling.dynamics.force_law import ForceLaw
 from rolling.scene.library import NONE
 from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA, STEEL_POISSON
@@ -32,12 +33,12 @@ from rolling.sound.error_estimate import Gain
 
 def sources(scene: Scene) -> list[Body]:
     """Return the bodies that are heard."""
-    return [ground(scene), *([of_scene.ball(scene)] if scene.sound.ball else [])]
+    return [of_scene.ground(scene), *([of_scene.ball(scene)] if scene.sound.ball else [])]
 
 
 def powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
     """Return the sound power [W] of plate and sphere in third octaves."""
-    body, rate = ground(scene), wav.SAMPLE_RATE_HZ
+    body, rate = of_scene.ground(scene), wav.SAMPLE_RATE_HZ
     of_ball = band_power(force, rate, of_scene.ball(scene))
     plate = np.full(len(of_ball), np.nan)
     if (rectangle := of_scene.rectangular_plate(scene)) is not None:
@@ -50,18 +51,6 @@ def powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
             plate[EDGES_HZ[1:] > body.critical_hz] = np.nan
     known = known_bands(highest)
     return np.where(known, plate, np.nan), np.where(known, of_ball, np.nan)
-
-
-def ground(scene: Scene) -> ThinPlate | HalfSpaceBody:
-    """Return the plate that bends, or the half-space where the scene gives no thickness."""
-    plate, bending = scene.plate, of_scene.plate(scene)
-    if bending is not None:
-        return bending
-    assert plate.density_kg_m3 is not None  # dynamics needs it
-    # An incompressible half-space would carry compression at once, and radiate nothing.
-    nu = min(plate.poissons_ratio, 0.499)
-    stiffness = plate.youngs_modulus_gpa * 1e9 * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-    return HalfSpaceBody(plate.density_kg_m3, math.sqrt(stiffness / plate.density_kg_m3))
 
 
 def known_bands(highest: float) -> Array:
@@ -88,59 +77,38 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
     return gain
 
 
-BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
-_SPEEDS = (60, 1000)  # minimum and maximum number of speeds
-_MAX_LINES = 200_000  # lines of all speeds, unless the minimum has more
-
-
-class Comb(NamedTuple):
-    """Levels of a looped record over speeds within 3 %, by the linear chain."""
-
-    spread_db: float  # rms difference of LAeq from the level of the mean power
-    mean_laeq_db: float | None  # level of the mean power
-
-
 def comb(scene: Scene, law: ForceLaw, chain: Chain) -> Comb | None:
-    """Return the levels over other speeds; None where a resonance holds several lines.
-
-    The force of a lap has lines, and a sharp resonance falls on a line or between two: that of the
-    sphere on its contact, or a mode of the plate at the frequency that halves the power.
-    """
+    """Return the levels over other speeds; None where a resonance holds several lines."""
     if law.period_m is None:
         return None
-    spacing = scene.motion.fastest(scene.duration) / law.period_m
     approach = law.approach(law.position_m, scene.load)
     lines: Array = 2 * np.square(np.abs(np.fft.rfft(approach)[1:] / len(approach)))
-    order = np.arange(1, len(lines) + 1)
     gain = roughness_gain(scene, chain)
 
-    def powers(ratio: float) -> tuple[Array, Array, Array]:
-        """Return frequencies, mean squares and A-weighted gains of lines at a ratio of speeds."""
-        frequency = np.asarray(order * (spacing * ratio), dtype=float)
-        audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-        frequency = frequency[audible]
-        weights: Array = 10 ** (a_weighting_db(frequency) / 10) * gain(frequency)
-        return frequency, lines[audible], weights
+    def weighted(frequency: Array) -> Array:
+        """Return the A-weighted gain of lines."""
+        return np.asarray(10 ** (a_weighting_db(frequency) / 10) * gain(frequency))
 
-    quality, middle, most = chain.quality, chain.resonance_hz, _SPEEDS[1]
-    if chain.modes is not None:
-        frequency, squares, weights = powers(1.0)
-        passed = np.cumsum(squares * weights)
-        if not len(passed) or not passed[-1] > 0:
-            return None
-        middle = float(frequency[np.searchsorted(passed, passed[-1] / 2)])
-        quality = 1 / (scene.plate.loss_factor or 1.0)
-        most = max(_SPEEDS[0], min(most, _MAX_LINES // len(passed)))
-    if middle / quality > BROAD * spacing:
+    speeds = speeds_of_comb(
+        chain=chain,
+        lines=lines,
+        line_hz=scene.motion.fastest(scene.duration) / law.period_m,
+        loss_factor=scene.plate.loss_factor or 0.0,
+        gain=weighted,
+    )
+    if speeds is None:
         return None
-    count = int(np.clip(16 * of_scene.NEAR_SPEEDS * quality, _SPEEDS[0], most))
-    ratios = np.linspace(1 - of_scene.NEAR_SPEEDS, 1 + of_scene.NEAR_SPEEDS, count)
-    sums = [float(squares @ weights) for _, squares, weights in map(powers, ratios)]
-    mean = float(np.mean(sums))
-    if not min(sums) > 0:  # no line is heard
+    bands = np.array(
+        [third_octave_mean_square(at.frequency_hz, lines[at.audible] * at.gain) for at in speeds]
+    )
+    sums = bands.sum(axis=1)
+    if not sums.min() > 0:  # no line is heard
         return None
-    spread = np.sqrt(np.mean(np.square(10 * np.log10(np.array(sums) / mean))))
-    return Comb(float(spread), level.level_db(mean))
+    return Comb(
+        spread_db=spread_db(sums),
+        mean_laeq_db=level.level_db(float(sums.mean())),
+        band_spread_db=np.array([spread_db(band) for band in bands.T]),
+    )
 
 
 THICKNESS_MM = 10.0

@@ -17,6 +17,7 @@ from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import RHO_C, pressure_on_axis
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
+from rolling.dynamics.comb import COMB_MOST_DB, Comb
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import MAX_STEPS, BodyMotion
 from rolling.scene.scene import Scene
@@ -54,9 +55,9 @@ class Vibration:
     pressures : (listeners, samples) array, Pa
         Sound pressure of sphere and plate.
     levels : SoundLevels, dB
-        Levels at the first listener.
+        Levels of the record at the first listener.
     uncertainty : LevelUncertainty, dB
-        Uncertainty of the levels from all parts in `spreads`.
+        Uncertainty of these levels, see `parts`.
     spreads : dict, dB
         Known parts of the uncertainty of LAeq: record, comb and time_step.
     mean_laeq : float or None, dB
@@ -96,12 +97,39 @@ class Vibration:
     __repr__ = short_repr
 
     @property
+    def parts(self) -> dict[str, float]:
+        """Parts of the uncertainty of LAeq [dB] whose squares add up, by their origin.
+
+        The lines next to a sharp resonance are strong or weak by chance. This spreads the level
+        over speeds as it does over seeds, so record and comb overlap, and the larger counts. The
+        mean over the comb has no part from the record.
+        """
+        parts = dict(self.spreads)
+        if "record" in parts and "comb" in parts:
+            comb_counts = self.is_mean_of_comb or parts["comb"] > parts["record"]
+            del parts["record" if comb_counts else "comb"]
+        return parts
+
+    @property
+    def is_mean_of_comb(self) -> bool:
+        """True if the comb spreads LAeq by more than 3 dB: its mean is the level that is stated."""
+        spread = self.spreads.get("comb", 0.0)
+        return spread > COMB_MOST_DB and self.mean_laeq is not None
+
+    @property
+    def stated_levels(self) -> level.SoundLevels:
+        """Levels of the record, with the mean over the comb for LAeq if `is_mean_of_comb`."""
+        if not self.is_mean_of_comb:
+            return self.levels
+        return replace(self.levels, laeq_db=self.mean_laeq)
+
+    @property
     def pressure(self) -> Array:
         """Sound pressure [Pa] at the first listener."""
         return np.asarray(self.pressures[0])
 
     def listener_levels(self) -> list[level.SoundLevels]:
-        """Return the levels at each listener."""
+        """Return the levels of the record at each listener."""
         record = wav.SAMPLE_RATE_HZ, self.highest, self.closed
         rest = [level.sound_levels(pressure, *record) for pressure in self.pressures[1:]]
         return [self.levels, *rest]
@@ -165,7 +193,8 @@ def vibrate(
         spread = spread.mapped(lambda _: 0.0 if spreads else None)
     plate_power, ball_power = powers(scene, force, highest)
     vibrating = motion, law, chain, scene.load, closed, highest, force, pressures
-    loudness = levels, _joined(spread, spreads, chain), spreads, lines and lines.mean_laeq_db
+    joined = _joined(spread, spreads, chain, lines)
+    loudness = levels, joined, spreads, lines and lines.mean_laeq_db
     return Vibration(*vibrating, *loudness, plate_power, ball_power, once)
 
 
@@ -212,21 +241,35 @@ def _step_error(
 
 
 def _joined(
-    spread: uncertainty.LevelUncertainty, spreads: dict[str, float], chain: Chain
+    spread: uncertainty.LevelUncertainty,
+    spreads: dict[str, float],
+    chain: Chain,
+    lines: Comb | None,
 ) -> uncertainty.LevelUncertainty:
     """Return uncertainties [dB] of the record joined with the other parts of LAeq's.
 
-    They widen the levels of the whole and of the third octave that holds the resonance, or of all
-    third octaves on a plate with modes.
+    The comb widens the levels of the whole, and each third octave by its own comb. The time steps
+    widen the levels of the whole and the third octave that holds the resonance, or all third
+    octaves on a plate with modes.
     """
-    other = math.hypot(*(db for name, db in spreads.items() if name != "record"))
-    wider = spread.mapped(lambda db: math.hypot(db, other))
-    if chain.modes is not None:
-        return wider
-    widest = len(BAND_NAMES) - 1
-    band = BAND_NAMES[min(int(np.searchsorted(EDGES_HZ[1:], chain.resonance_hz)), widest)]
-    bands = spread.third_octave_db | {band: wider.third_octave_db[band]}
-    return replace(wider, third_octave_db=bands)
+    comb_db, step_db = spreads.get("comb", 0.0), spreads.get("time_step", 0.0)
+    whole = spread.mapped(lambda db: math.hypot(max(db, comb_db), step_db))
+    in_step = set(BAND_NAMES)
+    if chain.modes is None:
+        widest = len(BAND_NAMES) - 1
+        of_resonance = min(int(np.searchsorted(EDGES_HZ[1:], chain.resonance_hz)), widest)
+        in_step = {BAND_NAMES[of_resonance]}
+    bands: dict[str, float | None] = {}
+    for k, (name, db) in enumerate(spread.third_octave_db.items()):
+        if db is not None and lines is not None:
+            db = max(db, float(lines.band_spread_db[k]))
+        if db is not None and name in in_step:
+            db = math.hypot(db, step_db)
+        bands[name] = db
+    joined = replace(whole, third_octave_db=bands)
+    if comb_db > COMB_MOST_DB:  # the level is the mean over the comb, whatever the record is
+        joined = replace(joined, laeq_db=math.hypot(comb_db, step_db))
+    return joined
 
 
 def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
@@ -254,7 +297,7 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
         factor=None,
         closed=vibrating.closed,
         once=vibrating.once,
-        levels=vibrating.levels,
+        levels=vibrating.stated_levels,
         uncertainty=vibrating.uncertainty,
         steady_level=None,
         steady_uncertainty=None,

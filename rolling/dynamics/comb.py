@@ -1,0 +1,85 @@
+"""Comb of a looped record: the levels of the lines of a lap at speeds that differ a little.
+
+The force of a lap has lines, and a sharp resonance falls on a line or between two: that of the
+sphere on its contact, or a mode of the plate at the frequency that halves the power.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from acoustics.arrays import Array
+from acoustics.bands import AUDIBLE_HZ
+from rolling.dynamics.bodies import Chain
+from rolling.dynamics.of_scene import NEAR_SPEEDS
+
+BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
+COMB_MOST_DB = 3.0  # spread from which on a level is the mean over the comb
+FEWEST_SPEEDS, MOST_SPEEDS = 60, 1000
+_MAX_LINES = 200_000  # lines of all speeds, unless the minimum has more
+
+
+class LinesAtSpeed(NamedTuple):
+    """Audible lines of a lap at one speed."""
+
+    frequency_hz: Array  # (lines,)
+    audible: NDArray[np.bool_]  # (all lines,) which of the lines of a lap they are
+    gain: Array  # (lines,) from mean square of a line to A-weighted power
+
+
+class Comb(NamedTuple):
+    """Levels of a looped record over speeds within 3 %, by the linear chain."""
+
+    spread_db: float  # rms difference of LAeq from the level of the mean power
+    mean_laeq_db: float | None  # level of the mean power
+    band_spread_db: Array  # (31,) as `spread_db`; 0 where a band is silent at one of the speeds
+
+
+def speeds_of_comb(
+    chain: Chain,
+    lines: Array,
+    line_hz: float,
+    loss_factor: float,
+    gain: Callable[[Array], Array],
+    most_speeds: int = MOST_SPEEDS,
+) -> Iterator[LinesAtSpeed] | None:
+    """Return the lines at speeds within 3 %; None where the resonance holds several lines.
+
+    `lines` (n,) are mean squares of the lines of a lap, `line_hz` apart at the speed of the scene,
+    and `gain` turns them into A-weighted power. `loss_factor` is that of a plate with modes.
+    There are 60 speeds, or more for a sharper resonance, up to `most_speeds`.
+    """
+    order = np.arange(1, len(lines) + 1)
+
+    def at_speed(ratio: float) -> LinesAtSpeed:
+        """Return the lines at a ratio of speeds."""
+        frequency = np.asarray(order * (line_hz * ratio), dtype=float)
+        audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
+        return LinesAtSpeed(frequency[audible], audible, gain(frequency[audible]))
+
+    quality, middle, most = chain.quality, chain.resonance_hz, most_speeds
+    if chain.modes is not None:
+        own = at_speed(1.0)
+        passed = np.cumsum(lines[own.audible] * own.gain)
+        if not len(passed) or not passed[-1] > 0:
+            return None
+        middle = float(own.frequency_hz[np.searchsorted(passed, passed[-1] / 2)])
+        quality = 1 / (loss_factor or 1.0)
+        most = min(most, max(FEWEST_SPEEDS, _MAX_LINES // len(passed)))
+    if middle / quality > BROAD * line_hz:
+        return None
+    count = int(np.clip(16 * NEAR_SPEEDS * quality, min(FEWEST_SPEEDS, most), most))
+    ratios = np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count)
+    return (at_speed(float(ratio)) for ratio in ratios)
+
+
+def spread_db(powers: Array) -> float:
+    """Return the rms difference of levels from the level of their mean power [dB].
+
+    It is 0 where a power is missing: a band that holds a single line may lose it.
+    """
+    if not powers.min() > 0:
+        return 0.0
+    return float(np.sqrt(np.mean(np.square(10 * np.log10(powers / powers.mean())))))
