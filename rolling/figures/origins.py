@@ -113,7 +113,7 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
     Raises
     ------
     ValueError
-        The record has less than two turns at a constant speed.
+        The record has less than two turns at a constant speed, or is silent.
 
     Examples
     --------
@@ -131,7 +131,8 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
     facts = [
         *distance_and_duration([run]),
         f"Hilbert envelope of {low:.0f} to {high:.0f} Hz, the octave where turns stand out most",
-        f"they are {rounded(run.summary['turn_prominence'])} times the median; noise has 1 to 3",
+        f"its multiples have {rounded(run.summary['turn_prominence'])} times the floor under them;"
+        " noise has 1 to 3 times",
         f"{rounded(turn_hz, 4)} turns per second",
     ]
     return finish(ax, f"Modulation: {run.title}", facts)
@@ -140,7 +141,8 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
 def modulation_table(run: Run) -> pd.DataFrame:
     """Tabulate the modulation [-] of the octave of the turns over frequency [Hz]."""
     if not run.summary.get("turn_band_hz"):
-        raise ValueError(f"{run.title}: has less than two turns of a sphere with a surface")
+        reason = run.summary.get("turn_reason") or "its sphere has no surface"
+        raise ValueError(f"{run.title}: has no modulation by turns of the sphere: {reason}")
     (low, high), sound = run.summary["turn_band_hz"], run.sound
     spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, (low, high), sound.closed)
     table = pd.DataFrame({"frequency_hz": spectrum.frequency_hz, "modulation": spectrum.modulation})

@@ -21,6 +21,7 @@ from rolling.sound.vibration_sound import Vibration
 
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 HEADLINE, REPEATS = ROLES["headline"], ROLES["repeats"]
+TURNS = "turns_unknown"
 STANDING = HEADLINE + REPEATS + ROLES["elsewhere"]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import bracketed, decibels_a
-from rolling.results.caveats import HEADLINE, REPEATS, gathered, warnings
+from rolling.results.caveats import HEADLINE, REPEATS, TURNS, gathered, warnings
 from rolling.results.labels import labels
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
@@ -276,7 +276,7 @@ def verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, s
 
 
 def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
-    """Write the caveats of the levels, the surfaces, the short repetitions and the warnings."""
+    """Write the caveats of the levels, the surfaces, the notes and the warnings."""
     remarks = gathered(runs)
     beside = [caveat.line for caveat in remarks if caveat.key in HEADLINE]
     summaries = [summary for _, summary in runs]
@@ -291,12 +291,13 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     levelled = filter(None, (summary["levelling"] for summary in summaries))
     tilted = (x["text"] for x in levelled if x["slope_along"] or x["slope_across"])
     tilts = [f"tilt: {text}" for text in dict.fromkeys(tilted)]
-    repeats = [f"note: {caveat.line}" for caveat in remarks if caveat.key in REPEATS]
+    noted = [*REPEATS, TURNS]
+    notes = [f"note: {caveat.line}" for caveat in remarks if caveat.key in noted]
     ranked = [f"warning: {caveat.line}" for caveat in warnings(runs)]
     if (more := len(ranked) - MAX_WARNINGS) > 0:
         others = f"{more} more warning{'s' * (more > 1)}"
         ranked[MAX_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
-    lines = (" ".join(beside), "", *surfaces, *steps, *tilts, *repeats, *ranked)
+    lines = (" ".join(beside), "", *surfaces, *steps, *tilts, *notes, *ranked)
     return [wrapped(line) for line in lines]
 
 

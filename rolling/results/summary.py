@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 import subprocess
 from collections.abc import Iterator
@@ -18,7 +19,8 @@ import rolling
 from acoustics import loudness, uncertainty, wav
 from acoustics.arrays import Array
 from acoustics.level import SoundLevels, level_db
-from acoustics.modulation import envelope_spectrum, modulated_octave
+from acoustics.modulation import MIN_PERIODS, envelope_spectrum, modulated_octave
+from acoustics.numbers import rounded
 from rolling.check import cost, heights
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.motion import BodyMotion
@@ -27,7 +29,7 @@ from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result
 from rolling.results import verdict
-from rolling.results.caveats import caveats
+from rolling.results.caveats import TURNS, caveats
 from rolling.results.run_errors import error_numbers, known, known_bands
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
@@ -40,7 +42,6 @@ from rolling.terminal import program
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
 
-MIN_TURNS = 2.0  # of a record whose modulation by the turns is judged
 _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
 
 
@@ -99,6 +100,9 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         **(_estimate(scene, result, release) if scene.dynamics is None else {}),
     }
     summary["caveats"] = caveats(scene, sound, errors, vibration, moving)
+    if reason := summary.get("turn_reason"):
+        text = f"Turns of the sphere: nobody can tell whether they are heard, because {reason}."
+        summary["caveats"].append({"key": TURNS, "text": text})
     return summary | {"verdict": verdict.verdict(summary, scene)}
 
 
@@ -191,19 +195,52 @@ def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str
     if not track.turn_nodes or surface.part_ra is None:
         return {}
     plate_ra, ball_ra = surface.part_ra
-    numbers = {"turns": track.turns, "plate_ra_m": plate_ra, "ball_ra_m": ball_ra}
     turn_hz = track.turns / sound.duration if constant else None
-    if turn_hz is None or track.turns < MIN_TURNS or sound.levels.laeq_db is None:
-        return numbers | {"turn_hz": turn_hz, "turn_modulation": None, "turn_band_hz": None}
-    record = sound.pressure, sound.sample_rate
-    band = modulated_octave(*record, turn_hz, sound.closed)
-    spectrum = envelope_spectrum(*record, band, sound.closed)
-    return numbers | {
+    numbers = {
+        "turns": track.turns,
+        "plate_ra_m": plate_ra,
+        "ball_ra_m": ball_ra,
         "turn_hz": turn_hz,
-        "turn_modulation": spectrum.at(turn_hz),
-        "turn_prominence": spectrum.prominence(turn_hz),
-        "turn_band_hz": list(spectrum.band_hz),
+        "turn_modulation": None,
+        "turn_prominence": None,
+        "turn_band_hz": None,
     }
+    if sound.levels.laeq_db is None:
+        return numbers | {"turn_reason": "the record is silent"}
+    if sound.once:
+        reason = "the sphere falls, and does not roll over the same places again and again"
+        return numbers | {"turn_reason": reason}
+    if turn_hz is None:
+        return numbers | {"turn_reason": "the speed changes, so the turns have no single frequency"}
+    record = sound.pressure, sound.sample_rate
+    band = modulated_octave(*record, turn_hz, sound.closed, sound.fade)
+    spectrum = envelope_spectrum(*record, band, sound.closed, sound.fade)
+    prominence = spectrum.prominence(turn_hz)
+    if prominence is None:
+        return numbers | {"turn_reason": _unknown_prominence(scene, turn_hz)}
+    return numbers | {
+        "turn_modulation": spectrum.at(turn_hz),
+        "turn_prominence": prominence,
+        "turn_band_hz": list(spectrum.band_hz),
+        "turn_reason": None,
+    }
+
+
+def _unknown_prominence(scene: Scene, turn_hz: float) -> str:
+    """Explain why nobody can tell whether a record at constant speed repeats with the turns."""
+    turns, turn = scene.track.turns, scene.track.turn_nodes * scene.track.spacing
+    if turns < MIN_PERIODS:
+        least_mm = math.ceil(MIN_PERIODS * turn * 1e4) / 10
+        return (
+            f"the record has {rounded(turns, 3)} turns of the sphere, and whether its sound repeats"
+            f" with them can be told from {MIN_PERIODS} turns on; choose a rolling.distance_mm of"
+            f" at least {least_mm:g}"
+        )
+    return (
+        f"the octaves that are heard are narrower than six times the {turn_hz:.0f} turns per"
+        " second, so their envelopes have no room for the lines of a turn; choose a lower"
+        " rolling.speed_m_s"
+    )
 
 
 def _moving(result: Result, moving: MovingRelease) -> dict[str, Any]:

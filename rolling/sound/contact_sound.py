@@ -180,6 +180,18 @@ class ContactSound:
         return crossfaded_lap(self.pressure, ends, self.sample_rate)
 
     @property
+    def fade(self) -> Array:
+        """Factor [-] by which the record is faded at each sample, 1 where it is not."""
+        samples = len(self.pressure)
+        if self.closed:
+            return np.ones(samples)
+        ends = fade_length(samples, self.duration)
+        share = resampling.fade(np.ones(samples), ends)
+        if self.once:  # it begins in silence
+            share[: samples // 2] = 1.0
+        return share
+
+    @property
     def unlike_noise(self) -> str:
         """Reason why noise with the same spectrum cannot stand for the record; empty if it can."""
         if not self.pressure.any():

@@ -129,9 +129,28 @@ def test_a_pit_of_the_ball_ticks_once_per_turn() -> None:
         assert spectrum.at(multiple * turn_hz) > 10 * about
     assert run.summary["turn_modulation"] == spectrum.at(turn_hz)
     assert run.summary["turn_prominence"] == spectrum.prominence(turn_hz) > 10
+    assert run.summary["turn_reason"] is None
     alone = scene.with_({"sphere.surface.faults": None})
     plain = with_sound(RunFolder({}, alone, alone.folder), "round", march_all(alone))
     assert plain.summary["turn_prominence"] < 5
+
+
+@pytest.mark.parametrize("turns", [1.5, 2.0, 2.5, 3 - 1 / TURN, 3.0])
+def test_a_pit_is_heard_from_two_turns_on(turns: float) -> None:
+    """A node more or less changes neither the octave nor the judgement; less tells nothing."""
+    pit = {"kind": "pit", "at_mm": [0.2, 0], "size_um": 12, "depth_um": 0.1}
+    law = {**ROUGH, "roughness_ra_um": 0.002, "spacing_um": 2, "width_um": 32}
+    ball = {"kind": "smooth", "faults": [pit]}
+    scene = small_ball(f"rolling.distance_mm={turns * 0.628:.3f}", **ball).with_(surface=law)
+    run = with_sound(RunFolder({}, scene, scene.folder), "pit", march_all(scene))
+    assert run.summary["turns"] == pytest.approx(turns)
+    if turns < 2:
+        assert run.summary["turn_prominence"] is run.summary["turn_band_hz"] is None
+        assert "distance_mm of at least 1.3" in run.summary["turn_reason"]
+        assert "turns_unknown" in [caveat["key"] for caveat in run.summary["caveats"]]
+    else:
+        assert run.summary["turn_prominence"] > 10
+        assert run.summary["turn_band_hz"] == pytest.approx([4466.8, 8912.5], abs=0.1)
 
 
 @pytest.mark.parametrize("grade", GRADES)
