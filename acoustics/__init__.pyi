@@ -9,6 +9,8 @@ from acoustics.bands import band_uncertainty_db as band_uncertainty_db
 from acoustics.bands import reliable as reliable
 from acoustics.bands import third_octave_mean_square as third_octave_mean_square
 from acoustics.level import SoundLevels as SoundLevels
+from acoustics.level import is_single_event as is_single_event
+from acoustics.level import lae_db as lae_db
 from acoustics.level import laeq_db as laeq_db
 from acoustics.level import level_db as level_db
 from acoustics.level import sound_levels as sound_levels

@@ -25,6 +25,11 @@ _SILENCE = 1e-280
 
 _PEAK_OVERSAMPLING = 8
 
+# A record is a single event if most of its energy falls into a small share of its time. Noise of any
+# length has this energy in nearly as large a share of the time.
+_MOST_ENERGY = 0.9
+_EVENT_SHARE = 0.2
+
 # IEC 61672-1:2013, 5.8: time constants of the time weightings F and S.
 FAST_S = 0.125
 SLOW_S = 1.0
@@ -141,6 +146,87 @@ def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     74.84
     """
     return level_db(a_weighted_rms(pressure_pa, sample_rate_hz) ** 2)
+
+
+def lae_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
+    """Return the A-weighted sound exposure level LAE of the whole record, or None for silence.
+
+    It is the level that the energy of the record would have if it lasted for one second: LAeq plus
+    10 lg of the duration in seconds. Silence before or after an event does not change it, so events
+    in records of different lengths are compared by it.
+
+    Parameters
+    ----------
+    pressure_pa : array (n,), Pa
+        Sound pressure; the record closes on itself or is faded.
+    sample_rate_hz : float, Hz
+        Sample rate.
+
+    Returns
+    -------
+    float or None, dB re (20 uPa)^2 s
+
+    Raises
+    ------
+    ValueError
+        As `acoustics.spectrum.checked_record`.
+
+    References
+    ----------
+    IEC 61672-1:2013, 3.12; ISO 1996-1:2016, 3.1.8.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import lae_db
+    >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(4800) / 48000)  # 0.1 s of 1 Pa rms
+    >>> round(lae_db(tone, 48000), 2), round(lae_db(np.append(tone, np.zeros(4800)), 48000), 2)
+    (83.98, 83.98)
+    """
+    mean_square = a_weighted_rms(pressure_pa, sample_rate_hz) ** 2
+    return level_db(mean_square * len(pressure_pa) / sample_rate_hz)
+
+
+def is_single_event(pressure_pa: Array, sample_rate_hz: float) -> bool:
+    """Tell whether a record holds a single event, such as a knock, and little besides.
+
+    It does if 90 % of its A-weighted energy falls into a fifth of its duration or less. Noise needs
+    nearly 90 % of the time for it, and a few equal knocks all the time between them.
+
+    Parameters
+    ----------
+    pressure_pa : array (n,), Pa
+        Sound pressure; the record closes on itself or is faded.
+    sample_rate_hz : float, Hz
+        Sample rate.
+
+    Returns
+    -------
+    bool. False for silence.
+
+    Raises
+    ------
+    ValueError
+        As `acoustics.spectrum.checked_record`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import is_single_event
+    >>> t = np.arange(4800) / 48000
+    >>> tone = np.sin(2 * np.pi * 1000 * t)
+    >>> is_single_event(tone * np.exp(-t / 0.005), 48000), is_single_event(tone, 48000)
+    (True, False)
+    """
+    record = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
+    energy = np.concatenate(([0.0], np.cumsum(np.square(a_weighted(record, sample_rate_hz)))))
+    most = _MOST_ENERGY * energy[-1]
+    if not most > 0.0:
+        return False
+    # From each sample on, the first sample at which most of the energy has passed.
+    ends = np.searchsorted(energy, energy + most)
+    lengths = (ends - np.arange(len(energy)))[ends < len(energy)]
+    return bool(lengths.min(initial=len(record)) <= _EVENT_SHARE * len(record))
 
 
 def a_weighted_rms(pressure_pa: Array, sample_rate_hz: float) -> float:

@@ -1,4 +1,8 @@
-"""Loudness and sharpness of a steady sound by the package mosqito, which is imported on use."""
+"""Loudness and sharpness of a sound by the package mosqito, which is imported on use.
+
+A steady sound has one loudness. The loudness of another sound changes in time; N5, which it exceeds
+for 5 % of the time, is what listeners judge it by (Zwicker and Fastl).
+"""
 
 import math
 from dataclasses import dataclass
@@ -13,6 +17,16 @@ MIN_RATE_HZ = 48000  # mosqito would resample lower rates
 # The filters of the lowest bands (25 Hz, 5.8 Hz wide) settle in 0.2 s; a loop is played long enough
 # to make that negligible.
 _PLAYED_S = 4.0
+
+# ISO 532-1:2017, method 2, is defined at this rate.
+_VARYING_RATE_HZ = 48000
+# [s] for which a loop is played for its loudness in time. The second half is judged, in which the
+# filters have settled.
+_PLAYED_IN_TIME_S = 2.0
+# [s] of silence after an open record, in which the loudness of its end rises and fades.
+_AFTER_S = 0.2
+_FRAME_S = 0.002  # of mosqito's loudness in time
+_N5_PERCENTILE = 95.0
 
 
 @dataclass(frozen=True)
@@ -79,3 +93,80 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
         return Loudness(0.0, None)
     acum = sharpness_din_from_loudness(sone, specific, weighting="din")
     return Loudness(float(sone), float(acum))
+
+
+@dataclass(frozen=True)
+class VaryingLoudness:
+    """Loudness of a record that changes in time.
+
+    Both are None where the method does not hold: if a third octave up to 250 Hz exceeds 120 dB, or
+    if a record that does not close is shorter than 2 ms.
+
+    Parameters
+    ----------
+    n5_sone : float or None, sone. N5, which is exceeded for 5 % of the record; 0 for silence.
+    max_sone : float or None, sone. Maximum, which an event at the end of the record may reach after
+        it.
+    """
+
+    n5_sone: float | None
+    max_sone: float | None
+
+
+def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> VaryingLoudness:
+    """Compute the loudness of a record that changes in time with mosqito.
+
+    The sound field at the listener is free, and the sound comes from the front to both ears.
+
+    Parameters
+    ----------
+    pressure_pa : array (n,), Pa. Calibrated sound pressure.
+    sample_rate_hz : float, Hz. Sample rate, 48 kHz.
+    closed : bool. If true, the record is looped for at least 2 s, and the second half is judged.
+        Otherwise it is read once, with silence before and after it.
+
+    Returns
+    -------
+    VaryingLoudness
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If mosqito is not installed.
+    ValueError
+        As `acoustics.spectrum.checked_record`, or for another sample rate.
+
+    References
+    ----------
+    ISO 532-1:2017, method 2, for time-varying sounds; H. Fastl and E. Zwicker, Psychoacoustics, 3rd
+    ed., Springer 2007, 8.7, for N5.
+    """
+    from mosqito.sq_metrics import loudness_zwtv
+
+    record = checked_record(pressure_pa, sample_rate_hz)
+    if sample_rate_hz != _VARYING_RATE_HZ:
+        needed = f"a sample rate of {_VARYING_RATE_HZ} Hz"
+        raise ValueError(f"loudness in time needs {needed}, got {sample_rate_hz:g}")
+    # the onset of a mean would be heard as a bang
+    fluctuation = record - np.mean(record)
+    if not np.any(fluctuation):
+        return VaryingLoudness(0.0, 0.0)
+    duration = len(record) / sample_rate_hz
+    if closed:
+        rounds = max(2, math.ceil(_PLAYED_IN_TIME_S / duration))
+        played = np.tile(fluctuation, rounds)
+        first_s, last_s = (rounds // 2) * duration, rounds * duration
+    else:
+        played = np.append(fluctuation, np.zeros(round(_AFTER_S * sample_rate_hz)))
+        first_s, last_s = 0.0, duration
+    try:
+        sone, *_ = loudness_zwtv(played, int(sample_rate_hz), field_type="free")
+    except ValueError:  # the method does not hold
+        return VaryingLoudness(None, None)
+    in_record = sone[round(first_s / _FRAME_S) : round(last_s / _FRAME_S)]
+    if not len(in_record):
+        return VaryingLoudness(None, None)
+    heard = in_record if closed else sone
+    return VaryingLoudness(
+        n5_sone=float(np.percentile(in_record, _N5_PERCENTILE)), max_sone=float(heard.max())
+    )

@@ -18,7 +18,7 @@ import numpy as np
 import rolling
 from acoustics import loudness, uncertainty, wav
 from acoustics.arrays import Array
-from acoustics.level import SoundLevels, level_db
+from acoustics.level import SoundLevels, is_single_event, lae_db, level_db
 from acoustics.modulation import MIN_PERIODS, envelope_spectrum, modulated_octave
 from acoustics.numbers import rounded
 from rolling.check import cost, heights
@@ -42,6 +42,8 @@ from rolling.terminal import program
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
 
+STEADY_S = 1.0  # [s] of a record that does not close, from which on its loudness is that of a tone
+_ROUNDING_DB = 1e-6
 _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
 
 
@@ -59,6 +61,7 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
             origins["force_law"] = error
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
     del spreads["third_octave"]
+    spreads["lae"] = spreads["laeq"]  # they differ by the duration, which is known
     repeats = not vibrates or bool(vibration and vibration.motion.settled)
     laps = result.steps / result.solved_steps if repeats else 1.0
     errors = error_numbers(run, origins)
@@ -68,14 +71,14 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         "steps": result.steps,
         "source": sound.source,
         "q": None if vibrates or scene.sound.gain_pa_per_w_m2 else scene.sound.q,
-        **asdict(sound.levels),
+        **_levels(sound),
         "record_laeq_db": run.record_laeq_db,
         "steady_level_db": sound.steady_level,
         "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
         "record_scatter_db": record_scatter(sound.pressure, laps),
         **errors,
-        **_loudness(scene, sound),
+        **_loudness(scene, sound, vibration),
         "duration_s": sound.duration,
         "loops": sound.loops,
         "highest_frequency_hz": sound.highest,
@@ -144,12 +147,54 @@ def _commit() -> str | None:
     return done.stdout.strip() or None
 
 
-def _loudness(scene: Scene, sound: ContactSound) -> dict[str, float | None]:
-    """Compute loudness and sharpness if the scene requests them."""
+def _levels(sound: ContactSound) -> dict[str, Any]:
+    """Return the levels of a record, and whether it is a single event.
+
+    An open record begins in silence. If it ends before the time weighting has risen to LAeq, its
+    maximum with this weighting says how short it is, and nothing of the sound.
+    """
+    levels = asdict(sound.levels)
+    for key in ("laf_max_db", "las_max_db"):
+        maximum, laeq = levels[key], sound.levels.laeq_db
+        if maximum is not None and laeq is not None and maximum < laeq - _ROUNDING_DB:
+            levels[key] = None
+    return levels | {
+        "lae_db": lae_db(sound.pressure, sound.sample_rate),
+        "single_event": _is_event(sound),
+    }
+
+
+def _is_event(sound: ContactSound) -> bool:
+    """Tell whether a record is a fall or another single event; one that closes repeats."""
+    if sound.once:
+        return True
+    return not sound.closed and is_single_event(sound.pressure, sound.sample_rate)
+
+
+def _loudness(
+    scene: Scene, sound: ContactSound, vibration: Vibration | None
+) -> dict[str, float | None]:
+    """Compute loudness and sharpness if the scene requests them.
+
+    A steady sound has one loudness. The loudness of falls, impacts and changing speeds, and that of
+    a short record, has numbers of its course in time.
+    """
     if not scene.sound.loudness:
         return {}
-    heard = loudness.loudness(sound.pressure, sound.sample_rate, sound.closed)
-    return {"loudness_sone": heard.sone, "sharpness_acum": heard.acum}
+    flies = sound.source == "vibration" and vibration and vibration.motion.flight_share > 0
+    steady = sound.constant_speed and not flies and not _is_event(sound)
+    short = sound.duration < STEADY_S
+    record = sound.pressure, sound.sample_rate, sound.closed
+    numbers: dict[str, float | None] = dict.fromkeys(
+        ("loudness_sone", "sharpness_acum", "loudness_n5_sone", "loudness_max_sone")
+    )
+    if steady and (sound.closed or not short):  # a short record that closes is heard in a loop
+        heard = loudness.loudness(*record)
+        numbers |= {"loudness_sone": heard.sone, "sharpness_acum": heard.acum}
+    if short or not steady:
+        varying = loudness.varying_loudness(*record)
+        numbers |= {"loudness_n5_sone": varying.n5_sone, "loudness_max_sone": varying.max_sone}
+    return numbers
 
 
 def _contact(scene: Scene, result: Result) -> dict[str, Any]:

@@ -8,8 +8,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from acoustics.loudness import Loudness, loudness
+from acoustics.loudness import Loudness, VaryingLoudness, loudness, varying_loudness
 from acoustics.radiation import P_REF_PA
+from acoustics.resampling import fade
 
 RATE = 48000
 
@@ -65,3 +66,52 @@ def test_silence_and_what_has_no_loudness(mosqito):
         loudness(tone(60.0), 44100.0, closed=True)
     with pytest.raises(ValueError, match="finite"):
         loudness(np.array([0.0, np.nan]), RATE, closed=True)
+
+
+# ---- sounds that change in time
+
+
+def burst(level_db, n):
+    """Return a tone of 1 kHz that rises and falls in 2 ms, without a click."""
+    return fade(tone(level_db, n), 96)
+
+
+@pytest.mark.law("Loudness: the loudness in time of a steady tone is its stationary loudness.")
+def test_a_steady_tone_has_its_loudness_at_all_times(mosqito):
+    for closed in (True, False):
+        found = varying_loudness(burst(60.0, 24000) if not closed else tone(60.0), RATE, closed)
+        # ISO 532-1:2017 allows 5 %.
+        assert found.n5_sone == pytest.approx(4.0, rel=0.05)
+        assert found.max_sone == pytest.approx(4.0, rel=0.05)
+
+
+@pytest.mark.law("Loudness: a burst is the louder the longer it is, up to some 200 ms.")
+def test_bursts_grow_louder_with_their_length(mosqito):
+    loudest = [
+        varying_loudness(burst(70.0, n), RATE, closed=False).max_sone for n in (480, 2400, 9600)
+    ]
+    # 1 kHz at 70 dB has 8 sone. 10 ms are half as loud as a steady tone (Fastl and Zwicker, 8.6).
+    assert loudest == sorted(loudest)
+    assert loudest[0] == pytest.approx(4.0, rel=0.2)
+    assert loudest[2] == pytest.approx(8.0, rel=0.05)
+
+
+def test_a_knock_in_silence_is_judged_by_its_loudness_in_time(mosqito):
+    """The stationary method takes the mean square of the silence, too."""
+    record = np.zeros(RATE)
+    record[4800:7200] = burst(80.0, 2400)
+    found = varying_loudness(record, RATE, closed=False)
+    # A burst of 50 ms, which is exceeded for a little more than 5 % of one second.
+    assert found.max_sone > 10
+    assert 1.5 * loudness(record, RATE, closed=False).sone < found.max_sone
+    assert 0.3 * found.max_sone < found.n5_sone <= found.max_sone
+
+
+def test_what_has_no_loudness_in_time(mosqito):
+    silence = VaryingLoudness(0.0, 0.0)
+    assert varying_loudness(np.full(4800, 1.0), RATE, closed=False) == silence
+    nothing = VaryingLoudness(None, None)
+    assert varying_loudness(tone(130.0, frequency_hz=100.0), RATE, closed=True) == nothing
+    assert varying_loudness(tone(60.0, 10), RATE, closed=False) == nothing
+    with pytest.raises(ValueError, match="sample rate of 48000 Hz, got 96000"):
+        varying_loudness(tone(60.0), 96000.0, closed=True)
