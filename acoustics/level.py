@@ -25,8 +25,8 @@ _SILENCE = 1e-280
 
 _PEAK_OVERSAMPLING = 8
 
-# A record is a single event if most of its energy falls into a small share of its time. Noise of any
-# length has this energy in nearly as large a share of the time.
+# A record is a single event if most of its energy falls into a small share of its time. Noise of
+# any length has this energy in nearly as large a share of the time.
 _MOST_ENERGY = 0.9
 _EVENT_SHARE = 0.2
 
@@ -180,8 +180,8 @@ def lae_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     >>> import numpy as np
     >>> from acoustics import lae_db
     >>> tone = np.sqrt(2) * np.sin(2 * np.pi * 1000 * np.arange(4800) / 48000)  # 0.1 s of 1 Pa rms
-    >>> round(lae_db(tone, 48000), 2), round(lae_db(np.append(tone, np.zeros(4800)), 48000), 2)
-    (83.98, 83.98)
+    >>> round(lae_db(tone, 48000), 1), round(lae_db(np.append(tone, np.zeros(4800)), 48000), 1)
+    (84.0, 84.0)
     """
     mean_square = a_weighted_rms(pressure_pa, sample_rate_hz) ** 2
     return level_db(mean_square * len(pressure_pa) / sample_rate_hz)

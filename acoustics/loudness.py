@@ -22,11 +22,11 @@ _PLAYED_S = 4.0
 _VARYING_RATE_HZ = 48000
 # [s] for which a loop is played for its loudness in time. The second half is judged, in which the
 # filters have settled.
-_PLAYED_IN_TIME_S = 2.0
+_PLAYED_IN_TIME_S = 1.0
 # [s] of silence after an open record, in which the loudness of its end rises and fades.
 _AFTER_S = 0.2
 _FRAME_S = 0.002  # of mosqito's loudness in time
-_N5_PERCENTILE = 95.0
+_N5_SHARE = 0.05  # of the time
 
 
 @dataclass(frozen=True)
@@ -99,14 +99,13 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
 class VaryingLoudness:
     """Loudness of a record that changes in time.
 
-    Both are None where the method does not hold: if a third octave up to 250 Hz exceeds 120 dB, or
-    if a record that does not close is shorter than 2 ms.
+    Both are None where the method does not hold: if a third octave up to 250 Hz exceeds 120 dB.
 
     Parameters
     ----------
-    n5_sone : float or None, sone. N5, which is exceeded for 5 % of the record; 0 for silence.
-    max_sone : float or None, sone. Maximum, which an event at the end of the record may reach after
-        it.
+    n5_sone : float or None, sone. N5, which is exceeded for 5 % of the duration of the record; 0
+        for silence.
+    max_sone : float or None, sone. Maximum. The ear is slow, so it may come after a short record.
     """
 
     n5_sone: float | None
@@ -122,7 +121,7 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
     ----------
     pressure_pa : array (n,), Pa. Calibrated sound pressure.
     sample_rate_hz : float, Hz. Sample rate, 48 kHz.
-    closed : bool. If true, the record is looped for at least 2 s, and the second half is judged.
+    closed : bool. If true, the record is looped for at least 1 s, and the second half is judged.
         Otherwise it is read once, with silence before and after it.
 
     Returns
@@ -155,18 +154,20 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
     if closed:
         rounds = max(2, math.ceil(_PLAYED_IN_TIME_S / duration))
         played = np.tile(fluctuation, rounds)
-        first_s, last_s = (rounds // 2) * duration, rounds * duration
+        first, judged_s = (
+            round(rounds // 2 * duration / _FRAME_S),
+            (rounds - rounds // 2) * duration,
+        )
     else:
         played = np.append(fluctuation, np.zeros(round(_AFTER_S * sample_rate_hz)))
-        first_s, last_s = 0.0, duration
+        first, judged_s = 0, duration
     try:
         sone, *_ = loudness_zwtv(played, int(sample_rate_hz), field_type="free")
-    except ValueError:  # the method does not hold
+    except ValueError:  # a third octave is too loud
         return VaryingLoudness(None, None)
-    in_record = sone[round(first_s / _FRAME_S) : round(last_s / _FRAME_S)]
-    if not len(in_record):
-        return VaryingLoudness(None, None)
-    heard = in_record if closed else sone
+    # The loudest frames are counted until they last for 5 % of the record. The ear is slow, so some
+    # of them may lie in the silence after a short record.
+    loudest = np.sort(sone[first:])[::-1]
     return VaryingLoudness(
-        n5_sone=float(np.percentile(in_record, _N5_PERCENTILE)), max_sone=float(heard.max())
+        n5_sone=float(loudest[int(_N5_SHARE * judged_s / _FRAME_S)]), max_sone=float(loudest[0])
     )

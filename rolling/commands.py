@@ -403,8 +403,16 @@ def table(
     files.make_below(folder, folder / "figures")
     subject = runs[0].scene.name
     return paths + figures.write_number_figures(
-        solved.reset_index(), numbers or ["laeq_db"], axes, folder / "figures", subject
+        solved.reset_index(), numbers or [_main_level(solved)], axes, folder / "figures", subject
     )
+
+
+def _main_level(solved: pd.DataFrame) -> str:
+    """Return the level by which runs are compared: LAE if all that sound are single events."""
+    sounding = solved[solved["laeq_db"].notna()]
+    if "single_event" not in sounding or not len(sounding):
+        return "laeq_db"
+    return "lae_db" if sounding["single_event"].eq(True).all() else "laeq_db"
 
 
 def _refuse_unknown(name: str, known: Sequence[str], kind: str) -> None:

@@ -169,7 +169,8 @@ def _make_site(folder: Path) -> None:
                 content = base64.b64decode(picture["png"].partition(",")[2])
                 (folder / f"{stem}.png").write_bytes(content)
             title = text.titles([run]) + f", {run.label}" * bool(run.values)
-            level = f"{runs_table.level_text(run.summary, 'laeq_db')} dB(A)"
+            key = runs_table.level_key(run.summary)
+            level = f"{runs_table.level_text(run.summary, key)} dB(A)"
             played = f"{run.summary['listening']['laeq_db']:.1f} dB(A)"
             verdict, words = run.summary["verdict"], runs_table.level_name(run.summary)
             values = title, stem, words, level, played, verdict["word"], verdict["reason"]

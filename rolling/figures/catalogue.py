@@ -46,7 +46,7 @@ def _filters(run: Run) -> bool:
     return bool(run.vibration) and scene_surface(run.scene).statistics.rq > 0
 
 
-_LEVELS, _AREAS = (partial(sweep.swept_table, names=names) for names in (sweep.LEVELS, sweep.AREAS))
+_AREAS = partial(sweep.swept_table, names=sweep.AREAS)
 _VIBRATES, _OCTAVES = map(attrgetter, ("vibration", "wavelength_octaves"))
 _PASSES, _SNAPSHOT = map(attrgetter, ("result.passes", "result.snapshot"))
 _EVENTS = attrgetter("event_statistics")
@@ -57,7 +57,7 @@ COMPARING = {
         partial(sound.third_octave_table, a_weighted=True),
     ),
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
-    "levels": FigureKind(sweep.levels, _LEVELS, sweep.swept_key),
+    "levels": FigureKind(sweep.levels, sweep.level_table, sweep.swept_key),
     "contact_areas": FigureKind(sweep.contact_areas, _AREAS, sweep.swept_key),
     "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
 }

@@ -24,6 +24,10 @@ from rolling.terminal.files import write_bytes
 Numbers = Mapping[str, tuple[str, str]]  # columns of runs.csv with label and uncertainty
 SCENE = "scene"  # column of the scene's name beside the swept keys
 FEWEST_SEEDS = 3  # that have a spread worth drawing
+EVENT_LEVELS: Numbers = {
+    "lae_db": ("LAE (re 1 s)", "lae_uncertainty_db"),
+    "laf_max_db": ("LAFmax", "laf_max_uncertainty_db"),
+}
 LEVELS: Numbers = {
     "laeq_db": ("LAeq", "laeq_uncertainty_db"),
     "level_db": ("LZeq", "level_uncertainty_db"),
@@ -43,7 +47,7 @@ _BANDS = [f"third_octave_a_db_{name}" for name in BAND_NAMES]
 
 
 def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) -> Axes:
-    """Plot LAeq and LZeq of runs against a number of their scenes.
+    """Plot LAeq and LZeq of runs against a number of their scenes, or LAE and LAFmax of events.
 
     Runs with dynamics also have the LAeq of the vibration and of the release.
 
@@ -72,8 +76,12 @@ def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) 
     >>> ax = rolling.plot.levels(runs, "rolling.load_n")
     """
     shown = listed(runs)
-    names = dict(LEVELS)
-    if {run.sound.source for run in shown} == {"release"}:
+    names = level_columns(shown)
+    released = {run.sound.source for run in shown} == {"release"}
+    if released and names == EVENT_LEVELS:
+        names["lae_db"] = "LAE (re 1 s) of the released power", "lae_uncertainty_db"
+        names["laf_max_db"] = "LAFmax of the released power", "laf_max_uncertainty_db"
+    elif released:
         names["laeq_db"] = "released power, A", "laeq_uncertainty_db"
         names["level_db"] = "released power, Z", "level_uncertainty_db"
     ax = _against_key(shown, key, names, ax)
@@ -138,6 +146,17 @@ def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     """
     shown = listed(runs)
     return mean_bands(sweep_table(shown), _others(shown, SEED), axes_of(ax), subject(shown))
+
+
+def level_columns(runs: Sequence[Run]) -> dict[str, tuple[str, str]]:
+    """Return the levels that a sweep is compared by: LAE and LAFmax if all runs are events."""
+    events = [run.summary.get("single_event") for run in runs if run.summary["laeq_db"] is not None]
+    return dict(EVENT_LEVELS if events and all(events) else LEVELS)
+
+
+def level_table(runs: Sequence[Run]) -> pd.DataFrame:
+    """Tabulate swept values and levels of runs with their standard uncertainty."""
+    return swept_table(runs, level_columns(runs))
 
 
 def swept_key(runs: Sequence[Run]) -> str | None:

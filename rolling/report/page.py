@@ -298,7 +298,7 @@ def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
     return {
         "title": text.titles([run]),
         "label": run.label,
-        "level": runs_table.level_text(run.summary, "laeq_db"),
+        "level": runs_table.level_text(run.summary, runs_table.level_key(run.summary)),
         "name": runs_table.level_name(run.summary),
         "verdict": run.summary.get("verdict"),
         "sentence": _sentence(run),

@@ -14,7 +14,15 @@ from acoustics.numbers import rounded
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
-from rolling.results.runs_table import LEVELS, level_name, level_text, uncertain
+from rolling.results.runs_table import (
+    LEVELS,
+    MEANS,
+    level_beside,
+    level_key,
+    level_name,
+    level_text,
+    shown_levels,
+)
 from rolling.results.sentences import say
 from rolling.scene import file
 from rolling.sound.wavelengths import mean_speed, weighted_lines
@@ -43,6 +51,9 @@ COLUMNS = {key: Column(**column) for key, column in tomllib.loads(asset("levels.
 
 # ---- levels
 
+# Levels that depend on the length of the record, which say nothing of a single event.
+OF_LENGTH = {"laeq_db", "level_db", "vibration_laeq_db", "release_laeq_db"}
+
 
 def titles(runs: Sequence[Run]) -> str:
     """Join the titles of the scenes, or their names where they have none, in printable letters."""
@@ -50,25 +61,41 @@ def titles(runs: Sequence[Run]) -> str:
 
 
 def sentence(runs: Sequence[Run]) -> str:
-    """State the result in one sentence."""
-    levels = ((run.sound.levels.laeq_db, run) for run in runs)
-    sounding = sorted(((db, run) for db, run in levels if db is not None), key=itemgetter(0))
+    """State the result in one sentence, or in one each for steady sounds and single events."""
+    sounding = [run for run in runs if main_level(run) is not None]
     if not sounding:
         return f"No sound: {'; '.join(dict.fromkeys(map(silence, runs)))}."
-    (low_db, quietest), (high_db, loudest) = sounding[0], sounding[-1]
-    distances = {run.scene.listener_place for run in runs}
+    kinds = dict.fromkeys(level_key(run.summary) for run in sounding)
+    sentences = [_range([run for run in sounding if level_key(run.summary) == x]) for x in kinds]
+    if silent := len(runs) - len(sounding):
+        sentences.append(f"{silent} of {len(runs)} runs are silent.")
+    return " ".join(sentences)
+
+
+def _range(sounding: Sequence[Run]) -> str:
+    """State between which levels runs of one kind lie."""
+    levels = ((db, run) for run in sounding if (db := main_level(run)) is not None)
+    ordered = sorted(levels, key=itemgetter(0))
+    (low_db, quietest), (high_db, loudest) = ordered[0], ordered[-1]
+    distances = {run.scene.listener_place for run in sounding}
     at = f" at {distances.pop()}" if len(distances) == 1 else ""
-    silent = len(runs) - len(sounding)
-    also = f" {silent} of {len(runs)} runs are silent." if silent else ""
-    name = level_head(runs)
+    name = level_head(sounding)
     if len(sounding) == 1:
-        laeq = uncertain(low_db, quietest.summary["uncertainty_db"]["laeq"])
-        return f"{quietest.label}: {name} {laeq} dB(A) re 20 µPa{at}.{also}"
+        level = level_text(quietest.summary, level_key(quietest.summary))
+        return f"{quietest.label}: {name} {level} dB(A) re 20 µPa{at}."
     name = name[0].upper() + name[1:]
     if high_db - low_db < 0.05:
-        return f"{name}{at} is {low_db:.1f} dB(A) in all {len(sounding)} runs that sound.{also}"
+        return f"{name}{at} is {low_db:.1f} dB(A) in all {len(sounding)} runs that sound."
     ends = f"{low_db:.1f} dB(A) ({quietest.label}) and {high_db:.1f} dB(A) ({loudest.label})"
-    return f"{name}{at} lies between {ends}, {high_db - low_db:.1f} dB apart.{also}"
+    return f"{name}{at} lies between {ends}, {high_db - low_db:.1f} dB apart."
+
+
+def main_level(run: Run) -> float | None:
+    """Return the level of a run that is read first [dB]; None for silence."""
+    if run.sound.levels.laeq_db is None:
+        return None
+    level = run.summary.get(level_key(run.summary))
+    return None if level is None else float(level)
 
 
 def silence(run: Run) -> str:
@@ -86,24 +113,44 @@ def level_head(runs: Sequence[Run]) -> str:
 def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]:
     """Return heads and rows (label, cells) of the table of levels and contact numbers.
 
-    A level without sound is `silent`, and one that was not computed `-`.
+    A level without sound is `silent`, and one that was not computed or says nothing `-`. LAE and
+    LAFmax of single events come first.
     """
+    events = [bool(run.summary.get("single_event")) for run in runs]
+    first = ["lae_db", "laf_max_db"] if any(events) else []
+    hidden = {"lae_db"} if not any(events) else set[str]()
+    if all(events):
+        hidden |= OF_LENGTH
     columns = {
-        key: column
-        for key, column in COLUMNS.items()
-        if column.always or any(run.summary.get(key) is not None for run in runs)
+        key: COLUMNS[key]
+        for key in dict.fromkeys([*first, *COLUMNS])
+        if key not in hidden
+        and (COLUMNS[key].always or any(run.summary.get(key) is not None for run in runs))
     }
-    names = {key: column.head for key, column in columns.items()} | {"laeq_db": level_head(runs)}
+    names = {key: column.head for key, column in columns.items()}
+    for key in ("lae_db", "laeq_db"):
+        if key in names:
+            names[key] = level_head([run for run in runs if level_key(run.summary) == key])
+    if all(events):
+        names |= {key: f"LAE (re 1 s), {columns[key].head}" for key in MEANS if key in columns}
     units = (f" [{column.unit}]" if column.unit else "" for column in columns.values())
     heads = [name + unit for name, unit in zip(names.values(), units, strict=True)]
-    return heads, [(run.label, [_cell(run, *item) for item in columns.items()]) for run in runs]
+    rows = []
+    for run in runs:
+        cells = [_cell(run, key, column, all(events)) for key, column in columns.items()]
+        rows.append((run.label, cells))
+    return heads, rows
 
 
-def _cell(run: Run, key: str, column: Column) -> str:
-    """Write a number of a run for a table."""
-    if key in LEVELS and key in run.summary:
-        return level_text(run.summary, key)
-    if (value := run.summary.get(key)) is None:
+def _cell(run: Run, key: str, column: Column, only_events: bool) -> str:
+    """Write a number of a run for a table, which may have runs of events only."""
+    if key in LEVELS:
+        return level_text(run.summary, key) if key in shown_levels(run.summary) else NOTHING
+    event = run.summary.get("single_event")
+    if event and (key in OF_LENGTH or (key in MEANS and not only_events)):
+        return NOTHING
+    value = level_beside(run.summary, key) if key in MEANS else run.summary.get(key)
+    if value is None:
         return NOTHING
     number = value * column.factor
     return f"{number:{column.form}}" if column.form else rounded(number, 4)
@@ -180,20 +227,22 @@ def colour(run: Run) -> tuple[float, float, float] | None:
 def headline(runs: Sequence[Run]) -> str:
     """State in one sentence how the loudest run differs from the quietest, or how one sounds.
 
-    Only runs of one source are compared, because a release is an upper bound.
+    Only runs of one source are compared, because a release is an upper bound, and single events
+    with each other, because their level is that of one second.
     """
     sounding = _by_level(runs)
     if not sounding:
         return sentence(runs)
     loud, (bright_hz, low_hz, high_hz) = sounding[-1]
     source = loud.sound.source
-    quiet, (dull_hz, _, _) = next(pair for pair in sounding if pair[0].sound.source == source)
+    quiet, (dull_hz, _, _) = next(pair for pair in sounding if _alike(pair[0], loud))
     if loud is quiet:
         label = f"{loud.label}: " if len(runs) > 1 else ""
         if source == "vibration":
             return label + _shaken(loud)[:2][-1]  # its fall, or its flights, or its ringing
         return label + say("headline", percent=100 * MAIN, low=low_hz / 1e3, high=high_hz / 1e3)
-    by = loud.summary["laeq_db"] - quiet.summary["laeq_db"]
+    key = level_key(loud.summary)
+    by = loud.summary[key] - quiet.summary[key]
     parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
     level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"
     if by < DIFFERS * math.hypot(*parts):
@@ -216,7 +265,13 @@ def reason(runs: Sequence[Run]) -> str:
 def _by_level(runs: Sequence[Run]) -> list[tuple[Run, tuple[float, float, float]]]:
     """Return the runs that sound with their colours, the quietest first."""
     sounding = [(run, heard) for run in runs if (heard := colour(run))]
-    return sorted(sounding, key=lambda pair: float(pair[0].summary["laeq_db"]))
+    return sorted(sounding, key=lambda pair: main_level(pair[0]) or 0.0)
+
+
+def _alike(run: Run, other: Run) -> bool:
+    """Tell whether the levels of two runs can be compared: of one source, and both of an event."""
+    same_source = run.sound.source == other.sound.source
+    return same_source and level_key(run.summary) == level_key(other.summary)
 
 
 def _capitalized(text: str) -> str:
@@ -266,8 +321,12 @@ def explanations(runs: Sequence[Run]) -> list[tuple[str, str]]:
     """Explain the words of the table of levels at which a stranger stumbles."""
     levels = [(run.summary["laeq_db"], run.summary["level_db"]) for run in runs]
     raised = any(a is not None and z is not None and a > z for a, z in levels)
+    special = {
+        "a_above_z": raised,
+        "event": any(run.summary.get("single_event") for run in runs),
+    }
     return [
         (words["word"], words["meaning"])
         for key, words in tomllib.loads(asset("words.toml")).items()
-        if (raised and key == "a_above_z") or any(run.summary.get(key) is not None for run in runs)
+        if special.get(key) or any(run.summary.get(key) is not None for run in runs)
     ]

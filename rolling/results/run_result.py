@@ -295,7 +295,7 @@ class Run(RunFolder):
         return result_file.tree(self)
 
     def __repr__(self) -> str:
-        level = runs_table.level_text(self.summary, "laeq_db")
+        level = runs_table.level_text(self.summary, runs_table.level_key(self.summary))
         judged = self.summary.get("verdict")
         word = f", {judged['word']}" if judged else ""
         name = runs_table.level_name(self.summary)
@@ -304,13 +304,15 @@ class Run(RunFolder):
     def _repr_html_(self) -> str:
         """Write levels and caveats for a notebook."""
         judged = self.summary.get("verdict")
-        levels = {
-            name: f"{text} {unit}"
-            for key, (name, unit) in runs_table.LEVELS.items()
-            if (text := runs_table.level_text(self.summary, key)) != "-"
-        }
+        levels = dict[str, str]()
+        for key in runs_table.shown_levels(self.summary):
+            name, unit = runs_table.LEVELS[key]
+            text = runs_table.level_text(self.summary, key)
+            if text != "-":
+                levels[name] = f"{text} {unit}"
+        first, _ = runs_table.LEVELS[runs_table.level_key(self.summary)]
         rows = {
-            runs_table.level_name(self.summary): levels.pop("LAeq"),
+            runs_table.level_name(self.summary): levels.pop(first),
             "beside it": runs_table.beside_text([self.summary]),
             "verdict": judged and f"{judged['word']}: {judged['reason']}",
             **levels,

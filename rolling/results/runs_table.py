@@ -27,6 +27,7 @@ MAX_STEPS = 8  # of the preparation of height files that are written; one run ha
 MAX_WARNINGS = 3  # after a run; the page and `rolling check` have all of them
 LEVELS, MEANS = table("rolling.results", "levels").values()  # keys of the summary with their words
 BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
+MAXIMA = ("laf_max_db", "las_max_db")  # with a time weighting that a short record may not reach
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
 
 
@@ -141,8 +142,33 @@ def level_text(summary: Mapping[str, Any], key: str) -> str:
     """Write a level of a summary with its uncertainty [dB]."""
     if (level := summary[key]) is None:
         no_level = key == "steady_level_db" and summary["source"] == "vibration"
-        return "-" if no_level else "silent"
+        too_short = key in MAXIMA and summary["laeq_db"] is not None
+        return "-" if no_level or too_short else "silent"
     return uncertain(level, summary["uncertainty_db"][_spread(key)])
+
+
+def level_key(summary: Mapping[str, Any]) -> str:
+    """Return the key of the level of a run that is read first: LAE of an event, or LAeq.
+
+    LAeq of a knock depends on the length of the record, so knocks cannot be compared by it.
+    """
+    return "lae_db" if summary.get("single_event") else "laeq_db"
+
+
+def shown_levels(summary: Mapping[str, Any]) -> list[str]:
+    """Return the keys of the levels of a run that tables show, the first read first."""
+    levels = [key for key in LEVELS if key in summary]
+    if summary.get("single_event"):
+        first = ["lae_db", "laf_max_db"]
+        return first + [key for key in levels if key not in (*first, "laeq_db", "level_db")]
+    return [key for key in levels if key != "lae_db"]
+
+
+def _exposure_db(summary: Mapping[str, Any]) -> float:
+    """Return LAE over LAeq [dB] of an event, whose other levels are shown as LAE too; or 0."""
+    if not summary.get("single_event") or summary["laeq_db"] is None:
+        return 0.0
+    return float(summary["lae_db"] - summary["laeq_db"])
 
 
 def error_line(label: str, summary: Mapping[str, Any]) -> str:
@@ -165,12 +191,21 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
 
 
 def level_name(summary: Mapping[str, Any]) -> str:
-    """Name the level of a run: LAeq of the vibration, or of the released power with its q."""
+    """Name the level of a run: LAeq of the vibration, or of the released power with its q.
+
+    A single event has the sound exposure level LAE.
+    """
+    event = summary.get("single_event")
+    quantity, reference = ("LAE", " (re 1 s)") if event else ("LAeq", "")
     if summary["source"] == "vibration":
-        return "LAeq at the listener" if summary.get("listeners") else "LAeq on the axis"
+        place = "at the listener" if summary.get("listeners") else "on the axis"
+        return f"{quantity} {place}{reference}"
     if _fixed_gain(summary):
-        return "LAeq under the fixed gain"
-    return f"level of the released power (q = {summary.get('q') or 1:g})"
+        return f"{quantity} under the fixed gain{reference}"
+    q = f"q = {summary.get('q') or 1:g}"
+    if event:
+        return f"LAE of the released power (re 1 s, {q})"
+    return f"level of the released power ({q})"
 
 
 def _fixed_gain(summary: Mapping[str, Any]) -> bool:
@@ -182,19 +217,21 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
     """State the levels beside those of runs of one source; empty where there are none."""
     known = [x for x in summaries if above_vibration_db(x) is not None and not _fixed_gain(x)]
     sources = {summary["source"] for summary in known}
-    if len(sources) != 1:
+    events = {bool(summary.get("single_event")) for summary in known}
+    if len(sources) != 1 or len(events) != 1:
         return ""
+    of_event = "LAE of " if events == {True} else ""
     above = _range([above_vibration_db(summary) for summary in known])
     if sources == {"vibration"}:
         words: str = say("beside.release", above=above)
         for key, name in MEANS.items():
-            if present := [summary[key] for summary in known if key in summary]:
+            if present := [level_beside(summary, key) for summary in known if key in summary]:
                 mean = _range(present, 1)
-                words += f"; {name}: {f'{mean} dB(A)' if mean else 'not available'}"
+                words += f"; {of_event}{name}: {f'{mean} dB(A)' if mean else 'not available'}"
         return words + (_others(known[0]) if len(known) == 1 else "")
-    if level := _range([summary.get("vibration_laeq_db") for summary in known], 1):
+    if level := _range([level_beside(summary, "vibration_laeq_db") for summary in known], 1):
         return say("beside.vibration", above=above, level=level)
-    level = _range([summary["vibration_estimate_laeq_db"] for summary in known])
+    level = _range([level_beside(summary, "vibration_estimate_laeq_db") for summary in known])
     bodies = " or ".join(dict.fromkeys(summary["vibration_estimate_bodies"] for summary in known))
     ratio: float = max(summary["vibration_estimate_force_ratio"] for summary in known)
     words = say("beside.estimate", above=above, level=level, bodies=bodies)
@@ -206,9 +243,18 @@ def _others(summary: Mapping[str, Any]) -> str:
     words, power = "", summary.get("plate_power_level_db")
     if summary.get("listeners") and power is not None:
         words = f"; sound power of the plate: {power:.1f} dB re 1 pW"
+    quantity = "LAE " if summary.get("single_event") else ""
     for listener in summary.get("listeners", ())[1:]:
-        words += f"; at {bracketed(listener['at_mm'])} mm: {decibels_a(listener['laeq_db'])}"
+        level = listener["laeq_db"]
+        level = None if level is None else level + _exposure_db(summary)
+        words += f"; {quantity}at {bracketed(listener['at_mm'])} mm: {decibels_a(level)}"
     return words
+
+
+def level_beside(summary: Mapping[str, Any], key: str) -> float | None:
+    """Return another level of a run [dB], as LAE for an event; None if it is unknown."""
+    level = summary.get(key)
+    return None if level is None else float(level) + _exposure_db(summary)
 
 
 def _range(levels: Sequence[float | None], digits: int = 0) -> str:
@@ -221,25 +267,36 @@ def _range(levels: Sequence[float | None], digits: int = 0) -> str:
 def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return the cells of a run in the table of levels by their heads."""
     source, q = summary["source"], summary.get("q") or 1
+    event, falls = bool(summary.get("single_event")), "drop_mm" in summary
+    quantity = "LAE" if event else "LAeq"
     place = "listener" if summary.get("listeners") else "axis"
-    level = f"released power|q = {q:g}, dB(A)"
-    if source == "vibration":
-        level = f"LAeq, {place}|dB(A)"
+    unit = "dB(A), 1 s" if event else "dB(A)"
+    level = f"{quantity}, {place}|{unit}"
+    if source != "vibration":
+        level = f"LAE, released|q = {q:g}, {unit}" if event else f"released power|q = {q:g}, {unit}"
     if fixed := _fixed_gain(summary):
-        level = "fixed gain|dB(A)"
-    cells = {level: level_text(summary, "laeq_db")}
+        level = f"{quantity}, fixed gain|{unit}" if event else f"fixed gain|{unit}"
+    cells = {level: level_text(summary, level_key(summary))}
+    if event:
+        cells["LAFmax|dB(A)"] = level_text(summary, "laf_max_db")
+    as_event = ", LAE" if event else ""
     if source == "vibration":
         mean = "half sphere|mean" if summary.get("listeners") else "compact|source"
-        compact = next((summary[key] for key in MEANS if key in summary), None)
-        cells[mean] = "n/a" if compact is None else f"{compact:.1f}"
-        head, other = "release|q = 1", summary.get("release_laeq_db")
-    elif (other := summary.get("vibration_laeq_db")) is not None:
-        head = "vibration|dB(A)"
+        key = next((key for key in MEANS if key in summary), None)
+        compact = level_beside(summary, key) if key else None
+        cells[mean + as_event] = "n/a" if compact is None else f"{compact:.1f}"
+        head, other = f"release|q = 1{as_event}", level_beside(summary, "release_laeq_db")
+    elif (other := level_beside(summary, "vibration_laeq_db")) is not None:
+        head = f"vibration|dB(A){as_event}"
     else:
-        head, other = "vibration|estimated", summary.get("vibration_estimate_laeq_db")
-    cells[head] = "-" if other is None else f"{other:.1f}"
+        head, other = (
+            f"vibration|estimated{as_event}",
+            level_beside(summary, "vibration_estimate_laeq_db"),
+        )
     above, judged = None if fixed else above_vibration_db(summary), summary.get("verdict")
-    cells["apart|dB"] = "-" if above is None else f"{above:.0f}"
+    if not falls:  # the release of a ball that rolls is none of a fall
+        cells[head] = "-" if other is None else f"{other:.1f}"
+        cells["apart|dB"] = "-" if above is None else f"{above:.0f}"
     cells["verdict|"] = judged["word"] if judged else "-"
     cells["plastic|ratio"] = f"{summary['plastic_ratio']:.3f}"
     return cells

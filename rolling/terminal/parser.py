@@ -124,7 +124,7 @@ def _add_table(commands: Any) -> None:
         nargs="+",
         default=[],
         metavar="NUMBER",
-        help="columns of runs.csv to plot (default: laeq_db)",
+        help="columns of runs.csv to plot (default: laeq_db, or lae_db of single events)",
     )
     table.add_argument(
         "--against",

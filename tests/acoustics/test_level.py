@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from acoustics.bands import BAND_NAMES
-from acoustics.level import laeq_db, level_db, peak_pressure, sound_levels
+from acoustics.level import (
+    is_single_event,
+    lae_db,
+    laeq_db,
+    level_db,
+    peak_pressure,
+    sound_levels,
+)
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, RHO_C, intensity, sound_pressure
 from acoustics.resampling import band_limit, resample_closed, undo_step_mean
 from acoustics.weighting import a_weighting_db
@@ -135,3 +142,34 @@ def test_a_size_whose_square_is_no_number_is_refused():
         pytest.raises(ValueError, match=r"mean_square: got .* a finite number"),
     ):
         sound_levels(np.array([0.0, 1e200, -1e200, 0.0]), RATE)
+
+
+# ---- single events
+
+
+@pytest.mark.law("LAE: silence about an event changes nothing, and equal events add their energy.")
+def test_the_exposure_of_events_does_not_depend_on_the_record():
+    """The record in silence leaves the A-weighting's ringing 0.01 dB."""
+    knock = tone(1000.0, n=4800) * np.exp(-np.arange(4800) / 200.0)
+    alone = np.append(knock, np.zeros(4800))
+    longer = np.concatenate((np.zeros(20_000), alone, np.zeros(30_000)))
+    assert lae_db(longer, RATE) == pytest.approx(lae_db(alone, RATE), abs=0.01)
+    assert laeq_db(longer, RATE) < laeq_db(alone, RATE) - 7
+    twice = np.append(alone, alone)
+    assert lae_db(twice, RATE) == pytest.approx(lae_db(alone, RATE) + 10 * math.log10(2), abs=0.01)
+    one_second = tone(1000.0, n=RATE)
+    assert lae_db(one_second, RATE) == pytest.approx(laeq_db(one_second, RATE), abs=1e-12)
+    assert lae_db(np.zeros(100), RATE) is None
+
+
+def test_a_knock_is_an_event_and_noise_and_three_knocks_are_none():
+    random = np.random.default_rng(1)
+    knock = tone(1000.0, n=4800) * np.exp(-np.arange(4800) / 200.0)
+    assert is_single_event(knock + 1e-3 * random.standard_normal(4800), RATE)
+    assert not is_single_event(np.tile(knock, 3), RATE)
+    assert not is_single_event(np.zeros(4800), RATE)
+    for n in (2, 48, 480, 48_000):
+        assert not is_single_event(random.standard_normal(n), RATE)
+        assert not is_single_event(tone(1000.0, n=n), RATE)
+    growing = np.linspace(0, 1, 4800) ** 2 * random.standard_normal(4800)  # a ball that speeds up
+    assert not is_single_event(growing, RATE)

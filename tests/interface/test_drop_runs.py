@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import rolling
 from acoustics.wav import SAMPLE_RATE_HZ
-from rolling.results import listening
+from rolling.figures import sweep
+from rolling.report import text
+from rolling.results import listening, runs_table
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 
@@ -62,3 +67,93 @@ def test_an_impact_that_yields_is_not_quoted(run: Run) -> None:
     assert harder.summary["impacts_yield"]
     assert harder.summary["verdict"]["word"] == "do not quote"
     assert "would yield" in harder.summary["verdict"]["reason"]
+
+
+# ---- levels of single events
+
+
+ROLLED = """\
+name: rolled
+sphere: {radius_mm: 5}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2.1}
+surface: {kind: gaussian, roughness_ra_um: 0.05, correlation_length_um: 20, seed: 1, spacing_um: 4,
+  width_um: 256}
+rolling: {load_n: 1, speed_m_s: 0.5, distance_mm: 1.024}
+"""
+
+
+def rolled(*changes: str) -> Run:
+    """Return a run of a sphere that rolls for 2 ms without dynamics."""
+    return rolling.simulate(loads(ROLLED, list(changes)), progress=False, workers=1)
+
+
+@pytest.mark.law("Single events: LAE is LAeq plus 10 lg of the duration in seconds.")
+def test_a_fall_has_a_sound_exposure_level(run: Run) -> None:
+    summary = run.summary
+    assert summary["single_event"]
+    expected = summary["laeq_db"] + 10 * math.log10(len(run.sound.pressure) / SAMPLE_RATE_HZ)
+    assert summary["lae_db"] == pytest.approx(expected, abs=1e-9)
+    assert summary["uncertainty_db"]["lae"] == summary["uncertainty_db"]["laeq"]
+
+
+def test_terminal_and_page_show_events_by_what_can_be_compared(run: Run) -> None:
+    """LAeq of 20 ms stays in summary.json. LAFmax of a record that began just before is below."""
+    assert run.summary["laf_max_db"] is run.summary["las_max_db"] is None
+    table = runs_table.levels_table([run])
+    assert f"LAE, axis {run.summary['lae_db']:.1f}".split()[-1] in table
+    assert table.index("LAE") < table.index("LAFmax") and "LAeq" not in table
+    assert "silent" not in table
+    heads, ((_, cells),) = text.levels([run])
+    assert [head.split()[0] for head in heads[:2]] == ["LAE", "LAFmax"]
+    assert not any("LAeq" in head for head in heads)
+    assert cells[:2] == [runs_table.level_text(run.summary, "lae_db"), "-"]
+    assert repr(run).count("LAE") == 1 and "LAeq" not in repr(run)
+    assert f"{run.summary['lae_db']:.1f}" in run._repr_html_()
+
+
+def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
+    """A loop has been played for ever; an open record of 2 ms ends before Fast has risen."""
+    loop, opened = rolled(), rolled("rolling.speed_m_s=[[0, 0.5], [0.002, 0.51]]")
+    assert loop.sound.closed and not opened.sound.closed
+    assert loop.summary["laf_max_db"] >= loop.summary["laeq_db"]
+    assert opened.summary["laf_max_db"] is None and opened.sound.levels.laf_max_db is not None
+    for steady in (loop, opened):
+        assert not steady.summary["single_event"]
+        heads, _ = text.levels([steady])
+        assert not any("LAE" in head.replace("LAeq", "") for head in heads)
+
+
+def test_falls_are_compared_by_their_exposure(run: Run) -> None:
+    """The shorter record has the higher LAeq, and less energy."""
+    longer = {"lae_db": run.summary["lae_db"] + 6, "laeq_db": run.summary["laeq_db"] - 6}
+    other = replace(run, label="other", summary=run.summary | longer)
+    assert "Other is 6.0 dB louder" in text.headline([run, other])
+    assert "6.0 dB apart" in text.sentence([run, other])
+    assert [*sweep.level_columns([run, other])] == ["lae_db", "laf_max_db"]
+    steady = replace(run, label="steady", summary=run.summary | {"single_event": False})
+    assert "louder" not in text.headline([run, steady])  # LAE and LAeq cannot be compared
+    heads, rows = text.levels([run, steady])
+    lae, laeq = (next(k for k, x in enumerate(heads) if x.startswith(y)) for y in ("LAE", "LAeq"))
+    assert [(row[lae] == "-", row[laeq] == "-") for _, row in rows] == [
+        (False, True),
+        (True, False),
+    ]
+    assert "laeq_db" in sweep.level_columns([run, steady])
+
+
+def test_loudness_of_a_fall_is_that_of_its_course_in_time(run: Run) -> None:
+    pytest.importorskip("mosqito", reason="loudness needs mosqito")
+    fall = rolling.simulate(run.scene.with_({"sound.loudness": True}), progress=False, workers=1)
+    assert fall.summary["loudness_sone"] is fall.summary["sharpness_acum"] is None
+    assert 0 < fall.summary["loudness_n5_sone"] <= fall.summary["loudness_max_sone"]
+    opened = rolled("sound.loudness=true", "rolling.speed_m_s=[[0, 0.5], [0.002, 0.51]]")
+    assert opened.summary["loudness_sone"] is None and opened.summary["loudness_n5_sone"] > 0
+
+
+@pytest.mark.slow
+def test_loudness_of_a_short_loop_is_that_of_a_steady_sound(run: Run) -> None:
+    """It is short, but heard in a loop. N5 and the stationary loudness of noise agree in 10 %."""
+    pytest.importorskip("mosqito", reason="loudness needs mosqito")
+    loop = rolled("sound.loudness=true")
+    steady = loop.summary["loudness_sone"]
+    assert loop.summary["loudness_n5_sone"] == pytest.approx(steady, rel=0.1)
