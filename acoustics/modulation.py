@@ -385,9 +385,8 @@ def envelope_spectrum(
     count = len(record)
     gain = np.ones(count) if gain is None else real_array("gain", gain, 1)
     if len(gain) != count or not gain.max() > 0.0 or gain.min() < 0.0:
-        raise ValueError(
-            f"gain: allowed: {count} numbers from 0 up, as long as the record, not all 0"
-        )
+        allowed = f"{count} numbers from 0 up, one for each sample, and not all 0"
+        raise ValueError(f"gain: got {len(gain)} from {gain.min():g} up, allowed: {allowed}")
     frequency = np.fft.rfftfreq(count, 1 / sample_rate_hz)
     analytic = np.zeros(count, dtype=complex)
     inside = np.flatnonzero((frequency >= low) & (frequency < high))

@@ -52,7 +52,14 @@ COLUMNS = {key: Column(**column) for key, column in tomllib.loads(asset("levels.
 # ---- levels
 
 # Levels that depend on the length of the record, which say nothing of a single event.
-OF_LENGTH = {"laeq_db", "level_db", "vibration_laeq_db", "release_laeq_db"}
+OF_LENGTH = {
+    "laeq_db",
+    "level_db",
+    "vibration_laeq_db",
+    "release_laeq_db",
+    "plate_power_level_db",
+    "ball_power_level_db",
+}
 
 
 def titles(runs: Sequence[Run]) -> str:

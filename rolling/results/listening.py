@@ -251,6 +251,8 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
 def sentence(run: Run, long: Listening) -> str:
     """Describe length, level, kurtosis, impacts and the solved share of a long record."""
     numbers, own = long.numbers, decibels_a(run.sound.levels.laeq_db)
+    if run.summary.get("single_event"):
+        own = f"has LAE {decibels_a(run.summary['lae_db'])} re 1 s"
     kurtosis = "-" if numbers["kurtosis"] is None else f"{numbers['kurtosis']:.2f}"
     track = say("long.solved")
     if numbers["solved_mm"] < numbers["rolled_mm"]:

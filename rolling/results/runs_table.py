@@ -245,10 +245,17 @@ def _others(summary: Mapping[str, Any]) -> str:
         words = f"; sound power of the plate: {power:.1f} dB re 1 pW"
     quantity = "LAE " if summary.get("single_event") else ""
     for listener in summary.get("listeners", ())[1:]:
-        level = listener["laeq_db"]
-        level = None if level is None else level + _exposure_db(summary)
-        words += f"; {quantity}at {bracketed(listener['at_mm'])} mm: {decibels_a(level)}"
+        level = decibels_a(listener_level(summary, listener))
+        words += f"; {quantity}at {bracketed(listener['at_mm'])} mm: {level}"
     return words
+
+
+def listener_level(
+    summary: Mapping[str, Any], listener: Mapping[str, Any]
+) -> float | None:
+    """Return the level of a run at one of its listeners [dB], as LAE for an event."""
+    level = listener["laeq_db"]
+    return None if level is None else level + _exposure_db(summary)
 
 
 def level_beside(summary: Mapping[str, Any], key: str) -> float | None:

@@ -384,7 +384,8 @@ class Sound(Section):
         Length [s] of listen.wav as a long record, beyond the solved track; absent: laps of the
         record, at least 5 s
     loudness : bool
-        Report loudness (ISO 532-1) and sharpness (DIN 45692); needs the package mosqito
+        Report loudness (ISO 532-1) and sharpness (DIN 45692), or N5 and the maximum of the loudness
+        in time where the sound is not steady; needs the package mosqito
 
     Examples
     --------

@@ -62,10 +62,14 @@ CALLS: dict[Callable[..., Any], dict[str, Any]] = {
     },
     acoustics.level_db: {"mean_square": 1.0, "reference": 4e-10},
     acoustics.laeq_db: RECORD,
+    acoustics.lae_db: RECORD,
+    acoustics.is_single_event: RECORD,
     acoustics.sound_levels: RECORD | {"highest_hz": 20e3},
     acoustics.loudest_octave: SIGNAL,
-    acoustics.modulated_octave: SIGNAL | {"frequency_hz": 20.0},
-    acoustics.envelope_spectrum: SIGNAL | {"band_hz": (500.0, 2000.0)},
+    acoustics.modulated_octave: SIGNAL | {"frequency_hz": 20.0, "gain": np.ones(len(TONE))},
+    acoustics.envelope_spectrum: SIGNAL | {
+        "band_hz": (500.0, 2000.0), "gain": np.ones(len(TONE))
+    },
     acoustics.line_spectrum: SIGNAL,
     acoustics.welch: SIGNAL,
     acoustics.intensity: {"power_w": TONE, "distance_m": 1.0, "q": 1.0},
