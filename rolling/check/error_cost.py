@@ -7,10 +7,15 @@ do not depend on the speed of a machine.
 import math
 from dataclasses import dataclass
 
+from rolling.check import cost
 from rolling.scene.scene import Scene
 from rolling.surface.scene_surface import has_detail
 
 SHARE = 0.25  # maximum cost of the estimate over the cost of the run
+# Expected time [s] of one core up to which the estimate is marched whatever its share of the run.
+# It decides only whether a short track has the shortest stretches or none. Their places and lengths
+# do not follow from it, so that a new measurement of the time of a step leaves them as they are.
+ALLOWED_SECONDS = 20.0
 # Minimum and maximum number of stretches. Four give a standard error; more than eight hardly
 # lower it, because longer tracks have longer stretches first.
 STRETCHES = 4, 8
@@ -73,7 +78,8 @@ def marched_steps(scene: Scene) -> int:
 def layout(scene: Scene) -> Layout | None:
     """Return the stretches that the estimate of a scene asks for, or None.
 
-    Longer tracks have longer stretches first, then more of them; some tracks are too short.
+    Longer tracks have longer stretches first, then more of them. A track that is too short to pay
+    for them has the fewest and shortest stretches, if these take few seconds.
     """
     if not scene.numerics.error_estimate or scene.is_smooth:
         return None
@@ -82,7 +88,10 @@ def layout(scene: Scene) -> Layout | None:
     fewest, most = STRETCHES
     steps = int(min(paid / fewest - COLD_STEPS, solved / fewest, STRETCH_STEPS[1]))
     if steps < STRETCH_STEPS[0]:
-        return None
+        steps = STRETCH_STEPS[0]
+        paid = fewest * (steps + COLD_STEPS)
+        if solved < fewest * steps or shortest_seconds(scene) > ALLOWED_SECONDS:
+            return None
     slots = solved // steps
     count = min(most, slots, int(paid / (steps + COLD_STEPS) + 1e-9))
     firsts = tuple(k * slots // count * steps for k in range(count))
@@ -92,15 +101,29 @@ def layout(scene: Scene) -> Layout | None:
     return Layout(steps, firsts, marches)
 
 
+def shortest_seconds(scene: Scene) -> float:
+    """Return the expected time [s] on one core of the fewest and shortest stretches."""
+    levels = [*LEVELS, DETAIL] if has_detail(scene) else [*LEVELS]
+    power = cost.STEP_LAWS[cost.step_law(scene, cost.roughness(scene)[0])][1]
+    per_step = sum(level_cost(scene, level, power) for level in levels)
+    steps = STRETCHES[0] * (STRETCH_STEPS[0] + COLD_STEPS)
+    return steps * per_step * cost.step_ms(scene) * 1e-3
+
+
 def too_short(scene: Scene) -> str | None:
     """Explain that a track is too short for an estimate, or return None."""
     if scene.is_smooth or layout(scene) is not None:
         return None
-    solved = scene.track.solved_steps
+    solved, fewest = scene.track.solved_steps, STRETCHES[0] * STRETCH_STEPS[0]
+    if solved < fewest:
+        return f"the track has {solved} different steps, and the estimate needs {fewest}"
     least = STRETCHES[0] * (STRETCH_STEPS[0] + COLD_STEPS) * _step_cost(scene) / SHARE
     needed = math.ceil(least * solved / marched_steps(scene))
-    words = f"the track has {solved} different steps, and the estimate needs {needed} to stay below"
-    return f"{words} {SHARE:.0%} of the run's cost"
+    return (
+        f"it would take about {shortest_seconds(scene):.0f} s on one core, more than "
+        f"{ALLOWED_SECONDS:g} s and more than {SHARE:.0%} of the run: the track has {solved} "
+        f"different steps, and {needed} are needed for that share"
+    )
 
 
 def cost_share(scene: Scene, power: float = COST_POWER) -> float:

@@ -59,8 +59,9 @@ def caveats(
     vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
     moving : MovingRelease. The release under the moving load, or its fault. Default: none.
     """
-    # The error of the grid in the release was measured.
-    knows_grid = sound.source == "release" and errors.get("grid_signal_db") is not None
+    # The error of the grid was measured, for a release also that of its signal.
+    knows_grid = errors.get("laeq_grid_error_db") is not None
+    knows_signal = sound.source == "release" and errors.get("grid_signal_db") is not None
     texts = (
         _of_levels(scene, sound, errors, vibration)
         | _of_record(scene, sound)
@@ -71,10 +72,10 @@ def caveats(
             for finding in findings.findings(scene)
             # A measured error of the grid, or a force, stands for its estimate before the run.
             if finding.warning
-            and not (knows_grid and finding.key == resolution.KEY)
+            and not (knows_grid and finding.key in ROLES["grid_rules"])
             and not (vibration and finding.key in ("force_ratio", "impacts_yield", "comb"))
         }
-        | _of_errors(scene, errors, knows_grid)
+        | _of_errors(scene, errors, knows_signal)
         | _of_vibration(scene, vibration)
     )
     if sound.source == "release":
@@ -194,7 +195,7 @@ def _of_load(scene: Scene, moving: MovingRelease | None) -> dict[str, str]:
     return {"moving_load_release": say("moving_load_release")}
 
 
-def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_grid: bool) -> dict[str, str]:
+def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_signal: bool) -> dict[str, str]:
     """Return the warnings of the error estimate: its absence, its reach, and bands that are off."""
     estimate = errors.get("error_estimate")
     if estimate is None:
@@ -202,7 +203,7 @@ def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_grid: bool) -> dic
     if "reason" in estimate:
         return {"no_error_estimate": say("no_error_estimate", **estimate)}
     texts = {}
-    if knows_grid:
+    if knows_signal:
         spread = errors["grid_signal_uncertainty_db"]
         spread = math.nan if spread is None else spread
         source = f"measured within {spread:.0f} dB by the error estimate"

@@ -15,7 +15,7 @@ from rolling.results.labels import labels
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
 from rolling.results.sentences import say
-from rolling.results.verdict import above_vibration_db
+from rolling.results.verdict import above_vibration_db, band_error_db, band_text
 from rolling.scene.messages import TABLES, table
 from rolling.terminal.streams import columns, wrapped
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 SEED = "surface.seed"
 MAX_STEPS = 8  # of the preparation of height files that are written; one run has at most 7
+MAX_BAND_DB = 0.3  # what the steps may cut off of a level that is corrected for its errors
 MAX_WARNINGS = 3  # after a run; the page and `rolling check` have all of them
 LEVELS, MEANS = table("rolling.results", "levels").values()  # keys of the summary with their words
 BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
@@ -184,7 +185,10 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
     if subgrid := summary.get("laeq_subgrid_error_db"):
         of_detail = summary["laeq_subgrid_error_uncertainty_db"] or 0.0
         detail = say("errors.detail", error=subgrid, spread=of_detail)
-    corrected = uncertain(summary["laeq_db"] - grid - solver, whole)
+    corrected = f"corrected {uncertain(summary['laeq_db'] - grid - solver, whole)} dB(A)"
+    if (band_error_db(summary) or 0.0) > MAX_BAND_DB:
+        cut = band_text(summary, summary["highest_frequency_hz"])
+        corrected = f"no corrected level, because {cut}"
     numbers = estimate | {"label": label, "grid": grid, "grid_spread": grid_spread}
     numbers |= {"detail": detail, "solver": solver, "corrected": corrected}
     return say("errors", **numbers | {"source": summary["source"], "signal": ", ".join(signal)})

@@ -25,15 +25,17 @@ from rolling.check import cost, heights
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.motion import BodyMotion
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
-from rolling.marches import force_law
+from rolling.marches import force_law, stiffness
 from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result
 from rolling.results import verdict
 from rolling.results.caveats import TURNS, caveats
+from rolling.results.listening import released
 from rolling.results.run_errors import error_numbers, known, known_bands
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound
+from rolling.sound.missing_band import MissingBand, missing_band
 from rolling.sound.vibration_sound import P_REF_W, Vibration, by_band, compact_source_db
 from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
@@ -59,6 +61,9 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         origins = {**vibration.parts}
         if (error := law.get("force_law_error_db")) is not None:
             origins["force_law"] = error
+    band = _band(run)
+    if band is not None:
+        origins["band"] = float(np.hypot(band.error_db, band.uncertainty_db))
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
     del spreads["third_octave"]
     spreads["lae"] = spreads["laeq"]  # they differ by the duration, which is known
@@ -78,6 +83,8 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
         "record_scatter_db": record_scatter(sound.pressure, laps),
         **errors,
+        "laeq_band_error_db": None if band is None else band.error_db,
+        "laeq_band_error_uncertainty_db": None if band is None else band.uncertainty_db,
         **_loudness(scene, sound, vibration),
         "duration_s": sound.duration,
         "loops": sound.loops,
@@ -195,6 +202,16 @@ def _loudness(
         varying = loudness.varying_loudness(*record)
         numbers |= {"loudness_n5_sone": varying.n5_sone, "loudness_max_sone": varying.max_sone}
     return numbers
+
+
+def _band(run: Run) -> MissingBand | None:
+    """Return the part of the sound that the Nyquist frequency of the steps cuts off."""
+    result, vibration = run.result, None
+    lap, _ = released(run.scene, result)
+    if run.sound.source == "vibration":
+        lap, vibration = result.series["approach"], run.vibration
+    lap = lap[: result.solved_steps]
+    return missing_band(run.scene, run.sound, lap, result.step, vibration)
 
 
 def _contact(scene: Scene, result: Result) -> dict[str, Any]:
@@ -390,11 +407,14 @@ def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:
 
 def _estimate(scene: Scene, result: Result, release: ContactSound) -> dict[str, Any]:
     """Return the estimate of the vibration that a scene without dynamics leaves out."""
-    approach, closed = result.whole("approach"), release.closed
-    laeq, ratio = radiators.vibration_estimate(scene, approach, result.step, closed)
+    looped = release.closed and release.constant_speed
+    approach = result.series["approach"] if looped else result.whole("approach")
+    contact = None if scene.is_smooth else stiffness.solved_stiffness(scene, result)
+    estimate = radiators.vibration_estimate(scene, approach, result.step, release.closed, contact)
     return {
-        "vibration_estimate_laeq_db": laeq,
-        "vibration_estimate_force_ratio": ratio,
+        "vibration_estimate_laeq_db": estimate.laeq_db,
+        "vibration_estimate_uncertainty_db": estimate.uncertainty_db,
+        "vibration_estimate_force_ratio": estimate.force_ratio,
         "vibration_estimate_bodies": radiators.bodies_text(scene),
     }
 
@@ -430,11 +450,16 @@ def pass_numbers(run: Run) -> Iterator[dict[str, Any]]:
     assert passes is not None  # asked for by the caller
     steps = np.arange(result.steps) % result.solved_steps
     places = np.append(steps, steps[-1] + 1)
+    contact = None
+    if scene.dynamics is None and not scene.is_smooth:
+        contact = stiffness.solved_stiffness(scene, result)
     for k, sound in enumerate(run.pass_sounds):
         vibration = None
         if scene.dynamics is None:
             approach = passes.series["approach"][k, places]
-            vibration, _ = radiators.vibration_estimate(scene, approach, result.step, sound.closed)
+            vibration = radiators.vibration_estimate(
+                scene, approach, result.step, sound.closed, contact
+            ).laeq_db
         yield {
             "laeq_db": sound.levels.laeq_db,
             "level_db": sound.levels.level_db,

@@ -13,7 +13,7 @@ import numpy as np
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
 from rolling.check import error_cost, resolution
-from rolling.check.finding import Finding, computing
+from rolling.check.finding import Finding, computing, si
 from rolling.check.findings import Findings
 from rolling.dynamics.comb import COMB_MOST_DB
 from rolling.dynamics.of_scene import NEAR_SPEEDS
@@ -110,9 +110,14 @@ def _sized(
 ) -> Contribution:
     """Return a contribution whose word follows from its decibels, and is no better than `least`."""
     size = abs(decibels)
-    word = max(WORDS[sum(size > limit for limit in LIMITS_DB)], least, key=WORDS.index)
+    word = max(_word(size), least, key=WORDS.index)
     text = say(f"verdict.{name}{variant}", decibels=size, **numbers)
     return Contribution(name, word, size, text)
+
+
+def _word(decibels: float) -> str:
+    """Return the word that an error of a level [dB] allows."""
+    return WORDS[sum(abs(decibels) > limit for limit in LIMITS_DB)]
 
 
 def _unsized(name: str, variant: str = "", word: str = INDICATIVE, **facts: object) -> Contribution:
@@ -187,6 +192,21 @@ def _grid(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
     yield _unsized("subgrid", ".unknown") if detail is None else _sized("subgrid", detail)
 
 
+def band_error_db(summary: Mapping[str, Any]) -> float | None:
+    """Return what the steps cut off of LAeq, joined with its uncertainty [dB]; None: unknown."""
+    return _whole_error(summary, "laeq_band_error")
+
+
+def band_text(summary: Mapping[str, Any], highest_hz: float) -> str:
+    """State what the end of the simulated band [Hz] does to LAeq."""
+    error, spread = summary["laeq_band_error_db"], summary["laeq_band_error_uncertainty_db"]
+    size = f"{rounded(abs(error))} ± {rounded(spread)} dB"
+    end = si(highest_hz, "Hz")
+    if error > 0:
+        return f"the steps do not resolve sound above {end}, which makes LAeq about {size} too high"
+    return f"the steps cut off sound above {end}, and LAeq is about {size} too low"
+
+
 def _whole_error(summary: Mapping[str, Any], name: str) -> float | None:
     """Return an error joined with its uncertainty [dB], None where it is unknown."""
     error, spread = summary.get(f"{name}_db"), summary.get(f"{name}_uncertainty_db")
@@ -221,18 +241,32 @@ def _motion(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
 
 
 def _limits(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
-    """Yield the broken limits of theory, sampling and height files, without their advice."""
+    """Yield the broken limits of theory, sampling and height files, without their advice.
+
+    A rule of thumb for the grid counts only where the error of the grid was not measured.
+    """
+    is_measured = summary.get("laeq_grid_error_db") is not None
     for caveat in summary.get("caveats", ()):
+        if is_measured and caveat["key"] in ROLES["grid_rules"]:
+            continue
         key, text = caveat["key"], ": ".join(caveat["text"].split(": ")[:2])
         if key == "step_length":
             error = resolution.LEVEL_ERROR_DB * scene.track.step / resolution.contact_radius(scene)
             yield _sized(key, error, text=text)
+        elif key == "nyquist" and (band := band_error_db(summary)) is not None:
+            cut = band_text(summary, _end_of_band_hz(scene))
+            yield Contribution(key, _word(band), band, cut)
         elif key == "half_space_sound" and (bands := summary.get("third_octave_a_db")):
             if summary.get("source") == "vibration":
                 yield _sized(key, _half_space_error_db(bands, scene.sound.distance_m))
         elif key in ROLES["broken"] + ROLES["doubtful"]:
             word = DO_NOT_QUOTE if key in ROLES["broken"] else INDICATIVE
             yield Contribution(key, word, None, text)
+
+
+def _end_of_band_hz(scene: Scene) -> float:
+    """Return the Nyquist frequency [Hz] of the steps at the minimum speed."""
+    return scene.motion.slowest(scene.duration) / (2 * scene.track.step)
 
 
 def _half_space_error_db(bands: Mapping[str, float | None], distance: float) -> float:

@@ -27,7 +27,7 @@ from rolling.scene.library import NONE
 from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA, STEEL_POISSON
 from rolling.scene.scene import Scene
 from rolling.sound import edged_sound
-from rolling.sound.contact_sound import faded, oversampling
+from rolling.sound.contact_sound import faded
 from rolling.sound.error_estimate import Gain
 
 
@@ -116,7 +116,14 @@ STEEL = {"plate.youngs_modulus_gpa": STEEL_GPA, "plate.poissons_ratio": STEEL_PO
 # Limits of another plate may be too high for steel, and the solved contact has them already.
 ELASTIC = {"plate.density_kg_m3": STEEL_DENSITY, "plate.hardness_gpa": NONE}
 UNLIMITED = dict.fromkeys(("plate.yield_strength_gpa", "plate.plasticity", "rolling.passes"))
-_POINTS = 8  # of the gain within the interval of a line, over which a resonance is averaged
+# Places between two lines of a looped record at which a resonance is heard, at least and at most,
+# and gains of all lines together.
+PLACES, MAX_PLACES, MAX_GAINS = 8, 512, 400_000
+DENSE = 4.0  # samples of an approach in a period of the highest audible frequency, at least
+# Standard uncertainties of the estimate by tests/benchmarks/vibration_estimate_study.py: of the
+# stiffness, relative, and of the linear chain.
+STIFFNESS_ERROR, LINEAR_DB = 0.05, 1.0
+UNRESOLVED = 0.5  # uncertainty of the decibels that lie above the Nyquist frequency of the steps
 
 
 def with_bodies(scene: Scene) -> Scene:
@@ -141,34 +148,113 @@ def bodies_text(scene: Scene) -> str:
     return f"a ball of {ball} on a {rounded(thickness, 4)} mm plate of {plate}"
 
 
-def vibration_estimate(
-    scene: Scene, approach: Array, step: float, closed: bool
-) -> tuple[float | None, float]:
-    """Estimate LAeq [dB] of the vibration, and the rms of its contact force over the load.
+class VibrationEstimate(NamedTuple):
+    """Level of the vibration that a run without dynamics leaves out, by a linear chain.
 
-    The approach [m] under the constant load stands at the ends of steps [m], of whole laps if
-    `closed`. LAeq is None where it does not fluctuate within hearing.
+    laeq_db : float or None, dB. LAeq; None where the approach does not fluctuate within hearing.
+    uncertainty_db : float or None, dB. Standard uncertainty of LAeq, as far as contact holds.
+    force_ratio : float. Rms of the contact force over the load.
+    """
+
+    laeq_db: float | None
+    uncertainty_db: float | None
+    force_ratio: float
+
+
+def vibration_estimate(
+    scene: Scene, approach: Array, step: float, closed: bool, stiffness_n_m: float | None = None
+) -> VibrationEstimate:
+    """Estimate the LAeq of the vibration, its uncertainty, and the fluctuation of the force.
+
+    The sphere meets the same approach as in a run with dynamics: splines join the positions, so
+    that the band ends where that of the run does.
+
+    Parameters
+    ----------
+    scene : Scene. A scene; without dynamics it gets the bodies of `with_bodies`.
+    approach : (steps + 1,) array, m. Approach under the constant load at the ends of the steps.
+    step : float, m. Length of a step.
+    closed : bool. If true, the steps are whole laps of the track.
+    stiffness_n_m : float, N/m. Stiffness of the contact. Default: that of a smooth one.
     """
     motion, steps = scene.motion, len(approach) - 1
     duration = motion.duration(steps * step)
     if scene.is_smooth or steps < 4:
-        return None, 0.0
-    signal, constant = approach[:-1], motion.is_constant(duration)
-    if not constant:
-        count = steps * oversampling(motion, duration, step)
-        places = np.asarray(motion.distance(np.arange(count) * duration / count)) / step
-        signal = np.interp(places, np.arange(steps + 1), approach)
-    if not (closed and constant):
+        return VibrationEstimate(None, None, 0.0)
+    looped = closed and motion.is_constant(duration)
+    signal = _in_time(scene, approach, step, looped)
+    if not looped:
         signal = faded(signal, duration)
-    frequency, mean_square = audible_lines(signal - signal.mean(), len(signal) / duration)
-    if not len(frequency):
-        return None, 0.0
-    bodies = with_bodies(scene)
-    chain = of_scene.chain(bodies, of_scene.smooth_stiffness(scene))
-    offsets = ((np.arange(_POINTS) + 0.5) / _POINTS - 0.5) / duration
-    points = np.maximum(frequency[:, None] + offsets, 1.0).ravel()
-    weighted = roughness_gain(bodies, chain)(points) * 10 ** (a_weighting_db(points) / 10)
-    forces = np.square(np.abs(chain.force(points, np.ones(len(points)))))
-    gains = (gain.reshape(-1, _POINTS).mean(axis=1) for gain in (weighted, forces))
-    square, force_square = (float(mean_square @ gain) for gain in gains)
-    return level.level_db(square), math.sqrt(force_square) / scene.load
+    rate, resolved_hz = len(signal) / duration, motion.fastest(duration) / (2 * step)
+    frequency, mean_square = audible_lines(signal - signal.mean(), rate)
+    if not mean_square.sum() > 0:
+        return VibrationEstimate(None, None, 0.0)
+    bodies = scene if scene.dynamics is not None else with_bodies(scene)
+    stiffness = stiffness_n_m or of_scene.smooth_stiffness(scene)
+    chains = [
+        of_scene.chain(bodies, factor * stiffness)
+        for factor in (1.0, 1 - STIFFNESS_ERROR, 1 + STIFFNESS_ERROR)
+    ]
+    points = _places(bodies, chains[0], frequency, 1 / duration)
+    gain = roughness_gain(bodies, chains[0])(points.ravel()).reshape(points.shape)
+    heard = mean_square[:, None] * gain * 10 ** (a_weighting_db(points) / 10)
+    forces = _force_gain(chains[0], points)
+    ratios = [_force_gain(chain, points) / forces for chain in chains[1:]]
+    by_place = heard.sum(axis=0)
+    square = float(by_place.mean())
+    within = float(heard[frequency < resolved_hz].sum(axis=0).mean())
+    parts = [
+        LINEAR_DB,
+        max(_apart_db(float((heard * ratio).mean(axis=1).sum()), square) for ratio in ratios),
+        UNRESOLVED * _apart_db(within, square),
+    ]
+    if looped:
+        parts.append(math.sqrt(np.mean([_apart_db(place, square) ** 2 for place in by_place])))
+    force_ratio = math.sqrt(float(mean_square @ forces.mean(axis=1))) / scene.load
+    return VibrationEstimate(level.level_db(square), math.hypot(*parts), force_ratio)
+
+
+def _force_gain(chain: Chain, frequency: Array) -> Array:
+    """Return the square of force per approach [N2/m2] at frequencies of any shape [Hz]."""
+    force = chain.force(frequency.ravel(), np.ones(frequency.size))
+    return np.asarray(np.square(np.abs(force)).reshape(frequency.shape))
+
+
+def _apart_db(square: float, other: float) -> float:
+    """Return the distance of two levels [dB] from their mean squares."""
+    return abs(10 * math.log10(max(square, 1e-12 * other) / other))
+
+
+def _in_time(scene: Scene, approach: Array, step: float, looped: bool) -> Array:
+    """Return the approach [m] at even times, dense enough for hearing, by splines along the track.
+
+    The force law of a run joins its positions in the same way.
+    """
+    from scipy.interpolate import CubicSpline  # slow to import
+
+    motion, steps = scene.motion, len(approach) - 1
+    duration = motion.duration(steps * step)
+    count = max(steps, math.ceil(DENSE * AUDIBLE_HZ[1] * duration))
+    if looped and count == steps:
+        return approach[:-1]
+    ends = approach
+    if looped:
+        ends = np.append(approach[:-1], approach[0])
+    joined = CubicSpline(np.arange(steps + 1), ends, bc_type="periodic" if looped else "not-a-knot")
+    distances = np.asarray(motion.distance(np.arange(count) * (duration / count)))
+    return np.asarray(joined(np.minimum(distances / step, steps)))
+
+
+def _places(scene: Scene, chain: Chain, frequency: Array, width: float) -> Array:
+    """Return frequencies [Hz] around each line, within the width of an interval, (lines, places).
+
+    A resonance that is narrower than the distance of two lines falls on a line or between them.
+    """
+    sharp = chain.resonance_hz / chain.quality
+    if chain.modes is not None:
+        sharp = min(sharp, float(frequency[0]) * (scene.plate.loss_factor or 1.0))
+    wanted = math.ceil(PLACES * width / sharp) if sharp > 0 else MAX_PLACES
+    most = min(MAX_PLACES, MAX_GAINS // len(frequency))
+    places = max(PLACES, min(wanted, most))
+    offsets = ((np.arange(places) + 0.5) / places - 0.5) * width
+    return np.asarray(np.maximum(frequency[:, None] + offsets, 1.0))

@@ -114,6 +114,14 @@ class Bar:
                 total=total, desc=name, disable=hidden, file=sys.stderr, bar_format=LAYOUT
             )
         self._total, self._done = total, 0.0
+        self._shown = 0.0  # largest share so far
+
+    @property
+    def share(self) -> float:
+        """Share of the progress that is shown. It rests, and never falls, when the sum grows."""
+        if self._total > 0:
+            self._shown = max(self._shown, min(self._done / self._total, 1.0))
+        return self._shown
 
     def __enter__(self) -> Self:
         return self
@@ -134,12 +142,12 @@ class Bar:
     def tick(self) -> None:
         """Show the present time, or print a line if it is due."""
         if self._bar is not None and not self._bar.disable:
-            self._bar.total, self._bar.n = self._total, self._done
+            self._bar.total, self._bar.n = self._total, self.share * self._total
             self._bar.refresh()
         elif time.monotonic() - self._line > LINE_SECONDS and self._total > 0:
             self._line = time.monotonic()
             passed = round(self._line - self._began)
-            line(f"{self._name}: {100 * self._done / self._total:.0f} %, {passed} s passed")
+            line(f"{self._name}: {100 * self.share:.0f} %, {passed} s passed")
 
 
 def in_notebook() -> bool:

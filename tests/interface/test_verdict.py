@@ -41,6 +41,17 @@ def near_half_space(band: str) -> dict[str, Any]:
     return {"caveats": [caveat], "third_octave_a_db": dict.fromkeys(BAND_NAMES) | {band: 40.0}}
 
 
+def warned(key: str) -> dict[str, Any]:
+    """Return the changes for a run with a warning."""
+    return {"caveats": [{"key": key, "text": f"{key}: doubtful: choose another"}]}
+
+
+def cut_off(error_db: float, uncertainty_db: float) -> dict[str, Any]:
+    """Return the changes for a run whose steps end within hearing."""
+    names = "laeq_band_error_db", "laeq_band_error_uncertainty_db"
+    return dict(zip(names, (error_db, uncertainty_db), strict=True))
+
+
 @pytest.mark.parametrize(
     ("changes", "word", "reason"),
     [
@@ -78,6 +89,15 @@ def near_half_space(band: str) -> dict[str, Any]:
         ({"caveats": [{"key": "resonance", "text": ""}]}, "trust", "length of the record"),
         ({"source": "release", "release_over_vibration_db": 45.2}, "indicative", "upper bound"),
         ({"source": "release", "laeq_grid_error_db": 9}, "do not quote", "the grid leaves"),
+        # A measured error of the grid decides, and not a rule of thumb.
+        (warned("hertz_nodes"), "trust", "length of the record"),
+        (warned("resonance_wave"), "trust", "length of the record"),
+        (warned("hertz_nodes") | {"laeq_grid_error_db": None}, "indicative", "hertz_nodes"),
+        # The part above the Nyquist frequency of the steps counts by its decibels.
+        (warned("nyquist"), "indicative", "nyquist"),
+        (warned("nyquist") | cut_off(-8.4, 3.4), "do not quote", "8.4 ± 3.4 dB too low"),
+        (warned("nyquist") | cut_off(1.5, 0.6), "indicative", "1.5 ± 0.6 dB too high"),
+        (warned("nyquist") | cut_off(-0.2, 0.1), "trust", "length of the record"),
     ],
 )
 def test_the_worst_contribution_is_the_verdict(
@@ -136,6 +156,19 @@ def test_the_check_ends_with_its_conclusion(changes: tuple[str, ...], words: str
     text = verdict.conclusion(scene, check_scene(scene, solve=False))
     assert words in text and text.endswith(".")
     assert text.startswith("It does not") or " on " in text
+
+
+def test_a_rule_for_the_grid_does_not_limit_a_run_that_measures() -> None:
+    """Few nodes across the Hertz radius allow *indicative* unless the error is estimated."""
+    changes = {"rolling.load_n": 0.02, "dynamics.release": False, "rolling.speed_m_s": 0.5}
+    scene = loads(VIBRATING).with_({**changes, "rolling.distance_mm": 1.0})
+    words = []
+    for measures in (False, True):
+        asked = scene.with_({"numerics.error_estimate": measures})
+        found = [x for x in check_scene(asked, solve=False) if x.key == "hertz_nodes"]
+        assert found[0].warning
+        words.append(verdict.expected(asked, found)[0])
+    assert words == ["indicative", "trust"]
 
 
 def random_texts(count: int) -> Iterator[str]:

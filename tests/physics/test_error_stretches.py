@@ -95,14 +95,34 @@ def test_stretches_lie_all_along_the_track_without_overlap() -> None:
         assert gaps == pytest.approx(np.full(count, solved / count), abs=layout.steps)
 
 
-def test_a_short_track_says_how_long_it_has_to_be() -> None:
-    short = long_scene("rolling.duration_s=0.05")
+def test_a_short_track_has_the_shortest_stretches() -> None:
+    """They cost more than their share of a run that takes a few seconds, and few seconds more."""
+    longest = long_scene("rolling.duration_s=0.05")
+    for steps in (2500, 256):
+        layout = error_cost.layout(long_scene(f"rolling.duration_s={steps * 2e-5}"))
+        assert layout is not None and layout.steps == 64 and len(layout.firsts) == 4
+        assert layout.firsts[-1] + 64 <= steps
+    assert error_cost.cost_share(longest) > error_cost.SHARE
+    assert error_cost.too_short(longest) is None
+    few = long_scene("rolling.duration_s=0.0051")
+    assert error_cost.layout(few) is None and error_cost.cost_share(few) == 0.0
+    assert (
+        error_cost.too_short(few) == "the track has 255 different steps, and the estimate needs 256"
+    )
+
+
+def test_a_short_track_with_long_steps_says_how_long_it_has_to_be() -> None:
+    """On 1,000 nodes a side a step takes a quarter of a second."""
+    wide = ["surface.spacing_um=0.5", "surface.width_um=512", "rolling.load_n=100"]
+    per_step = 0.5e-6 / 0.1
+    short = long_scene(*wide, f"rolling.duration_s={2500 * per_step}")
     text = error_cost.too_short(short) or ""
     assert error_cost.layout(short) is None and "2500 different steps" in text
-    assert error_cost.cost_share(short) == 0.0
-    needed = int(text.split("needs ")[1].split()[0])
-    assert error_cost.layout(long_scene(f"rolling.duration_s={(needed + 1) * 2e-5}"))
-    assert not error_cost.layout(long_scene(f"rolling.duration_s={(needed - 1) * 2e-5}"))
+    assert "more than 20 s" in text
+    needed = int(text.split("steps, and ")[1].split()[0])
+    seconds = [(needed + more) * per_step for more in (1, -1)]
+    layouts = [error_cost.layout(long_scene(*wide, f"rolling.duration_s={x}")) for x in seconds]
+    assert layouts[0] is not None and layouts[1] is None
 
 
 @pytest.mark.parametrize(("own", "tight"), [(1e-4, 1e-5), (3e-10, 1e-10), (1e-11, 1e-11)])
@@ -112,6 +132,19 @@ def test_the_tight_tolerance_stays_above_rounding(own: float, tight: float) -> N
 
 
 # ---- marches
+
+
+def test_a_measured_error_of_the_grid_stands_for_a_rule() -> None:
+    """Few nodes across the Hertz radius are doubtful; the estimate measures what they leave."""
+    measured = scene_of("rolling.load_n=0.01", "rolling.duration_s=0.006")
+    by_rule = measured.with_({"numerics.error_estimate": False})
+    of_rule, run = run_of(by_rule), run_of(measured)
+    assert "hertz_nodes" in caveat_texts(of_rule) and "hertz_nodes" not in caveat_texts(run)
+    assert run.summary["laeq_grid_error_db"] is not None
+    names = [
+        [part["name"] for part in x.summary["verdict"]["contributions"]] for x in (of_rule, run)
+    ]
+    assert "hertz_nodes" in names[0] and "hertz_nodes" not in names[1]
 
 
 def test_a_surface_of_few_correlation_lengths_continues_between_its_nodes() -> None:

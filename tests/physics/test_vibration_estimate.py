@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +13,12 @@ from acoustics.level import laeq_db
 from acoustics.radiation import RHO_C
 from acoustics.uncertainty import record_scatter_db
 from acoustics.weighting import a_weighting_db
+from rolling.dynamics import of_scene
+from rolling.marches.stiffness import solved_stiffness
 from rolling.results.run_result import Run
 from rolling.results.runs_table import beside_text
 from rolling.scene.file import loads
+from rolling.scene.scene import Scene
 from rolling.sound.radiators import bodies_text, vibration_estimate
 
 
@@ -41,24 +45,73 @@ def test_a_sine_follows_the_chain() -> None:
     force = 1e-9 / abs(-1 / (mass * w**2) + 1 / stiffness + mobility / (1j * w))
     pressure = 1.204 * force / (2 * math.pi * area) / math.sqrt(2)
     expected = 20 * math.log10(pressure / 2e-5) + float(a_weighting_db(np.array([frequency]))[0])
-    laeq, ratio = vibration_estimate(scene, approach, step, closed=True)
-    assert laeq == pytest.approx(expected, abs=0.1)
-    assert ratio == pytest.approx(force / math.sqrt(2), rel=0.01)  # at a load of 1 N
+    estimate = vibration_estimate(scene, approach, step, closed=True)
+    assert estimate.laeq_db == pytest.approx(expected, abs=0.1)
+    assert estimate.force_ratio == pytest.approx(force / math.sqrt(2), rel=0.01)  # at 1 N
 
 
 @pytest.mark.parametrize("density", [7850, 2500])
 def test_the_estimate_meets_the_motion(rolled: Run, density: float) -> None:
-    """A linear chain of smooth contact lies within twice the ± of the motion where contact holds.
+    """The estimate lies within twice its ± of the motion where contact holds.
 
-    The ± of 4 dB is that of the comb: lines of this short lap are 625 Hz apart.
+    Most of the ± is that of the comb: lines of this short lap are 625 Hz apart.
     """
     scene = rolled.scene.with_({"sphere.density_kg_m3": density})
-    moved = heard_again(rolled, scene).summary
-    without = {"dynamics": None, "sound.source": None, "plate.thickness_mm": None}
-    held = heard_again(rolled, scene.with_({**without, "plate.loss_factor": None})).summary
+    moved, held = heard_again(rolled, scene).summary, held_again(rolled, scene)
     departure = held["vibration_estimate_laeq_db"] - moved["vibration_laeq_db"]
-    assert abs(departure) < 2 * moved["uncertainty_db"]["laeq"] < 9
+    assert abs(departure) < 2 * held["vibration_estimate_uncertainty_db"] < 12
     assert held["vibration_estimate_bodies"].endswith("on a 10 mm plate of 7850 kg/m³")
+
+
+def held_again(run: Run, scene: Scene) -> dict[str, Any]:
+    """Return the numbers of a run at a constant load over the marches of a run with dynamics."""
+    without = {"dynamics": None, "sound.source": None, "plate.thickness_mm": None}
+    return heard_again(run, scene.with_({**without, "plate.loss_factor": None})).summary
+
+
+ROUGH = (
+    *("surface.roughness_ra_um=0.3", "rolling.load_n=1", "rolling.distance_mm=0.6"),
+    *("surface.width_um=240", "plate.youngs_modulus_gpa=40", "plate.density_kg_m3=1200"),
+)
+
+
+@pytest.fixture(scope="module", params=["plate.hardness_gpa=", "plate.hardness_gpa=0.6"])
+def rough(request: pytest.FixtureRequest) -> Run:
+    return marched(VIBRATING, (*ROUGH, request.param))
+
+
+def test_the_stiffness_of_a_rough_contact_is_that_of_its_force_law(rough: Run) -> None:
+    """A smooth contact is 1.2 times as stiff or more; solved positions tell within 12 %.
+
+    The study found 7 % rms on 38 scenes.
+    """
+    law, smooth = rough.summary["contact_stiffness_n_m"], of_scene.smooth_stiffness(rough.scene)
+    assert smooth > 1.2 * law
+    assert solved_stiffness(rough.scene, rough.result) == pytest.approx(law, rel=0.12)
+
+
+def test_the_estimate_of_a_rough_contact_is_within_3_db(rough: Run) -> None:
+    """The resonance, below hearing's end, falls with the stiffness and carries the level."""
+    held = held_again(rough, rough.scene)
+    stated = held["vibration_estimate_uncertainty_db"]
+    departure = held["vibration_estimate_laeq_db"] - rough.summary["vibration_laeq_db"]
+    assert abs(departure) < max(3.0, stated)
+
+
+def test_the_estimate_has_the_band_of_the_run(rolled: Run) -> None:
+    """A resonance above the Nyquist frequency of the steps rings as it does in the motion.
+
+    Splines join the positions in both. The stiffness, which changes along the track, excites the
+    resonance as well. An estimate from the resolved waves alone is some 10 dB too low.
+    """
+    slow = rolled.scene.with_({"rolling.speed_m_s": 0.025})
+    run = heard_again(rolled, slow)
+    numbers, law = run.summary, run.summary["contact_stiffness_n_m"]
+    assert numbers["highest_frequency_hz"] < 0.95 * numbers["resonance_hz"] < 12e3
+    approach = run.result.series["approach"]
+    estimate = vibration_estimate(slow, approach, run.result.step, run.sound.closed, law)
+    assert abs(estimate.laeq_db - numbers["vibration_laeq_db"]) < 3.0
+    assert estimate.uncertainty_db > 2.0  # most of the sound lies beyond the steps
 
 
 def test_bodies_of_an_estimate() -> None:
@@ -80,7 +133,7 @@ def test_a_plate_with_other_limits_than_steel_has_an_estimate(limits: tuple[str,
     hard = ("plate.youngs_modulus_gpa=1050", "plate.hardness_gpa=", *limits)
     scene = loads(VIBRATING, (*WITHOUT_DYNAMICS, "plate.density_kg_m3=", *hard))
     approach = 1e-9 * np.sin(2 * np.pi * 64 * np.arange(2401) / 2400)
-    laeq, _ = vibration_estimate(scene, approach, 2e-6, closed=True)
+    laeq = vibration_estimate(scene, approach, 2e-6, closed=True).laeq_db
     assert laeq is not None and math.isfinite(laeq)
 
 

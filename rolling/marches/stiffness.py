@@ -1,0 +1,52 @@
+"""Stiffness of the contact from solved positions, for the vibration that a run leaves out.
+
+A smooth contact is up to three times as stiff as a rough one. Some positions of the track are
+solved at a second load, and the approach between both loads has the stiffness in it.
+tests/benchmarks/vibration_estimate_study.py compares it with the force laws of runs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rolling.contact.march import march
+from rolling.contact.solver import ContactError
+from rolling.contact.subcells import half_space_of
+from rolling.dynamics import of_scene
+from rolling.marches.result import Result
+from rolling.scene.scene import Scene
+from rolling.surface.contact_of_scene import rolling_contact
+from rolling.surface.scene_surface import heights
+
+LOWER = 0.8  # second load over the load of the scene
+POSITIONS = 4, 12  # minimum and maximum number of positions at the second load
+STEPS_EACH = 50  # of the track for a position, whose cold start costs some eight steps
+
+
+def solved_stiffness(scene: Scene, result: Result) -> float:
+    """Return the contact stiffness [N/m] of a run at the load of the scene.
+
+    It is the inverse of the mean compliance over positions. The secant between two loads belongs to
+    their geometric mean, and the stiffness of a Hertz contact grows with the cube root of the load.
+    The stiffness of a smooth contact stands for it where the lower load has no solution.
+    """
+    left = None if result.passes is None else result.left_by_passes(heights(scene))
+    contact = replace(rolling_contact(scene, left), load=LOWER * scene.load)
+    half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
+    steps = result.solved_steps
+    fewest, most = POSITIONS
+    count = max(fewest, min(most, steps // STEPS_EACH))
+    falls = []
+    try:
+        for place in sorted({k * steps // count for k in range(count)}):
+            (state,) = march(contact, place, place, half_space)
+            falls.append(result.series["approach"][place] - state.approach)
+    except ContactError:
+        return of_scene.smooth_stiffness(scene)
+    fall = float(np.mean(falls))
+    if not fall > 0:
+        return of_scene.smooth_stiffness(scene)
+    secant = (1 - LOWER) * scene.load / fall
+    return float(secant * LOWER ** (-1 / 6))

@@ -1,0 +1,79 @@
+"""Sound above the Nyquist frequency of the steps, from signals and marches with shorter steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from finished import VIBRATING, WITHOUT_DYNAMICS, marched
+
+from acoustics.arrays import Array
+from rolling.scene.file import loads
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import contact_sound
+from rolling.sound.missing_band import missing_band
+
+STEP, STEPS, LONGER = 1e-6, 8192, 4
+FOLDED_DB = 0.35  # what waves that long steps fold back add to the last octave
+
+
+def release(power: float) -> Array:
+    """Return the release of short steps whose spectrum is flat, then falls with a power.
+
+    Long steps resolve 1,024 lines, of which the first 400 are flat.
+    """
+    order = np.arange(STEPS // 2 + 1)
+    lines = np.exp(2j * np.pi * np.random.default_rng(5).uniform(size=len(order)))
+    lines *= np.maximum(order / 400, 1.0) ** (power / 2)
+    lines[0] = 0.0
+    fluctuation = np.fft.irfft(lines, STEPS)
+    return 1e-12 * (1 + 0.1 * fluctuation / np.std(fluctuation))
+
+
+def heard(speed: object, *changes: str) -> Scene:
+    words = [*WITHOUT_DYNAMICS, "surface.spacing_um=1", "rolling.distance_mm=8.192", *changes]
+    return loads(VIBRATING, words).with_(speed_m_s=speed)
+
+
+@pytest.mark.law("band: what long steps cut off of a spectrum of a power law")
+@pytest.mark.parametrize("speed", [0.003, 0.01, [[0, 0.0015], [1, 0.01]]])
+@pytest.mark.parametrize("gain", ["", "1e3"])
+@pytest.mark.parametrize("power", [-3.0, -2.0])
+def test_a_power_law_goes_on(power: float, gain: str, speed: object) -> None:
+    """The level of long steps lies below that of short ones by the estimated error.
+
+    A power of -3 is the law itself. Of -2 the estimate takes half of the way to -3.
+    """
+    scene = heard(speed, f"sound.gain_pa_per_w_m2={gain}")
+    short = release(power)
+    long = short.reshape(-1, LONGER).sum(axis=1)
+    record = contact_sound(scene, long, LONGER * STEP, closed=True)
+    whole = contact_sound(scene, short, STEP, closed=True)
+    band = missing_band(scene, record, long, LONGER * STEP)
+    assert band is not None
+    true = record.levels.laeq_db - whole.levels.laeq_db
+    off = band.error_db - true
+    assert true < -0.2
+    assert abs(off) < (FOLDED_DB if power == -3.0 else 2 * band.uncertainty_db)
+
+
+def test_steps_that_resolve_hearing_miss_nothing() -> None:
+    scene = heard(0.1)
+    sound = contact_sound(scene, release(-3.0), STEP, closed=True)
+    assert missing_band(scene, sound, release(-3.0), STEP) is None
+
+
+def test_a_track_of_few_steps_cannot_tell() -> None:
+    scene, few = heard(0.02), release(-3.0)[:40]
+    sound = contact_sound(scene, few, LONGER * STEP, closed=True)
+    assert missing_band(scene, sound, few, LONGER * STEP) is None
+
+
+def test_a_run_with_long_steps_tells_what_shorter_steps_add() -> None:
+    """The same surface, marched at every fourth node and at every node, at 20 mm/s."""
+    slow = ["rolling.speed_m_s=0.02", "dynamics.release=false", "rolling.distance_mm=0.8"]
+    long = marched(VIBRATING, [*slow, "numerics.step_nodes=4"]).summary
+    short = marched(VIBRATING, slow).summary
+    wholes = [x["laeq_db"] - x["laeq_band_error_db"] for x in (long, short)]
+    assert short["laeq_db"] - long["laeq_db"] > 3
+    assert abs(wholes[0] - wholes[1]) < 2 * long["laeq_band_error_uncertainty_db"]
+    assert short["laeq_band_error_uncertainty_db"] < long["laeq_band_error_uncertainty_db"]
