@@ -11,17 +11,47 @@ Array = NDArray[np.float64]
 _LONGEST = 60  # letters of a value in words
 
 
+def masked_count(values: Any) -> int:
+    """Return the number of masked values in an array, or in a list of arrays or values."""
+    if np.ma.isMaskedArray(values):
+        return int(np.count_nonzero(np.ma.getmaskarray(values)))
+    if isinstance(values, list | tuple):
+        return sum(masked_count(part) for part in values if not isinstance(part, int | float))
+    return 0
+
+
+def refuse_masked(name: str, values: Any) -> None:
+    """Raise ValueError for an array with masked values, whose numbers underneath mean nothing."""
+    count = masked_count(values)
+    if count:
+        raise ValueError(
+            f"{name}: got an array with {count} masked values, allowed: an array without any; fill"
+            " them, or leave them out"
+        )
+
+
+def with_nan(values: Any) -> np.ndarray:
+    """Return values as an array with NaN in place of masked values of real numbers."""
+    if masked_count(values):
+        masked = np.ma.array(values)
+        if masked.dtype.kind in "biuf":
+            return np.asarray(np.ma.filled(masked.astype(float), np.nan))
+    return np.asarray(values)
+
+
 def real_array(name: str, values: Any, dimensions: int | None, gaps: bool = False) -> Array:
     """Return values as an array of floats, finite but for gaps; raise ValueError for all else.
 
-    Any number of dimensions is allowed where it is None, and an array without numbers.
+    Masked values are gaps: NaN where gaps are allowed, and refused elsewhere. Any number of
+    dimensions is allowed where it is None, and an array without numbers.
     """
+    if not gaps:
+        refuse_masked(name, values)
     allowed = "allowed: an array of finite numbers"
     allowed += "" if dimensions is None else f" in {dimensions} dimensions"
     try:
-        if gaps and np.ma.isMaskedArray(values):
-            values = np.ma.filled(values.astype(float), np.nan)
-        if np.asarray(values).dtype.kind not in "biuf":
+        values = with_nan(values)
+        if values.dtype.kind not in "biuf":
             raise TypeError
         array = np.asarray(values, dtype=float)
     except (TypeError, ValueError):

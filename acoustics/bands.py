@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array, positive, real_array
+from acoustics.arrays import Array, positive, real_array, refuse_masked
 
 # Nominal mid frequencies of IEC 61260-1:2014. They name the bands; they are not used to calculate.
 # fmt: off
@@ -70,6 +70,7 @@ def third_octave_mean_square(frequency_hz: Array, line_mean_square: Array) -> Ar
     if isinstance(frequency_hz, np.ndarray) and frequency_hz.size == 0 == np.size(line_mean_square):
         return np.zeros(len(NOMINAL_HZ))  # no line is audible
     lines = real_array("frequency_hz", frequency_hz, 1)
+    refuse_masked("line_mean_square", line_mean_square)
     weights = real_array("line_mean_square", line_mean_square, 1, gaps=True)
     if weights.shape != lines.shape:
         got = f"got an array of shape {weights.shape}"

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, refuse_masked
 from acoustics.level import a_weighted_rms
 
 _OVERLAP_S = 0.01  # [s], at most a sixth of the record
@@ -52,6 +52,7 @@ def crossfaded_lap(record: Array, fade: int, sample_rate_hz: float) -> Lap:
     The end is cross-faded with the part of the beginning that is most alike, with equal slopes. A
     record that is too short is its own lap.
     """
+    refuse_masked("record", record)
     end = len(record) - fade
     most = (end - fade) // 6
     overlap = min(round(_OVERLAP_S * sample_rate_hz), most)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics.arrays import Array, finite, positive, short_repr
+from acoustics.arrays import Array, finite, positive, refuse_masked, short_repr
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import resample_closed
@@ -375,6 +375,7 @@ def running_mean_square(
     ----------
     IEC 61672-1:2013, 3.8 and 5.8.
     """
+    refuse_masked("pressure_pa", pressure_pa)
     from scipy.linalg import blas  # slow to import
 
     n = len(pressure_pa)
@@ -408,6 +409,7 @@ def a_weighted(pressure_pa: Array, sample_rate_hz: float) -> Array:
     -------
     array (n,), Pa
     """
+    refuse_masked("pressure_pa", pressure_pa)
     n = len(pressure_pa)
     gain = 10.0 ** (a_weighting_db(np.fft.rfftfreq(n, 1.0 / sample_rate_hz)) / 20.0)
     return np.fft.irfft(np.fft.rfft(pressure_pa) * gain, n)

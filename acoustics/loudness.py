@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, refuse_masked
 from acoustics.spectrum import checked_record
 
 MIN_RATE_HZ = 48000  # mosqito would resample lower rates
@@ -73,6 +73,7 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     ----------
     ISO 532-1:2017, method 1, for stationary sounds; DIN 45692:2009 for sharpness.
     """
+    refuse_masked("pressure_pa", pressure_pa)
     from mosqito.sq_metrics import loudness_zwst, sharpness_din_from_loudness
 
     record = checked_record(pressure_pa, sample_rate_hz)

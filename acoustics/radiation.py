@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import roots_legendre
 
-from acoustics.arrays import Array, finite, positive, real_array
+from acoustics.arrays import Array, finite, positive, real_array, refuse_masked
 
 P_REF_PA = 20e-6  # reference sound pressure in air
 I_REF_W_M2 = 1e-12  # reference intensity
@@ -223,6 +223,7 @@ def axis_transfer(
     >>> round(1e3 * float(axis_transfer([1000.0], steel_10_mm, 1.0)[0].real), 2)  # mPa per N
     -2.44
     """
+    refuse_masked("frequency_hz", frequency_hz)
     f = np.asarray(frequency_hz)
     if isinstance(source, ThinPlate):
         mass = source.mass_per_area_kg_m2
@@ -262,6 +263,7 @@ def pressure_on_axis(
     >>> [round(1e3 * float(value), 2) for value in pressure]
     [-2.44, 4.88, -2.44]
     """
+    refuse_masked("force_n", force_n)
     force = np.asarray(force_n, dtype=float)
     pressure, n = np.zeros(force.shape), force.size
     for source in sources:

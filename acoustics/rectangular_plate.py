@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, refuse_masked
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, ThinPlate, legendre
 
@@ -85,6 +85,7 @@ class RectangularPlate(ThinPlate):
 
     def shapes(self, points_m: ArrayLike, modes: slice = slice(None)) -> Array:
         """Return the shape of each mode at points (n, 2) [m], an array (n, modes)."""
+        refuse_masked("points_m", points_m)
         return self._shapes(self.orders[modes], points_m)
 
     def residual_compliance_m_n(self, point_m: ArrayLike) -> float:
@@ -99,6 +100,7 @@ class RectangularPlate(ThinPlate):
 
         A complex frequency f - i a/(2 pi) stands for phasors that grow as exp(a t).
         """
+        refuse_masked("frequency_hz", frequency_hz)
         w, wn = 2 * np.pi * frequency_hz[:, None], self.angular_frequency[modes]
         loss = 1j * self.loss_factors[modes] * wn * w
         return np.asarray(1 / (self.modal_mass_kg * (wn**2 - w**2 + loss)))
@@ -140,6 +142,7 @@ class RectangularPlate(ThinPlate):
         >>> round(1e3 * float(abs(pressure[0])), 1)  # mPa per N
         4.8
         """
+        refuse_masked("frequency_hz", frequency_hz)
         shapes = self.shapes(contact_m)[0]
         if path_m is None:
             path_m = math.dist((*np.ravel(contact_m), 0.0), listener_m)
@@ -166,6 +169,7 @@ class RectangularPlate(ThinPlate):
 
         The powers of modes are added (`power_of_modes`), as a mean over contact points (k, 2) [m].
         """
+        refuse_masked("frequency_hz", frequency_hz)
         f = np.atleast_1d(np.asarray(frequency_hz, dtype=float))
         shapes = np.mean(np.square(self.shapes(contact_m)), axis=0)
         power = []

@@ -7,7 +7,7 @@ alias.
 
 import numpy as np
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, refuse_masked
 from acoustics.bands import AUDIBLE_HZ
 
 Edges = tuple[float, float]
@@ -35,6 +35,7 @@ def undo_step_mean(means: Array) -> Array:
     array (n,), same unit
         The signal at 0, 1, ..., n - 1 steps.
     """
+    refuse_masked("means", means)
     n = len(means)
     lines = np.fft.rfft(means)
     f = np.arange(len(lines)) / n
@@ -61,6 +62,7 @@ def band_limit(signal: Array, sample_rate_hz: float, band_hz: Edges = AUDIBLE_HZ
     -------
     array (n,), same unit
     """
+    refuse_masked("signal", signal)
     n = len(signal)
     lines = np.fft.rfft(signal)
     frequency_hz = np.fft.rfftfreq(n, 1.0 / sample_rate_hz)
@@ -89,6 +91,7 @@ def resample_closed(signal: Array, n_out: int) -> Array:
     array (n_out,), same unit
         Closed record; sample 0 keeps its place.
     """
+    refuse_masked("signal", signal)
     n = len(signal)
     if n_out == n:
         return np.array(signal, dtype=float)
@@ -120,6 +123,7 @@ def interpolate_closed(signal: Array, index: Array) -> Array:
     -------
     array in the shape of ``index``, unit of ``signal``
     """
+    refuse_masked("index", index)
     from scipy import ndimage  # slow to import, for varying speeds only
 
     fine = resample_closed(signal, _OVERSAMPLING * len(signal))
@@ -145,6 +149,7 @@ def fade(signal: Array, n: int) -> Array:
     ValueError
         If the two fades overlap.
     """
+    refuse_masked("signal", signal)
     if not 0 <= 2 * n <= len(signal):
         raise ValueError(f"two fades of {n} samples do not fit into a record of {len(signal)}")
     ramp = np.square(np.sin(0.5 * np.pi * np.arange(n) / max(n, 1)))

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from acoustics.arrays import Array
+from acoustics.arrays import Array, refuse_masked
 from acoustics.bands import AUDIBLE_HZ, third_octave_mean_square
 from acoustics.radiation import AIR_KG_M3, SOUND_M_S, Ball, ThinPlate, legendre
 from acoustics.spectrum import audible_lines
@@ -43,6 +43,7 @@ def plate_power_per_force(frequency_hz: ArrayLike, plate: ThinPlate, sides: int 
     >>> round(10 * float(np.log10(plate_power_per_force([500.0], steel_1_mm)[0] / 1e-12)), 1)
     69.5
     """
+    refuse_masked("frequency_hz", frequency_hz)
     f = np.asarray(frequency_hz, dtype=float)[:, None]
     m = plate.mass_per_area_kg_m2
     squared = (f / plate.critical_hz) ** 2
@@ -76,6 +77,7 @@ def ball_power_per_force(frequency_hz: ArrayLike, ball: Ball, plane: bool = True
     -------
     array (n,), W/N^2
     """
+    refuse_masked("frequency_hz", frequency_hz)
     w = 2 * np.pi * np.asarray(frequency_hz, dtype=float)
     ka = w * ball.radius_m / SOUND_M_S
     area = 4 / 3 * np.pi * ball.radius_m**2
@@ -101,6 +103,7 @@ def band_power(force_n: ArrayLike, sample_rate_hz: float, source: ThinPlate | Ba
     -------
     array (31,), W
     """
+    refuse_masked("force_n", force_n)
     frequency, mean_square = audible_lines(np.asarray(force_n, dtype=float), sample_rate_hz)
     if isinstance(source, Ball):
         power = ball_power_per_force(frequency, source)

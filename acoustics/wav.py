@@ -13,7 +13,7 @@ import numpy as np
 import soundfile
 from numpy.typing import ArrayLike, NDArray
 
-from acoustics.arrays import Array, real_array
+from acoustics.arrays import Array, real_array, refuse_masked
 from acoustics.level import a_weighted_rms
 from acoustics.radiation import P_REF_PA
 
@@ -168,6 +168,8 @@ def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float 
     >>> round(float(20 * np.log10(wav.listening_gain(tone))), 2)
     -23.0
     """
+    refuse_masked("pressure_pa", pressure_pa)
+    pressure_pa = np.asarray(pressure_pa)
     largest = float(np.max(np.abs(pressure_pa), initial=0.0))
     if largest < np.finfo(float).tiny:  # the gain would not be a number
         return 1.0

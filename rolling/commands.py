@@ -462,12 +462,16 @@ def surface(
         if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
             progress.line("the surface of the scene without its sweep; --set chooses other values")
         name, words, heights = scene.name, "periodic", scene_surface.heights(scene)
+        for doubt in scene_surface.scene_surface(scene).suspicions:
+            progress.line(f"warning: {doubt}")
         steps = np.full(2, scene.spacing)
     else:
         if overrides:
             raise FolderError("--set: only goes with a scene")
         name, words = source.name, "less its least-squares plane"
-        heights, steps = measured.levelled(source, spacing_um, channel, unit)
+        heights, steps, doubt = measured.levelled(source, spacing_um, channel, unit)
+        if doubt:
+            progress.line(labels.printable(f"warning: {source}: {doubt}"))
         if gaps := np.count_nonzero(np.isnan(heights)):
             words += f", {gaps} unmeasured"
     with progress.step("computing the parameters, drawing the picture"):

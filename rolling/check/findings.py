@@ -280,11 +280,13 @@ def _smooth_contact(scene: Scene) -> Iterator[Finding]:
     if length != width:
         shape += f" along, {si(width, 'm')} across"
     nodes, coarse = radius / scene.spacing, radius / MIN_HERTZ_NODES * 1e6
-    numbers = {"nodes": nodes, "least": MIN_HERTZ_NODES, "spacing_um": coarse}
+    few = nodes < MIN_HERTZ_NODES
+    numbers = {"nodes": nodes, "least": MIN_HERTZ_NODES}
+    finer = resolution.finer(scene, coarse)
     yield Finding("hertz_radius", "Hertz radius", shape)
     yield Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa"))
     yield from _hardness(scene, pressure)
-    yield judged("hertz_nodes", rounded(nodes, 3), nodes < MIN_HERTZ_NODES, **numbers)
+    yield judged("hertz_nodes", rounded(nodes, 3), few, finer=finer, **numbers)
 
 
 def _hardness(scene: Scene, pressure: float) -> Iterator[Finding]:

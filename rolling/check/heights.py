@@ -29,7 +29,9 @@ ROLLOFF_WAVES = 4.0  # of the roll-off that a period should hold
 
 
 def findings(scene: Scene) -> Iterator[Finding]:
-    """Judge the heights of a file, and made heights that are self-affine or not Gaussian."""
+    """Judge the heights of files, and made heights that are self-affine or not Gaussian."""
+    if scene.height_paths and (suspicions := scene_surface(scene).suspicions):
+        yield Finding("markers", "heights", "some look like marks of points", "; ".join(suspicions))
     if not isinstance(scene.surface, HeightFile):
         yield from _made(scene)
         return

@@ -17,7 +17,7 @@ import numpy as np
 from acoustics import bands
 from acoustics.numbers import rounded
 from rolling.check import cost
-from rolling.check.finding import Finding, judged, sentence, si
+from rolling.check.finding import Finding, judged, sentence, si, written
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -142,6 +142,14 @@ def advice(scene: Scene, error: float) -> str:
     return blended + sentence(KEY, kind, wanted=wanted, bands=bands)
 
 
+def finer(scene: Scene, spacing_um: float) -> str:
+    """Name the spacing [um] that is needed: of made heights a key, of a file a measurement."""
+    most = written("{spacing_um:down}", spacing_um=spacing_um)
+    if isinstance(scene.surface, MadeSurface):
+        return f"a surface.spacing_um of at most {most}"
+    return f"a measurement with a spacing of at most {most} um"
+
+
 def spacing(scene: Scene, error: float, goal: float) -> float:
     """Return the spacing [um] that brings an error of the grid [dB] down to a goal [dB]."""
     factor = 10 ** ((goal - error) / PER_SPACING_DB)
@@ -207,7 +215,7 @@ def _grid_tone(scene: Scene) -> Finding:
     tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
     audible = motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration
     spacing_um = _usual_speed(scene, duration) / HEARING[1] * 1e6
-    return judged("grid_tone", tone, audible, tone=tone, spacing_um=spacing_um)
+    return judged("grid_tone", tone, audible, tone=tone, finer=finer(scene, spacing_um))
 
 
 def contact_radius(scene: Scene) -> float:

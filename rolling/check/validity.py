@@ -17,7 +17,7 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost, resolution
-from rolling.check.finding import Finding, computing, judged, sentence, si
+from rolling.check.finding import Finding, computing, judged, sentence, si, written
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import library
@@ -25,7 +25,15 @@ from rolling.scene.laws import HeightLaw
 from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA, STEEL_POISSON, plate_modes
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
-from rolling.scene.surfaces import HeightFile
+from rolling.scene.surfaces import (
+    BallHeightFile,
+    Gaussian,
+    GaussianBall,
+    GradedBall,
+    HeightFile,
+    MadeSurface,
+    SelfAffine,
+)
 from rolling.surface import made
 
 MAX_SLOPE = 0.3  # rms norm of the gradient that a half-space may have
@@ -73,12 +81,7 @@ def _half_space(scene: Scene) -> Iterator[Finding]:
     slope = cost.roughness(scene)[1]
     along, across = resolution.contact_radius(scene), semi_axes(scene)[1]
     share = max(along / scene.radius, across / scene.radius_across)
-    advice = "lower surface.roughness_ra_um or lengthen surface.correlation_length_um"
-    if scene.sphere.surface is not None:
-        advice += ", of plate or sphere"
-    if isinstance(scene.surface, HeightFile):
-        advice = "filter the shortest wavelengths out of the heights"
-    steep = {"slope": slope, "most": MAX_SLOPE, "advice": advice}
+    steep = {"slope": slope, "most": MAX_SLOPE, "advice": _gentler(scene)}
     wide = {"share": share, "most": MAX_CONTACT}
     yield judged("slope", rounded(slope), slope > MAX_SLOPE, **steep)
     yield judged("contact_radius", rounded(share), share > MAX_CONTACT, **wide)
@@ -86,6 +89,27 @@ def _half_space(scene: Scene) -> Iterator[Finding]:
         slope = max(fault.steepest for fault in scene.faults)
         sharp = {"slope": slope, "most": MAX_SLOPE}
         yield judged("fault_slope", rounded(slope), slope > MAX_SLOPE, **sharp)
+
+
+def _gentler(scene: Scene) -> str:
+    """Name the keys of the surfaces of plate and sphere that make the heights less steep."""
+    advice = []
+    for section, part in (("surface", scene.surface), ("sphere.surface", scene.sphere.surface)):
+        if isinstance(part, Gaussian | GaussianBall):
+            advice.append(
+                f"lower {section}.roughness_ra_um or lengthen {section}.correlation_length_um"
+            )
+        elif isinstance(part, SelfAffine):
+            advice.append(f"lengthen {section}.shortest_um or lower the roughness of {section}")
+        elif isinstance(part, GradedBall):
+            advice.append(f"choose a finer {section}.grade, or a longer correlation length of it")
+        elif isinstance(part, HeightFile):
+            advice.append(
+                "filter the shortest wavelengths out of the heights by surface.s_filter_um"
+            )
+        elif isinstance(part, BallHeightFile):
+            advice.append("filter the shortest wavelengths out of the heights of the sphere")
+    return "; ".join(advice) or "make the faults gentler"
 
 
 def _bouncing(scene: Scene) -> Finding:
@@ -169,7 +193,11 @@ def _fall(scene: Scene) -> Iterator[Finding]:
         doubt = "sphere"
     elif thickness is not None and 1e3 * radius > THICK * thickness:
         doubt = "thickness"
-    numbers = {"period": period, "width_um": 2e6 * radius, "share": radius / scene.radius}
+    width_um = written("{width_um:up}", width_um=2e6 * radius)
+    larger = f"measure a surface of at least {width_um} um each way"
+    if isinstance(scene.surface, MadeSurface):
+        larger = f"choose a surface.width_um of at least {width_um}, and a track as long"
+    numbers = {"period": period, "larger": larger, "share": radius / scene.radius}
     numbers |= {"most": MAX_CONTACT, "thick": THICK, "thickness": 1e3 * radius / THICK}
     yield judged("drop_width", f"radius {si(radius, 'm')}", doubt, **numbers)
     if math.isfinite(scene.hardness):
@@ -287,7 +315,10 @@ def _waves(scene: Scene) -> Finding:
     wave = speed / frequency
     length = 1e-6 * min((law.lengths_um[0] for law in scene.laws), default=0.0)
     numbers = {"speed": speed, "length": length, "least": length * frequency}
-    return judged("resonance_wave", si(wave, "m"), wave < length, **numbers)
+    finer = "a finer measurement"
+    if isinstance(scene.surface, MadeSurface):
+        finer = "a smaller surface.spacing_um"
+    return judged("resonance_wave", si(wave, "m"), wave < length, finer=finer, **numbers)
 
 
 # ---- plate

@@ -190,14 +190,14 @@ def _refuse_the_impossible(contact: RollingContact) -> None:
 def _refuse_wide(contact: RollingContact, along: float, across: float) -> None:
     """Raise ContactError for a contact [m] wider than one period of the surface."""
     rows, columns = contact.heights.shape
-    for needed, nodes, way, key in (
-        (along, rows, "along the track", "rolling.duration_s or rolling.distance_mm"),
-        (across, columns, "across the track", "surface.width_um"),
+    for needed, nodes, way in (
+        (along, rows, "along the track"),
+        (across, columns, "across the track"),
     ):
         period = nodes * contact.spacing
         if needed > period:
             raise ContactError(
                 f"contact is {rounded(needed * 1e6, 4)} um wide {way}, more than one period of the"
-                f" surface ({rounded(period * 1e6, 4)} um); raise {key} to more than"
-                f" {rounded(needed * 1e6, 4)} um of surface"
+                f" surface ({rounded(period * 1e6, 4)} um); it needs a surface of more than"
+                f" {rounded(needed * 1e6, 4)} um {way}"
             )

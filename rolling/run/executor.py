@@ -5,7 +5,7 @@ import signal
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -214,7 +214,12 @@ class RunLoop:
         return True
 
     def _fail(self, number: int, reason: str) -> None:
-        """Note that a run failed, and forget its other tasks."""
+        """Note that a run failed, with marks in its heights, and forget its other tasks."""
+        scene = self._scenes[number]
+        if scene.height_paths and number not in self.failures:
+            with suppress(SceneError):  # the file is gone
+                suspicions = scene_surface.scene_surface(scene).suspicions
+                reason = "; ".join((reason, *suspicions))
         self.failures.setdefault(number, reason)
         self._results.pop(number, None)
         for numbers in self._wanting.values():

@@ -16,12 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from acoustics.arrays import Array, positive
+from acoustics.arrays import Array, positive, with_nan
 from rolling.scene import height_files, height_grid
 from rolling.scene.height_files import UNITS, HeightFormatError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.track import MIN_NODES
+from rolling.surface import markers
 from rolling.surface.levelling import HIGHEST, LARGEST_RA, in_metres
 from rolling.surface.parameters import without_plane
 from rolling.terminal import files
@@ -65,11 +66,12 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> height_grid
 
 def levelled(
     path: Path, spacing_um: float | None, channel: str | None, unit: str
-) -> tuple[Array, Array]:
+) -> tuple[Array, Array, str]:
     """Read measured heights [m] less their plane, and their spacings [m] along and across.
 
-    A profile lies along the track. Raise FolderError for heights that cannot be used, and for a
-    spacing [um] that is missing or that the file has itself.
+    A sentence on values that look like marks of unmeasured points comes with them, or an empty
+    text. A profile lies along the track. Raise FolderError for heights that cannot be used, and for
+    a spacing [um] that is missing or that the file has itself.
     """
     try:
         measured = read(path, channel, unit)
@@ -78,14 +80,25 @@ def levelled(
     if (measured.spacing_m is None) == (spacing_um is None):
         words = "missing; the file holds no" if spacing_um is None else "the file holds its own"
         raise files.FolderError(f"{path}: --spacing-um: {words} spacing")
+    own_unit = measured.spacing_m is not None and path.suffix.lower() != height_files.TRIPLES
+    shown = "m" if own_unit else unit
+    suspects = markers.suspected(measured.heights / UNITS[shown], shown)
+    doubt = markers.sentence(suspects, "file") if suspects else ""
+    hint = f"; {doubt}" if suspects else ""
     sizes = np.abs(measured.heights[np.isfinite(measured.heights)])
     if not sizes.size or sizes.max() > HIGHEST:
-        raise files.FolderError(f"{path}: holds no heights, or heights above {HIGHEST:g} m")
+        words = "holds no heights"
+        if sizes.size:
+            words = f"holds heights above {HIGHEST:g} m"
+        raise files.FolderError(f"{path}: {words}{hint}")
     heights = without_plane(measured.heights)
     if np.nanmean(np.abs(heights)) > LARGEST_RA:
-        raise files.FolderError(f"{path}: --height-unit: Ra would be more than {LARGEST_RA:g} m")
+        key = "" if own_unit else "--height-unit: "
+        raise files.FolderError(f"{path}: {key}Ra would be more than {LARGEST_RA:g} m{hint}")
     steps = np.array(measured.spacing_m or (1e-6 * (spacing_um or 0),) * 2)
-    return (heights.T, steps[::-1]) if len(heights) == 1 else (heights, steps)
+    if len(heights) == 1:
+        heights, steps = heights.T, steps[::-1]
+    return heights, steps, doubt
 
 
 def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
@@ -108,7 +121,7 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
         The file cannot be written.
     """
     ending, stream = path.suffix.lower(), io.BytesIO()
-    heights = np.ascontiguousarray(heights_m, dtype=np.float64)
+    heights = np.ascontiguousarray(with_nan(heights_m), dtype=np.float64)
     along, across = spacing_m
     try:
         if ending == ".npy":
@@ -172,9 +185,7 @@ def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
     """
     allowed = f"allowed: real numbers, (along, across), at least {MIN_NODES} each way, or a profile"
     try:
-        if np.ma.isMaskedArray(heights):
-            heights = np.ma.filled(heights.astype(float), np.nan)
-        values = np.asarray(heights)
+        values = with_nan(heights)
     except ValueError as error:  # rows of several lengths
         raise ValueError(f"heights: got rows of several lengths, {allowed}") from error
     if values.dtype.kind not in "fiu" or values.ndim not in (1, 2):
@@ -184,7 +195,10 @@ def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
         raise ValueError(f"heights: got an array of shape {values.shape}, {allowed}")
     positive("spacing_um", spacing_um, 1e15)
     surface = HeightFile(path=COPY, spacing_um=float(spacing_um), **keys)
-    in_metres(values, surface.height_unit, "heights", surface.unmeasured == "fill")
+    unit, kept = surface.height_unit, values
+    if surface.outliers is not None:  # the preparation replaces them
+        kept = markers.without(values, markers.suspected(np.atleast_2d(values), unit))
+    in_metres(kept, unit, "heights", surface.unmeasured == "fill")
     stream = io.BytesIO()
     np.save(stream, values)
     content = stream.getvalue()

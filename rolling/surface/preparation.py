@@ -14,11 +14,12 @@ from scipy import fft
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene.height_files import HeightFormatError, is_instrument
+from rolling.scene.height_files import TRIPLES, HeightFormatError, is_instrument
 from rolling.scene.height_grid import SAME, HeightGrid, is_other, is_turned
 from rolling.scene.surfaces import HeightFile
-from rolling.surface import levelling, measured
+from rolling.surface import levelling, markers, measured
 from rolling.surface.heights import SurfaceError
+from rolling.surface.markers import Marker
 from rolling.surface.parameters import roughness, without_plane
 
 NAMES = "Sa", "Sq", "Ssk", "Sku", "Sdq"  # of the roughness before and after a step
@@ -44,17 +45,33 @@ class Effect:
 def read(path: Path, surface: HeightFile) -> Array:
     """Read the heights of the plate [m], (along, across), about their mean; NaN is unmeasured.
 
-    Raise SurfaceError for unusable heights, and for unmeasured points that may not be filled.
+    Where outliers count as unmeasured, values that look like marks of such points do as well: in
+    patches they are no outliers among their neighbours. Raise SurfaceError for unusable heights,
+    and for unmeasured points that may not be filled.
     """
-    has_unit, unit = is_instrument(path), surface.height_unit
+    values = _values(path, surface)
+    unit = "m" if is_instrument(path) else surface.height_unit
+    if surface.outliers is not None:
+        values = markers.without(values, markers.suspected(values, unit))
+    has_gaps = surface.unmeasured == "fill"
+    has_own_unit = is_instrument(path) and path.suffix.lower() != TRIPLES
+    return levelling.in_metres(values, unit, str(path), has_gaps, has_own_unit=has_own_unit)
+
+
+def suspected(path: Path, surface: HeightFile) -> tuple[Marker, ...]:
+    """Return the values in the file of a plate that look like marks of unmeasured points."""
+    unit = "m" if is_instrument(path) else surface.height_unit
+    return markers.suspected(_values(path, surface), unit)
+
+
+def _values(path: Path, surface: HeightFile) -> Array:
+    """Read the numbers of a file, (along, across), in m where it is of an instrument."""
+    unit = surface.height_unit if is_instrument(path) else "m"
     try:
-        values = measured.read(path, surface.channel, unit if has_unit else "m").heights
+        values = measured.read(path, surface.channel, unit).heights
     except HeightFormatError as error:
         raise SurfaceError(error.of(path)) from error
-    rows, columns = values.shape
-    values = values.T if is_turned((rows, columns), surface) else values
-    has_gaps = surface.unmeasured == "fill"
-    return levelling.in_metres(values, "m" if has_unit else unit, str(path), has_gaps)
+    return values.T if is_turned(values.shape, surface) else values
 
 
 class Preparation:

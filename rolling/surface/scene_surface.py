@@ -6,7 +6,7 @@ In pure rolling each place of the sphere meets the place of the plate that it ro
 surfaces add up to one that does not move: z(x, y) = plate(x, y) + sphere(x mod 2 pi R, y).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,13 +15,13 @@ import numpy as np
 
 from acoustics.arrays import Array, short_repr
 from rolling.scene import surfaces
-from rolling.scene.height_files import reason_of
+from rolling.scene.height_files import numbers, reason_of
 from rolling.scene.height_grid import height_grid
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 from rolling.surface import heights as surface
-from rolling.surface import levelling, made, preparation
+from rolling.surface import levelling, made, markers, preparation
 from rolling.surface.heights import Statistics, add_faults
 from rolling.surface.levelling import Levelling
 from rolling.surface.preparation import Effect
@@ -40,6 +40,8 @@ class SceneSurface:
     preparation: Sequence[Effect] = ()  # of heights from a file, step by step
     part_ra: tuple[float, float] | None = None  # [m] of plate and sphere, where both have a surface
     made: dict[str, Any] = field(default_factory=dict)  # by key in the summary
+    # A sentence for each file with values that look like marks of unmeasured points.
+    suspicions: tuple[str, ...] = ()
 
     @cached_property
     def statistics(self) -> Statistics:
@@ -112,17 +114,22 @@ def _making(scene: Scene) -> str:
 def _make(scene: Scene) -> SceneSurface:
     """Make the surface of plate and sphere of a scene."""
     plate, plane, effects = _plate(scene)
+    suspicions = tuple(_suspicions(scene))
     described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
     add_faults(plate, scene.surface.faults or (), scene.spacing)
     if scene.sphere.surface is None:
-        return SceneSurface(plate, scene.spacing, plane, effects, made=described)
+        return SceneSurface(
+            plate, scene.spacing, plane, effects, made=described, suspicions=suspicions
+        )
     try:
         ball, of_ball = ball_heights(scene, scene.sphere.surface)
     except surface.SurfaceError as error:
         raise SceneError([f"sphere.surface: {error}"]) from error
     part_ra = _ra(plate), _ra(ball)
     total = rolled_together(plate, ball, scene.track, scene.start)
-    return SceneSurface(total, scene.spacing, plane, effects, part_ra, described | of_ball)
+    return SceneSurface(
+        total, scene.spacing, plane, effects, part_ra, described | of_ball, suspicions
+    )
 
 
 def _ra(heights: Array) -> float:
@@ -140,6 +147,24 @@ def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
     if s.law is not None:
         return made.of_law(shape, scene.spacing, s.law, s.law.seed), None, []
     return np.zeros(shape), None, []
+
+
+def _suspicions(scene: Scene) -> Iterator[str]:
+    """Yield a sentence for each height file with values that look like marks of points.
+
+    Such values of a plate whose outliers are replaced count as unmeasured, and need no word.
+    """
+    plate, ball = scene.surface, scene.sphere.surface
+    path = scene.height_path
+    if path is not None and isinstance(plate, surfaces.HeightFile) and plate.outliers is None:
+        suspects = preparation.suspected(path, plate)
+        if suspects:
+            yield markers.sentence(suspects, "surface")
+    if isinstance(ball, surfaces.BallHeightFile):
+        values = numbers(scene.height_paths["sphere.surface"])
+        suspects = markers.suspected(values, ball.height_unit)
+        if suspects:
+            yield markers.sentence(suspects, "sphere.surface")
 
 
 def has_detail(scene: Scene) -> bool:
@@ -189,7 +214,7 @@ def ball_heights(scene: Scene, ball: surfaces.BallSurface) -> tuple[Array, dict[
 def _read(scene: Scene, ball: surfaces.BallHeightFile) -> Array:
     """Read the heights [m] of a turn without its wave of order 1, which moves the centre only."""
     path, across = scene.height_paths["sphere.surface"], scene.track.n_across
-    heights = levelling.read_heights(path, ball.height_unit)
+    heights = levelling.read_heights(path, ball.height_unit, "sphere.surface")
     if heights.shape[1] == 1:
         heights = np.repeat(heights, across, axis=1)
     angle = _angle(len(heights))

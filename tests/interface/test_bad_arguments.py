@@ -144,6 +144,38 @@ def test_a_bad_argument_is_refused_by_its_name(call: Callable[..., Any], name: s
     assert not faults, "\n".join(faults)
 
 
+MASKABLE = [
+    (call, name)
+    for call, arguments in CALLS.items()
+    for name, valid in arguments.items()
+    if isinstance(valid, np.ndarray) and call is not rc.surface_parameters
+]
+
+
+@pytest.mark.parametrize(("call", "name"), MASKABLE, ids=title)
+def test_masked_values_are_refused_and_not_read(call: Callable[..., Any], name: str) -> None:
+    """The number below a mask means nothing; heights may be filled by a key, and say so."""
+    valid = CALLS[call][name]
+    masked = np.ma.masked_array(valid, np.zeros(valid.shape, bool))
+    used(call, CALLS[call] | {name: masked})  # without a masked value it is an array like any other
+    masked[(0,) * valid.ndim] = np.ma.masked
+    for values in (masked, list(masked)):
+        with pytest.raises(ValueError, match=rf"^{name}: .*(masked values|surface.unmeasured)"):
+            used(call, CALLS[call] | {name: values})
+
+
+def test_masked_heights_are_unmeasured_points() -> None:
+    """Parameters, heights for a scene and written files take them as they take NaN."""
+    masked = np.ma.masked_greater(GAP, 5e-8)
+    gaps = np.ma.filled(masked, np.nan)
+    got, want = (rc.surface_parameters(heights, spacing_um=2) for heights in (masked, gaps))
+    assert got == pytest.approx(want, nan_ok=True)
+    own, same = (
+        rc.HeightArray(heights, spacing_um=2, unmeasured="fill") for heights in (masked, gaps)
+    )
+    assert own == same
+
+
 def test_the_half_space_of_a_march_has_the_spacing_and_modulus_of_the_contact() -> None:
     for wrong in ((2e-6, 230e9), (4e-6, 200e9)):
         with pytest.raises(ValueError, match=r"half_space: got .*, allowed: that of contact"):

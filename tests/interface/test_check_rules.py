@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -214,3 +215,60 @@ def test_memory_is_the_measured_peak_within_a_factor_of_1_5(
     scene = read_scene(scene_of(tmp_path, surface, rest))
     needed = sum(cost.memory([run for _, run in scene.runs()], workers).values())
     assert measured_mb / 1.5 < needed / 1e6 < 1.5 * measured_mb
+
+
+# ---- keys that a kind of surface has
+
+KINDS = {
+    "gaussian": "{kind: gaussian, roughness_ra_um: 1, correlation_length_um: 10, spacing_um: 2, "
+    "width_um: 64, seed: 1}",
+    "self-affine": "{kind: self-affine, roughness_ra_um: 1, hurst: 0.8, rolloff_um: 50, "
+    "shortest_um: 10, spacing_um: 2, width_um: 64, seed: 1}",
+    "smooth": "{kind: smooth, spacing_um: 2, width_um: 64}",
+    "file": "{kind: file, path: h.npy, spacing_um: 2}",
+}
+BALLS = {
+    "plain": "",
+    "gaussian": ", surface: {kind: gaussian, roughness_ra_um: 1, seed: 2, "
+    "correlation_length_um: 5}",
+    "graded": ", surface: {kind: graded, grade: G200, correlation_length_um: 3}",
+}
+MOTIONS = {
+    "contact": ("", "", "load_n: 20, speed_m_s: 2, duration_s: 0.002"),
+    "vibration": (
+        "thickness_mm: 1, ",
+        "dynamics: {}",
+        "load_n: 2, speed_m_s: 2, duration_s: 0.002",
+    ),
+    "drop": (
+        "thickness_mm: 1, ",
+        "dynamics: {}",
+        "load_n: weight, speed_m_s: 0.1, drop_mm: 300, distance_mm: 1",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("ball", BALLS)
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_advice_names_keys_that_the_surface_has(
+    kind: str, ball: str, motion: str, tmp_path: Path
+) -> None:
+    """Scenes in which nearly everything is wrong: each key in their advice may be set."""
+    np.save(tmp_path / "h.npy", 1e-6 * np.random.default_rng(1).standard_normal((64, 64)))
+    thickness, dynamics, rolling = MOTIONS[motion]
+    scene = loads(
+        f"name: wrong\n"
+        f"sphere: {{radius_mm: 1, density_kg_m3: 7850{BALLS[ball]}}}\n"
+        f"plate: {{{thickness}youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 2,"
+        f" density_kg_m3: 7850}}\n"
+        f"surface: {KINDS[kind]}\nrolling: {{{rolling}}}\n{dynamics}\n",
+        folder=tmp_path,
+    )
+    text = "\n".join(findings.check_scene(scene, solve=False).warnings)
+    known = {"surface": scene.surface, "sphere.surface": scene.sphere.surface}
+    named = re.findall(r"((?:sphere\.)?surface)\.(\w+)", text)
+    assert text
+    for section, key in named:
+        part = known[section]
+        assert part is not None and key in type(part).model_fields, (section, key, text)

@@ -78,3 +78,17 @@ def test_a_wrong_array_is_named_in_one_sentence(heights: object, words: str) -> 
 def test_a_wrong_spacing_is_named(spacing: object) -> None:
     with pytest.raises(ValueError, match="spacing_um: got"):
         rc.HeightArray(Z, spacing_um=spacing)  # type: ignore[arg-type]
+
+
+def test_a_run_that_fails_names_the_marks_and_no_key_that_a_file_lacks() -> None:
+    """A pair of points at the end of a digitizer carries the sphere, and the contact is too wide.
+
+    The kind of surface has no surface.width_um for a map, so the message does not name it.
+    """
+    heights = Z[:48, :48].copy()
+    heights[10:12, 20] = heights[10:12, 30] = 32767e-9
+    scene = file.loads(PLAIN, SHORT).with_(surface=rc.HeightArray(heights, spacing_um=2))
+    with pytest.raises(rc.ContactError, match=r"4 of 2304 heights are exactly 3.2767e-05 m") as error:
+        rc.simulate(scene, workers=1, progress=False)
+    assert "surface.outliers" in str(error.value) and "width_um" not in str(error.value)
+    assert any("3.2767e-05 m" in warning for warning in scene.check(solve=False).warnings)

@@ -160,3 +160,18 @@ def test_a_swept_surface_is_described_without_its_sweep(
         Path("swept.yaml").write_text(f"{SCENE}sweep: {sweep}\n")
         assert cli.main(["surface", "swept.yaml"]) == 0
         assert ("without its sweep" in capsys.readouterr().err) == is_said
+
+
+def test_a_mark_of_unmeasured_points_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    """The parameters are printed, with the value that spoils them and the way out."""
+    heights = 0.1 * np.random.default_rng(1).standard_normal((40, 30))
+    heights[5:7, 6:9] = -9999
+    np.savetxt("scan.csv", heights)
+    words = ["--spacing-um", "1", "--height-unit", "um"]
+    assert cli.main(["surface", "scan.csv", *words]) == 0
+    said = capsys.readouterr().err
+    assert "6 of 1200 heights are exactly -9999 um" in said and "surface.outliers" in said
+    heights[5:7, 6:9] = 1e37
+    np.savetxt("scan.csv", heights)
+    assert cli.main(["surface", "scan.csv", *words]) == 2
+    assert "6 of 1200 heights are exactly 1e+37 um" in capsys.readouterr().err

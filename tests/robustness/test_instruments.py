@@ -99,6 +99,14 @@ def test_written_heights_are_read_again(tmp_path: Path, ending: str) -> None:
     np.testing.assert_allclose(measured.read(tmp_path / f"h{ending}").heights, whole, atol=1e-21)
 
 
+def test_masked_heights_are_written_as_unmeasured(tmp_path: Path) -> None:
+    masked = np.ma.masked_invalid(Z).copy()
+    masked.data[masked.mask] = 7.0
+    for name in ("h.npy", "h.xyz", "h.x3p"):
+        measured.write(tmp_path / name, masked, STEPS)
+        np.testing.assert_allclose(measured.read(tmp_path / name).heights, Z, atol=1e-21)
+
+
 def test_what_cannot_be_written_is_refused(tmp_path: Path) -> None:
     for name, words in {
         "h.sur": "allowed: .npy",
