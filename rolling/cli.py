@@ -214,6 +214,7 @@ def _surface(given: argparse.Namespace) -> int:
         given.spacing_um,
         given.channel,
         given.unit,
+        given.xy_unit,
         save=given.save,
         out=given.out,
     )

@@ -427,6 +427,7 @@ def surface(
     spacing_um: float | None = None,
     channel: str | None = None,
     unit: str = "m",
+    xy_unit: str | None = None,
     *,
     save: Path | None = None,
     out: Path | None = None,
@@ -437,7 +438,7 @@ def surface(
     ----------
     source : Path. A scene, whose surface is described, or a file of measured heights.
     overrides : sequence of str. Assignments such as "surface.level=plane", to a scene.
-    spacing_um, channel, unit : as in the section `surface` of a scene, of a file of heights.
+    spacing_um, channel, unit, xy_unit : as in the section `surface` of a scene, of a file.
     save : Path. File for the heights, in the format of its ending. Default: none.
     out : Path. Folder of picture and table. Default: outputs/NAME-surface.
 
@@ -456,8 +457,9 @@ def surface(
         raise FolderError(f"--save {save}: no such folder")
     is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
     if is_scene:
-        if spacing_um or channel or unit != "m":
-            raise FolderError("--spacing-um, --channel, --height-unit: only for a file of heights")
+        if spacing_um or channel or unit != "m" or xy_unit:
+            words = "--spacing-um, --channel, --height-unit, --xy-unit: only for a file of heights"
+            raise FolderError(words)
         scene = file.read_scene(source, overrides)
         if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
             progress.line("the surface of the scene without its sweep; --set chooses other values")
@@ -469,8 +471,8 @@ def surface(
         if overrides:
             raise FolderError("--set: only goes with a scene")
         name, words = source.name, "less its least-squares plane"
-        heights, steps, doubt = measured.levelled(source, spacing_um, channel, unit)
-        if doubt:
+        heights, steps, doubts = measured.levelled(source, spacing_um, channel, unit, xy_unit)
+        for doubt in doubts:
             progress.line(labels.printable(f"warning: {source}: {doubt}"))
         if gaps := np.count_nonzero(np.isnan(heights)):
             words += f", {gaps} unmeasured"

@@ -31,7 +31,7 @@ ROLLOFF_WAVES = 4.0  # of the roll-off that a period should hold
 def findings(scene: Scene) -> Iterator[Finding]:
     """Judge the heights of files, and made heights that are self-affine or not Gaussian."""
     if scene.height_paths and (suspicions := scene_surface(scene).suspicions):
-        yield Finding("markers", "heights", "some look like marks of points", "; ".join(suspicions))
+        yield Finding("markers", "heights of the file", "doubtful", "; ".join(suspicions))
     if not isinstance(scene.surface, HeightFile):
         yield from _made(scene)
         return
@@ -70,7 +70,7 @@ def _file(path: Path, surface: HeightFile) -> Iterator[Finding]:
     """State channel, nodes and spacing of the file of an instrument."""
     if not is_instrument(path):
         return
-    measured = read(path, surface.channel, surface.height_unit)
+    measured = read(path, surface.channel, surface.height_unit, surface.xy_unit)
     rows, columns = measured.heights.shape
     dy, dx = (si(step, "m") for step in measured.spacing_m or ())
     value = f"{columns} x {rows} nodes (x, y) of {dx} x {dy}"

@@ -30,6 +30,15 @@ _ENDINGS = (".npy", ".npz", *_TEXT_ENDINGS)
 TRIPLES = ".xyz"
 INSTRUMENTS = (TRIPLES, ".x3p", ".sdf", *TABLES["formats"])
 _DECIMALS = re.compile(r"\s*-?0\d+\s*")  # no whole number begins with 0
+_WHOLE = re.compile(r"[+-]?\d+")
+# A number with a comma before its decimals, and perhaps points between its thousands.
+_DECIMAL_COMMA = re.compile(r"[+-]?(\d{1,3}(\.\d{3})+|\d*),\d+([eE][+-]?\d+)?")
+_MIN_OTHERS = 8  # whole numbers that no digits behind a comma can be, as many are no chance
+_MIN_SHARE = 0.5  # of the numbers before commas; so many are no chance in a small file either
+_EQUAL = 0.02  # of a step, by which places that are rounded may differ from equal steps
+_MIN_PLACES = 4  # of a grid or of a profile; fewer tell nothing
+_MIN_LINES = 8  # of a matrix of heights, in which a line may be places
+_SPARSE = 4  # nodes of a grid for each triple, at most
 
 
 class HeightFormatError(Exception):
@@ -59,7 +68,11 @@ def nodes(path: Path) -> tuple[int, int]:
         heights.
     """
     if _ending(path) in _TEXT_ENDINGS:
-        return _rows_and_columns(numbers_of_text(path).shape)
+        table, commas = _text(path)
+        _refuse_places(table)
+        if commas.is_refused:
+            raise HeightFormatError(commas.words)
+        return _rows_and_columns(table.shape)
     with _opened(path) as (stream, size), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of headers by Python 2
         shape, dtype, begin = _array_header(stream)
@@ -165,6 +178,31 @@ def numbers_of_text(path: Path) -> Array:
     Empty lines and lines that begin with # do not count. A separator at the end of a line adds no
     number. The array is read-only, because the last one is kept.
     """
+    return _text(path)[0]
+
+
+def doubts(path: Path) -> list[str]:
+    """Return a sentence for each doubt about a text file that can be read: commas and places."""
+    if path.suffix.lower() not in _TEXT_ENDINGS:
+        return []
+    table, commas = _text(path)
+    is_flat = bool(np.all(table == table[0, 0]))
+    sentences = [commas.words] if commas.is_possible and not is_flat else []
+    for lines, name, beside in ((table, "column", "row"), (table.T, "row", "column")):
+        if len(lines) < _MIN_LINES or lines.shape[1] < _MIN_LINES:
+            continue
+        # The first number of all stands for nothing where a row and a column are places.
+        step = _equal_step(lines[:, 0]) or _equal_step(lines[1:, 0])
+        if step and not _equal_step(lines[1:, 1]):
+            sentences.append(
+                f"the first {name} changes in equal steps of {abs(step):.6g}, as numbers or places"
+                f" of the {beside}s do: if these are no heights, remove that {name} from the file"
+            )
+    return sentences
+
+
+def _text(path: Path) -> "tuple[Array, _Commas]":
+    """Read the numbers of a text file, and what its commas may be."""
     status = path.stat()
     if status.st_size > MAX_BYTES:
         raise HeightFormatError(worded("file large", most=f"{MAX_BYTES:,}"))
@@ -172,13 +210,16 @@ def numbers_of_text(path: Path) -> Array:
 
 
 @lru_cache(maxsize=1)
-def _table(path: Path, stamp: tuple[int, ...]) -> Array:
-    """Read the numbers of a file that was last written at a stamp."""
+def _table(path: Path, stamp: tuple[int, ...]) -> "tuple[Array, _Commas]":
+    """Read the numbers of a file that was last written at a stamp, and what its commas may be."""
     values, rows, width = array("d"), 0, 0
     separator: str | None = None
+    commas = _Commas()
     for place, line in _lines(path):
         separator = separator or next((sign for sign in (";", "\t", ",") if sign in line), None)
         row = _row(line, separator, place)
+        if separator == ",":
+            commas.add(line)
         if width and len(row) != width:
             raise HeightFormatError(worded("file ragged", got=len(row), width=width), place)
         width, rows = len(row), rows + 1
@@ -187,7 +228,7 @@ def _table(path: Path, stamp: tuple[int, ...]) -> Array:
         raise HeightFormatError(worded("file empty"))
     table = np.frombuffer(values, dtype=float).reshape(rows, width)
     table.flags.writeable = False
-    return table
+    return table, commas
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
@@ -202,6 +243,8 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
                 raise HeightFormatError(worded("file line", most=f"{MAX_LINE:,}"), number)
             if not line:
                 return
+            if number == 1 and line.startswith(("\xff\xfe", "\xfe\xff")):
+                raise HeightFormatError("a text in UTF-16, allowed: ASCII or UTF-8")
             # The mark of UTF-8 may stand before the first number.
             line = line.removeprefix("\xef\xbb\xbf").strip(" \t\r\n")
             if line and not line.startswith("#"):
@@ -211,6 +254,11 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
 def _row(line: str, separator: str | None, place: int) -> list[float]:
     """Return the numbers of a line; raise HeightFormatError for the first that is no number."""
     fields = line.split(separator)
+    if separator == "," and len(parts := line.split()) > 1 and not line.endswith(","):
+        wrong = next((part for part in parts if "," in part), "")
+        if all(_has_decimal_comma(part) or _WHOLE.fullmatch(part) for part in parts):
+            advice = ", with a point before the decimals"
+            raise HeightFormatError(worded("file number", got=shown(wrong), advice=advice), place)
     if separator and not fields[-1].strip():
         fields.pop()
     if separator == "," and (part := next(filter(_DECIMALS.fullmatch, fields), None)):
@@ -219,11 +267,126 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
     if None not in row:
         return cast("list[float]", row)
     wrong = fields[row.index(None)]
-    decimal_comma = separator != "," and _number(wrong.replace(",", ".", 1)) is not None
-    advice = ", with a point before the decimals" if decimal_comma else ""
+    advice = ""
+    if separator != "," and _has_decimal_comma(wrong.strip()):
+        advice = ", with a point before the decimals"
     # The letters were read as Latin-1, and are probably UTF-8.
     text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
     raise HeightFormatError(worded("file number", got=shown(text), advice=advice), place)
+
+
+def _has_decimal_comma(field: str) -> bool:
+    """Tell whether a field is a number with a comma before its decimals."""
+    return len(field) > 1 and _DECIMAL_COMMA.fullmatch(field) is not None
+
+
+class _Commas:
+    """Whole numbers between commas, which may be numbers with a comma before their decimals.
+
+    Then every second field holds digits alone, equally many everywhere, while the fields before
+    have signs or other numbers of digits. The fields of an honest table are all of one kind.
+    """
+
+    def __init__(self) -> None:
+        self._are_whole = True
+        self._digits = 0  # of every second field
+        self._before = 0  # fields before such a field
+        self._others = 0  # of them, with a sign or another number of digits
+
+    def add(self, line: str) -> None:
+        """Count the fields of a line, unless the lines before have ruled the doubt out."""
+        if not self._are_whole:
+            return
+        fields = [field.strip() for field in line.removesuffix(",").split(",")]
+        before, behind = fields[::2], fields[1::2]
+        self._digits = self._digits or (len(behind[0]) if behind else 0)
+        self._are_whole = (
+            len(before) == len(behind)
+            and all(_WHOLE.fullmatch(field) for field in before)
+            and all(field.isdecimal() and len(field) == self._digits for field in behind)
+        )
+        self._before += len(before)
+        for field in before:
+            if not field.isdecimal() or len(field) != self._digits:
+                self._others += 1
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether the commas may stand before decimals as well."""
+        return self._are_whole and self._before > 0
+
+    @property
+    def is_refused(self) -> bool:
+        """Whether they do: the fields before are of another kind, and not by chance."""
+        many = self._others >= _MIN_OTHERS or self._others >= max(2, _MIN_SHARE * self._before)
+        return self.is_possible and many
+
+    @property
+    def words(self) -> str:
+        """The refusal or the doubt."""
+        digits = "one digit" if self._digits == 1 else f"{self._digits} digits"
+        advice = "write points before decimals, or semicolons between numbers"
+        if self.is_refused:
+            return (
+                f"every second number has {digits} and no sign, unlike the numbers between: the"
+                f" comma stands before decimals and between numbers; {advice}"
+            )
+        return (
+            f"every number is a whole one of {digits}: if the comma stands before decimals as well,"
+            f" the file has twice the columns of the measurement; {advice}"
+        )
+
+
+def _refuse_places(table: Array) -> None:
+    """Refuse a table of places: triples x, y, z on a grid, or a profile with its places.
+
+    Places may stand in columns, or in rows.
+    """
+    for lines, name in ((table, "column"), (table.T, "row")):
+        count, width = lines.shape
+        if count < _MIN_PLACES or width > 3:
+            continue
+        if width == 3 and any(_is_grid(lines[:, i], lines[:, j]) for i, j in _PAIRS):
+            raise HeightFormatError(
+                f"got three {name}s of which two are the places of a grid, allowed: a matrix of"
+                " heights; write the triples as x, y, z on each line, and give the file the ending"
+                " .xyz"
+            )
+        if width == 2 and _equal_step(lines[:, 0]) and not _equal_step(lines[:, 1]):
+            raise HeightFormatError(
+                f"got two {name}s of which the first rises in equal steps, as the places of a"
+                " profile do, allowed: the heights alone, one on each line"
+            )
+
+
+_PAIRS = ((0, 1), (0, 2), (1, 2))
+
+
+def _is_grid(x: Array, y: Array) -> bool:
+    """Tell whether pairs of numbers are the places of a grid, each place once."""
+    if np.isnan(x).any() or np.isnan(y).any():
+        return False
+    axes = np.unique(x), np.unique(y)
+    is_full = len(x) <= len(axes[0]) * len(axes[1]) <= _SPARSE * len(x)
+    is_line = min(len(axis) for axis in axes) == 1
+    return (
+        is_full
+        and (is_line or max(len(axis) for axis in axes) < len(x))
+        and all(len(axis) == 1 or _equal_step(axis) != 0 for axis in axes)
+        and len(np.unique(np.column_stack([x, y]), axis=0)) == len(x)
+    )
+
+
+def _equal_step(places: Array) -> float:
+    """Return the step of numbers that rise or fall in equal steps, else 0.
+
+    Two places have a step. Rounded places may differ from equal steps.
+    """
+    if len(places) < 2 or np.isnan(places).any():
+        return 0.0
+    step = float(places[-1] - places[0]) / (len(places) - 1)
+    off = np.abs(places - (places[0] + step * np.arange(len(places))))
+    return step if off.max() <= _EQUAL * abs(step) else 0.0
 
 
 def _number(field: str) -> float | None:

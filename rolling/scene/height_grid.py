@@ -48,7 +48,9 @@ class Measured:
     channels: tuple[str, ...] = ()  # names of the channels with heights
 
 
-def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
+def read(
+    path: Path, channel: str | None = None, unit: str = "m", xy_unit: str | None = None
+) -> Measured:
     """Read the heights of a channel, by default the first; the last files are kept.
 
     Parameters
@@ -58,7 +60,9 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
     channel : str, optional
         Name of the channel.
     unit : str
-        Unit of UNITS of the numbers in a file of triples x, y, z; other files have their own.
+        Unit of UNITS of the heights in a file of triples x, y, z; other files have their own.
+    xy_unit : str, optional
+        Unit of x and y in a file of triples. Default: that of the heights.
 
     Raises
     ------
@@ -68,7 +72,8 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> Measured:
     """
     height_files.refuse_missing(path)
     status = path.stat()
-    return _read(path, channel, unit, (status.st_mtime_ns, status.st_size, status.st_ino))
+    stamp = status.st_mtime_ns, status.st_size, status.st_ino
+    return _read(path, channel, unit, xy_unit or unit, stamp)
 
 
 def missing(ending: str, error: ModuleNotFoundError) -> str:
@@ -77,7 +82,9 @@ def missing(ending: str, error: ModuleNotFoundError) -> str:
 
 
 @lru_cache(maxsize=2)
-def _read(path: Path, channel: str | None, unit: str, stamp: tuple[int, ...]) -> Measured:
+def _read(
+    path: Path, channel: str | None, unit: str, xy_unit: str, stamp: tuple[int, ...]
+) -> Measured:
     """Read a file that was last written at a stamp."""
     ending = path.suffix.lower()
     try:
@@ -85,7 +92,7 @@ def _read(path: Path, channel: str | None, unit: str, stamp: tuple[int, ...]) ->
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of readers about the contents of the file
             if ending == TRIPLES:
-                channels = _triples(path, unit)
+                channels = _triples(path, unit, xy_unit)
             else:
                 channels = {".x3p": _x3p, ".sdf": _sdf}.get(ending, _topography)(path)
             heights, spacing = _chosen(channels, channel)
@@ -102,7 +109,11 @@ def _read(path: Path, channel: str | None, unit: str, stamp: tuple[int, ...]) ->
     along, across = (float(f"{step:.12g}") for step in spacing)  # units leave noise
     if not all(_SPACINGS[0] <= step <= _SPACINGS[1] for step in (along, across)):
         got = f"got a spacing of {along:g} m along and {across:g} m across"
-        raise HeightFormatError(f"{got}, allowed: {_SPACINGS[0]:g} to {_SPACINGS[1]:g} m")
+        advice = ""
+        if ending == TRIPLES:
+            advice = f"; the key xy_unit says the unit of x and y, here {xy_unit}"
+        limits = f"{_SPACINGS[0]:g} to {_SPACINGS[1]:g} m"
+        raise HeightFormatError(f"{got}, allowed: {limits}{advice}")
     values.flags.writeable = False
     return Measured(values, (along, across), tuple(channels))
 
@@ -205,8 +216,8 @@ def _of_channel(channel: Any) -> tuple[Any, list[float]]:
     return heights, [steps[-1], steps[0]]
 
 
-def _triples(path: Path, unit: str) -> _Channels:
-    """Return the heights of a text of triples x, y, z on a regular grid."""
+def _triples(path: Path, unit: str, xy_unit: str) -> _Channels:
+    """Return the heights of a text of triples x, y, z on a regular grid, z in a unit of its own."""
     table = height_files.numbers_of_text(path)
     if table.ndim != 2 or table.shape[1] != 3:
         raise HeightFormatError(f"got {table.shape[1]} numbers on a line, allowed: x, y, z")
@@ -220,7 +231,7 @@ def _triples(path: Path, unit: str) -> _Channels:
     heights[y, x] = table[:, 2]
     if len(np.unique(y * columns + x)) < len(table):
         raise HeightFormatError("several points lie on the same node, allowed: a regular grid")
-    steps = [(dy or dx) * UNITS[unit], (dx or dy) * UNITS[unit]]
+    steps = [(dy or dx) * UNITS[xy_unit], (dx or dy) * UNITS[xy_unit]]
     return {"heights": lambda: (heights * UNITS[unit], steps)}
 
 
@@ -316,7 +327,7 @@ def _shape_and_steps(path: Path, surface: HeightFile) -> tuple[Pair, tuple[float
     """Read the shape of a file, and the spacings [m] of a file that has its own."""
     if not is_instrument(path):
         return height_files.nodes(path), None
-    measured = read(path, surface.channel, surface.height_unit)
+    measured = read(path, surface.channel, surface.height_unit, surface.xy_unit)
     rows, columns = measured.heights.shape
     return (rows, columns), measured.spacing_m
 

@@ -149,7 +149,9 @@ class HeightFile(SurfaceKind):
     along : str, optional
         Axis of the file along the track: y (default) makes a row lie across
     height_unit : str
-        Unit of the heights of an array, and of all columns of .xyz
+        Unit of the heights of an array, or of .xyz
+    xy_unit : str, optional
+        Unit of x and y in .xyz; absent: that of the heights
     spacing_um : float, optional
         Node spacing [um], to which a file with its own spacings is resampled; absent: the file's
         finer spacing
@@ -188,6 +190,7 @@ class HeightFile(SurfaceKind):
     channel: str | None = None
     along: Literal["x", "y"] | None = None
     height_unit: Literal["m", "mm", "um", "nm"] = "m"
+    xy_unit: Literal["m", "mm", "um", "nm"] | None = None
     spacing_um: float | None = Field(default=None, gt=0)
     outliers: float | None = Field(default=None, ge=3)
     unmeasured: Literal["refuse", "fill"] | None = None
@@ -209,6 +212,9 @@ class HeightFile(SurfaceKind):
                 raise refusal("surface.channel format", ending=ending)
         elif ending != TRIPLES and self.height_unit != "m":
             raise refusal("surface.height_unit format", got=shown(self.height_unit), ending=ending)
+        if self.xy_unit is not None and ending != TRIPLES:
+            words = f"only goes with a {TRIPLES} file, not {ending or 'one without an ending'}"
+            raise fault(words, "surface", "xy_unit")
         if self.outliers is not None and self.unmeasured != "fill":
             raise refusal("surface.outliers fill")
         if self.overlap_um is not None and self.made_periodic != "blend":

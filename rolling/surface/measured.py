@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, positive, with_nan
+from acoustics.numbers import rounded
 from rolling.scene import height_files, height_grid
 from rolling.scene.height_files import UNITS, HeightFormatError
 from rolling.scene.scene import Scene
@@ -27,10 +28,16 @@ from rolling.surface.levelling import HIGHEST, LARGEST_RA, in_metres
 from rolling.surface.parameters import without_plane
 from rolling.terminal import files
 
+# Median slopes between neighbours. Above the first x and y are in another unit than the heights,
+# because no instrument measures a surface of which half is steeper than 60 degrees. A unit is
+# proposed that brings the slope between the others.
+STEEP, USUAL, FLAT = 2.0, 0.5, 1e-4
 WRITTEN = ".npy", ".csv", ".xyz", ".x3p", ".sdf"
 
 
-def read(path: Path, channel: str | None = None, unit: str = "m") -> height_grid.Measured:
+def read(
+    path: Path, channel: str | None = None, unit: str = "m", xy_unit: str | None = None
+) -> height_grid.Measured:
     """Read the heights of a file of any format.
 
     Parameters
@@ -40,7 +47,9 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> height_grid
     channel : str, optional
         Name of a channel of an instrument's file, by default the first with heights.
     unit : str
-        Unit of UNITS of the numbers in files that name none: arrays, rows of text and triples.
+        Unit of UNITS of the heights in files that name none: arrays, rows of text and triples.
+    xy_unit : str, optional
+        Unit of x and y in a file of triples. Default: that of the heights.
 
     Returns
     -------
@@ -55,7 +64,7 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> height_grid
         is not installed.
     """
     if height_files.is_instrument(path):
-        return height_grid.read(path, channel, unit)
+        return height_grid.read(path, channel, unit, xy_unit)
     if channel is not None:
         raise HeightFormatError(f"a {path.suffix.lower()} file has no channels")
     with np.errstate(over="ignore", invalid="ignore"):  # such heights are refused later
@@ -64,17 +73,49 @@ def read(path: Path, channel: str | None = None, unit: str = "m") -> height_grid
     return height_grid.Measured(heights, None)
 
 
+def doubts(
+    path: Path, measured: height_grid.Measured, xy_unit: str, key: str = "surface.xy_unit"
+) -> list[str]:
+    """Return a sentence for each doubt about the columns and the units of a file of text.
+
+    The key is that which sets the unit of x and y.
+    """
+    if path.suffix.lower() != height_files.TRIPLES or measured.spacing_m is None:
+        return height_files.doubts(path)
+    slopes = []
+    for axis, step in enumerate(measured.spacing_m):
+        differences = np.abs(np.diff(measured.heights, axis=axis))
+        slopes.append(np.median(differences[~np.isnan(differences)] / step))
+    steepest = float(np.nanmax(slopes)) if not np.isnan(slopes).all() else 0.0
+    if steepest <= STEEP:
+        return []
+    likely = [
+        unit for unit, size in UNITS.items() if FLAT <= steepest * UNITS[xy_unit] / size <= USUAL
+    ]
+    advice = f"{key} {' or '.join(likely)}" if likely else key
+    return [
+        f"half of the neighbouring heights are steeper than {rounded(steepest, 2)}, with x and y in"
+        f" {xy_unit}: set {advice} if x and y are in another unit than z"
+    ]
+
+
 def levelled(
-    path: Path, spacing_um: float | None, channel: str | None, unit: str
-) -> tuple[Array, Array, str]:
+    path: Path,
+    spacing_um: float | None,
+    channel: str | None,
+    unit: str,
+    xy_unit: str | None = None,
+) -> tuple[Array, Array, list[str]]:
     """Read measured heights [m] less their plane, and their spacings [m] along and across.
 
-    A sentence on values that look like marks of unmeasured points comes with them, or an empty
-    text. A profile lies along the track. Raise FolderError for heights that cannot be used, and for
-    a spacing [um] that is missing or that the file has itself.
+    A sentence for each doubt about the file comes with them. A profile lies along the track. Raise
+    FolderError for heights that cannot be used, and for a spacing [um] that is missing or that the
+    file has itself.
     """
+    if xy_unit is not None and path.suffix.lower() != height_files.TRIPLES:
+        raise files.FolderError(f"{path}: --xy-unit: only goes with a {height_files.TRIPLES} file")
     try:
-        measured = read(path, channel, unit)
+        measured = read(path, channel, unit, xy_unit)
     except HeightFormatError as error:
         raise files.FolderError(error.of(path)) from error
     if (measured.spacing_m is None) == (spacing_um is None):
@@ -83,8 +124,10 @@ def levelled(
     own_unit = measured.spacing_m is not None and path.suffix.lower() != height_files.TRIPLES
     shown = "m" if own_unit else unit
     suspects = markers.suspected(measured.heights / UNITS[shown], shown)
-    doubt = markers.sentence(suspects, "file") if suspects else ""
-    hint = f"; {doubt}" if suspects else ""
+    sentences = doubts(path, measured, xy_unit or unit, "--xy-unit")
+    if suspects:
+        sentences.append(markers.sentence(suspects, "file"))
+    hint = "".join(f"; {sentence}" for sentence in sentences)
     sizes = np.abs(measured.heights[np.isfinite(measured.heights)])
     if not sizes.size or sizes.max() > HIGHEST:
         words = "holds no heights"
@@ -98,7 +141,7 @@ def levelled(
     steps = np.array(measured.spacing_m or (1e-6 * (spacing_um or 0),) * 2)
     if len(heights) == 1:
         heights, steps = heights.T, steps[::-1]
-    return heights, steps, doubt
+    return heights, steps, sentences
 
 
 def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:

@@ -68,7 +68,7 @@ def _values(path: Path, surface: HeightFile) -> Array:
     """Read the numbers of a file, (along, across), in m where it is of an instrument."""
     unit = surface.height_unit if is_instrument(path) else "m"
     try:
-        values = measured.read(path, surface.channel, unit).heights
+        values = measured.read(path, surface.channel, unit, surface.xy_unit).heights
     except HeightFormatError as error:
         raise SurfaceError(error.of(path)) from error
     return values.T if is_turned(values.shape, surface) else values

@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 
 from acoustics.arrays import Array, short_repr
-from rolling.scene import surfaces
-from rolling.scene.height_files import numbers, reason_of
+from rolling.scene import height_files, surfaces
+from rolling.scene.height_files import reason_of
 from rolling.scene.height_grid import height_grid
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.track import Track
 from rolling.surface import heights as surface
-from rolling.surface import levelling, made, markers, preparation
+from rolling.surface import levelling, made, markers, measured, preparation
 from rolling.surface.heights import Statistics, add_faults
 from rolling.surface.levelling import Levelling
 from rolling.surface.preparation import Effect
@@ -40,7 +40,7 @@ class SceneSurface:
     preparation: Sequence[Effect] = ()  # of heights from a file, step by step
     part_ra: tuple[float, float] | None = None  # [m] of plate and sphere, where both have a surface
     made: dict[str, Any] = field(default_factory=dict)  # by key in the summary
-    # A sentence for each file with values that look like marks of unmeasured points.
+    # A sentence for each doubt about the height files: marks of points, columns and units.
     suspicions: tuple[str, ...] = ()
 
     @cached_property
@@ -150,19 +150,22 @@ def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
 
 
 def _suspicions(scene: Scene) -> Iterator[str]:
-    """Yield a sentence for each height file with values that look like marks of points.
+    """Yield a sentence for each doubt about a height file: marks of points, columns and units.
 
     Such values of a plate whose outliers are replaced count as unmeasured, and need no word.
     """
     plate, ball = scene.surface, scene.sphere.surface
     path = scene.height_path
-    if path is not None and isinstance(plate, surfaces.HeightFile) and plate.outliers is None:
+    if path is not None and isinstance(plate, surfaces.HeightFile):
+        read = measured.read(path, plate.channel, plate.height_unit, plate.xy_unit)
+        yield from measured.doubts(path, read, plate.xy_unit or plate.height_unit)
         suspects = preparation.suspected(path, plate)
-        if suspects:
+        if suspects and plate.outliers is None:
             yield markers.sentence(suspects, "surface")
     if isinstance(ball, surfaces.BallHeightFile):
-        values = numbers(scene.height_paths["sphere.surface"])
-        suspects = markers.suspected(values, ball.height_unit)
+        path = scene.height_paths["sphere.surface"]
+        yield from height_files.doubts(path)
+        suspects = markers.suspected(height_files.numbers(path), ball.height_unit)
         if suspects:
             yield markers.sentence(suspects, "sphere.surface")
 

@@ -289,6 +289,11 @@ def _add_surface(commands: Any) -> None:
         help="unit of the heights, if FILE has none (default: m)",
     )
     surface.add_argument(
+        "--xy-unit",
+        choices=["m", "mm", "um", "nm"],
+        help="unit of x and y of an .xyz file (default: that of the heights)",
+    )
+    surface.add_argument(
         "--save",
         type=arguments.path,
         metavar="OUT",

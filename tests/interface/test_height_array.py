@@ -88,7 +88,9 @@ def test_a_run_that_fails_names_the_marks_and_no_key_that_a_file_lacks() -> None
     heights = Z[:48, :48].copy()
     heights[10:12, 20] = heights[10:12, 30] = 32767e-9
     scene = file.loads(PLAIN, SHORT).with_(surface=rc.HeightArray(heights, spacing_um=2))
-    with pytest.raises(rc.ContactError, match=r"4 of 2304 heights are exactly 3.2767e-05 m") as error:
+    with pytest.raises(
+        rc.ContactError, match=r"4 of 2304 heights are exactly 3.2767e-05 m"
+    ) as error:
         rc.simulate(scene, workers=1, progress=False)
     assert "surface.outliers" in str(error.value) and "width_um" not in str(error.value)
     assert any("3.2767e-05 m" in warning for warning in scene.check(solve=False).warnings)

@@ -20,7 +20,8 @@ from rolling.check import findings
 from rolling.scene import file, height_files
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.surface import scene_surface
+from rolling.surface import measured, scene_surface
+from rolling.terminal.files import FolderError
 
 TEXT = """\
 name: measured
@@ -185,6 +186,138 @@ def test_decimal_commas_get_their_own_advice(tmp_path: Path) -> None:
 def test_decimal_commas_between_commas_are_no_columns(text: str, tmp_path: Path) -> None:
     (tmp_path / "h.csv").write_text(text)
     assert "a comma is either before decimals or between numbers" in fault(tmp_path, "h.csv")
+
+
+def decimal_commas(values: np.ndarray, separator: str, digits: int) -> str:
+    """Write rows of numbers with a comma before their decimals."""
+    rows = [[f"{number:.{digits}f}".replace(".", ",") for number in row] for row in values]
+    return "".join(separator.join(row) + "\n" for row in rows)
+
+
+UM = Z * 1e9  # some tens
+
+
+@pytest.mark.parametrize("separator", ["\t", ";", " ", "   ", " ; "])
+@pytest.mark.parametrize("digits", [1, 2, 4])
+def test_decimal_commas_get_the_same_advice_with_every_separator(
+    tmp_path: Path, separator: str, digits: int
+) -> None:
+    (tmp_path / "h.csv").write_text(decimal_commas(UM, separator, digits))
+    message = fault(tmp_path, "h.csv")
+    assert "h.csv:1: got" in message and "with a point before the decimals" in message
+
+
+@pytest.mark.parametrize("digits", [1, 2, 3])
+@pytest.mark.parametrize("offset", [0.0, 150.0])
+def test_a_comma_before_decimals_and_between_numbers_is_refused(
+    tmp_path: Path, digits: int, offset: float
+) -> None:
+    """Where zeros lead the decimals one number tells, otherwise the two kinds of columns do."""
+    text = decimal_commas(UM + offset, ",", digits)
+    (tmp_path / "h.csv").write_text(text)
+    assert "decimals" in fault(tmp_path, "h.csv", "surface.height_unit=nm")
+    (tmp_path / "h.csv").write_text(text.replace("\n", ",\n"))  # an end without a number
+    assert "decimals" in fault(tmp_path, "h.csv", "surface.height_unit=nm")
+
+
+RANDOM = np.random.default_rng(4)
+WHOLE = {
+    "8 bits": RANDOM.integers(0, 256, (24, 32)),
+    "signed": RANDOM.integers(-50, 51, (24, 32)),
+    "16 bits": RANDOM.integers(0, 65536, (24, 32)),
+    "three digits": RANDOM.integers(100, 200, (24, 32)),
+    "two digits and one with three": np.where(
+        np.arange(24 * 32).reshape(24, 32) == 36, 101, RANDOM.integers(10, 100, (24, 32))
+    ),
+    "one digit": RANDOM.integers(0, 10, (24, 32)),
+    "near a power of ten": RANDOM.integers(95, 105, (24, 32)),
+    "odd": RANDOM.integers(-50, 51, (24, 31)),
+}
+
+
+@pytest.mark.parametrize("separator", [",", ", ", ";", "\t", " "])
+@pytest.mark.parametrize("name", WHOLE)
+def test_whole_numbers_are_read(tmp_path: Path, name: str, separator: str) -> None:
+    """Tables of counts are no decimals; where all have equal digits, commas are doubted aloud."""
+    heights = WHOLE[name]
+    np.savetxt(tmp_path / "h.csv", heights, "%d", separator)
+    read = scene_surface.scene_surface(scene(tmp_path, "h.csv", "surface.height_unit=nm"))
+    np.testing.assert_allclose(read.heights, 1e-9 * (heights - heights.mean()), rtol=0, atol=1e-18)
+    is_open = separator.startswith(",") and name in ("three digits", "one digit")
+    is_open |= separator.startswith(",") and name == "two digits and one with three"
+    assert any("comma" in sentence for sentence in read.suspicions) == is_open
+
+
+# ---- places among the heights
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " "])
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (2, 0, 1)])
+@pytest.mark.parametrize("kind", ["whole", "gaps", "mixed", "one line", "lying"])
+def test_triples_are_no_matrix(
+    tmp_path: Path, separator: str, order: tuple[int, ...], kind: str
+) -> None:
+    """Three columns, or three rows, of which two are the places of a grid."""
+    x, y = np.meshgrid(0.002 * np.arange(32), 0.005 * np.arange(24))
+    points = np.column_stack([x.ravel(), y.ravel(), Z.ravel()])[:, order]
+    if kind == "gaps":
+        points = points[RANDOM.random(len(points)) < 0.9]
+    elif kind == "mixed":
+        points = RANDOM.permutation(points)
+    elif kind == "one line":
+        points = points[:32]
+    elif kind == "lying":
+        points = points.T
+    np.savetxt(tmp_path / "h.csv", points, "%.9g", separator)
+    assert ".xyz" in fault(tmp_path, "h.csv")
+    with pytest.raises(FolderError, match=r"\.xyz"):
+        measured.levelled(tmp_path / "h.csv", 2.0, None, "m")
+
+
+def test_three_columns_of_heights_are_described(tmp_path: Path) -> None:
+    for heights in (Z[:, :3], Z[:3], np.round(UM[:, :3]), np.tile(Z[:1, :3], (24, 1))):
+        np.savetxt(tmp_path / "h.csv", heights, "%.9g", ",")
+        read, _, doubts = measured.levelled(tmp_path / "h.csv", 2.0, None, "nm")
+        assert read.shape == heights.shape and doubts == []
+
+
+def test_a_profile_with_its_places_is_refused(tmp_path: Path) -> None:
+    for places in (0.5 * np.arange(24), 24.0 - np.arange(24), np.arange(1, 25)):
+        np.savetxt(tmp_path / "h.txt", np.column_stack([places, Z[:, 0]]), "%.9g")
+        assert "the heights alone, one on each line" in fault(tmp_path, "h.txt")
+
+
+@pytest.mark.parametrize(
+    ("change", "names"),
+    [
+        (lambda z: z, []),
+        (lambda z: np.column_stack([1e-9 * np.arange(24), z]), ["column"]),
+        (lambda z: np.column_stack([1e-6 * np.arange(24, 0, -1), z]), ["column"]),
+        (lambda z: np.vstack([2e-9 * np.arange(32), z]), ["row"]),
+        (
+            lambda z: np.vstack(
+                [np.arange(33) * 1e-9, np.column_stack([np.arange(24) * 1e-9 + 5e-9, z])]
+            ),
+            ["column", "row"],
+        ),
+        (lambda z: 1e-7 * np.add.outer(np.arange(24.0), np.arange(32.0)), []),  # a tilt
+        (lambda z: z + 1e-6 * np.arange(24.0)[:, None], []),
+        (lambda z: 0 * z, []),
+        (lambda z: np.tile(z[:1], (24, 1)), []),
+    ],
+)
+def test_a_line_that_counts_is_named(
+    tmp_path: Path, change: Callable[[np.ndarray], np.ndarray], names: list[str]
+) -> None:
+    np.savetxt(tmp_path / "h.csv", change(Z), "%.9g", ",")
+    sentences = scene_surface.scene_surface(scene(tmp_path, "h.csv")).suspicions
+    assert [name for name in ("column", "row") if f"the first {name}" in str(sentences)] == names
+    assert measured.levelled(tmp_path / "h.csv", 2.0, None, "m")[2] == [*sentences]
+
+
+def test_a_text_in_utf_16_is_named(tmp_path: Path) -> None:
+    (tmp_path / "h.csv").write_text(text_of(","), encoding="utf-16")
+    assert "h.csv: a text in UTF-16, allowed: ASCII or UTF-8" in fault(tmp_path, "h.csv")
 
 
 @pytest.mark.parametrize("path", ["a" * 5000 + ".csv", "a/" * 2500 + "b.csv"])

@@ -92,6 +92,42 @@ def test_every_format_gives_the_same_heights(tmp_path: Path, name: str) -> None:
         assert turned.spacing == pytest.approx(2e-6) and turned.surface.spacing_um is None
 
 
+@pytest.mark.parametrize("xy_unit", ["m", "mm", "um"])
+@pytest.mark.parametrize("unit", ["um", "nm"])
+def test_triples_may_have_two_units(tmp_path: Path, xy_unit: str, unit: str) -> None:
+    """A key says the unit of x and y; without it the slopes are doubted, and the unit is proposed.
+
+    Neighbours differ by about 1 um over 2 um, a tenth of which is a slope as surfaces have it. In a
+    unit that is 1000 times too small it is 50.
+    """
+    sizes = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
+    points = np.array([line.split() for line in triples(1.0).splitlines()], float)
+    points[:, :2] /= sizes[xy_unit]
+    points[:, 2] /= 10 * sizes[unit]
+    path = tmp_path / "h.xyz"
+    np.savetxt(path, points)
+    right = measured.read(path, unit=unit, xy_unit=xy_unit)
+    assert right.spacing_m == pytest.approx(STEPS, rel=1e-9)
+    np.testing.assert_allclose(right.heights, Z / 10, rtol=0, atol=1e-18)
+    assert measured.doubts(path, right, xy_unit) == []
+    keys = [f"surface.height_unit={unit}", f"surface.xy_unit={xy_unit}"]
+    assert file.loads(TEXT % "h.xyz", keys, folder=tmp_path).spacing == pytest.approx(2e-6)
+    if xy_unit == unit:
+        return
+    if sizes[xy_unit] / sizes[unit] > 1e8:  # steps far below those of atoms
+        with pytest.raises(HeightFormatError, match="the key xy_unit says the unit of x and y"):
+            measured.read(path, unit=unit)
+        return
+    doubts = measured.doubts(path, measured.read(path, unit=unit), unit)
+    assert f"{xy_unit} " in str(doubts) and "set surface.xy_unit" in str(doubts)
+
+
+def test_the_unit_of_x_and_y_goes_with_triples_only(tmp_path: Path) -> None:
+    measured.write(tmp_path / "h.x3p", Z, STEPS)
+    with pytest.raises(SceneError, match=r"surface.xy_unit: only goes with a .xyz file, not .x3p"):
+        file.loads(TEXT % "h.x3p", ["surface.xy_unit=mm"], folder=tmp_path)
+
+
 @pytest.mark.parametrize("ending", [".npy", ".csv", ".x3p", ".sdf", ".xyz"])
 def test_written_heights_are_read_again(tmp_path: Path, ending: str) -> None:
     whole = np.nan_to_num(Z)
