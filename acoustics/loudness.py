@@ -74,6 +74,9 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     ISO 532-1:2017, method 1, for stationary sounds; DIN 45692:2009 for sharpness.
     """
     refuse_masked("pressure_pa", pressure_pa)
+    from acoustics import matplotlib_import
+
+    matplotlib_import.ensure()  # because mosqito imports matplotlib
     from mosqito.sq_metrics import loudness_zwst, sharpness_din_from_loudness
 
     record = checked_record(pressure_pa, sample_rate_hz)

@@ -5,6 +5,10 @@ print. More curves than colours go from dark to light in the given order, as do 
 has a meaning.
 """
 
+from acoustics import matplotlib_import  # noqa: F401, before matplotlib
+
+# isort: split
+
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass

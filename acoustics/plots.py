@@ -3,6 +3,10 @@
 The functions label their curves, but leave title and legend to the caller.
 """
 
+from acoustics import matplotlib_import  # noqa: F401, before matplotlib
+
+# isort: split
+
 from collections.abc import Mapping, Sequence
 from typing import Any
 

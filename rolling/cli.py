@@ -63,7 +63,7 @@ def _act(argv: Sequence[str] | None) -> int:
     elif given.verbose:
         level = Level.VERBOSE
     try:
-        with progress.begin(level):
+        with progress.begin(level), streams.plain_warnings():
             return COMMANDS[given.command](given)
     except KeyboardInterrupt:
         _say("interrupted")

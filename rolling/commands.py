@@ -446,7 +446,9 @@ def surface(
     ------
     SceneError, FolderError : bad input; nothing is written.
     """
-    from rolling.figures.contact import parameter_lines, topography
+    from rolling.figures.contact import parameter_lines, parameter_table, topography
+    from rolling.figures.picture import csv_bytes
+    from rolling.figures.settings import left_out_if_it_fails
     from rolling.surface import measured, scene_surface
     from rolling.surface.parameters import is_upper_bound, parameters
 
@@ -479,10 +481,11 @@ def surface(
     with progress.step("computing the parameters, drawing the picture"):
         values = parameters(heights, steps, is_scene)
         is_bound = is_upper_bound(heights, steps, is_scene)
-        drawn = topography(name, values, heights, steps, is_scene, is_bound)
         folder = out or Path("outputs") / f"{name}-surface"
-        names = {form: folder / f"{drawn.name}.{form}" for form in ("png", "csv")}
-        contents = {path: drawn.file(form) or b"" for form, path in names.items()}
+        contents = {folder / "surface.csv": csv_bytes(parameter_table(values, is_bound))}
+        with left_out_if_it_fails("surface.png"):
+            drawn = topography(name, values, heights, steps, is_scene, is_bound)
+            contents[folder / "surface.png"] = drawn.file("png") or b""
     for path, content in contents.items():
         if path.exists() and path.read_bytes() != content:
             raise FolderError(f"{path}: exists; take another folder, or remove it")

@@ -1,5 +1,6 @@
 """Files of compiled code in the cache of numba, whose damage is found by a digest."""
 
+# mypy: disable-error-code="no-untyped-call"
 from __future__ import annotations
 
 import hashlib
@@ -22,7 +23,7 @@ class _Stored(NamedTuple):
     code: Any
 
 
-class CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
+class CheckedFiles(IndexDataCacheFile):
     """Index and data files of a kernel, each with the digest of its content at its end.
 
     Numba raises on a file that a power cut left empty or cut off, and code with a flipped byte ends

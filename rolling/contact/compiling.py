@@ -70,7 +70,8 @@ def _compile_in_one_process(kernel: Any) -> None:
     folder = getattr(getattr(kernel, "_cache", None), "_cache_path", None)
     if folder is None:  # it is not compiled at all
         return
-    lock = FileLock(Path(folder) / f"{kernel.__name__}.lock")
+    path = Path(folder) / f"{kernel.__name__}.lock"
+    locks = dict[int, FileLock]()  # by process: one that was forked must not use its parent's
     compile_now = kernel.compile
 
     def compile_alone(signature: Any) -> Any:
@@ -79,7 +80,7 @@ def _compile_in_one_process(kernel: Any) -> None:
         with global_compiler_lock, ExitStack() as stack:
             # A folder that is read-only, or on a disk without locks: each process compiles then.
             with suppress(OSError, NotImplementedError):
-                stack.enter_context(lock)
+                stack.enter_context(locks.setdefault(os.getpid(), FileLock(path)))
             return compile_now(signature)
 
     kernel.compile = compile_alone
@@ -95,7 +96,7 @@ def _use_checked_files(kernel: Any) -> None:
     numba_files: Any = getattr(cache, "_cache_file", None)
     if cache is None or numba_files is None:  # it is not compiled, or without a cache
         return
-    cache._cache_file = CheckedFiles(
+    cache._cache_file = CheckedFiles(  # type: ignore[no-untyped-call]
         cache_path=cache._cache_path,
         filename_base=cache._impl.filename_base,
         source_stamp=(numba_files._source_stamp, _digest_of_sources()),

@@ -1,5 +1,6 @@
 """Figures of runs: one function per figure on axes, and the files of figures."""
 
+from acoustics import matplotlib_import  # noqa: F401, before matplotlib
 from rolling.figures.catalogue import plot_run, write_figures
 from rolling.figures.sweep import write_number_figures
 

@@ -12,6 +12,7 @@ from pandas import DataFrame
 
 from rolling.figures import contact, origins, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
+from rolling.figures.settings import left_out_if_it_fails
 from rolling.results.run_result import Run
 from rolling.scene.messages import nearest
 from rolling.surface.scene_surface import scene_surface
@@ -85,17 +86,27 @@ def comparing_pictures(runs: Sequence[Run], names: Iterable[str] = ()) -> Iterat
     """Draw the figures that compare runs, a curve or mark for each run."""
     for name in names or COMPARING:
         kind = FIGURES[name]
-        if kind.holds(runs):
-            yield picture(name, partial(kind.draw, runs), kind.table and kind.table(runs))
+        if not kind.holds(runs):
+            continue
+        drawn = None
+        with left_out_if_it_fails(name):
+            drawn = picture(name, partial(kind.draw, runs), kind.table and kind.table(runs))
+        if drawn is not None:
+            yield drawn
 
 
 def single_picture(name: str, run: Run, among: Sequence[Run] = ()) -> Picture | None:
-    """Draw a figure of one run on the axes of all runs `among` which it is compared."""
+    """Draw a figure of one run on the axes of all runs `among` which it is compared.
+
+    None for a figure that the run does not have, or that cannot be drawn.
+    """
     kind = SINGLE[name]
     if not kind.holds(run):
         return None
     shared = {"among": among} if kind.among else {}
-    return picture(name, partial(kind.draw, run, **shared), kind.table and kind.table(run))
+    with left_out_if_it_fails(f"{name} of {run.label}"):
+        return picture(name, partial(kind.draw, run, **shared), kind.table and kind.table(run))
+    return None
 
 
 def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
@@ -125,6 +136,7 @@ def plot_run(
     -------
     paths : list of Path
         The files: NAME.png for a figure of all runs, NAME-LABEL.png for a figure of one of several.
+        A figure that cannot be drawn is left out with a warning.
 
     Raises
     ------
@@ -142,18 +154,29 @@ def plot_run(
             raise ValueError(f"{name}: no figure, allowed: {', '.join(FIGURES)}{like}")
     folder = Path(out)
     for name in names or FIGURES:
-        contents = {
-            folder / f"{stem}.{form}": content
-            for stem, drawn in _pictures(name, shown)
-            if (content := drawn.file(form)) is not None
-        }
-        if names and not contents:
+        if names and not _is_there(name, shown, form):
             raise ValueError(f"{name}: the runs have no such figure in {form}")
+        contents = dict[Path, bytes]()
+        for stem, drawn in _pictures(name, shown):
+            with left_out_if_it_fails(stem):
+                content = drawn.file(form)
+                if content is not None:
+                    contents[folder / f"{stem}.{form}"] = content
         folder.mkdir(parents=True, exist_ok=True)
         for path, content in contents.items():
             write_bytes(path, content)
         paths += contents
     return paths
+
+
+def _is_there(name: str, runs: Sequence[Run], form: str) -> bool:
+    """Tell whether runs have a figure; a map has no csv."""
+    kind = FIGURES[name]
+    if form == "csv" and kind.table is None:
+        return False
+    if name in SINGLE:
+        return any(kind.holds(run) for run in runs)
+    return bool(kind.holds(runs))
 
 
 def _pictures(name: str, runs: Sequence[Run]) -> Iterator[tuple[str, Picture]]:

@@ -20,6 +20,7 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, gridded
 from rolling.figures import picture
 from rolling.figures.picture import axes_of, finish, listed, number
+from rolling.figures.settings import own_settings
 from rolling.marches.observers import Snapshot
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
@@ -219,6 +220,7 @@ _LOOKS: tuple[dict[str, Any], ...] = (
 )
 
 
+@own_settings()
 def topography(
     name: str,
     values: dict[str, float],
@@ -264,10 +266,14 @@ def topography(
     if str_is_bound:
         title += " at most"
     figure.suptitle(picture.drawable(title), x=0.012, ha="left", fontsize=11, parse_math=False)
+    return picture.Picture("surface", figure, parameter_table(values, str_is_bound))
+
+
+def parameter_table(values: dict[str, float], str_is_bound: bool = False) -> pd.DataFrame:
+    """Tabulate the parameters of a surface with their units and meanings."""
     meanings = iso.meanings(str_is_bound)
     rows = [(short, values[short], unit, meanings[short]) for short, (unit, _) in iso.NAMES.items()]
-    table = pd.DataFrame(rows, columns=["parameter", "value", "unit", "meaning"])
-    return picture.Picture("surface", figure, table)
+    return pd.DataFrame(rows, columns=["parameter", "value", "unit", "meaning"])
 
 
 def written(short: str, values: dict[str, float]) -> str:

@@ -3,6 +3,7 @@
 import io
 import re
 import textwrap
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +21,7 @@ from pandas import DataFrame
 
 from acoustics.numbers import rounded
 from acoustics.plot_style import gridded
+from rolling.figures.settings import own_settings
 from rolling.results.labels import printable
 from rolling.results.run_result import Run
 
@@ -50,7 +52,17 @@ def axes_of(ax: Axes | None) -> Axes:
         return ax
     import matplotlib.pyplot as plt
 
-    return plt.subplots(layout="constrained")[1]
+    try:
+        return plt.subplots(layout="constrained")[1]
+    except ImportError as error:  # of a backend that is not installed, or that needs a screen
+        warnings.warn(
+            "matplotlib cannot show the new figure, because its backend cannot be loaded"
+            f" ({error}); `ax.figure.savefig` writes it into a file",
+            stacklevel=2,
+        )
+        figure = Figure(layout="constrained")
+        FigureCanvasAgg(figure)
+        return figure.add_subplot()
 
 
 def listed(runs: Run | Iterable[Run]) -> list[Run]:
@@ -155,6 +167,7 @@ class Picture:
     figure: Figure
     table: DataFrame | None
 
+    @own_settings()
     def file(self, form: str) -> bytes | None:
         """Return the picture as the bytes of a png, svg or csv file; a map has no csv."""
         if form == "csv":
@@ -166,6 +179,7 @@ class Picture:
         return content.getvalue()
 
 
+@own_settings()
 def picture(name: str, draw: Callable[..., Axes], table: DataFrame | None = None) -> Picture:
     """Draw axes in a figure of their own, with the title above and the legend below."""
     figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=DPI)

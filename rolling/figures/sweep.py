@@ -1,6 +1,6 @@
 """Figures of sweeps and of tables of runs: numbers against swept keys, and means over seeds."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import LINE_STYLES, band_ticks, bars, look_of
 from rolling.figures import picture
 from rolling.figures.picture import MAX_NAMED, axes_of, finish, listed, subject
+from rolling.figures.settings import left_out_if_it_fails
 from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.results.runs_table import SEED, runs_table
@@ -251,7 +252,8 @@ def write_number_figures(
     keys = [key for key in frame if key.partition(".")[0] in Scene.model_fields]
     others = [key for key in keys if key != SEED]
     draw = partial(mean_bands, frame, others, title=title)
-    pictures = [picture.picture("mean_third_octaves", draw)]
+    contents = dict[Path, bytes]()
+    _draw_into(contents, folder, "mean_third_octaves", draw)
     for number in numbers:
         name = f"{number}_against_{'_'.join(against)}"
         if len(against) == 2:
@@ -259,12 +261,21 @@ def write_number_figures(
         else:
             curves = [key for key in others if key != against[0]]
             draw = partial(number_against, frame, number, against[0], curves, title=title)
-        pictures.append(picture.picture(name, draw))
+        _draw_into(contents, folder, name, draw)
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{drawn.name}.png" for drawn in pictures]
-    for path, drawn in zip(paths, pictures, strict=True):
-        write_bytes(path, drawn.file("png") or b"")
-    return paths
+    for path, content in contents.items():
+        write_bytes(path, content)
+    return [*contents]
+
+
+def _draw_into(
+    contents: dict[Path, bytes], folder: Path, name: str, draw: Callable[..., Axes]
+) -> None:
+    """Add the PNG of a picture to contents of files by path, unless it cannot be drawn."""
+    with left_out_if_it_fails(name):
+        content = picture.picture(name, draw).file("png")
+        assert content is not None
+        contents[folder / f"{name}.png"] = content
 
 
 def number_against(

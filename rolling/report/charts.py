@@ -18,6 +18,7 @@ from matplotlib.ticker import FixedLocator
 
 from acoustics.arrays import Array
 from rolling.figures.picture import Picture
+from rolling.figures.settings import own_settings
 from rolling.report import maps
 
 COLUMNS = 1500  # across a chart; each keeps its minimum and maximum
@@ -25,6 +26,7 @@ _DIGITS = 4  # of numbers, and more where they differ by little
 Part = dict[str, Any]
 
 
+@own_settings()
 def chart_of(picture: Picture) -> dict[str, Any]:
     """Read a drawn figure as axes, curves and the parts that draw them, in the order of drawing."""
     ax, *others = picture.figure.axes

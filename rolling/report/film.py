@@ -14,6 +14,7 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, unit_prefix
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.figures.picture import Picture
+from rolling.figures.settings import own_settings
 from rolling.marches.observers import SlowMotion
 from rolling.report import charts, maps
 from rolling.results.run_result import Run
@@ -203,6 +204,7 @@ def _quantity(value: float, unit: str) -> str:
     return f"{rounded(value / factor, 3)} {prefix}{unit}".replace("-", "\N{MINUS SIGN}")
 
 
+@own_settings()
 def curves(run: Run) -> list[dict[str, Any]]:
     """Draw the release power of a film and, with dynamics, the motion of the ball as charts."""
     slow = run.result.slow_motion

@@ -25,6 +25,7 @@ from rolling import __version__
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
+from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import assumed, charts, film, live, maps, records, text
 from rolling.results import caveats, runs_table
 from rolling.results.labels import printable
@@ -88,7 +89,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         map_scale=scale,
         filmed=any(player["film"] for player in players),
         moved=any(len(view["curves"]) > 1 for view in views),
-        curves=[_exhibit(picture) for picture in comparing_pictures(runs)],
+        curves=_comparing_exhibits(runs),
         surfaces=_surfaces(shown),
         vibration=[name for name in VIBRATION if any(name in x["pictures"] for x in views)],
         css=Markup("".join(map(text.asset, ("report.css", "play.css", "chart.css")))),
@@ -161,14 +162,19 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
     for number, (run, sound) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
         # The page has maps that move, and each surface once.
         left_out = {"surface", "contact_pressure" if run.result.maps else ""}
-        pictures = {
-            name: _exhibit(picture, number)
-            for name in SINGLE
-            if name not in left_out and (picture := single_picture(name, run, runs))
-        }
+        pictures = dict[str, dict[str, Any]]()
+        for name in SINGLE:
+            if name in left_out:
+                continue
+            picture = single_picture(name, run, runs)
+            with left_out_if_it_fails(f"{name} of {run.label}"):
+                if picture is not None:
+                    pictures[name] = _exhibit(picture, number)
         repeating = [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS]
         repeats = repeating if sound["records"][0]["name"] == "run" else []  # a long record goes on
-        curves = [curve | {"run": number} for curve in film.curves(run)]
+        curves = list[dict[str, Any]]()
+        with left_out_if_it_fails(f"of the curves of the slow motion of {run.label}"):
+            curves = [curve | {"run": number} for curve in film.curves(run)]
         view = {"label": run.label, "run": run, "repeats": repeats, "pictures": pictures}
         views.append(view | sound | {"live": live.live_of(run), "curves": curves})
     return views
@@ -176,11 +182,13 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
 
 def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any]:
     """Return the numbers of a run for the script of the page."""
-    run = view["run"]
+    run, slow_motion = view["run"], None
+    with left_out_if_it_fails(f"of the slow motion of {run.label}"):
+        slow_motion = film.film_of(run, scale["max_gpa"]) if scale else None
     return {name: view[name] for name in ("label", "lap", "solved", "playback", "live")} | {
         "swept": run.values,
         "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
-        "film": film.film_of(run, scale["max_gpa"]) if scale else None,
+        "film": slow_motion,
         "bands": _rounded(run.sound.levels.third_octave_db),
         "spreads": _rounded(run.summary["third_octave_uncertainty_db"]),
     }
@@ -202,6 +210,15 @@ def _exhibit(picture: Picture, run: int | None = None) -> dict[str, Any]:
     if picture.name in TIMELINES:
         chart["second"] = seconds(chart["x"]["unit"])
     return chart if run is None else chart | {"run": run}
+
+
+def _comparing_exhibits(runs: Sequence[Run]) -> list[dict[str, Any]]:
+    """Read the pictures that compare runs as charts."""
+    exhibits = []
+    for picture in comparing_pictures(runs):
+        with left_out_if_it_fails(picture.name):
+            exhibits.append(_exhibit(picture))
+    return exhibits
 
 
 def _number(charts: list[dict[str, Any]], chart: dict[str, Any]) -> int:
@@ -235,18 +252,22 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
         ball = scene.sphere.surface and (scene.sphere.surface, track.turn_nodes)
         places = scene.height_path, track.n_along, track.n_across
         sharing.setdefault(f"{scene.surface.model_dump_json()} {ball} {places}", []).append(run)
-    return [
-        {
+    surfaces = []
+    for members in sharing.values():
+        picture, exhibit = single_picture("surface", members[0]), None
+        with left_out_if_it_fails(f"surface of {members[0].label}"):
+            if picture is not None:
+                exhibit = _exhibit(picture)
+        surface = {
             "labels": [run.label for run in members],
             "numbers": [number for number, run in enumerate(runs) if run in members],
             "words": assumed.surface_words(members[0].scene),
             "statistics": members[0].summary["surface"],
             "parts": runs_table.surface_parts(members[0].summary),
-            "picture": _exhibit(picture),
+            "picture": exhibit,
         }
-        for members in sharing.values()
-        if (picture := single_picture("surface", members[0]))
-    ]
+        surfaces.append(surface)
+    return surfaces
 
 
 # ---- gallery
@@ -292,7 +313,9 @@ def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[st
 
 def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
     """Return title, picture, sound, level and sentence of a run, and the link to its page."""
-    sound = _excerpt(run, seconds)
+    sound, still = _excerpt(run, seconds), None
+    with left_out_if_it_fails(f"of the contact of {run.label}"):
+        still = film.still(run)
     peak = float(np.abs(sound).max())
     level = (run.summary.get("listening") or {}).get("laeq_db", run.summary["laeq_db"])
     return {
@@ -302,7 +325,7 @@ def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
         "name": runs_table.level_name(run.summary),
         "verdict": run.summary.get("verdict"),
         "sentence": _sentence(run),
-        "picture": film.still(run),
+        "picture": still,
         "sound": records.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
         "loudness": (peak, level),
         "report": _link(run.home / PAGE, folder),

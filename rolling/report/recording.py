@@ -23,6 +23,7 @@ from acoustics.wav import PEAK
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
 from rolling import __version__
 from rolling.figures.picture import finish, picture
+from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import maps, records, text
 from rolling.report.page import environment
 from rolling.results import labels, listening
@@ -253,6 +254,9 @@ def page(run: Run, table: pd.DataFrame, notes: list[str], both: dict[str, Record
         plots.third_octaves(ax, curves, min(record.seconds for record in both.values()))
         return finish(ax, f"Third octaves: {run.title}", notes[1:2])
 
+    drawn = None
+    with left_out_if_it_fails("of the third octaves"):
+        drawn = maps.uri("image/svg+xml", picture("third_octaves", draw).file("svg") or b"")
     heard = {
         name: record.samples[: round(HEARD_S * RATE)] / level.a_weighted_rms(record.samples, RATE)
         for name, record in both.items()
@@ -262,7 +266,7 @@ def page(run: Run, table: pd.DataFrame, notes: list[str], both: dict[str, Record
         "title": run.title,
         "notes": notes,
         "table": Markup(words(table).to_html(index=False, border=0)),
-        "picture": maps.uri("image/svg+xml", picture("third_octaves", draw).file("svg") or b""),
+        "picture": drawn,
         "sounds": {name: records.compressed(gain * samples) for name, samples in heard.items()},
         "css": Markup(text.asset("report.css")),
     }

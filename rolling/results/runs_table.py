@@ -254,9 +254,7 @@ def _others(summary: Mapping[str, Any]) -> str:
     return words
 
 
-def listener_level(
-    summary: Mapping[str, Any], listener: Mapping[str, Any]
-) -> float | None:
+def listener_level(summary: Mapping[str, Any], listener: Mapping[str, Any]) -> float | None:
     """Return the level of a run at one of its listeners [dB], as LAE for an event."""
     level = listener["laeq_db"]
     return None if level is None else level + _exposure_db(summary)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
+import multiprocessing
 import os
 import pickle
 import socket
@@ -180,14 +181,15 @@ class LocalPool(Pool):
 def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
     """Return a pool for scenes; 0 workers: one per core. One piece needs this process only.
 
-    Scenes with one surface need one team.
+    So does a process of another pool, whatever the number of workers. Scenes with one surface need
+    one team.
     """
     from rolling.marches.piece import track_pieces
     from rolling.surface.scene_surface import identity
 
     pieces = sum(len(track_pieces(scene.track.solved_steps)) for scene in scenes)
     workers = min(workers or cost.cores(), pieces)
-    if workers <= 1:
+    if workers <= 1 or _is_of_a_pool():
         return Pool()
     try:
         from loky.backend import get_context
@@ -203,6 +205,24 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
         )
         return Pool()
     return LocalPool(workers, min(workers, len({identity(scene) for scene in scenes}), MAX_TEAMS))
+
+
+def _is_of_a_pool() -> bool:
+    """Tell whether this process belongs to a pool of another program, whose processes share cores.
+
+    A process of `multiprocessing.Pool` is daemonic and must not have children. A worker of Dask may
+    have some, but runs beside others.
+    """
+    if multiprocessing.current_process().daemon:
+        return True
+    distributed = sys.modules.get("distributed")
+    if distributed is None:
+        return False
+    try:
+        distributed.get_worker()
+    except ValueError:  # this thread does no task of a worker
+        return False
+    return True
 
 
 class Cluster(Pool):

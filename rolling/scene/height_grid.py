@@ -180,6 +180,9 @@ def _sdf(path: Path) -> _Channels:
 
 def _topography(path: Path) -> _Channels:
     """Return the channels of heights of a file that SurfaceTopography reads by its ending."""
+    from acoustics import matplotlib_import
+
+    matplotlib_import.ensure()  # because SurfaceTopography imports matplotlib
     with warnings.catch_warnings():
         # It says at import that it works without MPI.
         warnings.filterwarnings("ignore", "Could not import mpi4py", ImportWarning)

@@ -15,6 +15,7 @@ from acoustics.bands import BAND_NAMES
 from rolling import __version__
 from rolling.check import resolution
 from rolling.contact.solver import ContactError
+from rolling.figures.settings import left_out_if_it_fails
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
 from rolling.scene.height_files import read_regular
@@ -211,9 +212,11 @@ def run_study(
         folder.mkdir(parents=True, exist_ok=True)
         files.write_bytes(folder / DATASET, bytes(study.to_netcdf(engine="h5netcdf")))
     files.write_bytes(folder / "accuracy.csv", work_precision.table(study).to_csv().encode())
-    picture = io.BytesIO()
-    work_precision.diagram(study).savefig(picture, format="png", dpi=110)
-    files.write_bytes(folder / "accuracy.png", picture.getvalue())
+    picture = None
+    with left_out_if_it_fails("accuracy.png"):
+        picture = work_precision.png(study)
+    if picture is not None:
+        files.write_bytes(folder / "accuracy.png", picture)
     if not progress.is_quiet():
         print(work_precision.text(study))
     return [folder]

@@ -92,7 +92,8 @@ def _write(
     folder: Path, cases: pd.DataFrame, maps: dict[str, Maps], scene_files: list[tuple[str, Path]]
 ) -> str:
     """Write tables and figures of the cases, and return the verdicts in a sentence."""
-    from rolling.studies import lee2025_figures as figures  # matplotlib
+    from rolling.figures.settings import left_out_if_it_fails, own_settings  # matplotlib
+    from rolling.studies import lee2025_figures as figures
 
     readings = by_reading(cases)
     table = verdicts(readings)
@@ -100,10 +101,14 @@ def _write(
     write_bytes(folder / "statements.csv", table.to_csv(index=False).encode())
     write_bytes(folder / TABLES, tables(table, cases, scene_files).encode())
     make_below(folder, folder / FIGURES)
-    for reading, name, figure in figures.gallery(readings, maps):
-        content = io.BytesIO()
-        figure.savefig(content, format="png", dpi=110)
-        write_bytes(folder / FIGURES / f"{reading}-{name}.png", content.getvalue())
+    pictures = dict[Path, bytes]()
+    with own_settings(), left_out_if_it_fails("of the study, and with it those that follow,"):
+        for reading, name, figure in figures.gallery(readings, maps):
+            content = io.BytesIO()
+            figure.savefig(content, format="png", dpi=110)
+            pictures[folder / FIGURES / f"{reading}-{name}.png"] = content.getvalue()
+    for path, picture in pictures.items():
+        write_bytes(path, picture)
     return f"{len(cases)} cases. {headline(table, cases)}"
 
 

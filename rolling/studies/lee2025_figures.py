@@ -1,5 +1,9 @@
 """Figures 1 and 5 to 9 of the article for each reading, on axes that all readings share."""
 
+from acoustics import matplotlib_import  # noqa: F401, before matplotlib
+
+# isort: split
+
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,5 +1,10 @@
 """The table, the advice and the work-precision diagram of a study of accuracy."""
 
+from acoustics import matplotlib_import  # noqa: F401, before matplotlib
+
+# isort: split
+
+import io
 import math
 from typing import Any
 
@@ -11,6 +16,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, LINE_STYLES, MARKERS
+from rolling.figures.settings import own_settings
 from rolling.studies.accuracy_variants import OWN, REFERENCE, SOLVER, tolerance_text
 
 LAEQ_LIMIT_DB, BAND_LIMIT_DB = 0.1, 0.5  # maximum errors of a recommended variant
@@ -106,6 +112,14 @@ def _tolerance_advice(frame: pd.DataFrame) -> list[str]:
 
 
 # ---- the diagram
+
+
+@own_settings()
+def png(study: xr.Dataset) -> bytes:
+    """Draw the diagram as a PNG file."""
+    content = io.BytesIO()
+    diagram(study).savefig(content, format="png", dpi=110)
+    return content.getvalue()
 
 
 def diagram(study: xr.Dataset) -> Figure:

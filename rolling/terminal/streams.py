@@ -9,6 +9,7 @@ import os
 import shutil
 import sys
 import textwrap
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -89,6 +90,29 @@ def lasting() -> Iterator[tuple[LastingStream, LastingStream]]:
         for stream in streams:
             stream.flush()
         sys.stdout, sys.stderr = before
+
+
+@contextmanager
+def plain_warnings() -> Iterator[None]:
+    """Print warnings for a user in this context as a line, without a place in the source."""
+    with warnings.catch_warnings():
+        show = warnings.showwarning
+
+        def show_plain(
+            message: Warning | str,
+            category: type[Warning],
+            filename: str,
+            lineno: int,
+            file: TextIO | None = None,
+            line: str | None = None,
+        ) -> None:
+            if issubclass(category, UserWarning):
+                print(f"warning: {message}", file=file or sys.stderr)
+            else:
+                show(message, category, filename, lineno, file, line)
+
+        warnings.showwarning = show_plain
+        yield
 
 
 def wrapped(text: str, indent: str = "  ") -> str:

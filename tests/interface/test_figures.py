@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
+import os
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -11,8 +15,11 @@ from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
+import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from commands import ROOT
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -24,11 +31,17 @@ from acoustics.bands import BAND_NAMES
 from rolling import plot
 from rolling.figures import plot_run, write_figures, write_number_figures
 from rolling.figures.catalogue import comparing_pictures, single_picture
+from rolling.figures.contact import topography
 from rolling.figures.picture import Picture
+from rolling.figures.settings import PictureWarning
+from rolling.report import film
+from rolling.report.charts import chart_of
+from rolling.report.page import page
 from rolling.results import runs_table
 from rolling.results.run_result import Run
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import contact_sound
+from rolling.surface.parameters import parameters
 
 
 @pytest.fixture(autouse=True)
@@ -206,6 +219,130 @@ def test_labels_are_drawn_letter_by_letter() -> None:
     text = legend.get_texts()[0]
     assert not text.get_parse_math()
     assert single("release_power", run).file("png")
+
+
+# ---- surroundings
+
+# Settings that a person, a notebook or a matplotlibrc may have made; no TeX is needed to refuse it.
+SURROUNDINGS: dict[str, dict[str, Any]] = {
+    "dark": {
+        "axes.facecolor": "black", "figure.facecolor": "black", "savefig.facecolor": "black",
+        "text.color": "white", "axes.edgecolor": "white", "xtick.color": "red",
+    },
+    "huge": {
+        "font.size": 40.0, "axes.titlesize": 50.0, "legend.fontsize": 50.0, "savefig.dpi": 33.0,
+        "savefig.bbox": "tight", "figure.dpi": 200.0, "lines.linewidth": 9.0,
+    },
+    "tex": {"text.usetex": True, "svg.fonttype": "none", "axes.formatter.use_mathtext": True},
+    "sketch": {
+        "path.sketch": (1.0, 100.0, 2.0), "font.family": ["no such font"], "image.cmap": "hot",
+        "savefig.transparent": True, "savefig.format": "pdf", "svg.hashsalt": "salt",
+        "axes.prop_cycle": matplotlib.cycler(color=["pink"]), "text.parse_math": False,
+    },
+}  # fmt: skip
+
+
+def drawn_files() -> list[Any]:
+    """Return the bytes of pictures of several runs and of one, and their charts of the page."""
+    runs = runs_of("flying")
+    singles = [single(name, runs[0], runs) for name in ("surface", "spectrogram", "contact_force")]
+    pictures = [*comparing_pictures(runs, ["third_octaves", "spectrum"]), *singles]
+    heights = np.random.default_rng(1).standard_normal((40, 40)) * 1e-7
+    steps = np.full(2, 1e-6)
+    pictures.append(topography("plate", parameters(heights, steps, True), heights, steps, True))
+    files = [picture.file(form) for picture in pictures for form in ("png", "svg")]
+    charts = [chart_of(picture) for picture in pictures[:5]]
+    return [files, charts, film.curves(runs[0])]
+
+
+@pytest.mark.parametrize("surroundings", SURROUNDINGS)
+def test_files_do_not_depend_on_the_settings_of_the_process(surroundings: str) -> None:
+    clean = drawn_files()
+    with matplotlib.rc_context(SURROUNDINGS[surroundings]):
+        before = matplotlib.rcParams.copy()
+        opened = plt.get_fignums()
+        assert drawn_files() == clean
+        assert matplotlib.rcParams.copy() == before and plt.get_fignums() == opened
+
+
+def test_plots_on_own_axes_follow_the_settings_of_the_process(three) -> None:
+    with matplotlib.rc_context(SURROUNDINGS["dark"]):
+        before = matplotlib.rcParams.copy()
+        ax = plot.third_octaves(three, Figure().subplots())
+        assert ax.get_facecolor() == (0.0, 0.0, 0.0, 1.0)
+        assert ax.get_xticklabels()[0].get_color() == "red"
+        assert matplotlib.rcParams.copy() == before
+
+
+# Draws files in surroundings in which matplotlib may refuse its own import, and prints what the
+# session sees before and after.
+IN_A_FOLDER = """
+import hashlib
+import os
+import sys
+
+variables = dict(os.environ)
+place = os.getcwd()
+from report_runs import runs_of
+from rolling import plot
+from rolling.figures.catalogue import single_picture
+
+(run,) = runs_of("lap")
+drawn = single_picture("release_power", run)
+print(hashlib.sha256(drawn.file("png")).hexdigest())
+assert dict(os.environ) == variables and os.getcwd() == place
+assert "matplotlib.pyplot" not in sys.modules
+import matplotlib
+print(matplotlib.get_backend(auto_select=False))
+print(plot.release_power(run).get_xlabel())
+"""
+
+
+@pytest.mark.parametrize(
+    ("backend", "settings", "taken"),
+    [
+        ("nonsense", b"", "None"),  # matplotlib chooses one when a window is wanted
+        ("module://no_such_package.backend", b"", "module://no_such_package.backend"),
+        ("svg", b"font.size: \xff\xfe", "svg"),
+        ("agg", b"text.usetex: True\nfont.size: 30", "agg"),
+    ],
+)
+def test_backends_and_settings_files_that_matplotlib_refuses_cost_nothing(
+    backend: str, settings: bytes, taken: str, tmp_path: Path
+) -> None:
+    """Environment, folder and the backend by `MPLBACKEND` stay as the session has them."""
+    clean = single("release_power", runs_of("lap")[0]).file("png")
+    (tmp_path / "matplotlibrc").write_bytes(settings)
+    paths = [str(ROOT), str(ROOT / "tests" / "support")]
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", IN_A_FOLDER],
+        cwd=tmp_path,
+        env=os.environ | {"MPLBACKEND": backend, "PYTHONPATH": os.pathsep.join(paths)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    digest, own, label = done.stdout.splitlines()
+    assert digest == hashlib.sha256(clean or b"").hexdigest()
+    assert (own, label) == (taken, "time [ms]")
+    assert ("backend cannot be loaded" in done.stderr) == backend.startswith("module://")
+
+
+def test_a_picture_that_cannot_be_drawn_costs_that_picture(
+    three, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*values: Any, **named: Any) -> None:
+        raise RuntimeError("no pencil")
+
+    monkeypatch.setattr(plots, "spectrum", fail)
+    monkeypatch.setattr(plots, "spectrogram", fail)
+    with pytest.warns(PictureWarning, match=r"spectrum is left out.*no pencil") as caught:
+        paths = write_figures(three, tmp_path)
+        content = page(three)
+    assert {"third_octaves", "third_octaves_a", "levels"} <= {path.stem for path in paths}
+    assert not (tmp_path / "figures" / "spectrum.png").exists()
+    assert b'data-name="third_octaves"' in content and b'data-name="spectrum"' not in content
+    assert len(caught) == 2 + len(three)  # the spectrum of both, and a spectrogram of each run
 
 
 # ---- numbers

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from commands import ROOT, contents, words_of
+from commands import ROOT, SWEEP, contents, words_of
 from matplotlib.figure import Figure
 from scene_text import TINY
 
@@ -33,6 +33,31 @@ import rolling as rc
 print("main")
 scene = rc.read_scene("scene.yaml", ["sweep.surface.seed=[1, 2]"])
 print({seed: run.summary["laeq_db"] for seed, run in rc.simulate_sweep(scene, workers=2).items()})
+"""
+IN_A_POOL = """\
+import multiprocessing
+import sys
+
+import rolling as rc
+
+
+def level(load):
+    # Three pieces, so that two workers would be started elsewhere.
+    scene = rc.read_scene("scene.yaml").with_(load_n=load)
+    return rc.simulate(scene, workers=2).sound.levels.laeq_db
+
+
+if __name__ == "__main__":
+    print(level(1.0))
+    if sys.argv[1] == "multiprocessing":
+        with multiprocessing.Pool(1) as pool:
+            print(*pool.map(level, [1.0]))
+    else:
+        import distributed
+
+        how = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None}
+        with distributed.LocalCluster(**how) as cluster, distributed.Client(cluster) as client:
+            print(client.submit(level, 1.0).result())
 """
 
 
@@ -223,6 +248,22 @@ def test_a_script_needs_no_guard(source: str, folder: Path, tmp_path: Path) -> N
     )
     first, second = done.stdout.splitlines()
     assert first == "main" and second.startswith("{1: ")
+
+
+@pytest.mark.parametrize("kind", ["multiprocessing", pytest.param("dask", marks=pytest.mark.slow)])
+def test_a_process_of_a_pool_solves_itself(kind: str, tmp_path: Path) -> None:
+    """Daemonic processes must not have children; the level is that of the main process."""
+    if kind == "dask":
+        pytest.importorskip("distributed")
+    text = SWEEP.partition("sweep:")[0].replace("spacing_um: 2", "spacing_um: 4")
+    (tmp_path / "scene.yaml").write_text(text.replace("duration_s: 0.009", "duration_s: 0.018"))
+    (tmp_path / "script.py").write_text(IN_A_POOL)
+    done = subprocess.run(
+        [sys.executable, "script.py", kind], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    here, there = done.stdout.split()
+    assert here == there
 
 
 def test_progress_is_shown_where_it_is_asked_for(
