@@ -65,25 +65,60 @@ def real_array(name: str, values: Any, dimensions: int | None, gaps: bool = Fals
     return array
 
 
-def positive(name: str, value: Any, most: float = math.inf) -> float:
-    """Return a number as a float; raise ValueError unless it is above zero, and at most `most`."""
-    if not _is_real(value) or not 0 < value <= most:
-        limit = f" and <= {most:g}" if most < math.inf else ""
-        raise ValueError(f"{name}: got {_short(value)}, allowed: a number > 0{limit}")
-    return float(value)
+def positive(name: str, value: Any, most: float = math.inf, infinite: bool = False) -> float:
+    """Return a number as a float; raise ValueError unless it is above zero, and at most `most`.
+
+    Infinity is refused unless it has a meaning (`infinite`), as the hardness of an elastic body.
+    """
+    number = _as_float(value)
+    if number is None or not 0 < number <= most or (math.isinf(number) and not infinite):
+        if most < math.inf:
+            allowed = f"a number > 0 and <= {most:g}"
+        elif infinite:
+            allowed = "a number > 0, or infinity"
+        else:
+            allowed = "a number > 0, and finite"
+        raise ValueError(f"{name}: got {_short(value)}, allowed: {allowed}")
+    return number
 
 
-def finite(name: str, value: Any) -> float:
-    """Return a finite number as a float; raise ValueError for all else."""
-    if not _is_real(value) or not math.isfinite(value):
-        raise ValueError(f"{name}: got {_short(value)}, allowed: a finite number")
-    return float(value)
+def within(name: str, value: Any, least: float, most: float) -> float:
+    """Return a number as a float; raise ValueError unless it lies from `least` to `most`."""
+    number = _as_float(value)
+    if number is None or not least <= number <= most:
+        allowed = f"a number from {least:g} to {most:g}"
+        raise ValueError(f"{name}: got {_short(value)}, allowed: {allowed}")
+    return number
 
 
-def _is_real(value: Any) -> bool:
-    """Tell whether a value is a real number, not an array or a truth value."""
+def finite(name: str, value: Any, most: float = math.inf) -> float:
+    """Return a finite number as a float; raise ValueError for all else, and beyond +-`most`."""
+    number = _as_float(value)
+    if number is None or not math.isfinite(number) or abs(number) > most:
+        allowed = "a finite number" if most == math.inf else f"a number from {-most:g} to {most:g}"
+        raise ValueError(f"{name}: got {_short(value)}, allowed: {allowed}")
+    return number
+
+
+def truth(name: str, value: Any) -> bool:
+    """Return a truth value; raise ValueError for all else, numbers and nothing too."""
+    if not isinstance(value, bool | np.bool_):
+        raise ValueError(f"{name}: got {_short(value)}, allowed: True or False")
+    return bool(value)
+
+
+def _as_float(value: Any) -> float | None:
+    """Return a real number as a float, infinite beyond its range; None for all else.
+
+    Arrays and truth values are no numbers.
+    """
     kinds = int | float | np.integer | np.floating
-    return isinstance(value, kinds) and not isinstance(value, bool)
+    if not isinstance(value, kinds) or isinstance(value, bool):
+        return None
+    try:
+        return float(value)
+    except OverflowError:  # of a whole number with more than 308 digits
+        return math.inf if value > 0 else -math.inf
 
 
 def instance(name: str, value: Any, *kinds: type) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from acoustics.arrays import Array, positive, real_array, refuse_masked
+from acoustics.arrays import Array, real_array, refuse_masked, within
 
 # Nominal mid frequencies of IEC 61260-1:2014. They name the bands; they are not used to calculate.
 # fmt: off
@@ -28,6 +28,7 @@ AUDIBLE_HZ: tuple[float, float] = (float(EDGES_HZ[0]), float(EDGES_HZ[-1]))
 
 # With fewer independent lines in a band (B T) its level is uncertain by 2 dB or more.
 MIN_BT = 5.0
+DURATIONS_S = 1e-12, 1e12  # shortest and longest record
 # A band whose level is off by more is marked in plots and tables [dB].
 OFF_DB = 1.0
 
@@ -106,7 +107,7 @@ def band_uncertainty_db(duration_s: float) -> Array:
     >>> round(float(band_uncertainty_db(1.0)[BAND_NAMES.index("1000")]), 2)
     0.29
     """
-    independent_lines = BANDWIDTH_HZ * positive("duration_s", duration_s)
+    independent_lines = BANDWIDTH_HZ * within("duration_s", duration_s, *DURATIONS_S)
     return np.asarray(10.0 / np.log(10.0) / np.sqrt(independent_lines))
 
 
@@ -129,4 +130,4 @@ def reliable(duration_s: float) -> NDArray[np.bool_]:
     >>> BAND_NAMES[first]
     '50'
     """
-    return np.asarray(BANDWIDTH_HZ * positive("duration_s", duration_s) >= MIN_BT)
+    return np.asarray(BANDWIDTH_HZ * within("duration_s", duration_s, *DURATIONS_S) >= MIN_BT)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acoustics.arrays import Array, finite, positive, refuse_masked, short_repr
+from acoustics.arrays import Array, finite, positive, refuse_masked, short_repr, truth
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import resample_closed
@@ -308,7 +308,8 @@ def sound_levels(
     pressure_pa = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
     frequency_hz, mean_square = line_spectrum(pressure_pa, sample_rate_hz)
     weighted = _a_weighted(frequency_hz, mean_square)
-    highest_hz = positive("highest_hz", highest_hz)
+    highest_hz = positive("highest_hz", highest_hz, infinite=True)
+    closed = truth("closed", closed)
     whole = float(mean_square.sum())
     if whole < _SILENCE:
         nothing = dict.fromkeys(BAND_NAMES)

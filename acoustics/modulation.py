@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from acoustics.arrays import Array, positive, real_array, short_repr
+from acoustics.arrays import Array, positive, real_array, short_repr, truth
 from acoustics.bands import EDGES_HZ, third_octave_mean_square
 from acoustics.spectrum import audible_lines, checked_record
 from acoustics.weighting import a_weighting_db
@@ -261,6 +261,7 @@ def modulated_octave(
     [562, 1122]
     """
     positive("frequency_hz", frequency_hz)
+    closed = truth("closed", closed)
     power = _octave_power(signal, sample_rate_hz)[::OCTAVE]
     bands = [(float(EDGES_HZ[k]), float(EDGES_HZ[k + OCTAVE])) for k in range(0, 30, OCTAVE)]
     least = power.max() * 10 ** (-FAINT_DB / 10)
@@ -381,6 +382,7 @@ def envelope_spectrum(
     0.5
     """
     record = checked_record(signal, sample_rate_hz)
+    closed = truth("closed", closed)
     low, high = loudest_octave(signal, sample_rate_hz) if band_hz is None else _edges(band_hz)
     count = len(record)
     gain = np.ones(count) if gain is None else real_array("gain", gain, 1)

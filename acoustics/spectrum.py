@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from acoustics.arrays import Array, positive, real_array, short_repr
+from acoustics.arrays import Array, real_array, short_repr, within
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
 from acoustics.weighting import a_weighting_db
 
+RATES_HZ = 1e-6, 1e12  # lowest and highest sample rate
 _PSD_LINE_HZ = 10.0
 _MIN_SEGMENT = 16
 
@@ -67,15 +68,15 @@ class Psd:
 
 
 def checked_record(record: ArrayLike, sample_rate_hz: float, name: str = "signal") -> Array:
-    """Return a record (n,) as an array of floats; refuse others, and rates that are not positive.
+    """Return a record (n,) as an array of floats; refuse others, and rates outside RATES_HZ.
 
     Raises
     ------
     ValueError
         If the record is empty, not one-dimensional, or holds a value that is not finite, or if the
-        sample rate is not above 0.
+        sample rate lies outside RATES_HZ.
     """
-    positive("sample_rate_hz", sample_rate_hz)
+    within("sample_rate_hz", sample_rate_hz, *RATES_HZ)
     return real_array(name, record, 1)
 
 

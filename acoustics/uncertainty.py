@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import polygamma
 
-from acoustics.arrays import Array, instance, positive, real_array
+from acoustics.arrays import Array, instance, real_array, truth, within
 from acoustics.bands import third_octave_mean_square
 from acoustics.level import FAST_S, SLOW_S, RecordNumbers, SoundLevels, a_weighted
 from acoustics.spectrum import checked_record, line_spectrum
@@ -28,6 +28,7 @@ _DB = 10.0 / math.log(10.0)
 # The lines below this frequency, or at least this many, give the density at 0 Hz.
 _NEAR_ZERO_HZ = 50.0
 _FEWEST_LINES = 4
+LAPS = 1e-6, 1e12  # fewest and most repetitions in a record
 _STUDENT = 1.32  # 68 % of Student's distribution with two degrees of freedom lie within it
 
 
@@ -135,7 +136,8 @@ def level_uncertainty(
     """
     pressure_pa = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
     instance("levels", levels, SoundLevels)
-    laps = positive("laps", laps)
+    laps = within("laps", laps, *LAPS)
+    own_factor = truth("own_factor", own_factor)
     if levels.level_db is None:
         return LevelUncertainty(None, None, None, None, None, dict.fromkeys(levels.third_octave_db))
     duration_s = len(pressure_pa) / sample_rate_hz / laps

@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 from acoustics.arrays import Array, real_array
 
 # IEC 61672-1:2013, annex E: the poles follow from these four frequencies in Hz and D = sqrt(1/2).
+_HIGHEST_HZ = 1e15  # beyond hearing by far; its powers stay finite
 _REFERENCE, _LOW, _HIGH, _A = 1000.0, 10.0**1.5, 10.0**3.9, 10.0**2.45
 
 
@@ -61,6 +62,10 @@ def a_weighting_db(frequency_hz: ArrayLike) -> Array:
     >>> [round(float(a_weighting_db(f)), 1) for f in (100.0, 1000.0, 10000.0)]
     [-19.1, 0.0, -2.5]
     """
-    ratio = _response(real_array("frequency_hz", frequency_hz, None)) / _RESPONSE_1KHZ
+    frequency = real_array("frequency_hz", frequency_hz, None)
+    if np.max(np.abs(frequency), initial=0.0) > _HIGHEST_HZ:
+        largest = np.max(np.abs(frequency))
+        raise ValueError(f"frequency_hz: got {largest:g}, allowed: at most {_HIGHEST_HZ:g} Hz")
+    ratio = _response(frequency) / _RESPONSE_1KHZ
     with np.errstate(divide="ignore"):
         return 20.0 * np.log10(ratio)

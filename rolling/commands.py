@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from acoustics.texts import printable
 from rolling.results import labels, listening, runs_table
 from rolling.results.run_folder import PAGE, SUMMARY, RunFolder
 from rolling.results.run_result import PASSES, Run
@@ -133,10 +134,10 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
         places["a row per run"] = folder / TABLE
     if (folder / PAGE).is_file():
         places["all on one page"] = folder / PAGE
-    lines = {name: f"{name}: {labels.printable(str(at))}" for name, at in places.items()}
+    lines = {name: f"{name}: {printable(str(at))}" for name, at in places.items()}
     listen = (runs_table.stored_summary(done[0]) or {}).get("listen")
     if content := listen.get("content") if isinstance(listen, dict) else None:
-        lines["listen"] += f" ({labels.printable(str(content))})"
+        lines["listen"] += f" ({printable(str(content))})"
     print("", *lines.values(), sep="\n")
 
 
@@ -160,8 +161,9 @@ def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
 
 
 def write_table(frame: pd.DataFrame, path: Path) -> None:
-    """Write a table as CSV."""
-    files.write_bytes(path, frame.to_csv(lineterminator="\n").encode("utf-8", "backslashreplace"))
+    """Write a table as CSV, without a text that a spreadsheet takes for a formula."""
+    safe = runs_table.without_formulas(frame)
+    files.write_bytes(path, safe.to_csv(lineterminator="\n").encode("utf-8", "backslashreplace"))
 
 
 def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder]) -> None:
@@ -253,7 +255,7 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     named = zip(done, names, strict=True)
     opened = (replace(open_runs([run])[0], label=label) for run, label in named)
     with progress.step("reading the runs, making their sound"):
-        left_out = [labels.printable(run.folder.resolve().name) for run in unsolved]
+        left_out = [printable(run.folder.resolve().name) for run in unsolved]
         content = page.gallery(opened, len(done), out.parent, left_out)
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
@@ -475,7 +477,7 @@ def surface(
         name, words = source.name, "less its least-squares plane"
         heights, steps, doubts = measured.levelled(source, spacing_um, channel, unit, xy_unit)
         for doubt in doubts:
-            progress.line(labels.printable(f"warning: {source}: {doubt}"))
+            progress.line(printable(f"warning: {source}: {doubt}"))
         if gaps := np.count_nonzero(np.isnan(heights)):
             words += f", {gaps} unmeasured"
     with progress.step("computing the parameters, drawing the picture"):
@@ -500,7 +502,7 @@ def surface(
     if progress.is_quiet():
         return [folder]
     nodes, sides = (" x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * steps, 6)))
-    print(f"{labels.printable(name)}: {nodes} nodes of {sides} um, {words}")
+    print(f"{printable(name)}: {nodes} nodes of {sides} um, {words}")
     print("\n".join(parameter_lines(values, is_bound)))
-    print(f"\nall files: {labels.printable(str(folder))}")
+    print(f"\nall files: {printable(str(folder))}")
     return []

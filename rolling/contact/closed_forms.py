@@ -12,6 +12,17 @@ import numpy as np
 
 from acoustics.arrays import positive
 
+# Smallest and largest length, load, modulus and so on in SI: their powers and products stay finite.
+MIN_SIZE, MAX_SIZE = 1e-50, 1e50
+
+
+def _size(name: str, value: float) -> float:
+    """Return a size in SI; raise ValueError beyond the sizes that double precision can combine."""
+    number = positive(name, value, MAX_SIZE)
+    if number < MIN_SIZE:
+        raise ValueError(f"{name}: got {number:g}, allowed: at least {MIN_SIZE:g} in SI")
+    return number
+
 
 def contact_modulus(
     youngs_modulus: float,
@@ -50,7 +61,8 @@ def contact_modulus(
     for modulus_name, modulus, ratio_name, ratio in bodies:
         if type(ratio) not in (int, float) or ratio:
             ratio = positive(ratio_name, ratio, 0.5)
-        compliance += (1 - ratio**2) / positive(modulus_name, modulus)
+        is_rigid = modulus_name == "other_modulus" and modulus == math.inf
+        compliance += (1 - ratio**2) / (math.inf if is_rigid else _size(modulus_name, modulus))
     return 1 / compliance
 
 
@@ -77,8 +89,8 @@ def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     >>> f"{closed_forms.hertz_radius(5.0, 5e-3, 230e9) * 1e6:.2f} um"
     '43.36 um'
     """
-    load, radius = positive("load", load), positive("radius", radius)
-    contact_modulus = positive("contact_modulus", contact_modulus)
+    load, radius = _size("load", load), _size("radius", radius)
+    contact_modulus = _size("contact_modulus", contact_modulus)
     return float((3 * load * radius / (4 * contact_modulus)) ** (1 / 3))
 
 
@@ -158,7 +170,7 @@ def hertz_ellipse(radius: float, radius_across: float) -> tuple[float, float, fl
     >>> f"{equivalent:.4f} m, {along:.4f}, {across:.4f}"
     '0.3743 m, 1.1472, 0.8629'
     """
-    return _ellipse(positive("radius", radius), positive("radius_across", radius_across))
+    return _ellipse(_size("radius", radius), _size("radius_across", radius_across))
 
 
 @lru_cache(maxsize=64)
@@ -206,8 +218,8 @@ def hertz_force(energy: float, radius: float, contact_modulus: float) -> float:
     >>> f"{closed_forms.hertz_force(2e-3, 5e-3, 230e9):.0f} N"  # a steel ball from 50 mm
     '567 N'
     """
-    energy, radius = positive("energy", energy), positive("radius", radius)
-    contact_modulus = positive("contact_modulus", contact_modulus)
+    energy, radius = _size("energy", energy), _size("radius", radius)
+    contact_modulus = _size("contact_modulus", contact_modulus)
     return float((2.5 * energy) ** 0.6 * (16 / 9 * radius * contact_modulus**2) ** 0.2)
 
 
@@ -232,8 +244,8 @@ def hertz_impact_time(mass: float, speed: float, radius: float, contact_modulus:
     >>> f"{closed_forms.hertz_impact_time(4.11e-3, 1.0, 5e-3, 230e9) * 1e6:.0f} us"
     '26 us'
     """
-    mass, speed = positive("mass", mass), positive("speed", speed)
-    stiffness = positive("radius", radius) * positive("contact_modulus", contact_modulus) ** 2
+    mass, speed = _size("mass", mass), _size("speed", speed)
+    stiffness = _size("radius", radius) * _size("contact_modulus", contact_modulus) ** 2
     return float(2.8683 * (mass**2 / (stiffness * speed)) ** 0.2)
 
 
@@ -268,7 +280,7 @@ def smooth_release_power(load: float, speed: float, radius: float, contact_modul
     '8.130 mW'
     """
     contact_radius = hertz_radius(load, radius, contact_modulus)
-    return 3 * load * positive("speed", speed) * contact_radius / (16 * radius)
+    return 3 * load * _size("speed", speed) * contact_radius / (16 * radius)
 
 
 def left_end_excess(step: float, contact_radius: float) -> float:
@@ -296,4 +308,4 @@ def left_end_excess(step: float, contact_radius: float) -> float:
     >>> f"{closed_forms.left_end_excess(1e-6, 50e-6):.3f}"
     '0.027'
     """
-    return 4 * positive("step", step) / (3 * positive("contact_radius", contact_radius))
+    return 4 * _size("step", step) / (3 * _size("contact_radius", contact_radius))

@@ -6,6 +6,7 @@ quasi-static contact depends on its position, not on its speed.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
@@ -60,7 +61,8 @@ def march(
     TypeError
         The contact or the half-space is of another type, or a position is no whole number.
     ValueError
-        The half-space has another spacing or modulus than the contact.
+        The half-space has another spacing or modulus than the contact, or a position lies so far
+        from the beginning of the track that double precision does not tell places apart there.
 
     Examples
     --------
@@ -79,7 +81,7 @@ def march(
     instance("contact", contact, RollingContact)
     instance("half_space", half_space, HalfSpace)
     for name, position in (("first", first), ("last", last)):
-        instance(name, position, int, np.integer)
+        _refuse_far(contact, name, position)
     for name in ("spacing", "contact_modulus", "subcells"):
         got, own = getattr(half_space, name), getattr(contact, name)
         if got != own:
@@ -100,6 +102,17 @@ def march(
             ) from error
         states = [*states[-1:], following]
         yield following
+
+
+def _refuse_far(contact: RollingContact, name: str, position: Any) -> None:
+    """Raise TypeError for a position that is no whole number, and ValueError for one too far."""
+    if isinstance(position, bool):
+        raise TypeError(f"{name}: got {position}, allowed: int")
+    instance(name, position, int, np.integer)
+    lowest = math.ceil((-contact.farthest_m - contact.start) / contact.step)
+    highest = math.floor((contact.farthest_m - contact.start) / contact.step)
+    if not lowest <= position <= highest:
+        raise ValueError(f"{name}: got {position}, allowed: {lowest} to {highest}")
 
 
 def _start(contact: RollingContact, k: int, half_space: HalfSpace) -> ContactState:

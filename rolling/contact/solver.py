@@ -13,15 +13,16 @@ double-precision check on the full window.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from acoustics.arrays import Array, instance, positive, real_array, short_repr
+from acoustics.arrays import Array, instance, positive, real_array, short_repr, truth
 from acoustics.numbers import rounded
-from rolling.contact import _condition_kernels, _position_kernels
+from rolling.contact import _condition_kernels, _position_kernels, units
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact._far_field import far_field, stencils
 from rolling.contact._system import Limits, Sets
@@ -94,7 +95,7 @@ class Contact:
     >>> gap = np.full((30, 30), 1e-6)
     >>> gap[5:25, 5:25] = 0.0
     >>> contact = rolling.solve_contact(rolling.HalfSpace(1e-6, 230e9), gap, load=0.1)
-    >>> print(f"{contact.area * 1e12:.0f} um2, {contact.load:.3f} N, {contact.spacing:g} m")
+    >>> print(f"{contact.contact_area * 1e12:.0f} um2, {contact.load:.3f} N, {contact.spacing:g} m")
     400 um2, 0.100 N, 1e-06 m
     """
 
@@ -109,9 +110,16 @@ class Contact:
     edge_share: float = 0.0
 
     @property
-    def area(self) -> float:
+    def contact_area(self) -> float:
         """Area of the nodes under pressure [m2]."""
         return float(np.count_nonzero(self.pressure) * self.spacing**2)
+
+    @property
+    def area(self) -> float:
+        """Area of the nodes under pressure [m2], under its old name."""
+        words = "Contact.area is now Contact.contact_area; the old name goes with the next version"
+        warnings.warn(words, DeprecationWarning, stacklevel=2)
+        return self.contact_area
 
     @property
     def load(self) -> float:
@@ -120,8 +128,9 @@ class Contact:
 
     def __repr__(self) -> str:
         return (
-            f"Contact({self.load:.4g} N on {self.area:.4g} m2, approach {self.approach:.4g} m,"
-            f" maximum pressure {self.pressure.max():.4g} Pa, residual {self.residual:.1e})"
+            f"Contact({self.load:.4g} N on {self.contact_area:.4g} m2,"
+            f" approach {self.approach:.4g} m, maximum pressure {self.pressure.max():.4g} Pa,"
+            f" residual {self.residual:.1e})"
         )
 
 
@@ -218,7 +227,7 @@ def solve_contact(
     half_space : HalfSpace
         Pressure to deflection.
     gap : (m, n) array, m
-        Undeformed gap.
+        Undeformed gap. Its rms slope is 10 at most, but for steep sides such as those of a punch.
     load : float, N
         Normal load.
     start : WarmStart or None
@@ -248,7 +257,7 @@ def solve_contact(
         iterations and the methods tried.
     ValueError
         The start or the shape has another shape than the gap, a number is not positive, or the gap
-        holds no finite numbers in two dimensions.
+        holds no finite numbers in two dimensions or cannot be in metres.
     TypeError
         The half-space or the start is of another type.
 
@@ -267,7 +276,11 @@ def solve_contact(
     instance("half_space", half_space, HalfSpace)
     instance("start", start, WarmStart, type(None))
     gap, load = _plain("gap", gap), positive("load", load, MAX_SIZE)
-    hardness, tolerance = positive("hardness", hardness), positive("tolerance", tolerance, 1.0)
+    hardness = positive("hardness", hardness, infinite=True)
+    tolerance = positive("tolerance", tolerance, 1.0)
+    single = truth("single", single)
+    units.refuse_high("gap", gap)
+    units.refuse_steep_gap("gap", gap, half_space.spacing)
     shape = None if shape is None else _plain("shape", shape, gap)
     start = start or _cold_start(half_space, gap, load, hardness)
     pressure, u = _plain("start.pressure", start.pressure, gap), _NOTHING
@@ -282,7 +295,7 @@ def solve_contact(
         (pressure, u),
         (_NOTHING, _NOTHING, 0, 0),
         (hardness, total, tolerance, levelled),
-        (bool(start.close), bool(single), shape is not None, False),
+        (truth("start.close", start.close), single, shape is not None, False),
     )
     p, u, *edge = fields.reshape(-1, *gap.shape)
     solution = p, u, half_space.spacing, approach, u_max, worst / u_max, counts[0]

@@ -12,14 +12,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from acoustics.arrays import Array, finite, positive, real_array
-from rolling.contact import _window_kernels
+from acoustics.arrays import Array, finite, positive, real_array, truth
+from rolling.contact import _window_kernels, units
+from rolling.contact.half_space import MAX_SIZE
 
 # Share of the minimum deflection by a load that counts; the slope of the deflection within a cell
 # takes less than the rest. Near a load deflections are less than 1/r: between sub-cells by 36 to
 # 66 % beside it and by 1 % up to 5 cells away, and on the far side of a cell with a blended edge by
 # half a spacing over r. The load counts as so much farther away.
 SURE, NEAR_CELLS = 0.99, 6.0
+# Distance of a place from the beginning of the track, in node spacings and in steps. Double
+# precision then tells places apart that differ by 2e-7 of either.
+MAX_DISTANCE = 1e9
 
 
 class Window(NamedTuple):
@@ -125,7 +129,8 @@ class RollingContact:
     Parameters
     ----------
     heights : (along, across) array, m
-        Surface of the plate, periodic along and across.
+        Surface of the plate, periodic along and across. Its rms slope is 10 at most, and its rms
+        height less than the radii.
     spacing : float, m
         Node spacing.
     radius : float, m
@@ -139,14 +144,14 @@ class RollingContact:
     step : float, m
         Distance between two positions.
     start : float, m
-        Place of position 0 along the track.
+        Place of position 0 along the track, at most 1e9 spacings and steps away.
     tolerance : float
-        Maximum KKT residual of a solve.
+        Maximum KKT residual of a solve, at most 1.
     single : bool
         If true, iterate on deflections in single precision. Default: true.
     blended : bool
         If true, nodes at the edge of yielding patches bear the share of their cell in contact.
-        Default: false.
+        Default: true, as in scenes.
     subcells : int
         Nodes along the side of a cell of the transforms; nodes are sub-cells where it is more than
         1. Cells begin at node 0, and their centre is a place of the track. Default: 1.
@@ -154,7 +159,8 @@ class RollingContact:
         If true, the surface continues between the nodes; otherwise each cell is flat. Default:
         true.
     loads : (positions,) array, N, or None
-        Load at each position of a lap, instead of the same load at all. Default: None.
+        Load at each position of a lap, its end included, instead of the same load at all: two or
+        more. Default: None.
     radius_across : float, m, or None
         Radius of the sphere across the track. Default: the radius along it.
 
@@ -178,7 +184,7 @@ class RollingContact:
     start: float
     tolerance: float
     single: bool = True
-    blended: bool = False
+    blended: bool = True
     subcells: int = 1
     slopes: bool = True
     loads: Array | None = None
@@ -195,18 +201,42 @@ class RollingContact:
     def __post_init__(self) -> None:
         heights = np.require(real_array("heights", self.heights, 2), requirements=["C", "W"])
         object.__setattr__(self, "heights", heights)
-        lengths = "spacing", "radius", "step"
-        for name in (*lengths, "contact_modulus", "hardness", "load", "tolerance"):
-            positive(name, getattr(self, name))
+        for name in ("spacing", "radius", "step", "contact_modulus", "load"):
+            positive(name, getattr(self, name), MAX_SIZE)
+        positive("hardness", self.hardness, infinite=True)
+        positive("tolerance", self.tolerance, 1.0)
         if self.radius_across is not None:
-            positive("radius_across", self.radius_across)
-        finite("start", self.start)
-        if type(self.subcells) is not int or self.subcells < 1:
-            raise ValueError(f"subcells: got {self.subcells!r}, allowed: a whole number > 0")
+            positive("radius_across", self.radius_across, MAX_SIZE)
+        finite("start", self.start, self.farthest_m)
+        for name in ("single", "blended", "slopes"):
+            truth(name, getattr(self, name))
+        if type(self.subcells) is not int or not 1 <= self.subcells <= min(heights.shape):
+            allowed = f"a whole number from 1 to {min(heights.shape)}, the nodes of the surface"
+            raise ValueError(f"subcells: got {self.subcells!r}, allowed: {allowed}")
         if self.loads is not None:
             loads = real_array("loads", self.loads, 1)
+            if len(loads) < 2:
+                allowed = "the loads of two positions or more; `load` is the same at all"
+                raise ValueError(f"loads: got {len(loads)} number, allowed: {allowed}")
             positive("loads", loads.min())
             object.__setattr__(self, "loads", loads)
+        self._refuse_other_units()
+
+    def _refuse_other_units(self) -> None:
+        """Raise ValueError for heights that cannot be metres."""
+        highest = kept(self.heights, "highest", lambda: np.abs(self.heights).max(keepdims=True))
+        units.refuse_high("heights", highest)
+        r = self.subcells  # cells may be flat, with steps between them
+        cells = self.heights[::r, ::r]
+        slope = kept(self.heights, ("slope", r), lambda: units.rms_slope(cells))
+        units.refuse_steep("heights", slope / self.cell_spacing)
+        rms = kept(self.heights, "rms height", lambda: units.rms_height(self.heights))
+        units.refuse_rough("heights", rms, min(self.radii))
+
+    @property
+    def farthest_m(self) -> float:
+        """Distance [m] of a place from the beginning of the track, up to which places are told."""
+        return MAX_DISTANCE * min(self.spacing, self.step)
 
     @cached_property
     def maxima(self) -> Maxima:

@@ -22,8 +22,8 @@ from pandas import DataFrame
 from acoustics.numbers import rounded
 from acoustics.plot_style import gridded
 from rolling.figures.settings import own_settings
-from rolling.results.labels import printable
 from rolling.results.run_result import Run
+from rolling.results.runs_table import without_formulas
 
 DPI = 110
 WIDTH_IN, HEIGHT_IN = 8.5, 4.4
@@ -231,8 +231,8 @@ def drawable(text: str) -> str:
 
 def csv_bytes(table: DataFrame) -> bytes:
     """Write a table as CSV, numbers with nine digits; a missing value leaves its cell empty."""
-    text = table.map(lambda cell: printable(cell) if isinstance(cell, str) else cell)
-    return str(text.to_csv(index=False, float_format="%.9g", lineterminator="\n")).encode()
+    safe = without_formulas(table)
+    return str(safe.to_csv(index=False, float_format="%.9g", lineterminator="\n")).encode()
 
 
 def slug(label: str) -> str:

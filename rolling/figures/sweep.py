@@ -13,6 +13,7 @@ from matplotlib.ticker import NullLocator
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
 from acoustics.plot_style import LINE_STYLES, band_ticks, bars, look_of
+from acoustics.texts import printable
 from rolling.figures import picture
 from rolling.figures.picture import MAX_NAMED, axes_of, finish, listed, subject
 from rolling.figures.settings import left_out_if_it_fails
@@ -393,7 +394,7 @@ def _ticks(values: pd.Series) -> dict[Any, float]:
 def _name_axis(ax: Axes, axis: str, key: str, ticks: dict[Any, float], named: bool = False) -> None:
     """Name an axis by its key, and its ticks where they are names, few, or all to be named."""
     word, unit = labels.named(key)
-    names = [labels.printable(v) if isinstance(v, str) else f"{v:g}" for v in ticks]
+    names = [printable(v) if isinstance(v, str) else f"{v:g}" for v in ticks]
     places = [*ticks.values()]
     getattr(ax, f"set_{axis}label")(f"{word} [{unit}]" if unit else word)
     if places[0] > 0.0 and places[-1] > 10.0 * places[0]:

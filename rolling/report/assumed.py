@@ -4,8 +4,8 @@ import math
 
 from acoustics.numbers import bracketed, rounded
 from acoustics.radiation import RHO_C
+from acoustics.texts import printable
 from rolling.report.text import NOTHING
-from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.results.sentences import say
 from rolling.scene import surfaces

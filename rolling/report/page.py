@@ -21,6 +21,7 @@ from acoustics import wav
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
+from acoustics.texts import printable
 from rolling import __version__
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
@@ -28,7 +29,6 @@ from rolling.figures.picture import Picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import assumed, charts, film, live, maps, records, text
 from rolling.results import caveats, runs_table
-from rolling.results.labels import printable
 from rolling.results.listening import heard
 from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run

@@ -19,6 +19,7 @@ from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, EDGES_HZ, NOMINAL_HZ, third_octave_mean_square
 from acoustics.modulation import envelope_spectrum
 from acoustics.radiation import P_REF_PA
+from acoustics.texts import printable
 from acoustics.wav import PEAK
 from acoustics.wav import SAMPLE_RATE_HZ as RATE
 from rolling import __version__
@@ -26,7 +27,7 @@ from rolling.figures.picture import finish, picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import maps, records, text
 from rolling.report.page import environment
-from rolling.results import labels, listening
+from rolling.results import listening
 from rolling.results.run_result import Run
 from rolling.scene.height_files import read_regular
 from rolling.terminal.files import FolderError
@@ -88,7 +89,7 @@ def read(path: Path) -> Recording:
     samples = resampling.resample_closed(faded, round(len(faded) * RATE / rate))
     flat = np.convolve(np.isin(heard, (heard.min(), heard.max())), np.ones(FLAT), "valid")
     is_clipped = bool(np.abs(heard).max() >= FULL_SCALE and flat.max() == FLAT)
-    return Recording(labels.printable(path.name), samples, rate / 2.0, seconds, is_clipped)
+    return Recording(printable(path.name), samples, rate / 2.0, seconds, is_clipped)
 
 
 def of_run(run: Run) -> Recording:

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from acoustics.numbers import rounded
+from acoustics.texts import printable
 from rolling.dynamics.smooth_contact import semi_axes
-from rolling.results.labels import printable
 from rolling.results.run_result import Run
 from rolling.results.runs_table import (
     LEVELS,

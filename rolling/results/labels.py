@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from acoustics.texts import printable
 from rolling.results.run_folder import RunFolder
 from rolling.scene.library import NAMES
 from rolling.scene.messages import table
@@ -61,20 +62,6 @@ def labels(runs: Sequence[RunFolder]) -> list[str]:
 def title(name: str, label: str) -> str:
     """Put the scene's name before a label, unless the label begins with it."""
     return label if label.partition(", ")[0] == name else f"{name}, {label}"
-
-
-def printable(text: str) -> str:
-    r"""Escape control characters, directions of writing and bytes that are not UTF-8.
-
-    A line feed becomes \n, the byte 255 in the name of a file \xff.
-    """
-
-    def escaped(letter: str) -> str:
-        if 0xDC80 <= ord(letter) <= 0xDCFF:  # Python's surrogate for a byte that is not UTF-8
-            return f"\\x{ord(letter) - 0xDC00:02x}"
-        return letter.encode("unicode_escape").decode("ascii")
-
-    return "".join(letter if letter.isprintable() else escaped(letter) for letter in text)
 
 
 def _parts(runs: Sequence[RunFolder]) -> list[list[str]]:

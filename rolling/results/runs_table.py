@@ -10,6 +10,7 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import bracketed, decibels_a
+from acoustics.texts import cell
 from rolling.results.caveats import HEADLINE, REPEATS, TURNS, gathered, warnings
 from rolling.results.labels import labels
 from rolling.results.run_errors import LINEAR
@@ -57,6 +58,22 @@ def runs_table(runs: Sequence[RunFolder]) -> pd.DataFrame:
         places = names | {key: run.values.get(key) for key in swept}
         rows.append(places | numbers(stored_summary(run) or {}))
     return pd.DataFrame(rows).convert_dtypes().set_index(["run", "folder", *swept])
+
+
+def without_formulas(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table whose texts no spreadsheet takes for formulas, in its index too."""
+    import pandas as pd
+
+    def safe(value: Any) -> Any:
+        return cell(value) if isinstance(value, str) else value
+
+    named = table.map(safe)
+    rows = [tuple(map(safe, x)) if isinstance(x, tuple) else safe(x) for x in table.index]
+    if table.index.nlevels > 1:
+        named.index = pd.MultiIndex.from_tuples(rows, names=table.index.names)
+    elif table.index.dtype == object:
+        named.index = pd.Index(rows, name=table.index.name)
+    return named
 
 
 def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:

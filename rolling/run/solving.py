@@ -6,6 +6,7 @@ from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 
+from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
@@ -205,5 +206,5 @@ def open_runs(runs: Sequence[RunFolder]) -> list[Run]:
     opened = [read_run(run, label) for run, label in zip(runs, labels.labels(runs), strict=True)]
     if len(opened) == 1:  # perhaps of a sweep, and saved alone
         label = opened[0].summary.get("provenance", {}).get("label") or opened[0].label
-        opened[0] = replace(opened[0], label=labels.printable(label))
+        opened[0] = replace(opened[0], label=printable(label))
     return opened

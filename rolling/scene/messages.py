@@ -21,6 +21,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import rounded
+from acoustics.texts import printable
 
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
@@ -67,7 +68,7 @@ class SceneError(Exception):
     """
 
     def __init__(self, faults: Sequence[str]) -> None:
-        self.faults = [writable(fault) for fault in faults]
+        self.faults = [printable(writable(fault)) for fault in faults]
         super().__init__("\n".join(self.faults))
 
     def __reduce__(self) -> tuple[Any, ...]:

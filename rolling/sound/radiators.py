@@ -7,13 +7,13 @@ describe the bodies: a steel sphere on a steel plate of 10 mm replaces missing o
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from acoustics import level, wav
 from acoustics.arrays import Array
-from acoustics.bands import EDGES_HZ, third_octave_mean_square
+from acoustics.bands import AUDIBLE_HZ, EDGES_HZ, third_octave_mean_square
 from acoustics.numbers import rounded
 from acoustics.radiation import Body, ThinPlate, axis_transfer
 from acoustics.sound_power import band_power

@@ -261,7 +261,7 @@ def rough_contact() -> Figures:
     for (solver, hardness, load), stored in contacts.iterrows():
         solved = solve_contact(HalfSpace(spacing, modulus), gap, load, hardness=1e9 * hardness)
         plastic = np.count_nonzero(solved.pressure >= 1e9 * hardness) * spacing**2
-        areas = {"area": 1e12 * solved.area, "plastic area": 1e12 * float(plastic)}
+        areas = {"area": 1e12 * solved.contact_area, "plastic area": 1e12 * float(plastic)}
         ours = areas | {"pressure": 1e-9 * float(solved.pressure.max())}
         ours["approach"] = 1e6 * solved.approach
         kind = f"{hardness:g} GPa" if math.isfinite(hardness) else "elastic"
@@ -283,7 +283,9 @@ def _area(scene: Scene, load: float) -> float:
     areas = []
     for stride in (1, COARSE):
         gap, spacing = rough_gap(scene, stride)
-        areas.append(solve_contact(HalfSpace(spacing, scene.contact_modulus), gap, load).area)
+        areas.append(
+            solve_contact(HalfSpace(spacing, scene.contact_modulus), gap, load).contact_area
+        )
     fine, coarse = areas
     return (COARSE * fine - coarse) / (COARSE - 1)
 

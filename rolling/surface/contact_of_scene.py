@@ -4,15 +4,31 @@ from dataclasses import replace
 
 from acoustics.arrays import Array
 from rolling.contact.state import RollingContact, kept
+from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface import refined
 from rolling.surface.scene_surface import has_detail, heights
 
 
 def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
-    """Make the rolling contact of a scene over its own or other heights [m]."""
-    contact = RollingContact(
-        heights=heights(scene) if over is None else over,
+    """Make the rolling contact of a scene over its own or other heights [m].
+
+    Raise SceneError for heights that cannot be metres.
+    """
+    z = heights(scene) if over is None else over
+    try:
+        contact = _on_nodes(scene, z)
+    except ValueError as error:
+        raise SceneError([f"surface: {error}"]) from error
+    chosen = scene.numerics.subcells
+    subcells = auto_subcells(contact) if chosen == "auto" else chosen
+    return on_subcells(contact, subcells, continues(scene))
+
+
+def _on_nodes(scene: Scene, z: Array) -> RollingContact:
+    """Return the rolling contact of a scene over heights [m], without sub-cells."""
+    return RollingContact(
+        heights=z,
         spacing=scene.spacing,
         radius=scene.radius,
         radius_across=scene.radius_across,
@@ -25,9 +41,6 @@ def rolling_contact(scene: Scene, over: Array | None = None) -> RollingContact:
         single=scene.numerics.precision == "single",
         blended=scene.numerics.edges == "blended",
     )
-    chosen = scene.numerics.subcells
-    subcells = auto_subcells(contact) if chosen == "auto" else chosen
-    return on_subcells(contact, subcells, continues(scene))
 
 
 def continues(scene: Scene) -> bool | None:

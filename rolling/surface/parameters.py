@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from acoustics.arrays import Array, positive, real_array
+from acoustics.arrays import Array, real_array, within
 from rolling.scene.messages import table
 
 # Unit in SI and meaning by short name.
@@ -47,7 +47,8 @@ def surface_parameters(
     Raises
     ------
     ValueError
-        The heights are no array (m, n) with a finite height, or a spacing is not above 0.
+        The heights are no array (m, n) with a finite height, or a spacing is not from 1e-15 to
+        1e15 um.
 
     References
     ----------
@@ -64,7 +65,7 @@ def surface_parameters(
     pair = spacing_um if isinstance(spacing_um, tuple | list) else (spacing_um, spacing_um)
     if len(pair) != 2:
         raise ValueError(f"spacing_um: got {len(pair)} numbers, allowed: one or a pair")
-    steps = [1e-6 * positive("spacing_um", step) for step in pair]
+    steps = [1e-6 * within("spacing_um", step, 1e-15, 1e15) for step in pair]
     return parameters(real_array("heights", heights, 2, gaps=True), steps, periodic)
 
 

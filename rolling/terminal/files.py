@@ -8,6 +8,8 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from rolling.terminal import streams
+
 PARTIAL = ".partial"  # end of the names of files that are being written
 
 
@@ -21,6 +23,9 @@ class FolderError(Exception):
     Traceback (most recent call last):
     rolling.terminal.files.FolderError: nothing: no run folder, there is no scene.yaml
     """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(streams.harmless(message))  # it may have text of a stranger's file
 
 
 def make_below(root: Path, folder: Path) -> None:

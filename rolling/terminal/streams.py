@@ -22,6 +22,8 @@ _UNHEARD = (errno.EPIPE, errno.EBADF, errno.EIO)
 class LastingStream:
     """A text stream whose writing never raises; the first error is kept and the rest is dropped.
 
+    Texts may come from strangers' files, so letters that steer a terminal are written as escapes.
+
     Attributes
     ----------
     error : OSError or None. The first error of writing, unless the reader just went away.
@@ -36,7 +38,7 @@ class LastingStream:
         """Write a text, or drop it when the stream is lost."""
         if not self._lost:
             try:
-                self._stream.write(text)
+                self._stream.write(harmless(text))
             except (OSError, ValueError) as error:
                 self._lose(error)
         return len(text)
@@ -113,6 +115,28 @@ def plain_warnings() -> Iterator[None]:
 
         warnings.showwarning = show_plain
         yield
+
+
+def harmless(text: str) -> str:
+    r"""Escape all letters that steer a terminal, such as those that move its cursor.
+
+    Lines and tabs stay. So does the return with which a progress bar begins: it moves to the
+    beginning of a line alone.
+
+    >>> harmless("\rdone\n\x1b]0;title\x07")
+    '\rdone\n\\x1b]0;title\\x07'
+    """
+    first, rest = text[:1], text[1:]
+    if first != "\r":
+        first, rest = "", text
+    if rest.isprintable():
+        return text
+    return first + "".join(x if x.isprintable() or x in "\n\t" else _escaped(x) for x in rest)
+
+
+def _escaped(letter: str) -> str:
+    """Write a letter as Python writes it in a text."""
+    return letter.encode("unicode_escape").decode("ascii")
 
 
 def wrapped(text: str, indent: str = "  ") -> str:

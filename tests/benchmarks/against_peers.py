@@ -76,6 +76,7 @@ def sequence_track(name: str, tolerance: float) -> RollingContact:
         step=SPACING,
         start=N // 2 * SPACING,
         tolerance=tolerance,
+        blended=False,
     )
 
 

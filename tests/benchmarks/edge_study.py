@@ -59,6 +59,7 @@ class EdgeScene:
             step=SPACING,
             start=START * SPACING,
             tolerance=TOLERANCE,
+            blended=False,
         )
 
 

@@ -28,7 +28,7 @@ FLOORS = {
         ("cli", "interface"),
     ),
     "acoustics": (
-        ("arrays", "numbers"),
+        ("arrays", "numbers", "texts"),
         ("bands", "radiation", "weighting"),
         ("continued_rows", "plot_style", "rectangular_plate", "resampling", "spectrum"),
         ("level", "loudness", "modulation", "sound_power"),

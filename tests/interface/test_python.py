@@ -181,7 +181,7 @@ def test_contact_knows_its_area_load_and_modulus() -> None:
     gap = np.full((24, 24), 1e-6)
     gap[4:20, 4:20] = 0.0
     contact = rc.solve_contact(rc.HalfSpace(2e-6, 230e9), gap, 0.3)
-    assert contact.area == pytest.approx(256 * 4e-12, rel=1e-12)
+    assert contact.contact_area == pytest.approx(256 * 4e-12, rel=1e-12)
     assert contact.load == pytest.approx(0.3, rel=1e-12)
     changes = {"sphere.youngs_modulus_gpa": 70, "sphere.poissons_ratio": 0.22}
     scene = rc.read_scene("quickstart").with_(changes)

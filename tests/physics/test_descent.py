@@ -225,7 +225,7 @@ def test_nodes_that_rest_by_mistake_are_released(calls: list[Call]) -> None:
     assert calls[-1].rounds > 1
     assert max(warm.residual, cold.residual) <= 1e-5
     assert abs(warm.approach - cold.approach) < 1e-5 * cold.max_deflection
-    assert abs(warm.area / cold.area - 1) < 0.01
+    assert abs(warm.contact_area / cold.contact_area - 1) < 0.01
 
 
 def test_a_solve_that_takes_long_lets_python_hear_an_interrupt(calls: list[Call]) -> None:

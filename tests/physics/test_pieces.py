@@ -24,6 +24,7 @@ from rolling.marches.next_pieces import next_pieces
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity, march_piece
 from rolling.marches.result import Result
+from rolling.results.summary import joint_error
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact
@@ -58,6 +59,23 @@ def test_a_piece_is_a_march_from_a_cold_start(reference: Result) -> None:
     energies = [step_energy(*pair, half_space) for pair in pairwise(states)]
     assert reference.series["release_energy"][first:last].tolist() == [e.release for e in energies]
     assert reference.series["energy_defect"][first:last].tolist() == [e.defect for e in energies]
+
+
+@pytest.mark.law("Pieces: where two of them join, the ledger misses the difference of two solves.")
+def test_the_joint_error_is_the_difference_of_two_solves_of_a_position(reference: Result) -> None:
+    """The track of 440 steps closes, so its joints are the positions 200, 400, and 440 on 0."""
+    given = scene()
+    contact = rolling_contact(given)
+    half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
+    stored = reference.series["stored_energy"]
+    differences = [abs(float(stored[440] - stored[0]))]
+    for joint in (PIECE_STEPS, 2 * PIECE_STEPS):
+        (cold,) = march(contact, joint, joint, half_space)
+        differences.append(abs(float(stored[joint] - cold.stored_energy)))
+    error = joint_error(given, reference)
+    assert error == pytest.approx(max(differences) / stored.max(), rel=1e-6)
+    # The tolerance of a solve is 1e-5, of the maximum deflection; its energy is as exact.
+    assert 1e-12 < error < 1e-4
 
 
 def test_pieces_in_any_order_make_the_same_result(reference: Result) -> None:

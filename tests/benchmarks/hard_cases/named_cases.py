@@ -75,6 +75,7 @@ def make_track(heights: Array, **changes: Any) -> RollingContact:
         "hardness": np.inf,
         "load": 5.0,
         "start": 0.0,
+        "blended": False,
         "tolerance": 1e-8,
     } | changes
     scene.setdefault("step", scene["spacing"])
