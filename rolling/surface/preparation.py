@@ -92,9 +92,11 @@ class Preparation:
 
 
 def prepare(
-    heights: Array, surface: HeightFile, grid: HeightGrid
+    heights: Array, surface: HeightFile, grid: HeightGrid, marks: Sequence[Marker] = ()
 ) -> tuple[Array, levelling.Levelling, list[Effect]]:
     """Prepare heights [m] about their mean by the keys of the surface.
+
+    The marks of unmeasured points are those that `read` has taken out, for the text of the step.
 
     Returns
     -------
@@ -112,7 +114,7 @@ def prepare(
     named = any(keys) or surface.unmeasured == "fill" or surface.level == "quadratic"
     watched = named or not is_period or is_other(grid.steps, grid.spacing)
     work = Preparation(heights, grid.steps, watched)
-    _complete(work, surface)
+    _complete(work, surface, marks)
     if cutoff := surface.s_filter_um:
         long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
         work.take(long, "s_filter", f"waves shorter than {cutoff:g} um removed")
@@ -133,11 +135,13 @@ def prepare(
     return np.ascontiguousarray(work.heights), plane, work.effects
 
 
-def _complete(work: Preparation, surface: HeightFile) -> None:
+def _complete(work: Preparation, surface: HeightFile, marks: Sequence[Marker]) -> None:
     """Make outliers unmeasured points, and fill all unmeasured points."""
     if threshold := surface.outliers:
         heights, count = without_outliers(work.heights, threshold)
         text = f"{count} of {heights.size} nodes, at a threshold of {threshold:g}"
+        if marks:
+            text += f", and the marks: {', '.join(mark.text for mark in marks)}"
         work.take(heights, "outliers", text)
     if count := int(np.count_nonzero(np.isnan(work.heights))):
         text = f"{count} filled, {rounded(100 * count / work.heights.size)} % of the nodes"

@@ -141,8 +141,10 @@ def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
     """Generate or read the heights of the plate [m], and prepare heights from a file."""
     s, track = scene.surface, scene.track
     if isinstance(s, surfaces.HeightFile) and scene.height_path:
-        read = preparation.read(scene.height_path, s)
-        return preparation.prepare(read, s, height_grid(scene.height_path, s))
+        path = scene.height_path
+        marks = () if s.outliers is None else preparation.suspected(path, s)
+        read, grid = preparation.read(path, s), height_grid(path, s)
+        return preparation.prepare(read, s, grid, marks)
     shape = track.n_along, track.n_across
     if s.law is not None:
         return made.of_law(shape, scene.spacing, s.law, s.law.seed), None, []
