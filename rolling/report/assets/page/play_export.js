@@ -1,63 +1,85 @@
-// ---- export: settings as YAML, and a record as WAV ----
+// ---- export: the played scene as YAML, and a record as WAV ----
 
 import { $, runs } from "./core.js";
 import { download } from "./chart_save.js";
 import { SETTINGS, isLive, sayPlayed } from "./play_panel.js";
 import { engineUrl, live, liveOf, openWorker } from "./play_sound.js";
 import { copy, wavOf } from "./records.js";
+import { ballMass, loadOf } from "../engine/chain.js";
 import { renderedRecord } from "../engine/graph.js";
 
 const RECORD_S = 60;
 const PEAK = 10 ** (-1 / 20); // of full scale
 
-/** Return the keys of a scene that differ from the run, with their values. */
-function changedKeys(run, settings, dropped = false) {
-  const differs = (name) => settings[name] !== run.settings[name];
-  const changed = SETTINGS.filter(({ name }) => isLive(name, run) && differs(name) && (name !== "dropHeight" || dropped))
-    .map(({ name, si, key }) => [key, keyValue(name, settings[name] / si)]);
-  if (!run.listeners) return changed;
-  const placed = changed.filter(([key]) => key !== "sound.distance_m");
-  if (differs("length") || differs("width")) placed.push(["plate.contact_mm", run.contact.map(inMm)]); // it does not move with the edges
-  if (differs("distance")) placed.push(["sound.listener_mm", movedListeners(run, settings)]);
-  return placed;
+/** Return the keys of a scene that differ from the run, with their values; null removes a key. */
+function changedKeys(run, settings, dropped) {
+  const { scene } = run, differs = (name) => settings[name] !== run.settings[name];
+  const isChanged = ({ name }) => isLive(name, run) && differs(name) && (name !== "dropHeight" || dropped);
+  const changed = SETTINGS.filter(isChanged).map(({ name, si, key }) => {
+    if (name === "distance" && scene.sound.listener_mm) return ["sound.listener_mm", movedListeners(run, settings)];
+    if (name === "dropHeight" && settings.dropHeight === 0) return [key, null]; // a scene without a fall
+    return [key, Number((settings[name] / si).toPrecision(6))];
+  });
+  if (scene.plate.contact_mm && (differs("length") || differs("width"))) changed.push(["plate.contact_mm", scene.plate.contact_mm]); // it stays
+  const length = dropped && settings.dropHeight > 0 ? trackOfFall(run, settings) : 0;
+  if (1e3 * length > scene.rolling.distance_mm) changed.push(["rolling.distance_mm", Number((1e3 * length).toPrecision(4))]);
+  return changed;
 }
 
-/** Return a setting as the value of its key: a scene without a fall has null. */
-const keyValue = (name, value) => (name === "dropHeight" && value === 0 ? null : Number(value.toPrecision(6)));
-
-const inMm = (length) => Number((1e3 * length).toPrecision(6));
+/** Return the track [m] on which a fall is heard to its second impact at least, and as far as the fall of the run. */
+function trackOfFall(run, settings) {
+  const fallTime = (at) => Math.sqrt((2 * (at.dropHeight ?? 0) * ballMass(run, at)) / loadOf(run, at));
+  const own = fallTime(run.settings), fall = fallTime(settings);
+  const lasted = (1e-3 * run.scene.rolling.distance_mm) / run.settings.speed;
+  return settings.speed * Math.max(3 * fall, own > 0 ? (lasted * fall) / own : 0); // a bounce takes two falls at most
+}
 
 /** Return the places of the listeners [mm], scaled from the middle of the path as in the engine. */
 function movedListeners({ middle, listeners, settings: own }, { distance }) {
+  const inMm = (length) => Number((1e3 * length).toPrecision(6));
   return listeners.map((place) => place.map((value, i) => inMm(middle[i] + (distance / own.distance) * (value - middle[i]))));
 }
 
-/** Return the settings as keys of a scene file, with a command that reproduces them. */
-function yamlOf(run, swept, settings, dropped = false) {
-  if (settings.speed === 0) return "# a scene needs a speed above 0\n";
-  const changed = changedKeys(run, settings, dropped);
-  if (changed.length === 0 && Object.keys(swept).length === 0) return "# unchanged from the scene\n";
-  const sections = {};
-  for (const [key, value] of [...Object.entries(swept), ...changed]) {
-    const [section, name] = key.split(".");
-    (sections[section] ??= {})[name] = value;
+/** Write a value of a scene in YAML, which holds JSON but for some letters. */
+function yamlValue(value) {
+  if (value && typeof value === "object" && !Array.isArray(value)) {
+    return `{${Object.entries(value).map(([name, part]) => `${name}: ${yamlValue(part)}`).join(", ")}}`;
   }
-  if (Object.keys(swept).length > 0) sections.sweep = {};
+  if (Array.isArray(value)) return `[${value.map(yamlValue).join(", ")}]`;
+  const escaped = (letter) => `\\u${letter.charCodeAt(0).toString(16).padStart(4, "0")}`;
+  return JSON.stringify(value).replace(/[\u007f-\u009f\u2028\u2029\ufeff]/g, escaped);
+}
+
+/** Return the whole scene of what is played; a comment names the command that changes the stored run. */
+function yamlOf(run, settings, dropped) {
+  if (settings.speed === 0) return "# A scene needs a speed above 0.\n";
+  const changed = changedKeys(run, settings, dropped), scene = structuredClone(run.scene);
+  for (const [key, value] of changed) {
+    const [section, name] = key.split(".");
+    if (value === null) delete scene[section][name];
+    else scene[section][name] = value;
+  }
+  return [...headOf(run, changed), ...Object.entries(scene).map(([name, value]) => `${name}: ${yamlValue(value)}`), ""].join("\n");
+}
+
+/** Return the comments above a scene. */
+function headOf(run, changed) {
   const words = changed.map(([key, value]) => ` --set '${key}=${JSON.stringify(value)}'`).join("");
-  const flow = (values) => Object.entries(values).map(([name, value]) => `${name}: ${JSON.stringify(value)}`).join(", ");
-  const lines = Object.entries(sections).map(([section, values]) => `${section}: {${flow(values)}}`);
-  const command = changed.some(([key]) => isSolvedAgain(key, run)) ? "rolling run SCENE" : "rolling resound RUN";
-  return [`# ${run.label}${words ? `, changed: ${command}${words}` : ""}`, ...lines, ""].join("\n");
+  const isMarched = changed.some(([key]) => isSolvedAgain(key, run));
+  const head = [`# ${run.label}${words && !isMarched ? `, changed: rolling resound RUN${words}` : ""}`];
+  const files = [run.scene.surface.path, run.scene.sphere.surface?.path].filter(Boolean);
+  if (files.length > 0) head.push(`# Keep it in the folder of the scene that was run, from which it reads ${files.map((path) => JSON.stringify(path)).join(" and ")}.`);
+  return head;
 }
 
 /** Tell whether a key requires another march of the contact. */
 function isSolvedAgain(key, { fixed: { weight, rollsOut } }) {
   if (key === "sphere.density_kg_m3") return weight || rollsOut;
-  return key === "rolling.load_n" || (key === "rolling.speed_m_s" && rollsOut);
+  return key === "rolling.load_n" || key === "rolling.distance_mm" || (key === "rolling.speed_m_s" && rollsOut);
 }
 
 export function showExport() {
-  $("#play-yaml").textContent = yamlOf(liveOf(), runs[live.number].swept ?? {}, live.settings, live.dropped);
+  $("#play-yaml").textContent = yamlOf(liveOf(), live.settings, live.dropped);
 }
 
 export const copyYaml = (button) => copy($("#play-yaml").textContent, button);
