@@ -6,15 +6,19 @@ import io
 import re
 import statistics
 
+import live_engine
 import numpy as np
 import pytest
 import soundfile
 from firefox import Firefox, firefox_path
-from report_browser import MINUS, until, without_browser
-from report_runs import runs_of
+from report_browser import MINUS, data_of, until, without_browser
+from report_runs import folder, runs_of, solved
 from ruamel.yaml import YAML
 
+from acoustics import level as sound_level
+from rolling.dynamics import drop
 from rolling.scene import file
+from rolling.scene.scene import Scene
 
 LEVEL = "document.querySelector('#play-level').textContent"
 SPEED = f"parseFloat(document.querySelector('#play-speed-now').textContent.replace('{MINUS}', '-'))"
@@ -62,6 +66,11 @@ def keys(page) -> dict:
     return YAML(typ="safe").load(page.text_content("#play-yaml"))
 
 
+def made(copied: dict) -> Scene:
+    """Return the scene of a copied text beside the height file of the runs."""
+    return Scene.from_dict(copied, folder())
+
+
 def overrides(page) -> list[str]:
     """Return the assignments of the command that the page names."""
     words = page.text_content("#play-yaml").splitlines()[0]
@@ -84,7 +93,7 @@ def test_the_ball_sounds_as_its_run_and_a_slider_changes_it(playing) -> None:
             ".runs[0].live.limits.distance; s.value = Math.log(2 / low) / Math.log(high / low);"
             " s.dispatchEvent(new Event('input')); }"
         )
-        far = keys(page)["sound"]["distance_m"]
+        far = keys(page)["sound"]["distance_m"]  # of an infinite plate
         assert level(page) == pytest.approx(near - 20 * np.log10(far), abs=0.5)
         page.click("#play-back")
         assert level(page) == pytest.approx(near, abs=0.5)
@@ -147,37 +156,80 @@ def test_keys_play_the_ball(playing) -> None:
         page.keyboard.press("d")
         until(page, "document.querySelector('#play-flight').textContent.includes('mm high')")
         page.keyboard.press("Home")
-        assert keys(page) == {"rolling": {"speed_m_s": 0.1}, "sweep": {}}
+        assert keys(page)["rolling"]["speed_m_s"] == 0.1
         until(page, "document.querySelector('[aria-valuetext*=\"rolls at 0.1 m/s\"]')")
         page.keyboard.press("d")
         set_slider(page, "dropHeight", 0)
-        assert keys(page)["rolling"] == {"speed_m_s": 0.1, "drop_mm": None}
+        rolling = keys(page)["rolling"]  # without a fall
+        assert rolling["speed_m_s"] == 0.1 and "drop_mm" not in rolling
         set_slider(page, "speed", 0)  # which a scene refuses
         assert keys(page) is None
 
 
-@pytest.mark.parametrize("name", ["flying", "edged"])
-def test_settings_are_keys_of_the_scene(playing, name: str) -> None:
-    """The scene with the keys, and the stored run with the assignments, have the settings."""
+@pytest.mark.parametrize("name", ["flying", "edged", "placed"])
+def test_settings_make_a_whole_scene(playing, name: str) -> None:
+    """The copied scene, and the stored run with the assignments, have the settings.
+
+    The scene is that of the run but for its name, its settings, and its length, which is a distance
+    so that its track and its surface stay the same at every speed.
+    """
     scene = runs_of(name)[0].scene
     with playing(name) as page:
         until(page, "document.querySelectorAll('#play-settings :not([hidden]) > input').length > 3")
+        unchanged = made(keys(page))
         names = page.locator("#play-settings :not([hidden]) > input").evaluate_all(
             "(s) => s.map((x) => x.id)"
         )
         for number, slider in enumerate(names):
             if slider != "play-load":
                 set_slider(page, slider.removeprefix("play-"), 0.55 + 0.03 * number)
-        given, words = keys(page), overrides(page)
+        copied, words = made(keys(page)), overrides(page)
         shown = page.locator("#play-speed").get_attribute("aria-valuetext")
-    given.pop("sweep", None)
-    flat = {
-        f"{part}.{key}": value for part, values in given.items() for key, value in values.items()
-    }
-    made, heard = scene.with_(flat), file.resound(scene, words)
-    assert made.plate == heard.plate and made.sphere == heard.sphere and made.sound == heard.sound
-    assert made.rolling.speed_m_s == heard.rolling.speed_m_s == float(shown.split()[0])
-    assert made.plate.thickness_mm != scene.plate.thickness_mm
+    assert unchanged.sound == scene.sound and unchanged.track == scene.track
+    heard = file.resound(scene, words)
+    assert copied.plate == heard.plate and copied.sphere == heard.sphere
+    assert copied.sound == heard.sound and copied.surface == scene.surface
+    assert copied.rolling.speed_m_s == heard.rolling.speed_m_s == float(shown.split()[0])
+    assert copied.plate.thickness_mm != scene.plate.thickness_mm
+    assert copied.track == scene.track
+
+
+@pytest.mark.parametrize("name", ["three", "braking", "edged", "placed"])
+def test_a_copied_scene_sounds_as_it_was_played(playing, pages, name: str) -> None:
+    """A run of the copied scene has the level of the engine within 0.5 dB.
+
+    The engine plays at a constant speed, the highest of the run.
+    """
+    data = data_of(pages(name))["runs"][0]["live"]
+    settings = dict(data["settings"])
+    with playing(name) as page:
+        set_slider(page, "distance", 0.3)
+        if data["kind"] == "vibration":
+            set_slider(page, "thickness", 0.6)
+        copied = solved(made(keys(page)))
+    settings["distance"] = copied.scene.listener_distance_m
+    if data["kind"] == "vibration":
+        settings["thickness"] = 1e-3 * copied.scene.plate.thickness_mm
+    record, _ = live_engine.record(data, settings, 48384)  # whole laps
+    played = sound_level.sound_levels(record[0], 48000, copied.sound.highest, closed=False)
+    assert copied.sound.levels.laeq_db == pytest.approx(played.laeq_db, abs=0.5)
+
+
+def test_a_copied_fall_lasts_until_its_second_impact(playing) -> None:
+    """From the largest height the ball of the run would still fall at the end of its own track.
+
+    With a restitution of 1 at most, the second impact comes after three times the fall.
+    """
+    own = runs_of("flying")[1].scene
+    with playing("flying") as page:
+        page.check("input[name=play-run][value='1']", force=True)
+        set_slider(page, "dropHeight", 1)
+        page.click("#play-drop")
+        copied = made(keys(page))
+        set_slider(page, "speed", 0)
+        assert keys(page) is None  # which a scene refuses
+    assert drop.fall_s(copied) > own.duration
+    assert copied.duration >= 2.99 * drop.fall_s(copied)
 
 
 def test_firefox_plays_it_without_a_complaint(pages, tmp_path) -> None:
@@ -228,3 +280,121 @@ def test_the_limiter_leaves_quiet_sound_and_holds_the_loudest(playing) -> None:
         _, peak = page.evaluate(OUTPUT)
         assert 0.5 < peak / volume < 1 + 1e-6
         assert "limiter lowers" in page.text_content("#play-limit")
+
+
+def test_no_sample_passes_full_scale() -> None:
+    """The limiter keeps hostile sound below -1 dB, and gives quiet sound back, 3 ms later."""
+    script = """
+      const loud = new limiter.Limiter(2), quiet = new limiter.Limiter(2);
+      const out = [new Float32Array(128), new Float32Array(128)];
+      let [peak, error] = [0, 0];
+      const past = [];
+      for (let block = 0; block < 400; block++) {
+        const rise = 10 ** (6 * Math.random() - 3);
+        const channels = [0, 1].map(() => Float32Array.from({ length: 128 }, () =>
+          Math.random() < 0.02 ? rise * (Math.random() - 0.5) : 0.5 * (Math.random() - 0.5)));
+        if (block % 50 === 7) channels[0][3] = [NaN, Infinity, 1e30][block % 3];
+        loud.process(channels, out);
+        for (const x of out) for (const y of x) peak = Math.max(peak, Math.abs(y));
+        const soft = channels.map((x) => x.map((y) => Math.sin(y) || 0).map((y) => 0.8 * y));
+        const least = quiet.process(soft, out);
+        past.push(...soft[1]);
+        const delayed = past.slice(-128 - 143).slice(0, 128);
+        const errors = out[1].map((y, i) => Math.abs(y - delayed[i]));
+        if (block > 1) error = Math.max(error, ...errors);
+        if (least !== 1) error = Infinity;
+      }
+      done([peak, error]);
+    """
+    peak, error = live_engine.node(script)
+    assert 0.8 < peak <= 10 ** (-1 / 20) + 1e-6
+    assert error == 0
+
+
+LIT = """() => {
+  const { width, height } = document.querySelector('#play-lens');
+  const pen = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+  pen.drawImage(document.querySelector('#play-lens'), 0, 0);
+  const { data } = pen.getImageData(0, 0, width, height);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) count += data[i] + data[i + 1] + data[i + 2] > 60;
+  return count / (width * height);
+}"""
+PREPARED = "document.querySelector('.stage').ariaBusy === 'false'"
+
+
+def test_the_lens_shows_the_contact_wherever_it_lies(playing) -> None:
+    """At least 1 % of the lens is lit, though the contact lies beside the ball's middle."""
+    with playing("seeds", "edged", "beside") as page:
+        for radio in page.locator("input[name=play-run]").all():
+            radio.check(force=True)
+            roll(page)
+            for _ in range(6):
+                page.wait_for_timeout(130)
+                assert page.evaluate(LIT) > 0.01
+
+
+def test_sliders_end_where_the_modes_of_a_plate_are_too_many(playing, pages) -> None:
+    """At the ends of its sliders the engine plays a plate; it refuses one that is 5 % larger."""
+    data = data_of(pages("edged"))["runs"][0]["live"]
+    with playing("edged") as page:
+        set_slider(page, "thickness", 0)
+        for name in ("plateDensity", "length", "width"):
+            set_slider(page, name, 1)
+        plate = made(keys(page)).plate
+        ends = page.locator("#play-length, #play-width").evaluate_all("s => s.map(x => +x.max)")
+        thinnest = float(page.locator("#play-thickness").get_attribute("min"))
+    settings = {
+        **data["settings"],
+        "thickness": 1e-3 * plate.thickness_mm,
+        "length": 1e-3 * plate.length_mm,
+        "width": 1e-3 * plate.width_mm,
+        "plateDensity": plate.density_kg_m3,
+    }
+    assert min(ends) < 1 and thinnest < 0.02  # at the thinnest plate
+    script = """
+      const { run, settings } = data, larger = { ...settings, width: 1.05 * settings.width };
+      let refusal = "";
+      try { prepare.prepare(run, larger); } catch (error) { refusal = error.message; }
+      done([effort.isPlayable(run, settings), refusal]);
+    """
+    is_playable, refusal = live_engine.node(script, {"run": data, "settings": settings})
+    assert is_playable and "takes too long" in refusal
+
+
+def test_the_audio_context_rests_after_the_ball(playing) -> None:
+    """Without sound it is suspended; the next roll wakes it with the settings made meanwhile."""
+    with playing("edged") as page:
+        roll(page)
+        before = level(page)
+        page.click("#play-roll")
+        until(page, "tap.context.state === 'suspended'")
+        set_slider(page, "distance", 0)
+        until(page, PREPARED)
+        roll(page)
+        assert page.evaluate("tap.context.state") == "running"
+        assert abs(level(page) - before) > 1
+        page.click("#play-roll")
+        until(page, "tap.context.state === 'suspended'")
+        page.click("#play")
+        until(page, "tap.context.state === 'running' && tap.starts > 0")
+        page.click("#play")
+        until(page, "tap.context.state === 'suspended'")
+
+
+def test_late_settings_are_said_to_be_prepared(playing) -> None:
+    """The page says so while the worker has no answer, and is silent after it."""
+    said = "document.querySelector('#play-preparing').textContent"
+    with playing("edged") as page:
+        page.locator("#play-stage").scroll_into_view_if_needed()
+        until(page, PREPARED)
+        page.evaluate("""() => {
+          const ask = Worker.prototype.postMessage;
+          Worker.prototype.postMessage = function (question) {
+            tap.ask = () => ask.call(this, question);
+          };
+        }""")
+        set_slider(page, "lossFactor", 1)
+        until(page, f"{said}.startsWith('Preparing')")
+        page.evaluate("tap.ask()")
+        until(page, f"{said} === ''")

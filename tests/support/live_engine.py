@@ -54,6 +54,8 @@ def node(script: str, data: Any = None) -> Any:
         "response",
         "prepare",
         "worklet",
+        "limiter",
+        "effort",
     )
     head = "".join(f'import * as {name} from "{ENGINE / f"{name}.js"}";\n' for name in names)
     head += 'import { readFileSync, writeFileSync } from "node:fs";\n'

@@ -17,6 +17,11 @@ export function instrumentNode(context, processorOptions) {
   return { node, output };
 }
 
+/** Make the limiter of two channels in a context with the module of the engine. */
+export const limiterNode = (context) => new AudioWorkletNode(context, "limiter", {
+  outputChannelCount: [2], channelCount: 2, channelCountMode: "explicit",
+});
+
 /** Connect a source through responses [Pa/N] of up to two listeners, at once or faded in. */
 export function throughBody(source, responses, output, atOnce = false) {
   const { context } = source, heard = responses.slice(0, 2);

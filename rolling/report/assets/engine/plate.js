@@ -3,11 +3,11 @@
 // change of the level by those that do not move in real time.
 
 import { linesOfRecord, over, plus } from "./complex.js";
+import { MODES_HZ } from "./effort.js";
 import { RATE } from "./motion.js";
 import { AIR, AUDIBLE, aWeight } from "./radiation.js";
 import { distances, radiationResistance, rayleighIntegrals } from "./rayleigh.js";
 
-export const MODES_HZ = 30e3; // highest natural frequency of the modes that move
 const BEYOND = 100; // times this: modes up to there are summed for their static compliance
 const TAIL_RATIO = 1.5; // of the edges of the bands of the tail
 const TAIL_DAMPING = (TAIL_RATIO ** 0.5 - TAIL_RATIO ** -0.5) / Math.PI; // its damping ratio

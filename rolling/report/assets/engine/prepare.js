@@ -5,13 +5,13 @@ import { chainAt, loadOf } from "./chain.js";
 import { DECIMATION_DELAY } from "./vibration.js";
 import { ForceLaw, lawTable } from "./law.js";
 import { RATE, stepsPerSample } from "./motion.js";
-import { costOfModes, EdgedPlate, MODES_HZ } from "./plate.js";
+import { isPlayable, plateNumbers } from "./effort.js";
+import { costOfModes, EdgedPlate } from "./plate.js";
 import { ballPressure, halfSpacePressure, platePressure } from "./radiation.js";
 import { prepareRelease } from "./release.js";
 import { impulseResponses } from "./response.js";
 
 const LIVE_MODES = 100; // that move in real time
-const MAX_WORK = 18; // area^1.5 [m3] times the root of the modes: 5 s
 let latestPlate = { key: "", plate: null };
 
 /** Return the slow parts of a run at settings; `most` modes move. */
@@ -43,14 +43,11 @@ export function prepare(run, settings, most = LIVE_MODES) {
 
 /** Return the plate with edges at settings, the latest again if it is the same; null without edges. */
 function edgedPlate(run, settings) {
-  const { thickness, length, width, plateDensity, lossFactor } = settings;
+  const { thickness, length, width, lossFactor } = settings;
   if (!thickness || !length) return null;
-  const { young, poisson } = run.fixed;
-  const massPerArea = plateDensity * thickness;
-  const bendingStiffness = (young * thickness ** 3) / (12 * (1 - poisson ** 2));
-  const count = (length * width * MODES_HZ) / (2 * Math.sqrt(bendingStiffness / massPerArea));
-  if ((length * width) ** 1.5 * Math.sqrt(count) > MAX_WORK) {
-    const size = `${(length * width).toPrecision(2)} m2 with about ${Math.round(count)} modes`;
+  const { massPerArea, bendingStiffness, area, count } = plateNumbers(run.fixed, settings);
+  if (!isPlayable(run, settings)) {
+    const size = `${area.toPrecision(2)} m2 with about ${Math.round(count)} modes`;
     throw new Error(`This plate (${size}) takes too long to prepare: choose a smaller or a thicker one.`);
   }
   const numbers = { massPerArea, bendingStiffness, lossFactor, length, width };

@@ -1,6 +1,7 @@
 // Entry of the engine: the instrument as an audio processor, whose output goes through the convolvers
 // of the page, and the preparation of its slow parts in a Worker.
 
+import { Limiter } from "./limiter.js";
 import { BLOCK, ForceSource } from "./vibration.js";
 import { prepare } from "./prepare.js";
 import { ReleaseSource } from "./release.js";
@@ -68,8 +69,23 @@ export class Instrument {
   }
 }
 
-/** Register the processor, which obeys messages of the page and reports to it. */
+/** Register the processors: the instrument obeys messages of the page, and both report to it. */
 function registerInstrument() {
+  registerProcessor("limiter", class extends AudioWorkletProcessor {
+    constructor() {
+      super();
+      Object.assign(this, { limiter: new Limiter(2), blocks: 0, lowest: 1 });
+    }
+
+    process([input], [output]) {
+      this.lowest = Math.min(this.lowest, this.limiter.process(input, output));
+      if (++this.blocks % BLOCKS === 0) {
+        this.port.postMessage(this.lowest);
+        this.lowest = 1;
+      }
+      return true;
+    }
+  });
   registerProcessor("instrument", class extends AudioWorkletProcessor {
     constructor({ processorOptions }) {
       super();

@@ -83,12 +83,18 @@ export function endTest() {
   $("#abx-result").textContent = "";
 }
 
+/** Compare the right answers with guessing, of which half are right on average. */
+function chanceOf({ right, trials }) {
+  if (2 * right <= trials) return "no more than guessing gives on average";
+  const percent = 100 * byChance(right, trials);
+  return `guessing gives that or more in ${percent < 0.1 ? "less than 0.1" : Number(percent.toPrecision(2))} % of tests`;
+}
+
 function answer(side) {
   const isRight = sides()[side] === test.x;
   test.trials += 1;
   test.right += isRight;
-  const percent = 100 * byChance(test.right, test.trials), chance = percent < 0.1 ? "less than 0.1" : Number(percent.toPrecision(2));
-  $("#abx-result").textContent = `${isRight ? "Right" : "Wrong"}. ${test.right} of ${test.trials} right; guessing gives that or more in ${chance} % of tests.`;
+  $("#abx-result").textContent = `${isRight ? "Right" : "Wrong"}. ${test.right} of ${test.trials} right; ${chanceOf(test)}.`;
   chooseX();
   if ($("[data-abx=x]").ariaPressed === "true") hearSide("x"); // the new one
 }

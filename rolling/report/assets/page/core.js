@@ -16,8 +16,8 @@ export function say(text) {
   $("#said").textContent = text;
 }
 
-// The playhead of all runs rests at `at`, or moves with the audio clock from zero at `origin` as long as there are `voices`. `wanted`: Play is pressed. `blind`: the run of a blind test.
-export const state = { run: 0, blind: null, wanted: false, at: 0, origin: 0, voices: null, context: null, master: null };
+// The playhead of all runs rests at `at`, or moves with the audio clock from zero at `origin` as long as there are `voices`. `wanted`: Play is pressed. `blind`: the run of a blind test. `starting`: number of sounds that are about to start.
+export const state = { run: 0, blind: null, wanted: false, at: 0, origin: 0, voices: null, context: null, master: null, starting: 0 };
 
 /** Return the time of the audio clock that is heard now. */
 export const heardNow = () => state.context.currentTime - (state.context.outputLatency || 0);

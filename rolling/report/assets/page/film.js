@@ -1,7 +1,7 @@
 // ---- the slow motion: maps and sound by the same clock ----
 
 import { $, FADE_S, heardNow, runs, state } from "./core.js";
-import { audioContext, glide, play, seek, showPlayheads, soundAlone, stopVoice } from "./player.js";
+import { RESTING_MS, audioContext, glide, play, restContext, seek, showPlayheads, soundAlone, starting, stopVoice } from "./player.js";
 import { samplesOf } from "./records.js";
 import { drawContact } from "./contact.js";
 
@@ -72,7 +72,7 @@ export function seekFilmTo(time) {
 export async function playFilm() {
   if (film.voice) return stopFilm();
   const shown = filmOf(), rate = filmRate(), lead = LEAD_S / rate, context = audioContext();
-  const [record] = await Promise.all([samplesOf($(`audio[data-run="${state.run}"]`)), context.resume()]);
+  const [record] = await starting(() => Promise.all([samplesOf($(`audio[data-run="${state.run}"]`)), context.resume()]));
   if (film.voice || shown !== filmOf() || rate !== filmRate()) return;
   soundAlone(stopFilm);
   const first = shown.times[0], last = shown.times.at(-1), end = Math.min(last + lead, record.duration);
@@ -111,6 +111,7 @@ export function stopFilm() {
   if (!film.voice) return;
   stopVoice(film.voice);
   film.voice = null;
+  setTimeout(restContext, RESTING_MS);
   $("#film-play").textContent = `Play ${filmRate()} times slower`;
 }
 

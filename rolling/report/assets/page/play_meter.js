@@ -1,6 +1,6 @@
 // ---- meters: level, spectrum, and force ----
 
-import { $, RATE, data, motionUnwanted, runs, signed, state } from "./core.js";
+import { $, RATE, data, motionUnwanted, runs, signed } from "./core.js";
 import { aWeight } from "../engine/radiation.js";
 import { SPECTRUM, live, liveOf } from "./play_sound.js";
 
@@ -11,7 +11,6 @@ const SMOOTHED = 0.5; // weight of the latest spectrum in the shown average
 const LEVELS_DB = 70; // that the spectrum shows
 const QUIETEST_DB = -20; // level that is shown
 const TIGHT_DB = -0.5; // gain below which the page mentions the limiter
-const SETTLING_S = 2; // in which the limiter of Chromium opens, which is closed at first
 const FAST_S = 0.125; // time constant of the level
 const WINDOW = 0.3046; // mean square of the window of an AnalyserNode, after Blackman
 const BANDS = data.bands.map(Number);
@@ -25,8 +24,7 @@ export function showReport(report) {
   const { low, high, flies } = report, now = performance.now();
   const column = { low: Math.min(...low), high: Math.max(...high), flies: flies.reduce((sum, share) => sum + share, 0) / flies.length };
   heard.strip = [...heard.strip, column].slice(-COLUMNS);
-  const settled = state.context.currentTime > live.openedAt + SETTLING_S;
-  heard.gain = settled ? Math.min(0.95 * heard.gain, live.limiter.reduction) : 0; // its note stays for some seconds
+  heard.gain = Math.min(0.95 * heard.gain, 20 * Math.log10(live.limited)); // its note stays for some seconds
   takeLevel(now);
   if (now - heard.shownAt < (motionUnwanted.matches ? SLOW_MS : SHOWN_MS)) return;
   heard.shownAt = now;
@@ -50,10 +48,13 @@ function takeLevel(now) {
   heard.fastAt = now;
 }
 
+/** Tell whether the latest level is too low to be shown. */
+export const isFaint = () => !(10 * Math.log10(heard.fast) >= QUIETEST_DB);
+
 export const digits = (value, count) => Number(value.toPrecision(count));
 
 function showNumbers({ state: { speed, force, height }, asleep }) {
-  const level = 10 * Math.log10(heard.fast), own = liveOf().level, isHeard = !asleep && level >= QUIETEST_DB;
+  const level = 10 * Math.log10(heard.fast), own = liveOf().level, isHeard = !asleep && !isFaint();
   $("#play-level").textContent = isHeard ? level.toFixed(1) : "–";
   $("#play-against").textContent = isHeard && own !== null ? `${signed(level - own)} dB against the run` : "";
   $("#play-speed-now").textContent = `${digits(Math.abs(speed) < 1e-5 ? 0 : speed, 2)} m/s`.replace("-", "−");

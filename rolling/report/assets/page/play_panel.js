@@ -5,6 +5,7 @@ import { askSettings, live, liveOf, rollOn, sendVolume } from "./play_sound.js";
 import { drawSpectrum, showStrip } from "./play_meter.js";
 import { showExport } from "./play_export.js";
 import { wakeStage } from "./play_view.js";
+import { isPlayable } from "../engine/effort.js";
 
 /** The sliders: name in the engine, unit and its number in SI units, and key of a scene. */
 export const SETTINGS = $$(".slider input").map((input) => ({ ...input.dataset, name: input.name, si: Number(input.dataset.si), input }));
@@ -21,12 +22,31 @@ export const shareAt = (value, [low, high]) =>
 
 /** Round a value to three digits in its unit, as slider, engine and scene share it. */
 const roundedIn = (value, si) => Number((Number((value / si).toPrecision(3)) * si).toPrecision(12));
+const SLIDER_STEP = 0.005; // of the whole slider
 const textOf = ({ unit, si }, value) => `${Number((value / si).toPrecision(4))} ${unit}`.trim();
+
+/** Return the lowest and the highest share of a slider whose plate can be played, whatever share it has now. */
+function endsOf({ name, si }) {
+  const run = liveOf(), isPossible = (share) => isPlayable(run, { ...live.settings, [name]: settingAt(share, name, si) });
+  const [first, last] = [0, 1].map(isPossible);
+  if (first === last) return [0, 1]; // all are possible, or none
+  let [possible, impossible] = first ? [0, 1] : [1, 0]; // a plate is harder the larger, the thinner and the denser it is
+  while (Math.abs(possible - impossible) > SLIDER_STEP / 2) {
+    const middle = (possible + impossible) / 2;
+    if (isPossible(middle)) possible = middle;
+    else impossible = middle;
+  }
+  const step = Math[first ? "floor" : "ceil"](possible / SLIDER_STEP), end = Number((step * SLIDER_STEP).toFixed(3));
+  return first ? [0, end] : [end, 1];
+}
+
+/** Return the setting at a share of its slider. */
+const settingAt = (share, name, si) => roundedIn(valueAt(share, liveOf().limits[name]), si);
 
 /** Connect the sliders with their settings. */
 export function listenToSliders() {
   for (const { name, si, input } of SETTINGS) {
-    input.addEventListener("input", () => changeSetting(name, roundedIn(valueAt(Number(input.value), liveOf().limits[name]), si)));
+    input.addEventListener("input", () => changeSetting(name, settingAt(Number(input.value), name, si)));
   }
   $("#play-volume").addEventListener("input", showVolume);
 }
@@ -60,6 +80,7 @@ function takeSettings() {
 function showSetting(setting) {
   const { name, input } = setting, { settings, limits } = liveOf();
   const value = live.settings[name], own = settings[name], changed = own !== null && value !== own, row = input.parentElement;
+  [input.min, input.max] = endsOf(setting);
   input.value = shareAt(value, limits[name]);
   input.setAttribute("aria-valuetext", textOf(setting, value));
   row.classList.toggle("changed", changed);
@@ -96,4 +117,10 @@ export function showModes({ modes, of, costDb } = { modes: 0, of: 0, costDb: 0 }
 export function sayPlayed(text) {
   $("#play-note").textContent = text;
   $("#play-note").hidden = !text;
+}
+
+/** Say that settings are prepared, wherever the reader is in the instrument; an empty text hides it. */
+export function sayPreparing(text) {
+  $("#play-preparing").textContent = text;
+  $("#play-preparing").classList.toggle("late", Boolean(text));
 }

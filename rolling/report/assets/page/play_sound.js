@@ -1,25 +1,28 @@
 // ---- the instrument: its processor, its worker, and their messages ----
 
-import { $, FADE_S, runs, state } from "./core.js";
-import { audioContext, soundAlone } from "./player.js";
-import { showReport } from "./play_meter.js";
+import { $, FADE_S, RATE, runs, state } from "./core.js";
+import { audioContext, restContext, soundAlone, starting } from "./player.js";
+import { isFaint, showReport } from "./play_meter.js";
 import { view, wakeStage } from "./play_view.js";
-import { sayPlayed, showModes, showRun } from "./play_panel.js";
-import { instrumentNode, leaveBody, throughBody } from "../engine/graph.js";
+import { sayPlayed, sayPreparing, showModes, showRun } from "./play_panel.js";
+import { instrumentNode, leaveBody, limiterNode, throughBody } from "../engine/graph.js";
 
-const LIMIT_DB = -1; // of full scale, above which the limiter compresses by 20
-const UNDO_MAKEUP = 10 ** ((0.6 * LIMIT_DB * (1 - 1 / 20)) / 20); // of the gain that the limiter of the browser adds
+const LATE_MS = 400; // after which the page says that it prepares settings
+const FADED_MS = 200; // after which an instrument has faded out
 const HOLD_S = 0.5; // that a lifted ball is held
 const METER = 2048; // samples of the Fast level
 export const SPECTRUM = 16384; // samples, whose lines resolve the third octave at 20 Hz
 
 // `rolling`: direction of the ball, 0 at rest. `fastest`: speed of the hand [m/s], which the time steps have to resolve.
 // `dropped`: drops are wanted. `behind`: the settings have changed since the worker was asked; `preparing`: promise of the
-// time when it is not behind. `latest`: the settings prepared last. `node`: the instrument that sounds.
+// time when it is not behind. `latest`: the settings prepared last. `node`: the instrument that sounds, and `sounding` its
+// settings. `resting`: the audio context is suspended until the ball is touched again. `asleepAt`: time of the audio clock
+// since which the ball rests. `limited`: the latest gain of the limiter.
 export const live = {
   number: -1, settings: {}, rolling: 0, held: false, fastest: 0, dropped: false, report: null, heardAt: 0,
   worker: null, behind: false, preparing: null, latest: null, refused: false,
-  opening: null, bus: null, meters: [], volume: null, limiter: null, node: null, body: null,
+  opening: null, bus: null, meters: [], volume: null, node: null, body: null,
+  sounding: null, resting: false, asleepAt: null, limited: 1,
 };
 
 export const liveOf = () => runs[live.number].live;
@@ -50,6 +53,7 @@ export function askSettings() {
 
 async function prepareSettings() {
   $(".stage").setAttribute("aria-busy", "true");
+  const late = setTimeout(() => sayPreparing(live.node ? "Preparing the new settings; the old ones sound until then." : "Preparing the instrument."), LATE_MS);
   while (live.behind && live.worker) {
     live.behind = false;
     const { number, failed, settings, prepared } = await answerTo({ number: live.number, run: liveOf(), settings: preparedSettings() });
@@ -63,6 +67,8 @@ async function prepareSettings() {
     soundOn();
   }
   live.preparing = null;
+  clearTimeout(late);
+  sayPreparing("");
   $(".stage").setAttribute("aria-busy", "false");
 }
 
@@ -91,10 +97,11 @@ function followHand(speed) {
 /** Cross-fade to the instrument and responses of the latest settings; the ball rolls on or falls. */
 export function soundOn(falls = false) {
   const { bus, latest, node, body } = live;
-  if (latest?.number !== live.number || !bus) return;
+  if (latest?.number !== live.number || !bus || live.resting) return;
+  live.sounding = latest;
   live.body = throughBody(openNode(latest, falls), latest.prepared.responses, bus);
   if (body) leaveBody(body);
-  setTimeout(() => node?.port.postMessage({ task: "end" }), 200); // it has faded by then
+  setTimeout(() => node?.port.postMessage({ task: "end" }), FADED_MS);
   sendVolume();
 }
 
@@ -116,6 +123,8 @@ function openNode({ number, settings, prepared }, falls) {
     if (live.held) followHand(Math.abs(report.state.speed));
     showReport(report);
     wakeStage();
+    live.asleepAt = report.asleep ? live.asleepAt ?? state.context.currentTime : null;
+    restContext();
   };
   node.onprocessorerror = () => sayPlayed("The engine stopped because of an error.");
   live.node = node;
@@ -127,10 +136,24 @@ function openNode({ number, settings, prepared }, falls) {
 /** Start the sound by a gesture of the user, and silence all other sound of the page. */
 export async function startInstrument() {
   soundAlone(restBall);
-  const context = audioContext(), started = context.resume();
-  openWorker();
-  await (live.opening ??= openGraph(context));
-  await started;
+  live.asleepAt = null;
+  await starting(async () => {
+    const context = audioContext(), started = context.resume();
+    openWorker();
+    await (live.opening ??= openGraph(context));
+    await started;
+  });
+  const isNew = live.resting && live.sounding !== live.latest;
+  live.resting = false;
+  if (isNew) soundOn();
+}
+
+/** Tell whether the ball is held, moves, or rings out on its plate. */
+export function isBallHeard() {
+  const { node, rolling, held, asleepAt, sounding } = live;
+  if (!node) return false;
+  const rings = sounding.prepared.responses[0].length / RATE;
+  return rolling !== 0 || held || asleepAt === null || (!isFaint() && state.context.currentTime < asleepAt + rings);
 }
 
 /** Connect the pressure [Pa] with the meters, and through volume and limiter with the output. */
@@ -145,13 +168,13 @@ async function openGraph(context) {
     return sayPlayed(`The engine cannot be loaded: ${error.message}.`);
   }
   const bus = new GainNode(context), volume = new GainNode(context, { gain: 0 });
-  const limiter = new DynamicsCompressorNode(context, { threshold: LIMIT_DB, knee: 0, ratio: 20, attack: 0, release: 0.25 });
-  const clip = new WaveShaperNode(context, { curve: [-1, 0, 1] }); // of short peaks, which the limiter lets pass
-  bus.connect(volume).connect(limiter).connect(new GainNode(context, { gain: UNDO_MAKEUP })).connect(clip).connect(state.master);
+  const limiter = limiterNode(context);
+  limiter.port.onmessage = ({ data: gain }) => { live.limited = gain; };
+  bus.connect(volume).connect(limiter).connect(state.master);
   const first = { smoothingTimeConstant: 0, channelCount: 1, channelCountMode: "explicit", channelInterpretation: "discrete" }; // channel
   const meters = [METER, SPECTRUM].map((fftSize) => new AnalyserNode(context, { fftSize, ...first }));
   for (const meter of meters) bus.connect(meter);
-  Object.assign(live, { bus, volume, limiter, meters, openedAt: context.currentTime });
+  Object.assign(live, { bus, volume, meters });
   soundOn();
 }
 

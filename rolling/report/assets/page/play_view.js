@@ -3,7 +3,7 @@
 import { $, modulo, motionUnwanted, runs } from "./core.js";
 import { digits } from "./play_meter.js";
 import { heardPosition, live, liveOf } from "./play_sound.js";
-import { drawSolved } from "./contact.js";
+import { drawLensMap } from "./contact.js";
 
 const CENTRING_S = 0.35; // in which a ball that is let go comes back to the middle
 const HAND_PX_S = 500; // speed of a hand that rolls the ball as fast as its run
@@ -66,20 +66,26 @@ function drawStage() {
 function drawLens() {
   const { maps } = runs[live.number];
   if (!maps) return;
-  const now = performance.now(), map = nearestMap(maps), key = `${live.number} ${map}`;
+  const now = performance.now(), map = isFlying() ? -1 : nearestMap(maps), key = `${live.number} ${map}`;
   if (key === view.map || now - view.mapAt < (motionUnwanted.matches && !live.held ? 1000 : LENS_MS)) return;
   Object.assign(view, { map: key, mapAt: now });
-  const canvas = $("#play-lens"), x = canvas.width / 2;
-  drawSolved(canvas.getContext("2d"), maps, map, { x, y: x, perUm: x / 1.3 / Math.max(...maps.hertz_um) }, () => {
+  const canvas = $("#play-lens");
+  $("#play-lens-words").textContent = map < 0 ? "nothing touches" : "contact under the ball";
+  if (map < 0) canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
+  else drawLensMap(canvas, maps, map, () => {
     view.map = "";
     drawLens();
   });
 }
 
+/** Tell whether the ball has flown since the last report. */
+const isFlying = () => live.report?.flies.every((share) => share === 1) ?? false;
+
 /** Return the map nearest to the place of the ball on the track, which closes. */
 function nearestMap({ position_mm: places }) {
   if (!live.report) return 0;
-  const { length } = live.report.state;
-  const away = places.map((place) => Math.abs(modulo(view.ball - 1e-3 * place + length / 2, length) - length / 2));
+  const { length } = live.report.state, { start } = live.sounding.prepared;
+  const ball = start + modulo(view.ball - start, length); // of a long track the page has a part
+  const away = places.map((place) => Math.abs(ball - 1e-3 * place));
   return away.indexOf(Math.min(...away));
 }

@@ -4,10 +4,11 @@ import { $, $$, FADE_S, RATE, lengthOf, ownTime, position, runs, seconds, solved
 import { roundOf } from "./records.js";
 import { showMap } from "./contact.js";
 import { film, stopFilm } from "./film.js";
-import { restBall } from "./play_sound.js";
+import { isBallHeard, live, restBall } from "./play_sound.js";
 import { setPlayhead } from "./chart_touch.js";
 
 const STILL_MS = 2000; // without a sound after which the page says so
+export const RESTING_MS = 200; // after a sound, which has faded out by then
 
 const heardRun = () => state.blind ?? state.run;
 const gainOf = (number) => (number === heardRun() ? runs[number].playback[$("#equal")?.checked ? "equal" : "calibrated"] : 0);
@@ -56,6 +57,24 @@ export function audioContext() {
   return state.context;
 }
 
+/** Begin a sound while the audio context stays awake. */
+export async function starting(begin) {
+  state.starting += 1;
+  try {
+    return await begin();
+  } finally {
+    state.starting -= 1;
+  }
+}
+
+/** Suspend the audio context if nothing sounds: it takes processor time even for silence. */
+export function restContext() {
+  const { context, wanted, voices } = state;
+  if (context?.state !== "running" || state.starting || wanted || voices || film.voice || isBallHeard()) return;
+  live.resting = live.node !== null;
+  context.suspend();
+}
+
 /** Stop every sound of the page but one: the records, the slow motion, the ball, or a single player. */
 export function soundAlone(own) {
   for (const stop of [pause, stopFilm, restBall]) if (stop !== own) stop();
@@ -72,9 +91,8 @@ export async function play() {
   soundAlone(pause);
   state.wanted = true;
   showButton();
-  const started = audioContext().resume();
   setTimeout(sayIfStill, STILL_MS);
-  await Promise.all([roundOf(heardRun()), started]);
+  await starting(() => Promise.all([audioContext().resume(), roundOf(heardRun())]));
   if (!state.wanted || state.voices) return;
   $("#no-sound").hidden = true;
   startVoices();
@@ -84,6 +102,7 @@ export async function play() {
 export function pause() {
   state.wanted = false;
   stopVoices();
+  setTimeout(restContext, RESTING_MS);
   showButton();
   render();
 }
