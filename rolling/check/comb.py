@@ -26,6 +26,7 @@ from rolling.surface.scene_surface import heights
 
 KEY = "comb"  # of the finding
 _SPEEDS_OF_MODES = 20  # a plate with modes is slow to compute
+_FEWEST_STEPS = 8  # of a lap
 _DRAWS = 16  # random strengths of the lines of a law
 # Beyond the waves that fit into the contact, asperities that take the load from each other leave an
 # approach with a power of TAIL (q a)^-5 times the whole, for wave number q and semi-axis a of the
@@ -68,12 +69,16 @@ def _repeats(scene: Scene) -> bool:
         and scene.rolling.drop_mm is None
         and len(scene.plate.contact_ends_mm) < 2
         and not scene.is_smooth
+        and scene.track.lap_steps >= _FEWEST_STEPS
         and not refusals.excess([scene], 1, None)
     )
 
 
 def comb_spread_db(scene: Scene, chain: Chain, lap_m: float, speed: float) -> float | None:
-    """Return the rms difference of LAeq at near speeds from its mean [dB]; None without a comb."""
+    """Return the rms difference of LAeq at near speeds from its mean [dB]; None without a comb.
+
+    It is the median over random strengths of the lines.
+    """
     lines = _lines(scene, lap_m)
     if lines is None:
         return None
@@ -90,7 +95,7 @@ def comb_spread_db(scene: Scene, chain: Chain, lap_m: float, speed: float) -> fl
     sums = np.array([lines[:, at.audible] @ at.gain for at in speeds])
     if not sums.min() > 0:
         return None
-    return math.sqrt(np.mean([spread_db(sums_of_draw) ** 2 for sums_of_draw in sums.T]))
+    return float(np.median([spread_db(sums_of_draw) for sums_of_draw in sums.T]))
 
 
 def _lines(scene: Scene, lap_m: float) -> Array | None:

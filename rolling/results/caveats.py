@@ -140,6 +140,8 @@ def _of_levels(
         noise = "once" if sound.once else "impacts" if flies else "noise"
         parts = "length, comb and time steps" if vibrates else "the length"
         covered = say(f"uncertainty.{noise}", parts=parts)
+        if vibrates and vibration and vibration.is_mean_of_comb:
+            covered = "of LAeq, the spread over speeds within 3 % and the time steps"
         texts["uncertainty"] = say("uncertainty", covered=covered)
         if errors.get("laeq_uncertainty_db") is not None:
             law = ", solver and force law" if vibrates else " and solver"

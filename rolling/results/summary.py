@@ -407,13 +407,21 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration) -> dic
 
 
 def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
-    """Return places and levels of the listeners of a plate with edges."""
+    """Return places and levels of the listeners of a plate with edges.
+
+    Where LAeq is the mean over a comb, the others differ from it as their records do.
+    """
     if scene.plate.edges_mm is None:
         return {}
+    stated, own = vibration.stated_levels.laeq_db, vibration.levels.laeq_db
+    to_mean = 0.0 if stated is None or own is None else stated - own
     places = ([round(1e3 * x, 6) for x in place] for place in scene.listeners)
     heard = zip(places, vibration.listener_levels(), strict=True)
-    rows = ((at, levels.laeq_db, levels.level_db) for at, levels in heard)
-    return {"listeners": [{"at_mm": at, "laeq_db": a, "level_db": z} for at, a, z in rows]}
+    rows = []
+    for at, levels in heard:
+        laeq = None if levels.laeq_db is None else levels.laeq_db + to_mean
+        rows.append({"at_mm": at, "laeq_db": laeq, "level_db": levels.level_db})
+    return {"listeners": rows}
 
 
 def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:

@@ -159,11 +159,9 @@ def _record(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
         parts[0] = parts[0]._replace(text=_comb_text(comb))
     spread = summary.get("uncertainty_db", {}).get("laeq")
     if spread is not None:
-        step = (summary.get("motion_step_error_db") or 0.0) if keys else 0.0
-        # Of the length of the record and its comb, only the larger is a part of the spread.
-        larger = math.sqrt(max(spread**2 - step**2, 0.0))
-        if comb is None or larger > comb:
-            parts.append(_sized("uncertainty", larger))
+        # Length and comb overlap, so the length counts as what it leaves beyond the comb.
+        others = sum(part.decibels**2 for part in parts if part.decibels)
+        parts.append(_sized("uncertainty", math.sqrt(max(spread**2 - others, 0.0))))
         together = _sized("laeq_uncertainty", spread)
         if all(together.rank[0] > part.rank[0] for part in parts):
             parts.append(together)

@@ -101,13 +101,13 @@ class Vibration:
         """Parts of the uncertainty of LAeq [dB] whose squares add up, by their origin.
 
         The lines next to a sharp resonance are strong or weak by chance. This spreads the level
-        over speeds as it does over seeds, so record and comb overlap, and the larger counts. The
-        mean over the comb has no part from the record.
+        over speeds as it does over seeds, so record and comb overlap: the larger counts, and the
+        other is 0. The mean over the comb has no part from the record.
         """
         parts = dict(self.spreads)
         if "record" in parts and "comb" in parts:
             comb_counts = self.is_mean_of_comb or parts["comb"] > parts["record"]
-            del parts["record" if comb_counts else "comb"]
+            parts["record" if comb_counts else "comb"] = 0.0
         return parts
 
     @property

@@ -7,8 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from finished import VIBRATING, WITHOUT_DYNAMICS, caveat_texts, heard_again, marched, run_of
+from scipy import ndimage
 
-from rolling.check import error_cost, findings, validity
+from acoustics.level import a_weighted, level_db
+from acoustics.radiation import P_REF_PA
+from rolling.check import comb, error_cost, findings, validity
 from rolling.dynamics import of_scene
 from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
@@ -255,3 +258,64 @@ def test_limits_of_the_model_become_warnings_with_numbers(
     }
     assert plain[key].warning is None
     assert words in str(changed[key].warning)
+
+
+# A thick plate hardly damps the ball.
+UNDAMPED = ["plate.thickness_mm=30"]
+
+
+@pytest.fixture(scope="module")
+def undamped() -> Run:
+    return marched(VIBRATING, UNDAMPED)
+
+
+def test_a_short_track_states_the_mean_over_its_comb(undamped: Run) -> None:
+    numbers = undamped.summary
+    assert undamped.vibration is not None
+    record = level_db(
+        float(np.mean(np.square(a_weighted(undamped.sound.pressure, 48000)))), P_REF_PA**2
+    )
+    assert numbers["comb_spread_db"] > 3
+    assert numbers["record_laeq_db"] == pytest.approx(record, abs=1e-6)
+    assert numbers["laeq_db"] == numbers["vibration_laeq_db"] == numbers["comb_mean_laeq_db"]
+    assert undamped.sound.levels.laeq_db == numbers["laeq_db"] != numbers["record_laeq_db"]
+    spread, step = numbers["comb_spread_db"], numbers["motion_step_error_db"]
+    assert numbers["uncertainty_db"]["laeq"] == pytest.approx(np.hypot(spread, step))
+    # Sound files and third octaves belong to the record.
+    bands = [db for db in numbers["third_octave_a_db"].values() if db is not None]
+    together = 10 * np.log10(np.sum(10 ** (np.array(bands) / 10)))
+    assert together == pytest.approx(numbers["record_laeq_db"], abs=0.01)
+    assert numbers["verdict"]["word"] == "do not quote"
+    names = [part["name"] for part in numbers["verdict"]["contributions"]]
+    assert names[0] == "comb_spread_db" and "comb" not in names
+    assert "comb_mean" in caveat_texts(undamped)
+
+
+def test_a_damped_contact_states_the_level_of_its_record(undamped: Run) -> None:
+    damped = heard_again(undamped, undamped.scene.with_({"plate.contact_loss_factor": 0.3}))
+    numbers = damped.summary
+    assert numbers["laeq_db"] == numbers["record_laeq_db"]
+    assert "comb_mean" not in caveat_texts(damped)
+
+
+def test_the_check_foresees_the_comb(undamped: Run) -> None:
+    """The estimate before the run needs no solve; few lines make it right within a factor of 2."""
+    found = {x.key: x for x in findings.findings(undamped.scene)}["comb"]
+    assert found.warning and "plate.contact_loss_factor" in found.warning
+    assert "plate.thickness_mm" in found.warning and "rolling.distance_mm" in found.warning
+    scene, chain = undamped.scene, of_scene.smooth_chain(undamped.scene)
+    lap = scene.track.lap_steps * scene.track.step
+    spread = comb.comb_spread_db(scene, chain, lap, scene.motion.fastest(scene.duration))
+    assert spread is not None and 0.5 < spread / undamped.summary["comb_spread_db"] < 2
+    damped = scene.with_({"plate.contact_loss_factor": 0.3})
+    assert {x.key: x for x in findings.findings(damped)}["comb"].warning is None
+
+
+def test_the_check_foresees_the_comb_of_a_file(tmp_path: Path) -> None:
+    heights = tmp_path / "heights.npy"
+    z = 1e-7 * np.random.default_rng(1).standard_normal((240, 80))
+    np.save(heights, ndimage.gaussian_filter(z, 4, mode="wrap") * 4)
+    keys = {"surface": {"kind": "file", "path": str(heights), "spacing_um": 2}}
+    scene = loads(VIBRATING, UNDAMPED).with_(keys)
+    found = {x.key: x for x in findings.findings(scene)}["comb"]
+    assert found.warning and "measure a longer track" in found.warning
