@@ -326,7 +326,7 @@ def _rate(length: float, speed: float) -> str:
 
 def explanations(runs: Sequence[Run]) -> list[tuple[str, str]]:
     """Explain the words of the table of levels at which a stranger stumbles."""
-    levels = [(run.summary["laeq_db"], run.summary["level_db"]) for run in runs]
+    levels = [(run.record_laeq_db, run.summary["level_db"]) for run in runs]
     raised = any(a is not None and z is not None and a > z for a, z in levels)
     special = {
         "a_above_z": raised,
