@@ -246,9 +246,14 @@ def _fault(scene: Scene, radius: float) -> str:
     """Write the length of the steps, the longest that are allowed, and the nearest number."""
     longest = MAX_RADII * radius
     fitting = [nodes for nodes in STEP_NODES if nodes * scene.spacing <= longest]
-    advice = sentence("refused", "spacing", longest_um=longest * 1e6)
+    is_made = isinstance(scene.surface, MadeSurface)
+    advice = f"a measurement with a spacing of at most {rounded(longest * 1e6, 3)} um"
+    if is_made:
+        advice = sentence("refused", "spacing", longest_um=longest * 1e6)
     if fitting:
-        advice = sentence("refused", "nodes", nodes=max(fitting))
+        advice = (
+            sentence("refused", "nodes", nodes=max(fitting)) if is_made else f"{max(fitting):g}"
+        )
     numbers = {"nodes": scene.numerics.step_nodes, "step": scene.step, "longest": longest}
     numbers |= {"radii": scene.step / radius, "radius_um": radius * 1e6, "most": MAX_RADII}
     return sentence("refused", "long_steps", advice=advice, **numbers)

@@ -16,6 +16,7 @@ from rolling.results.run_errors import total_errors_db
 from rolling.results.sentences import say
 from rolling.results.verdict import ROLES, ranks
 from rolling.scene.scene import Scene
+from rolling.scene.surfaces import MadeSurface
 from rolling.sound.contact_sound import ContactSound, solver_doubt
 from rolling.sound.vibration_sound import Vibration
 
@@ -224,7 +225,9 @@ def _of_errors(scene: Scene, errors: Mapping[str, Any], knows_signal: bool) -> d
         if error is not None and abs(error) > OFF_DB + (spreads[name] or 0.0)
     )
     if bands:
-        texts["band_errors"] = say("band_errors", limit=OFF_DB, bands=bands)
+        is_made = isinstance(scene.surface, MadeSurface)
+        finer = "a smaller surface.spacing_um" if is_made else "a finer measurement"
+        texts["band_errors"] = say("band_errors", limit=OFF_DB, bands=bands, finer=finer)
     return texts
 
 

@@ -36,9 +36,9 @@ _DECIMAL_COMMA = re.compile(r"[+-]?(\d{1,3}(\.\d{3})+|\d*),\d+([eE][+-]?\d+)?")
 _MIN_OTHERS = 8  # whole numbers that no digits behind a comma can be, as many are no chance
 _MIN_SHARE = 0.5  # of the numbers before commas; so many are no chance in a small file either
 _EQUAL = 0.02  # of a step, by which places that are rounded may differ from equal steps
-_MIN_PLACES = 4  # of a grid or of a profile; fewer tell nothing
-_MIN_LINES = 8  # of a matrix of heights, in which a line may be places
-_SPARSE = 4  # nodes of a grid for each triple, at most
+_MIN_POINTS = 16  # of triples; the grid of fewer may be chance
+_MIN_LINES = 8  # of a matrix of heights or of a profile, in which a line may be places
+_SPARSE = 2  # nodes of a grid for each triple, at most
 
 
 class HeightFormatError(Exception):
@@ -344,9 +344,13 @@ def _refuse_places(table: Array) -> None:
     """
     for lines, name in ((table, "column"), (table.T, "row")):
         count, width = lines.shape
-        if count < _MIN_PLACES or width > 3:
+        if count < _MIN_LINES or width > 3:
             continue
-        if width == 3 and any(_is_grid(lines[:, i], lines[:, j]) for i, j in _PAIRS):
+        if (
+            width == 3
+            and count >= _MIN_POINTS
+            and any(_is_grid(lines[:, i], lines[:, j]) for i, j in _PAIRS)
+        ):
             raise HeightFormatError(
                 f"got three {name}s of which two are the places of a grid, allowed: a matrix of"
                 " heights; write the triples as x, y, z on each line, and give the file the ending"
@@ -372,9 +376,18 @@ def _is_grid(x: Array, y: Array) -> bool:
     return (
         is_full
         and (is_line or max(len(axis) for axis in axes) < len(x))
-        and all(len(axis) == 1 or _equal_step(axis) != 0 for axis in axes)
+        and all(_is_regular(axis) for axis in axes)
         and len(np.unique(np.column_stack([x, y]), axis=0)) == len(x)
     )
+
+
+def _is_regular(axis: Array) -> bool:
+    """Tell whether sorted places lie on nodes of equal distances, of which some may be missing."""
+    if len(axis) == 1:
+        return True
+    steps = np.diff(axis) / np.median(np.diff(axis))
+    off = np.abs(steps - np.rint(steps))
+    return bool(off.max() <= _EQUAL * steps.max() and steps.sum() <= _SPARSE * len(axis))
 
 
 def _equal_step(places: Array) -> float:

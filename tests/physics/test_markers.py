@@ -9,6 +9,7 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 
 from acoustics.arrays import Array
+from rolling.check import findings
 from rolling.scene import file
 from rolling.scene.messages import SceneError
 from rolling.surface import markers, scene_surface
@@ -159,3 +160,26 @@ def test_the_way_out_leaves_the_heights_of_the_measured_points(
     assert np.ptp(offset[~marked]) < 1e-18
     filled = surface.heights[marked] - offset[~marked].mean()
     assert 1e-6 * scan.min() <= filled.min() and filled.max() <= 1e-6 * scan.max()
+
+
+@pytest.mark.parametrize("mark", [32767.0, 1e37, np.nan])
+def test_marks_of_a_sphere_are_named_without_a_key_of_the_plate(
+    tmp_path: Path, mark: float
+) -> None:
+    """A turn of a sphere has no key that fills points, in a warning and in a refusal."""
+    turn = 0.01 * np.random.default_rng(1).standard_normal(628)
+    turn[[10, 200, 400]] = mark
+    np.savetxt(tmp_path / "turn.csv", turn)
+    text = """\
+name: scan
+sphere: {radius_mm: 0.2, surface: {kind: file, path: turn.csv, spacing_um: 2, height_unit: nm}}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}
+surface: {kind: smooth, spacing_um: 2, width_um: 64}
+rolling: {load_n: 0.001, speed_m_s: 0.1, duration_s: 0.001}
+"""
+    try:
+        words = str(findings.check_scene(file.loads(text, folder=tmp_path), solve=False).warnings)
+    except SceneError as error:
+        words = str(error)
+    assert "in the file" in words and "unmeasured fill" not in words
+    assert np.isnan(mark) or f"3 of 628 heights are exactly {mark:.10g} nm" in words
