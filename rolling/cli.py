@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rolling import __version__, _own_acoustics
-from rolling.terminal import arguments, defaults, parser, progress, streams
+from rolling.terminal import arguments, defaults, parser, progress, streams, system_errors
 from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
@@ -27,7 +27,8 @@ OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code.
 
-    The code is 0 when done, 1 after a failure, 2 for a bad scene or usage, 130 when interrupted.
+    The code is 0 when done, 1 after a failure or where a contact has no solution, 2 for a bad
+    scene, path or usage, 130 when interrupted.
     """
     # The solve runs in several processes, and threads of libraries only slow them down.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
@@ -70,7 +71,8 @@ def _act(argv: Sequence[str] | None) -> int:
         return INTERRUPTED
     except Exception as error:
         code = _code_of(error)
-        _say(str(error) or "not enough memory; take fewer workers or nodes")
+        text = system_errors.sentence(error) if isinstance(error, OSError) else str(error)
+        _say(text or "not enough memory; take fewer workers or nodes")
         return code
 
 
@@ -81,6 +83,9 @@ def _code_of(error: Exception) -> int:
 
     if isinstance(error, SceneError | FolderError):
         return BAD_INPUT
+    if isinstance(error, OSError) and system_errors.is_of_a_place(error):
+        # A path that cannot be used is bad input, unless it failed beneath the work.
+        return FAILED if progress.has_solved() else BAD_INPUT
     if isinstance(error, OSError | MemoryError):  # the message names the files that are kept
         return FAILED
     from rolling.contact.solver import ContactError  # slow to import
@@ -116,19 +121,24 @@ def _run(given: argparse.Namespace) -> int:
 
 
 def _check(given: argparse.Namespace) -> int:
-    """Check a scene and estimate its cost."""
+    """Check a scene, estimate its cost, and tell by the exit code whether it runs."""
     scene = _read_scene(given)
     with progress.step(LOADING):
         from rolling.check.findings import check_scene
     findings = check_scene(scene, solve=not given.fast)
+    from rolling.results import verdict
+
     if progress.is_quiet():
         for warning in findings.warnings:
             print(f"warning: {warning}")
-        return OK
-    from rolling.results import verdict
-
-    print(findings)
-    print(f"\n{streams.wrapped(verdict.conclusion(scene, findings), '')}")
+    else:
+        print(findings)
+        print(f"\n{streams.wrapped(verdict.conclusion(scene, findings), '')}")
+    refusal = verdict.refusal(findings)
+    if refusal is not None and refusal.key not in ("memory", "disk"):
+        return FAILED  # a contact has no solution, as a run would find
+    if refusal is not None or findings.excess:
+        return BAD_INPUT
     return OK
 
 

@@ -73,11 +73,16 @@ def expected(scene: Scene, findings: Sequence[Finding]) -> tuple[str, str]:
     return (parts[0].word, parts[0].text) if parts else (TRUST, say("verdict.none"))
 
 
+def refusal(findings: Sequence[Finding]) -> Finding | None:
+    """Return the first finding for which a run would be refused or have no solution."""
+    refused = (x for x in findings if x.warning and x.key in ROLES["refused"])
+    return next(refused, None)
+
+
 def conclusion(scene: Scene, findings: Findings) -> str:
     """State in one sentence whether a scene runs, how long, and with which verdict at best."""
-    for finding in findings:
-        if finding.warning and finding.key in ROLES["refused"]:
-            return f"It does not run: {finding.quantity} ({finding.value})."
+    if finding := refusal(findings):
+        return f"It does not run: {finding.quantity} ({finding.value})."
     if findings.excess:
         return f"It does not run: {findings.excess[0]}."
     scenes = (run.scene for run in scene.runs())

@@ -197,6 +197,8 @@ class RunLoop:
             reason = str(error)
         except Exception as error:
             reason = pool.reason(error)
+        if task.piece is not None and not reason:
+            progress.solved()
         del self._flying[future]
         self._breaks.pop(task.key, None)
         self._bar.update(0.0 if task.piece is None else task.piece.cost)

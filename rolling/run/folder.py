@@ -101,9 +101,9 @@ def _is_marked(folder: Path) -> bool:
 
 
 def _foreign(folder: Path) -> str:
-    """Say why an existing folder cannot become a run folder; empty if it can."""
+    """Say why a folder that exists, or a link, cannot become a run folder; empty if it can."""
     if not folder.exists():
-        return ""
+        return "a link that leads nowhere" if folder.is_symlink() else ""
     if not folder.is_dir():
         return "not a folder"
     # Locks and files half written may stand in a folder without a scene.

@@ -20,7 +20,7 @@ from rolling.run.pools import Cluster, Pool, Task, local_pool
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
-from rolling.terminal import defaults, files, progress
+from rolling.terminal import defaults, files, progress, system_errors
 
 Derive = Callable[[Path, Sequence[RunFolder]], object]
 Values = Value | tuple[Value, ...]
@@ -189,7 +189,10 @@ def _solve(
             with nullcontext(pool) if pool else local_pool(workers, scenes) as pool:
                 loop.run(pool)
         except OSError as error:
-            raise OSError(f"{error}\n{advice}") from error
+            text = system_errors.sentence(error)
+            if system_errors.is_of_a_place(error) and not progress.has_solved():
+                raise files.FolderError(text) from error
+            raise OSError(f"{text}\n{advice}") from error
         except KeyboardInterrupt:
             progress.line(advice)
             raise

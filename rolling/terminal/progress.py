@@ -33,6 +33,7 @@ class _Voice:
 
     level: Level | None = None
     has_reported_compiling: bool = False
+    has_solved: bool = False  # whether the command has results that an error leaves behind
 
 
 _voice = _Voice()
@@ -42,7 +43,7 @@ _voice = _Voice()
 def begin(level: Level) -> Iterator[None]:
     """Print as much as the level asks for until the command ends."""
     before = _voice.level, _voice.has_reported_compiling
-    _voice.level, _voice.has_reported_compiling = level, False
+    _voice.level, _voice.has_reported_compiling, _voice.has_solved = level, False, False
     try:
         yield
     finally:
@@ -52,6 +53,16 @@ def begin(level: Level) -> Iterator[None]:
 def silence() -> None:
     """Print nothing from now on: a worker process leaves the terminal to its parent."""
     _voice.level = Level.QUIET
+
+
+def solved() -> None:
+    """Note that the command has solved something."""
+    _voice.has_solved = True
+
+
+def has_solved() -> bool:
+    """Return whether the command, the present or the last, has solved something."""
+    return _voice.has_solved
 
 
 def is_quiet() -> bool:

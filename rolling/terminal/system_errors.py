@@ -1,0 +1,49 @@
+"""Errors of the system as sentences: what is wrong with a path, and what to do."""
+
+import errno
+
+_NO_ROOM = "no space is left on the disk; free some, or take another folder"
+_NOT_PERMITTED = "not permitted; change the permissions, or take another folder"
+# Errors that tell of a path: another path, or a mended one, is the way out.
+_PLACES = {
+    errno.ENOENT: "no such file or folder; a folder on the way is missing, or a link dangles",
+    errno.EACCES: _NOT_PERMITTED,
+    errno.EPERM: _NOT_PERMITTED,
+    errno.EROFS: "the disk is read-only; take a folder on another disk",
+    errno.ELOOP: "links lead in a circle; remove one of them, or take another path",
+    errno.ENAMETOOLONG: "the path is too long for the disk; take shorter names",
+    errno.ENOTDIR: "a part of the path is a file, not a folder; take another path",
+    errno.EISDIR: "a folder, but a file is needed; take another path",
+    errno.EEXIST: "a file or a dangling link stands in the place of a folder; remove it, or take"
+    " another path",
+}
+_OTHERS = {
+    errno.ENOSPC: _NO_ROOM,
+    errno.EDQUOT: "your share of the disk is used up; free some, or take another folder",
+    errno.EMFILE: "too many files are open; raise the limit (ulimit -n)",
+    errno.ENFILE: "too many files are open on this machine; end other programs",
+    errno.EIO: "the disk failed to read or write; check it",
+}
+
+
+def is_of_a_place(error: OSError) -> bool:
+    """Return whether an error tells of a path that cannot be used."""
+    return error.errno in _PLACES
+
+
+def sentence(error: OSError) -> str:
+    """Write an error of the system with its path, the reason, and the way out."""
+    number, reason = error.errno, error.strerror
+    if number is None or not reason:
+        return str(error)
+    path = error.filename if error.filename is not None else error.filename2
+    if path is None and number == errno.ENOENT:  # of the call that asks for the working folder
+        return f"the working folder was deleted ({reason}); change to a folder that exists"
+    words = (_PLACES | _OTHERS).get(number)
+    place = "the system" if path is None else _text(path)
+    return f"{place}: {reason}" if words is None else f"{place}: {words} ({reason})"
+
+
+def _text(path: object) -> str:
+    """Write the path of an error, which may be bytes."""
+    return path.decode("utf-8", "backslashreplace") if isinstance(path, bytes) else str(path)
