@@ -256,12 +256,17 @@ def _record(scene: Scene) -> float:
         samples += samples * 0.25 * motion.fastest(duration) / scene.step / SAMPLE_RATE
     time_steps = 0.0
     if scene.dynamics is not None:
-        rate = max(TIME_STEPS * bounce_hz(scene), motion.fastest(duration) / scene.step)
-        if scene.rolling.drop_mm is not None:
-            rate = max(rate, drop.IMPACT_STEPS / drop.impact_s(scene))
-        time_steps = duration * rate
+        time_steps = duration * motion_rate(scene)
     steps = STEP * scene.track.steps + TIME_STEP * time_steps
     return steps + SAMPLE * samples + EVENT * _events(scene)
+
+
+def motion_rate(scene: Scene) -> float:
+    """Estimate the time steps of a motion per second."""
+    rate = max(TIME_STEPS * bounce_hz(scene), scene.motion.fastest(scene.duration) / scene.step)
+    if scene.rolling.drop_mm is not None:
+        rate = max(rate, drop.IMPACT_STEPS / drop.impact_s(scene))
+    return rate
 
 
 def _samples(scene: Scene) -> float:

@@ -137,6 +137,14 @@ def cost_share(scene: Scene, power: float = COST_POWER) -> float:
     return (stretches.steps + COLD_STEPS) * per_step / marched_steps(scene)
 
 
+def seconds(scene: Scene) -> float:
+    """Return the expected time [s] of the estimate on one core; 0 without an estimate."""
+    if layout(scene) is None:
+        return 0.0
+    power = cost.STEP_LAWS[cost.step_law(scene, cost.roughness(scene)[0])][1]
+    return cost_share(scene, power) * marched_steps(scene) * cost.step_ms(scene) * 1e-3
+
+
 def _step_cost(scene: Scene) -> float:
     """Return the cost of a step of a stretch on all levels, in steps of the run."""
     return sum(level_cost(scene, level) for level in LEVELS)

@@ -14,7 +14,16 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from acoustics.numbers import rounded
-from rolling.check import comb, cost, error_cost, heights, refusals, resolution, validity
+from rolling.check import (
+    comb,
+    cost,
+    error_cost,
+    forecast,
+    heights,
+    refusals,
+    resolution,
+    validity,
+)
 from rolling.check.finding import SURFACE, Finding, byte_size, computing, judged, si, surface_time
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.scene.messages import SceneError
@@ -28,6 +37,8 @@ from rolling.terminal.streams import columns, wrapped
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
 
+# Keys of the findings of marches whose time follows that of the track.
+OTHER_MARCHES = ("error_estimate", "force_law", validity.OWN_MARCH)
 RUNS_ABREAST = 5  # columns of the table
 MIN_HERTZ_NODES = 10  # across the Hertz radius
 
@@ -41,11 +52,11 @@ class Findings(Sequence[Finding]):
     runs : dict of str to list of Finding
         Findings by run; its name is its swept values, or the name of the scene.
     of_all : tuple of (str, str)
-        Time, memory and disk of all runs together; empty for a single run.
+        Time of everything, and memory and disk of all runs together.
     excess : tuple of str
         Warnings where all runs together need too much memory or disk.
     seconds : float, s
-        Time of all runs on one core.
+        Time of all runs with start, files and page, on all cores times their number.
 
     Examples
     --------
@@ -164,18 +175,29 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     for number, (run, of_run) in enumerate(zip(scenes, by_run.values(), strict=True)):
         own = {validity.OWN_MARCH: number, SURFACE: scene_surface.identity(run)}
         march = digest(contact_keys(run))
+        slow = _slowness(run, of_run)
         for finding in of_run:
-            times.setdefault((finding.key, own.get(finding.key, march)), finding.seconds)
-    seconds = sum(times.values())
+            factor = slow if finding.key in OTHER_MARCHES else 1.0
+            key = finding.key, own.get(finding.key, march)
+            times.setdefault(key, factor * finding.seconds)
+    seconds = sum(times.values()) + forecast.beside_seconds(scenes, cost.cores())
+    whole = f"{forecast.takes(seconds)}, with start, files and page"
     if len(runs) == 1:
-        return Findings(by_run, seconds=seconds)
+        return Findings(by_run, (("time of the whole run", whole),), seconds=seconds)
     of_all = (
-        ("expected time of all", f"{computing(seconds)}, {len(runs)} runs"),
+        ("expected time of all", f"{whole}, {len(runs)} runs"),
         ("memory of all", refusals.memory_text(cost.memory(scenes, cost.cores()))),
         ("disk of all", f"about {byte_size(cost.disk(scenes))}"),
     )
     excess = tuple(f"{key} of all: {fault}" for key, fault in _excess(scenes).items())
     return Findings(by_run, of_all, excess, seconds)
+
+
+def _slowness(scene: Scene, of_run: Sequence[Finding]) -> float:
+    """Return the time of a step on this machine over the expected time, 1 where none was solved."""
+    expected = cost.expected_seconds(scene)
+    measured = next((x.seconds for x in of_run if x.key == "expected_time"), 0.0)
+    return measured / expected if measured > 0 and expected > 0 else 1.0
 
 
 def _excess(scenes: Sequence[Scene]) -> dict[str, str]:
@@ -235,14 +257,13 @@ def _march(scene: Scene) -> Iterator[Finding]:
     rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
     yield _window(scene, rq)
     yield Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core")
-    yield Finding("expected_time", "expected time", time, None, seconds)
+    yield Finding("expected_time", "time of the march", time, None, seconds)
     yield Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}")
     yield from surface_time(scene)
     if scene.numerics.error_estimate:
-        share = error_cost.cost_share(scene, cost.STEP_LAWS[cost.step_law(scene, rq)][1])
-        seconds = share * error_cost.marched_steps(scene) * step_ms * 1e-3
+        seconds = error_cost.seconds(scene)
         reason = error_cost.too_short(scene) or "a smooth surface makes no sound"
-        value = f"{computing(seconds)} ({share:.0%} more)" if share else f"none: {reason}"
+        value = computing(seconds) if seconds else f"none: {reason}"
         yield Finding("error_estimate", "error estimate", value, None, seconds)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.rectangular_plate import MODES_HZ
-from rolling.check import cost, resolution
+from rolling.check import cost, forecast, resolution
 from rolling.check.finding import Finding, computing, judged, sentence, si, written
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.smooth_contact import semi_axes
@@ -373,10 +373,8 @@ def _edges(scene: Scene) -> Iterator[Finding]:
 def _marches(scene: Scene) -> Iterator[Finding]:
     """State the cost of the marches at other loads and of the release under the moving load."""
     assert scene.dynamics is not None  # asked for by the caller
-    (falling, total), seconds = cost.fall_seconds(scene), cost.lap_seconds(scene)
-    others = scene.dynamics.loads - 1
-    total += others * seconds
-    value = f"{others + falling} more marches, {computing(total)}, and more where the force leaves"
+    (count, total), seconds = forecast.law_seconds(scene), cost.lap_seconds(scene)
+    value = f"{count} more marches, {computing(total)}, and more where the force leaves"
     yield Finding("force_law", "force law", f"{value} them", None, total)
     if not scene.moves_release:
         return

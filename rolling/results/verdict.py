@@ -12,8 +12,8 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
-from rolling.check import error_cost, resolution
-from rolling.check.finding import Finding, computing, si
+from rolling.check import error_cost, forecast, resolution
+from rolling.check.finding import Finding, si
 from rolling.check.findings import Findings
 from rolling.dynamics.comb import COMB_MOST_DB
 from rolling.dynamics.of_scene import NEAR_SPEEDS
@@ -87,13 +87,13 @@ def conclusion(scene: Scene, findings: Findings) -> str:
         return f"It does not run: {findings.excess[0]}."
     scenes = (run.scene for run in scene.runs())
     if all(part.is_smooth and part.rolling.drop_mm is None for part in scenes):
-        return f"It runs, in {computing(findings.seconds)}; a smooth surface is silent."
+        return f"It runs, in {forecast.takes(findings.seconds)}; a smooth surface is silent."
     runs = zip(scene.runs(), findings.runs.values(), strict=True)
     words = [expected(run.scene, of_run) for run, of_run in runs]
     word, reason = max(words, key=lambda pair: WORDS.index(pair[0]))
     best = "" if word == DO_NOT_QUOTE else "at best "
     place = "" if len(words) == 1 else " of the worst run"
-    time = computing(findings.seconds)
+    time = forecast.takes(findings.seconds)
     return f"It runs, in {time}; the expected verdict{place} is {best}{word}: {reason}."
 
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from rolling.check import cost
+from rolling.check import forecast
 from rolling.contact.solver import ContactError
 from rolling.marches.next_pieces import next_pieces, own_part
 from rolling.marches.piece import contact_identity
@@ -81,7 +81,10 @@ class RunLoop:
         self._scenes, self._pieces, self._film, self._bar = scenes, pieces, film, bar
         self._start, self._finish, self._finished = start, finish, finished
         self._results: dict[int, Result] = {}
-        self._costs = {number: cost.expected_seconds(scene) for number, scene in enumerate(scenes)}
+        self._costs = {number: forecast.march_seconds(scene) for number, scene in enumerate(scenes)}
+        # Expected seconds of each run that no piece has taken yet. Pieces that turn up take their
+        # time from them, so that the sum of the progress seldom grows.
+        self._left: dict[int, float] = {}
         groups = defaultdict(list)
         for number, scene in enumerate(scenes):
             groups[contact_identity(scene)].append(number)
@@ -95,7 +98,9 @@ class RunLoop:
         self._wanting: dict[tuple[str, str], list[int]] = {}  # runs by the key of their task
         self._breaks: Counter[tuple[str, str]] = Counter()
         self.failures: dict[int, str] = {}
-        bar.grow(sum(self._costs[group[0]] for group in ordered))
+        for first, *_ in ordered:  # the others share the marches of the first
+            self._left[first] = self._costs[first]
+        bar.grow(sum(self._left.values()))
 
     def run(self, pool: Pool) -> None:
         """Hand out all pieces and collect their results.
@@ -142,10 +147,7 @@ class RunLoop:
     def _begin(self, group: Sequence[int]) -> None:
         """Begin the runs of one contact identity."""
         for number in group:
-            result = self._results[number] = self._start(number)
-            # The pieces of a pass are not known before it, so all passes count from the beginning.
-            if number == group[0] and (result.passes is None or result.complete):
-                self._bar.grow(-self._costs[number])
+            self._results[number] = self._start(number)
             self._advance(number)
 
     def _advance(self, number: int) -> None:
@@ -167,8 +169,11 @@ class RunLoop:
             else:
                 self._wanting[key] = [number]
                 tasks.append(Task(key, solve_piece, (piece, self._pieces), piece))
-                self._bar.grow(piece.cost if piece.kind != "pass" else 0.0)
+                taken = min(piece.cost, self._left.get(number, 0.0))
+                self._bar.grow(piece.cost - taken)
+                self._left[number] = self._left.get(number, 0.0) - taken
         if not pieces:
+            self._bar.grow(-self._left.pop(number, 0.0))
             del self._results[number]
             if task is None:
                 self._finished(number)
@@ -223,6 +228,7 @@ class RunLoop:
                 suspicions = scene_surface.scene_surface(scene).suspicions
                 reason = "; ".join((reason, *suspicions))
         self.failures.setdefault(number, reason)
+        self._bar.grow(-self._left.pop(number, 0.0))
         self._results.pop(number, None)
         for numbers in self._wanting.values():
             if number in numbers:

@@ -31,7 +31,6 @@ import rolling as rc
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.level import RecordNumbers, SoundLevels
-from rolling.accuracy.variants import Variant, variant_contact
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
@@ -43,6 +42,7 @@ from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, with_sound
 from rolling.sound.contact_sound import contact_sound
 from rolling.sound.vibration_sound import Vibration, vibrate
+from rolling.studies.accuracy_variants import Variant, variant_contact
 
 SCENES = 12
 STEPS = 640  # of a scene for pairs, a lap of 128 correlation lengths

@@ -1,0 +1,82 @@
+"""Forecast of the time of a run: marches, motion, start of the processes, files and page.
+
+The marches of a scene share the cores. The command starts once, every process loads the solver, and
+one process writes figures and page. tests/benchmarks/forecast_study.py compares forecasts with
+runs.
+"""
+
+from collections.abc import Sequence
+
+from rolling.check import cost, error_cost
+from rolling.check.finding import computing
+from rolling.dynamics import of_scene
+from rolling.scene.scene import Scene
+
+SHORT = 10.0  # [s] below which a forecast is a few seconds
+# Processor seconds of the parts beside the marches: of the command, which loads the program, of
+# each process, which loads the compiled solver, of the files of a run, of the page and of each run
+# on it, and of the figures that compare runs.
+START, WORKER, RUN, PAGE, PAGE_RUN, FIGURES = 1.2, 2.2, 0.5, 0.7, 0.5, 3.0
+STEP, SAMPLE = 6e-6, 6e-6  # per step and per sample of a record, in files and page
+# Per time step of a motion and its mode of a plate with edges, and per mode in the sound of a run.
+TIME_STEP, MODE_STEP, MODE = 3e-7, 3.6e-9, 3e-3
+MOTIONS = 3  # of a run: over the first loads, over all loads, and with longer time steps
+RUN_IN_DECAYS, RUN_IN_LAPS = 12.0, 400.0  # of a motion on a closed track
+JUDGED_STEPS = 200  # of the stretch at loads between those of a force law
+MAX_RUNS_ON_PAGE = 24  # with players; more runs have their figures only
+
+
+def law_seconds(scene: Scene) -> tuple[int, float]:
+    """Estimate number and time [s] of the marches at other loads for a force law."""
+    if scene.dynamics is None:
+        return 0, 0.0
+    (falling, seconds), others = cost.fall_seconds(scene), scene.dynamics.loads - 1
+    judged = min(JUDGED_STEPS, scene.track.solved_steps) * cost.step_ms(scene) * 1e-3
+    return others + falling, seconds + others * (cost.lap_seconds(scene) + judged)
+
+
+def march_seconds(scene: Scene) -> float:
+    """Estimate the time [s] of all marches of a run on one core."""
+    seconds = cost.expected_seconds(scene) + error_cost.seconds(scene) + law_seconds(scene)[1]
+    return seconds + (cost.lap_seconds(scene) if scene.moves_release else 0.0)
+
+
+def motion_seconds(scene: Scene) -> float:
+    """Estimate the time [s] in which sphere and plate move and become sound; 0 without dynamics."""
+    if scene.dynamics is None:
+        return 0.0
+    plate, duration = of_scene.rectangular_plate(scene), scene.duration
+    modes = 0 if plate is None else len(plate.orders)
+    moved = duration
+    if scene.track.closed and scene.motion.is_constant(duration) and scene.rolling.drop_mm is None:
+        decay = of_scene.smooth_chain(scene).own_decay_s
+        moved += min(RUN_IN_DECAYS * decay, RUN_IN_LAPS * duration)
+    moved = MOTIONS * moved + (scene.sound.listen_s or 0.0)
+    steps = moved * cost.motion_rate(scene)
+    return steps * (TIME_STEP + MODE_STEP * modes) + MODE * modes
+
+
+def beside_seconds(scenes: Sequence[Scene], cores: int) -> float:
+    """Estimate the time [s] beside the marches, on all cores times their number.
+
+    It holds start, motions, files, figures and page. Runs share the cores, and the rest is done by
+    one process.
+    """
+    alone = START + WORKER + PAGE + PAGE_RUN * min(len(scenes), MAX_RUNS_ON_PAGE)
+    if len(scenes) > 1:
+        alone += FIGURES
+    shared = sum(
+        RUN + STEP * scene.track.steps + SAMPLE * scene.duration * cost.SAMPLE_RATE
+        for scene in scenes
+    )
+    shared += sum(map(motion_seconds, scenes))
+    if len(scenes) < cores:  # the others wait
+        shared *= cores / len(scenes)
+    return alone * cores + shared
+
+
+def takes(core_seconds: float) -> str:
+    """Write the time of a whole run: a few seconds, or so long on all cores."""
+    if core_seconds / cost.cores() < SHORT:
+        return "a few seconds"
+    return computing(core_seconds)

@@ -1,0 +1,80 @@
+"""Test of forecasts: the time that `rolling check` names against the time that runs take.
+
+`python tests/benchmarks/forecast_study.py` checks and runs the scenes of `SCENES` on one processor,
+and prints the forecast, the processor time of the run with start, files and page, and their ratio.
+Processor time hardly depends on other programs that run meanwhile. `--cores N` takes more
+processors. All scenes take some five minutes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+import rolling as rc
+from rolling.check import forecast
+
+SCENES: dict[str, tuple[str, list[str]]] = {
+    "tiny": ("quickstart", ["sweep=", "rolling.load_n=5", "rolling.duration_s=0.01"]),
+    "quickstart, 5 N, 0.2 s": ("quickstart", ["sweep=", "rolling.load_n=5"]),
+    "quickstart, three loads": ("quickstart", ["rolling.duration_s=0.05"]),
+    "vibrating ball": ("vibrating-ball", ["rolling.distance_mm=4"]),
+    "ball on plate, eight runs": ("ball-on-plate", ["rolling.distance_mm=2"]),
+    "steel sheet": ("steel-sheet", ["rolling.distance_mm=4"]),
+    "marble dropped": ("marble-dropped", []),
+    "running in": ("running-in", []),
+}
+
+
+def measure(source: str, words: Sequence[str], cores: int) -> dict[str, float | str]:
+    """Check and run a scene, and return the times [s]."""
+    scene = rc.read_scene(source, words)
+    seconds = scene.check().seconds
+    began, before = time.perf_counter(), _processor_seconds()
+    with tempfile.TemporaryDirectory() as folder:
+        sets = [part for word in words for part in ("--set", word)]
+        command = [sys.executable, "-m", "rolling", "run", source, *sets]
+        options = ["--out", str(Path(folder) / "run"), "--workers", str(cores)]
+        subprocess.run([*command, *options], check=True, capture_output=True)
+    processor, wall = _processor_seconds() - before, time.perf_counter() - began
+    return {
+        "forecast s": seconds / cores,
+        "words": forecast.takes(seconds),
+        "processor s": processor / cores,
+        "wall s": wall,
+        "forecast / processor": seconds / processor,
+    }
+
+
+def _processor_seconds() -> float:
+    """Return the processor time of the processes that have ended [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure the scenes and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(SCENES)}")
+    parser.add_argument("--cores", type=int, default=1, help="processors (1)")
+    given = parser.parse_args(arguments)
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: given.cores])
+    rows = []
+    for name in given.scenes or SCENES:
+        rows.append({"scene": name} | measure(*SCENES[name], given.cores))
+        print(rows[-1], file=sys.stderr, flush=True)
+    print(pd.DataFrame(rows).round(2).to_string(index=False))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
