@@ -67,6 +67,10 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
     del spreads["third_octave"]
     spreads["lae"] = spreads["laeq"]  # they differ by the duration, which is known
+    levels = _levels(sound)
+    for key in ("laf_max", "las_max"):
+        if levels[f"{key}_db"] is None:
+            spreads[key] = None
     repeats = not vibrates or bool(vibration and vibration.motion.settled)
     laps = result.steps / result.solved_steps if repeats else 1.0
     errors = error_numbers(run, origins)
@@ -76,7 +80,7 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         "steps": result.steps,
         "source": sound.source,
         "q": None if vibrates or scene.sound.gain_pa_per_w_m2 else scene.sound.q,
-        **_levels(sound),
+        **levels,
         "record_laeq_db": run.record_laeq_db,
         "steady_level_db": sound.steady_level,
         "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
