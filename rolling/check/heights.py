@@ -31,7 +31,7 @@ ROLLOFF_WAVES = 4.0  # of the roll-off that a period should hold
 def findings(scene: Scene) -> Iterator[Finding]:
     """Judge the heights of files, and made heights that are self-affine or not Gaussian."""
     if scene.height_paths and (suspicions := scene_surface(scene).suspicions):
-        yield Finding("markers", "heights of the file", "doubtful", "; ".join(suspicions))
+        yield Finding("doubtful_heights", "heights of the file", "doubtful", "; ".join(suspicions))
     if not isinstance(scene.surface, HeightFile):
         yield from _made(scene)
         return

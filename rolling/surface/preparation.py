@@ -7,6 +7,7 @@ Last, the end of each side is led into its beginning, so that the surface is per
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from rolling.scene.height_grid import SAME, HeightGrid, is_other, is_turned
 from rolling.scene.surfaces import HeightFile
 from rolling.surface import levelling, markers, measured
 from rolling.surface.heights import SurfaceError
-from rolling.surface.markers import Marker
+from rolling.surface.markers import Marker, Nodes
 from rolling.surface.parameters import roughness, without_plane
 
 NAMES = "Sa", "Sq", "Ssk", "Sku", "Sdq"  # of the roughness before and after a step
@@ -45,23 +46,38 @@ class Effect:
 def read(path: Path, surface: HeightFile) -> Array:
     """Read the heights of the plate [m], (along, across), about their mean; NaN is unmeasured.
 
-    Where outliers count as unmeasured, values that look like marks of such points do as well: in
-    patches they are no outliers among their neighbours. Raise SurfaceError for unusable heights,
-    and for unmeasured points that may not be filled.
+    Where outliers count as unmeasured, marks of unmeasured points do so at once if the heights
+    cannot be used with them. Raise SurfaceError for unusable heights, and for unmeasured points
+    that may not be filled.
     """
     values = _values(path, surface)
     unit = "m" if is_instrument(path) else surface.height_unit
-    if surface.outliers is not None:
-        values = markers.without(values, markers.suspected(values, unit))
-    has_gaps = surface.unmeasured == "fill"
     has_own_unit = is_instrument(path) and path.suffix.lower() != TRIPLES
-    return levelling.in_metres(values, unit, str(path), has_gaps, has_own_unit=has_own_unit)
+    in_metres = partial(
+        levelling.in_metres,
+        unit=unit,
+        name=str(path),
+        has_gaps=surface.unmeasured == "fill",
+        has_own_unit=has_own_unit,
+    )
+    try:
+        return in_metres(values)
+    except SurfaceError:
+        suspects = markers.suspected(values, unit)
+        if surface.outliers is None or not suspects:
+            raise
+    return in_metres(markers.without(values, suspects))
 
 
-def suspected(path: Path, surface: HeightFile) -> tuple[Marker, ...]:
-    """Return the values in the file of a plate that look like marks of unmeasured points."""
+def suspected(path: Path, surface: HeightFile) -> tuple[tuple[Marker, ...], Nodes]:
+    """Return the values in the file of a plate that look like marks of unmeasured points.
+
+    The nodes that hold them, (along, across), come with them.
+    """
+    values = _values(path, surface)
     unit = "m" if is_instrument(path) else surface.height_unit
-    return markers.suspected(_values(path, surface), unit)
+    suspects = markers.suspected(values, unit)
+    return suspects, np.isin(values, [suspect.value for suspect in suspects])
 
 
 def _values(path: Path, surface: HeightFile) -> Array:
@@ -92,11 +108,11 @@ class Preparation:
 
 
 def prepare(
-    heights: Array, surface: HeightFile, grid: HeightGrid, marks: Sequence[Marker] = ()
+    heights: Array, surface: HeightFile, grid: HeightGrid, marked: Nodes | None = None
 ) -> tuple[Array, levelling.Levelling, list[Effect]]:
     """Prepare heights [m] about their mean by the keys of the surface.
 
-    The marks of unmeasured points are those that `read` has taken out, for the text of the step.
+    Nodes that hold marks of unmeasured points are outliers, if these are asked for.
 
     Returns
     -------
@@ -110,11 +126,12 @@ def prepare(
     is_period = surface.made_periodic == "none"
     if surface.width_um is not None:
         heights = np.repeat(heights, grid.resampled[1], axis=1)
+        marked = None if marked is None else np.repeat(marked, grid.resampled[1], axis=1)
     keys = surface.outliers, surface.s_filter_um, surface.l_filter_um
     named = any(keys) or surface.unmeasured == "fill" or surface.level == "quadratic"
     watched = named or not is_period or is_other(grid.steps, grid.spacing)
     work = Preparation(heights, grid.steps, watched)
-    _complete(work, surface, marks)
+    _complete(work, surface, marked)
     if cutoff := surface.s_filter_um:
         long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
         work.take(long, "s_filter", f"waves shorter than {cutoff:g} um removed")
@@ -135,13 +152,17 @@ def prepare(
     return np.ascontiguousarray(work.heights), plane, work.effects
 
 
-def _complete(work: Preparation, surface: HeightFile, marks: Sequence[Marker]) -> None:
+def _complete(work: Preparation, surface: HeightFile, marked: Nodes | None) -> None:
     """Make outliers unmeasured points, and fill all unmeasured points."""
     if threshold := surface.outliers:
         heights, count = without_outliers(work.heights, threshold)
         text = f"{count} of {heights.size} nodes, at a threshold of {threshold:g}"
-        if marks:
-            text += f", and the marks: {', '.join(mark.text for mark in marks)}"
+        # In patches, marks are no outliers among their neighbours.
+        if marked is not None and not np.isnan(heights[marked]).all():
+            heights, count = without_outliers(np.where(marked, np.nan, work.heights), threshold)
+            marks = int(np.count_nonzero(marked))
+            text = f"{count + marks} of {heights.size} nodes, of which {marks} hold a mark of"
+            text += f" unmeasured points, at a threshold of {threshold:g}"
         work.take(heights, "outliers", text)
     if count := int(np.count_nonzero(np.isnan(work.heights))):
         text = f"{count} filled, {rounded(100 * count / work.heights.size)} % of the nodes"

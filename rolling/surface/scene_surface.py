@@ -142,9 +142,9 @@ def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
     s, track = scene.surface, scene.track
     if isinstance(s, surfaces.HeightFile) and scene.height_path:
         path = scene.height_path
-        marks = () if s.outliers is None else preparation.suspected(path, s)
+        marked = None if s.outliers is None else preparation.suspected(path, s)[1]
         read, grid = preparation.read(path, s), height_grid(path, s)
-        return preparation.prepare(read, s, grid, marks)
+        return preparation.prepare(read, s, grid, marked)
     shape = track.n_along, track.n_across
     if s.law is not None:
         return made.of_law(shape, scene.spacing, s.law, s.law.seed), None, []
@@ -161,7 +161,7 @@ def _suspicions(scene: Scene) -> Iterator[str]:
     if path is not None and isinstance(plate, surfaces.HeightFile):
         read = measured.read(path, plate.channel, plate.height_unit, plate.xy_unit)
         yield from measured.doubts(path, read, plate.xy_unit or plate.height_unit)
-        suspects = preparation.suspected(path, plate)
+        suspects, _ = preparation.suspected(path, plate)
         if suspects and plate.outliers is None:
             yield markers.sentence(suspects, "surface")
     if isinstance(ball, surfaces.BallHeightFile):
