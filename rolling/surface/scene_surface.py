@@ -161,8 +161,8 @@ def _suspicions(scene: Scene) -> Iterator[str]:
     if path is not None and isinstance(plate, surfaces.HeightFile):
         read = measured.read(path, plate.channel, plate.height_unit, plate.xy_unit)
         yield from measured.doubts(path, read, plate.xy_unit or plate.height_unit)
-        suspects, _ = preparation.suspected(path, plate)
-        if suspects and plate.outliers is None:
+        suspects = preparation.suspected(path, plate)[0] if plate.outliers is None else ()
+        if suspects:
             yield markers.sentence(suspects, "surface")
     if isinstance(ball, surfaces.BallHeightFile):
         path = scene.height_paths["sphere.surface"]

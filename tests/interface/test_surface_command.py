@@ -116,6 +116,8 @@ def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFix
         (["plate.yaml", "--spacing-um", "1"], "only for a file of heights"),
         (["plate.yaml", "--height-unit", "nm"], "only for a file of heights"),
         (["plate.yaml", "--set", "surface.sed=1"], "nearest: surface.seed"),
+        (["plate.yaml", "--xy-unit", "mm"], "only for a file of heights"),
+        (["flat.npy", "--spacing-um", "1", "--xy-unit", "mm"], "only goes with a .xyz file"),
         (["flat.npy"], "--spacing-um: missing"),
         (["gaps.npy", "--spacing-um", "1"], "holds no heights"),
         (["metres.npy", "--spacing-um", "1"], "--height-unit: Ra would be more than 0.001 m"),
@@ -175,3 +177,18 @@ def test_a_mark_of_unmeasured_points_is_named(capsys: pytest.CaptureFixture[str]
     np.savetxt("scan.csv", heights)
     assert cli.main(["surface", "scan.csv", *words]) == 2
     assert "6 of 1200 heights are exactly 1e+37 um" in capsys.readouterr().err
+
+
+def test_triples_of_two_units_have_the_spacing_that_is_meant(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """With x and y in mm and z in um the spacing of 2 nm is doubted, and the option named."""
+    x, y = np.meshgrid(2e-3 * np.arange(30), 2e-3 * np.arange(20))
+    heights = 0.1 * np.random.default_rng(1).standard_normal(x.size)
+    np.savetxt("two.xyz", np.column_stack([x.ravel(), y.ravel(), heights]))
+    assert cli.main(["surface", "two.xyz", "--height-unit", "um", "--out", "a"]) == 0
+    assert "set --xy-unit mm" in capsys.readouterr().err
+    words = ["--height-unit", "um", "--xy-unit", "mm", "--out", "b"]
+    assert cli.main(["surface", "two.xyz", *words]) == 0
+    said = capsys.readouterr()
+    assert "nodes of 2.0 x 2.0 um" in said.out and "warning" not in said.err
