@@ -63,8 +63,15 @@ def findings(scene: Scene) -> Iterator[Finding]:
     """Judge whether the model and its materials hold for a scene; a height file is read."""
     yield from _materials(scene)
     yield from _half_space(scene)
-    distance, least = scene.sound.distance_m, NEAR * scene.radius
-    if distance < least:
+    distance, least = scene.listener_distance_m, NEAR * scene.radius
+    if distance < least and scene.is_listener_placed:
+        warning = (
+            f"the listener is {si(distance, 'm')} from the contact, within {NEAR:g} radii of the"
+            " sphere, where the levels of a small source do not hold: place sound.listener_mm at"
+            f" least {math.ceil(1e3 * least)} mm from the contact"
+        )
+        yield Finding("listener", "listener", si(distance, "m"), warning)
+    elif distance < least:
         numbers = {"distance": distance, "radii": NEAR, "least": least}
         yield judged("listener", si(distance, "m"), True, **numbers)
     if scene.dynamics is None:

@@ -150,10 +150,10 @@ def number(value: float) -> str:
 
 def distance_and_duration(runs: Sequence[Run]) -> list[str]:
     """Write the distance of the listener [m] and the duration of the records [s]."""
-    return [
-        common("at", [run.scene.sound.distance_m for run in runs], "m"),
-        common("T =", [run.sound.duration for run in runs], "s"),
-    ]
+    place = common("at", [run.scene.listener_distance_m for run in runs], "m")
+    if any(run.scene.is_listener_placed for run in runs):
+        place += " from the contact"
+    return [place, common("T =", [run.sound.duration for run in runs], "s")]
 
 
 # ---- files

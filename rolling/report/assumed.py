@@ -34,6 +34,7 @@ def _source(run: Run) -> dict[str, str]:
             return {
                 "source": f"vibration of {ball}, the plate in an infinite rigid baffle",
                 "listener [mm] from the corner of the plate": "; ".join(words),
+                "distance from the contact to the listener": f"{scene.listener_distance_m:.3g} m",
             }
         return {
             "source": f"vibration of {ball}, the pressure on the axis through the contact",

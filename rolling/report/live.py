@@ -21,7 +21,7 @@ from rolling.report.text import asset
 from rolling.results.listening import released
 from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
-from rolling.scene.scene import Scene
+from rolling.scene.scene import MAX_MODES, Scene
 from rolling.scene.sections import WEIGHT
 from rolling.sound.vibration_sound import Vibration
 
@@ -47,7 +47,9 @@ def live_of(run: Run) -> Data | None:
         least, most = RANGES[name]
         limits[name] = [min(least, settings[name]), max(most, settings[name])]
     limits["distance"][0] = min(settings["distance"], max(0.1, 2 * scene.radius))
-    ends = [[1e-3 * x for x in end] for end in scene.plate.contact_ends_mm.values()]
+    ends = list[list[float]]()
+    if vibration is not None:  # a release is heard at a distance, whatever the edges
+        ends = [[1e-3 * x for x in end] for end in scene.plate.contact_ends_mm.values()]
     if vibration is not None and settings["length"] is not None:
         for axis, name in enumerate(("length", "width")):
             least = EDGES[0] * max(end[axis] for end in ends)
@@ -61,6 +63,7 @@ def live_of(run: Run) -> Data | None:
         "contact": ends[0] if ends else None,
         "middle": [*np.mean(ends, axis=0).tolist(), 0.0] if ends else None,
         "listeners": [list(place) for place in scene.listeners] if ends else None,
+        "scene": played_scene(scene, settings["speed"]),
         "hearBall": scene.sound.ball,
         "fullScale": peak / PEAK or 1.0,
         "level": run.record_laeq_db,
@@ -91,10 +94,35 @@ def _settings(run: Run) -> Data:
         "width": edges and 1e-3 * edges[1],
         "lossFactor": plate.loss_factor,
         "contactLossFactor": plate.contact_loss_factor or 0.0,
-        "distance": scene.sound.distance_m,
+        "distance": scene.listener_distance_m,
         "q": scene.sound.q,
         "dropHeight": drop.height_m(scene) or None,
     }
+
+
+def played_scene(scene: Scene, speed_m_s: float) -> Data:
+    """Return a scene as the page plays it: at a constant speed over the same track, at one place.
+
+    Settings of the page become its keys. A distance instead of a duration keeps the track, and with
+    it the surface, at every speed.
+    """
+    data = scene.to_dict()
+    data.pop("sweep", None)
+    data["name"] = f"{scene.name[:57]}-played"  # a name has 64 letters at most
+    rolling, plate, sound = data["rolling"], data["plate"], data["sound"]
+    rolling.pop("duration_s", None)
+    rolling.pop("resistance", None)
+    rolling["speed_m_s"] = speed_m_s
+    rolling["distance_mm"] = float(f"{1e3 * scene.track.distance:.12g}")
+    ends = list(scene.plate.contact_ends_mm.values())
+    if ends:
+        plate["contact_mm"] = list(ends[0])
+    if len(ends) > 1:
+        plate.pop("contact_path", None)
+        plate.pop("contact_end_mm", None)
+        places = [[round(1e3 * x, 6) for x in place] for place in scene.listeners]
+        sound.setdefault("listener_mm", places)  # above the middle of the path
+    return data
 
 
 def _fixed(scene: Scene) -> Data:
@@ -112,6 +140,7 @@ def _fixed(scene: Scene) -> Data:
         "weight": scene.rolling.load_n == WEIGHT,
         "rollsOut": scene.rolling.resistance is not None,
         "gravity": GRAVITY,
+        "mostModes": MAX_MODES,
     }
 
 

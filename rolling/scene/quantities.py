@@ -177,11 +177,27 @@ class SceneQuantities(Section):
         return [(x, y, self.sound.distance_m)]
 
     @property
+    def is_listener_placed(self) -> bool:
+        """Whether the levels belong to sound.listener_mm; otherwise they belong to distance_m."""
+        return self.sound.listener_mm is not None and self.sound.source == "vibration"
+
+    @property
+    def listener_distance_m(self) -> float:
+        """Distance [m] from the contact, or the middle of its path, to the first listener."""
+        if not self.is_listener_placed:
+            return self.sound.distance_m
+        ends = list(self.plate.contact_ends_mm.values())
+        middle = [5e-4 * (ends[0][axis] + ends[-1][axis]) for axis in (0, 1)]
+        return math.dist((*middle, 0.0), self.listeners[0])
+
+    @property
     def listener_place(self) -> str:
         """Place of the first listener in words: a distance, or coordinates from the corner."""
-        if self.sound.listener_mm is None or self.sound.source != "vibration":
+        distance = f"{self.listener_distance_m:.3g} m"
+        if not self.is_listener_placed:
             return f"{self.sound.distance_m:g} m"
-        return f"{bracketed(self.sound.listener_mm[0])} mm"
+        assert self.sound.listener_mm is not None  # as it is placed
+        return f"{bracketed(self.sound.listener_mm[0])} mm, {distance} from the contact"
 
     @property
     def hardness(self) -> float:

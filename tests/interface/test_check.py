@@ -8,6 +8,7 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 from scene_text import WIDE
 
+import rolling
 from acoustics import wav
 from rolling.check import cost, forecast, refusals
 from rolling.check.cost import expected_step_ms, roughness
@@ -133,6 +134,22 @@ def test_warning(quantity: str, silent: str, loud: str, words: str) -> None:
     assert warning is not None
     assert words in warning
     assert quantity not in (got := found(silent)) or got[quantity].warning is None
+
+
+def test_the_nearness_of_a_placed_listener_is_judged_by_its_place() -> None:
+    """The contact is at [129, 74] mm, and three radii of the ball are 15 mm."""
+    plate = {"length_mm": 300, "width_mm": 200, "thickness_mm": 5, "density_kg_m3": 7850}
+    scene = rolling.read_scene("quickstart").with_(
+        {
+            **{f"plate.{key}": value for key, value in plate.items()},
+            "plate.loss_factor": 0.01, "sphere.density_kg_m3": 7850, "dynamics": {},
+            "rolling.load_n": 5, "sound.listener_mm": [129, 74, 14],
+        }
+    )
+    (near,) = [finding for finding in scene.check() if finding.key == "listener"]
+    assert near.warning is not None and "sound.listener_mm at least 15 mm" in near.warning
+    far = scene.with_({"sound.listener_mm": [129, 74, 16], "sound.distance_m": 0.01})
+    assert not [finding for finding in far.check() if finding.key == "listener"]
 
 
 def test_an_elastic_contact_wider_than_its_track_is_warned_of() -> None:

@@ -18,7 +18,8 @@ from rolling.dynamics import drop, of_scene
 from rolling.dynamics.bodies import Modes
 from rolling.dynamics.force_law import ForceLaw, law_table
 from rolling.dynamics.motion import BodyMotion, Stepping, move
-from rolling.report import live
+from rolling.report import live, text
+from rolling.report.assumed import assumptions
 from rolling.scene.scene import Scene
 
 HALF_SPACE = {"plate.thickness_mm": None, "plate.loss_factor": None}
@@ -241,6 +242,19 @@ def test_runs_are_data() -> None:
         for name, (least, most) in data["limits"].items():
             assert least <= (data["settings"][name] or 0.0) <= most, name
     assert kinds == {"vibration", "release"}
+
+
+def test_the_distance_is_that_of_the_listener() -> None:
+    """It is hypot(31.6, 7, 250) = 252.1 mm, and the place of a release is sound.distance_m."""
+    (placed,) = runs_of("placed")
+    data = live.live_of(placed)
+    assert data is not None
+    assert data["settings"]["distance"] == pytest.approx(0.25209, rel=1e-4)
+    assert data["limits"]["distance"][0] <= data["settings"]["distance"]
+    assert "0.252 m from the contact" in text.sentence([placed])
+    assert "0.252 m" in assumptions(placed)["distance from the contact to the listener"]
+    released = placed.scene.with_({"sound.source": "release"})
+    assert released.listener_distance_m == 1.0
 
 
 @pytest.mark.parametrize(("count", "share"), [(24_000, 1.0), (60_000, 0.5)])

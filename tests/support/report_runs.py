@@ -54,6 +54,16 @@ EDGED = {
     "plate.width_mm": 100,
     "plate.loss_factor": 0.1,
 }
+PLACED = {"sound.listener_mm": [20, 30, 250]}  # 0.252 m from the contact at [51.6, 37, 0] mm
+FALL = {"rolling.speed_m_s": 0.02, "rolling.drop_mm": 0.1, "rolling.load_n": "weight"}
+BESIDE = """\
+name: beside
+sphere: {radius_mm: 10}
+plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, hardness_gpa: 8}
+surface: {kind: gaussian, roughness_ra_um: 1, correlation_length_um: 20, spacing_um: 2,
+  width_um: 512, seed: 1}
+rolling: {load_n: 0.1, speed_m_s: 0.1, duration_s: 0.006}
+"""
 SEEDS = """\
 name: seeds
 sphere: {radius_mm: 5}
@@ -119,6 +129,9 @@ RUNS: dict[str, Callable[[], list[Run]]] = {
     "filmed": lambda: [solved(scene_of(SCENE).with_(duration_s=0.006), film=True)],
     "flying": lambda: swept(FLYING, "rolling.speed_m_s", 0.1, 1, film=True),
     "edged": lambda: [solved(scene_of(FLYING).with_(EDGED))],
+    "placed": lambda: [solved(scene_of(FLYING).with_(EDGED | PLACED))],
+    "falling": lambda: [solved(scene_of(FLYING).with_(FALL), film=True)],
+    "beside": lambda: [solved(scene_of(BESIDE))],
     "seeds": _seeds,
     "memory": lambda: [solved(scene_of(MEMORY))],
 }
