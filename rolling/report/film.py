@@ -33,7 +33,7 @@ MOSTLY = 0.5  # share of the sound that is still heard at the first choice
 
 
 def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
-    """Return the film of a run for the script of the page; None without a slow motion.
+    """Return the film of a run for the script of the page; None without a slow motion of it.
 
     Parameters
     ----------
@@ -48,8 +48,8 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
         share of the sound that lies above `AUDIBLE_HZ` by the rate at which the record is slowed,
         and `rate` the first choice.
     """
-    slow = run.result.slow_motion
-    if slow is None or not slow.pressure.size:
+    slow = slow_motion(run)
+    if slow is None:
         return None
     times, side = run.position_time[slow.positions], slow.cell * 1e6
     ends = flights(run, times)
@@ -80,6 +80,17 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
         "heard": {rate: round(share, 3) for rate, share in heard.items()},
         "rate": max((x for x in AUDIBLE_RATES if heard[x] >= MOSTLY), default=AUDIBLE_RATES[0]),
     }
+
+
+def slow_motion(run: Run) -> SlowMotion | None:
+    """Return the slow motion of a run; None where none is kept, and for a ball that falls.
+
+    Its maps show the ball as it rolls under its load, which a ball that falls and bounces does not.
+    """
+    slow = run.result.slow_motion
+    if slow is None or not slow.pressure.size or run.scene.rolling.drop_mm is not None:
+        return None
+    return slow
 
 
 def heard_shares(run: Run) -> dict[int, float]:
@@ -126,10 +137,13 @@ def _ground(run: Run, slow: SlowMotion) -> maps.Pixels:
 def still(run: Run) -> dict[str, Any] | None:
     """Draw the loudest moment of a run as `png`, with the contact `at` [percent of the width].
 
-    Without a slow motion it is the map in the middle of the record; None without maps.
+    Without a slow motion it is the map in the middle of the record; None without maps, and for a
+    ball that falls.
     """
-    slow = run.result.slow_motion
-    if slow is None or not slow.pressure.size:
+    if run.scene.rolling.drop_mm is not None:
+        return None
+    slow = slow_motion(run)
+    if slow is None:
         return maps.middle_map(run)
     at = loudest(run, slow)
     picture = Image.fromarray(_ground(run, slow)).convert("RGB")
@@ -207,8 +221,8 @@ def _quantity(value: float, unit: str) -> str:
 @own_settings()
 def curves(run: Run) -> list[dict[str, Any]]:
     """Draw the release power of a film and, with dynamics, the motion of the ball as charts."""
-    slow = run.result.slow_motion
-    if slow is None or not slow.pressure.size:
+    slow = slow_motion(run)
+    if slow is None:
         return []
     times = run.position_time[slow.positions]
     figures = {"film_power": Figure(), "film_motion": Figure()}

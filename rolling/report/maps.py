@@ -12,12 +12,16 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from acoustics.arrays import Array
+from rolling.check.finding import si
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.marches.observers import PressureMap
 from rolling.results.run_result import Run
 from rolling.scene.track import Motion
 
 COLOUR_MAP = "magma"  # a perceptually uniform map, black without pressure
+FAINTEST = 0.25  # of the colour map, for the lowest pressure: less looks as black as no pressure
+REACHED = 0.5  # share of the hardness that pressures reach at least where the colours end at it
+AT_REST = 2.0  # ratio of force and load up to which a map under the load is shown for a fall
 SHADES = 255  # shades of pressure; entry 0 of the palette means no pressure
 Pixels = NDArray[np.uint8]
 Tile = tuple[int, int, int, int]  # left, top, width and height of a map in its picture [pixels]
@@ -28,7 +32,7 @@ Tile = tuple[int, int, int, int]  # left, top, width and height of a map in its 
 
 def palette() -> Pixels:
     """Return colours (1 + SHADES, 3): no pressure first, then from the minimum to the maximum."""
-    colours = matplotlib.colormaps[COLOUR_MAP](np.linspace(0, 1, SHADES))[:, :3]
+    colours = matplotlib.colormaps[COLOUR_MAP](np.linspace(FAINTEST, 1, SHADES))[:, :3]
     return np.vstack([np.zeros(3), np.round(255 * colours)]).astype(np.uint8)
 
 
@@ -79,13 +83,15 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
     """Return the scales of length and colour that the maps of all runs share; None without maps.
 
     The keys are half_um (half the side of the square shown), max_gpa (pressure of the last colour),
-    hardness (whether that is the hardness) and colours (of CSS).
+    hardness (whether that is the hardness) and colours (of CSS). Colours end at the hardness only
+    where pressures come near it; otherwise all of them would be dark.
     """
     mapped = [run for run in runs if run.result.maps]
     if not mapped:
         return None
     hardness = max(run.scene.hardness for run in mapped)
     computed = max(float(shown.pressure.max()) for run in mapped for shown in sounding_maps(run))
+    yields = bool(np.isfinite(hardness)) and computed >= REACHED * hardness
     reach = [1e6 * max(semi_axes(run.scene)) for run in mapped]
     for run in mapped:
         for shown in sounding_maps(run):
@@ -94,8 +100,8 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
             reach += [-left, left + along * cell, top, across * cell - top]
     return {
         "half_um": 1.05 * max(reach),
-        "max_gpa": 1e-9 * (hardness if np.isfinite(hardness) else computed),
-        "hardness": bool(np.isfinite(hardness)),
+        "max_gpa": 1e-9 * (hardness if yields else computed),
+        "hardness": yields,
         "colours": [f"rgb({r},{g},{b})" for r, g, b in palette()[1::2]],
     }
 
@@ -103,7 +109,8 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
 def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
     """Return the maps of a run with their times [s], places [um] and numbers; None without maps.
 
-    A map is shown from `begins` on, in the `order` of its index. A box holds left and top of a map
+    A map is shown from `begins` on, in the `order` of its index. Where `instead` has a sentence, it
+    is shown instead: the contact at that time was not computed. A box holds left and top of a map
     from the sphere's centre, across upwards, and the side of a cell [um]. `readings` are texts.
     """
     if not run.result.maps:
@@ -125,6 +132,7 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
         "sheets": [sheet | {"boxes": [rounded_box(*_box(shown, run)) for shown in maps]}],
         "begins": np.round(begins, 7).tolist(),
         "order": order.tolist(),
+        "instead": _instead(run, begins),
         "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
         "position_mm": places,
         "readings": {
@@ -136,6 +144,33 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
             "plastic": series("plastic_area", 1e12, "µm²"),
         },
     }
+
+
+def _instead(run: Run, begins: Array) -> list[str | None]:
+    """Return a sentence for each time in which the ball does not press with about its load.
+
+    Maps belong to the load. The ball flies for most of the time until the next map, or its fall
+    ends with a force that the maps do not know.
+    """
+    if run.vibration is None:
+        return [None] * len(begins)
+    motion, load, sentences = run.vibration.motion, run.vibration.load, list[str | None]()
+    falls, count = run.scene.rolling.drop_mm is not None, len(motion.force_n)
+    ends = np.append(begins[1:], run.sound.duration)
+    for begin, end in zip(begins, ends, strict=True):
+        first = round(begin / motion.time_step_s)
+        last = max(first + 1, round(end / motion.time_step_s))
+        force = motion.force_n[np.arange(first, last) % count]  # a settled motion repeats
+        rests = force.min() > load / AT_REST and force.max() < AT_REST * load
+        if np.mean(force == 0) > 0.5:
+            sentences.append("the ball flies: nothing touches")
+        elif falls and not rests:
+            most = si(float(force.max()), "N")
+            known = f"the contact is computed under the load of {si(load, 'N')} alone"
+            sentences.append(f"the ball bounces with up to {most}; {known}")
+        else:
+            sentences.append(None)
+    return sentences
 
 
 def middle_map(run: Run) -> dict[str, Any] | None:

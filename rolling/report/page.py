@@ -87,6 +87,8 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         lengths={round(run.sound.duration, 4) for run in runs},
         short=any(c["key"] == "short_loop" for view in views for c in view["repeats"]),
         map_scale=scale,
+        map_flies=any(any(player["maps"]["instead"]) for player in players if player["maps"]),
+        stills=any(player["maps"] and not player["falls"] for player in players),
         filmed=any(player["film"] for player in players),
         moved=any(len(view["curves"]) > 1 for view in views),
         curves=_comparing_exhibits(runs),
@@ -162,6 +164,8 @@ def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
     for number, (run, sound) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
         # The page has maps that move, and each surface once.
         left_out = {"surface", "contact_pressure" if run.result.maps else ""}
+        if run.scene.rolling.drop_mm is not None:  # it does not roll at that time
+            left_out.add("release_power")
         pictures = dict[str, dict[str, Any]]()
         for name in SINGLE:
             if name in left_out:
@@ -186,7 +190,7 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
     with left_out_if_it_fails(f"of the slow motion of {run.label}"):
         slow_motion = film.film_of(run, scale["max_gpa"]) if scale else None
     return {name: view[name] for name in ("label", "lap", "solved", "playback", "live")} | {
-        "swept": run.values,
+        "falls": run.scene.rolling.drop_mm is not None,
         "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
         "film": slow_motion,
         "bands": _rounded(run.sound.levels.third_octave_db),

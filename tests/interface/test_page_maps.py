@@ -8,6 +8,7 @@ from report_browser import PIXELS, data_of, hear, map_of, play, seek, time_of, u
 from report_runs import runs_of
 
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.report.film import still as gallery_still
 from rolling.report.maps import palette
 from rolling.results.run_result import Run
 
@@ -272,3 +273,29 @@ def test_the_film_marks_flights_and_has_no_curves_without_dynamics(pages, opened
         assert (flashes(frames) > 3).mean() * pixels < FLASHING_PX
         page.check("input[name=run][value='2']")
         assert curves.count() == 0
+
+
+def test_a_falling_ball_does_not_roll_under_its_load(pages, opened) -> None:
+    """A fall of 0.1 mm takes 4.5 ms, and the ball bounces until the end of the record, at 30 ms.
+
+    No still, slow motion or map shows a contact in that time, and the page says why.
+    """
+    path, run = pages("falling"), runs_of("falling")[0]
+    player = data_of(path)["runs"][0]
+    assert run.result.slow_motion is not None and player["film"] is None
+    assert gallery_still(run) is None
+    maps = player["maps"]
+    motion = run.vibration.motion
+    first = motion.time_s[np.argmax(motion.force_n > 0)]
+    assert first == pytest.approx(4.5e-3, rel=0.02)
+    for begin, sentence in zip(maps["begins"], maps["instead"], strict=True):
+        if begin < first - 1e-3:
+            assert sentence is not None and "flies" in sentence
+    with opened(path) as page:
+        assert page.locator("#still").count() == 0 or page.locator("#still").is_hidden()
+        assert page.locator("#film").count() == 0 or page.locator(".film").is_hidden()
+        seek(page, 0.0)
+        assert "flies" in page.text_content("#map-flies")
+        places = [(x, y) for x in range(20, 640, 40) for y in range(20, 600, 40)]
+        assert np.max(page.locator("#map").evaluate(PIXELS, places)) == 0
+        assert page.text_content("#map-pressure") == "\N{EN DASH}"

@@ -2,9 +2,13 @@
 
 import { $, data, motionUnwanted, runs, seconds, solvedTime, state } from "./core.js";
 
+const OF_CONTACT = ["load", "pressure", "area", "plastic"]; // readings that belong to a map
 const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
 const MAP_WORDS = "The contact from above: the pressure on the asperities.";
 const FILM_WORDS = "The contact from above: the surface (grey), the pressure on its asperities (warm), and the energy that they release (blue).";
+
+const FALL_WORDS = "The ball falls and bounces: no picture of a contact under its load is shown.";
+const LENS_CELLS = 8; // of a map across the lens at least
 
 /** Draw the layers of a map about the sphere's centre at (x, y); call `again` when more are loaded. */
 export function drawSolved(pen, { sheets }, at, { x, y, perUm }, again) {
@@ -23,10 +27,10 @@ export function drawSolved(pen, { sheets }, at, { x, y, perUm }, again) {
 }
 
 /** Return the width of a picture and the sphere's centre in it [um]; the surface of a film stays fixed. */
-function frameOf({ size_um: size, sheets: [{ boxes }] }, at, aspect) {
+function frameOf({ size_um: size, sheets }, at, aspect) {
   const { half_um: half } = data.view;
   if (!size) return { width: 2 * half * aspect, x: half * aspect, y: half };
-  const [along, across] = size, width = Math.min(along, aspect * across);
+  const [along, across] = size, width = Math.min(along, aspect * across), [{ boxes }] = sheets;
   const inside = (place, room, part) => place - Math.max(0, Math.min(room - part, place - part / 2));
   return { width, x: inside(-boxes[at][0], along, width), y: inside(boxes[at][1], across, width / aspect) };
 }
@@ -44,13 +48,23 @@ export function drawContact(canvas, solved, at, again) {
   scale.textContent = `${Number(length.toPrecision(1))} µm`;
 }
 
+/** Draw a map as large as its contact allows on a round canvas; `again` draws it when its picture is loaded. */
+export function drawLensMap(canvas, maps, at, again) {
+  const { width } = canvas, [{ tiles, boxes }] = maps.sheets, [left, top, cell] = boxes[at], [, , along, across] = tiles[at];
+  const wanted = Math.max(1.05 * cell * Math.hypot(along, across), LENS_CELLS * cell);
+  const perUm = width / 2 ** (Math.ceil(2 * Math.log2(wanted)) / 2); // in steps, so that it does not breathe
+  const x = width / 2 - (left + (along * cell) / 2) * perUm, y = width / 2 + (top - (across * cell) / 2) * perUm;
+  drawSolved(canvas.getContext("2d"), maps, at, { x, y, perUm }, again);
+}
+
 /** Show the chosen run where its contact presses hardest, or in the middle of its maps. */
 export function showStill() {
   const canvas = $("#still");
   if (!canvas) return;
-  const { film, maps, label } = runs[state.run];
-  canvas.parentElement.hidden = !film && !maps;
-  $("#still-note").textContent = film ? FILM_WORDS : maps ? MAP_WORDS : "No map of the contact is kept.";
+  const { film, maps, falls, label } = runs[state.run];
+  canvas.parentElement.hidden = falls || (!film && !maps);
+  $("#still-note").textContent = falls ? FALL_WORDS : film ? FILM_WORDS : maps ? MAP_WORDS : "No map of the contact is kept.";
+  if (falls) return;
   canvas.setAttribute("aria-label", `The contact of ${label} seen from above`);
   if (film) drawContact(canvas, film, film.loudest, showStill);
   else if (maps) drawContact(canvas, maps, maps.position_mm.length >> 1, showStill);
@@ -58,7 +72,7 @@ export function showStill() {
 
 // ---- while it sounds ----
 
-const last = { run: -1, map: -1, at: 0 }; // map that is shown, and when it was drawn
+const last = { run: -1, map: -1, instead: null, at: 0 }; // what is shown, and when it was drawn
 
 /** Show the map of the time that is heard; while it plays, a map stays long enough to be seen. */
 export function showMap() {
@@ -69,18 +83,26 @@ export function showMap() {
   if (!maps) return;
   $("#map-run").textContent = label;
   $("#map-time").textContent = seconds(time);
-  const map = maps.order[maps.begins.findLastIndex((begin) => begin <= time)];
+  const turn = maps.begins.findLastIndex((begin) => begin <= time), map = maps.order[turn], instead = maps.instead[turn];
   const held = state.voices && state.run === last.run && now - last.at < HOLD_MS;
-  if (held || (state.run === last.run && map === last.map)) return;
-  Object.assign(last, { run: state.run, map, at: now });
-  for (const [name, texts] of Object.entries(maps.readings)) $(`#map-${name}`).textContent = texts[map];
+  if (held || (state.run === last.run && map === last.map && instead === last.instead)) return;
+  Object.assign(last, { run: state.run, map, instead, at: now });
+  for (const [name, texts] of Object.entries(maps.readings)) $(`#map-${name}`).textContent = instead && OF_CONTACT.includes(name) ? "–" : texts[map];
   Object.assign($("#map-seek"), { max: maps.position_mm.length - 1, value: map });
   $("#map-seek").setAttribute("aria-valuetext", maps.readings.number[map]);
   $("#map").setAttribute("aria-label", `Contact pressure, ${label}, ${maps.readings.number[map]}`);
-  drawContact($("#map"), maps, map, () => {
+  showInstead(instead);
+  drawContact($("#map"), instead ? { ...maps, sheets: [] } : maps, map, () => {
     last.map = -1;
     showMap();
   });
+}
+
+/** Show a sentence instead of a contact that was not computed. */
+function showInstead(sentence) {
+  $("#map-flies").hidden = !sentence;
+  $("#map-flies").textContent = sentence ?? "";
+  $("#map").parentElement.querySelector(".hertz").hidden = Boolean(sentence);
 }
 
 /** Return the time at which a map of the chosen run is first shown. */
