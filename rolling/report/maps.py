@@ -21,6 +21,8 @@ from rolling.scene.track import Motion
 COLOUR_MAP = "magma"  # a perceptually uniform map, black without pressure
 FAINTEST = 0.25  # of the colour map, for the lowest pressure: less looks as black as no pressure
 REACHED = 0.5  # share of the hardness that pressures reach at least where the colours end at it
+LENS_SHARE = 0.04  # of the round lens that the contact fills at least,
+LENS_CELLS = 8  # unless so few cells are across it
 AT_REST = 2.0  # ratio of force and load up to which a map under the load is shown for a fall
 SHADES = 255  # shades of pressure; entry 0 of the palette means no pressure
 Pixels = NDArray[np.uint8]
@@ -111,7 +113,9 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
 
     A map is shown from `begins` on, in the `order` of its index. Where `instead` has a sentence, it
     is shown instead: the contact at that time was not computed. A box holds left and top of a map
-    from the sphere's centre, across upwards, and the side of a cell [um]. `readings` are texts.
+    from the sphere's centre, across upwards, and the side of a cell [um]. `lens` holds the middle
+    from the sphere's centre and the width of a round part that shows the contact [um]. `readings`
+    are texts.
     """
     if not run.result.maps:
         return None
@@ -130,6 +134,7 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
     places = [float(f"{shown.distance * 1e3:.6g}") for shown in maps]
     return {
         "sheets": [sheet | {"boxes": [rounded_box(*_box(shown, run)) for shown in maps]}],
+        "lens": [lens(shown.pressure, _box(shown, run)) for shown in maps],
         "begins": np.round(begins, 7).tolist(),
         "order": order.tolist(),
         "instead": _instead(run, begins),
@@ -144,6 +149,36 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
             "plastic": series("plastic_area", 1e12, "µm²"),
         },
     }
+
+
+def lens(pressure: Array, box: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return middle x and y and width [um] of a round part of a map that shows its contact.
+
+    It is the whole map, unless the contact is a thin line or a few points of it. Then it becomes
+    smaller about the highest pressure. Widths have steps of the root of 2, so that the scale
+    changes rarely from map to map.
+    """
+    left, top, cell = box
+    loaded = np.argwhere(pressure > 0)
+    if not len(loaded):
+        loaded = np.array([[0, 0], np.array(pressure.shape) - 1])
+    ends = np.array([loaded.min(axis=0), loaded.max(axis=0)])
+    diagonal = float(np.hypot(*(ends[1] - ends[0] + 1)))
+    middle = ends.mean(axis=0)
+    width = _stepped(max(diagonal, LENS_CELLS) * cell)
+    peak = np.array(np.unravel_index(np.argmax(pressure), pressure.shape))
+    while width / 2**0.5 >= LENS_CELLS * cell:
+        inside = np.hypot(*(loaded - middle).T) <= width / cell / 2
+        if inside.sum() * cell**2 >= LENS_SHARE * np.pi / 4 * width**2:
+            break
+        width, middle = width / 2**0.5, peak
+    x, y = left + (middle[0] + 0.5) * cell, top - (pressure.shape[1] - middle[1] - 0.5) * cell
+    return round(float(x), 4), round(float(y), 4), round(width, 4)
+
+
+def _stepped(width: float) -> float:
+    """Return the next larger power of the root of 2."""
+    return 2.0 ** (math.ceil(2 * math.log2(width)) / 2)
 
 
 def _instead(run: Run, begins: Array) -> list[str | None]:

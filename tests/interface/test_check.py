@@ -142,8 +142,11 @@ def test_the_nearness_of_a_placed_listener_is_judged_by_its_place() -> None:
     scene = rolling.read_scene("quickstart").with_(
         {
             **{f"plate.{key}": value for key, value in plate.items()},
-            "plate.loss_factor": 0.01, "sphere.density_kg_m3": 7850, "dynamics": {},
-            "rolling.load_n": 5, "sound.listener_mm": [129, 74, 14],
+            "plate.loss_factor": 0.01,
+            "sphere.density_kg_m3": 7850,
+            "dynamics": {},
+            "rolling.load_n": 5,
+            "sound.listener_mm": [129, 74, 14],
         }
     )
     (near,) = [finding for finding in scene.check() if finding.key == "listener"]

@@ -8,7 +8,6 @@ const MAP_WORDS = "The contact from above: the pressure on the asperities.";
 const FILM_WORDS = "The contact from above: the surface (grey), the pressure on its asperities (warm), and the energy that they release (blue).";
 
 const FALL_WORDS = "The ball falls and bounces: no picture of a contact under its load is shown.";
-const LENS_CELLS = 8; // of a map across the lens at least
 
 /** Draw the layers of a map about the sphere's centre at (x, y); call `again` when more are loaded. */
 export function drawSolved(pen, { sheets }, at, { x, y, perUm }, again) {
@@ -48,13 +47,10 @@ export function drawContact(canvas, solved, at, again) {
   scale.textContent = `${Number(length.toPrecision(1))} µm`;
 }
 
-/** Draw a map as large as its contact allows on a round canvas; `again` draws it when its picture is loaded. */
+/** Draw the part of a map that shows its contact on a round canvas; `again` draws it when its picture is loaded. */
 export function drawLensMap(canvas, maps, at, again) {
-  const { width } = canvas, [{ tiles, boxes }] = maps.sheets, [left, top, cell] = boxes[at], [, , along, across] = tiles[at];
-  const wanted = Math.max(1.05 * cell * Math.hypot(along, across), LENS_CELLS * cell);
-  const perUm = width / 2 ** (Math.ceil(2 * Math.log2(wanted)) / 2); // in steps, so that it does not breathe
-  const x = width / 2 - (left + (along * cell) / 2) * perUm, y = width / 2 + (top - (across * cell) / 2) * perUm;
-  drawSolved(canvas.getContext("2d"), maps, at, { x, y, perUm }, again);
+  const { width } = canvas, [x, y, size] = maps.lens[at], perUm = width / size;
+  drawSolved(canvas.getContext("2d"), maps, at, { x: width / 2 - x * perUm, y: width / 2 + y * perUm, perUm }, again);
 }
 
 /** Show the chosen run where its contact presses hardest, or in the middle of its maps. */

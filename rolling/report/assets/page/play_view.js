@@ -73,7 +73,7 @@ function drawLens() {
   $("#play-lens-words").textContent = map < 0 ? "nothing touches" : "contact under the ball";
   if (map < 0) canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
   else drawLensMap(canvas, maps, map, () => {
-    view.map = "";
+    Object.assign(view, { map: "", mapAt: 0 });
     drawLens();
   });
 }
