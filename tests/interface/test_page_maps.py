@@ -9,7 +9,7 @@ from report_runs import runs_of
 
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.report.film import still as gallery_still
-from rolling.report.maps import palette
+from rolling.report.maps import lens, palette
 from rolling.results.run_result import Run
 
 FLASHING_PX = 21824  # on which WCAG 2.3.1 allows more than three flashes a second
@@ -140,6 +140,37 @@ def test_keys_act_as_the_page_states(pages, opened) -> None:
         before = map_of(page)
         press("ArrowRight")
         assert map_of(page) == (before + 1) % 120
+
+
+def contact_shapes() -> dict[str, np.ndarray]:
+    """Return pressures of a disk, a line, two points far apart, one cell, and a wide flat contact."""
+    x, y = np.mgrid[:96, :96]
+    points = np.zeros((96, 90))
+    points[2, 3], points[93, 80] = 1.0, 2.0
+    return {
+        "disk": np.where(np.hypot(x - 48, y - 48) < 47, 1.0, 0.0),
+        "line": np.where(y[:, :3] == 1, 1.0 + x[:, :3], 0.0),
+        "points": points,
+        "cell": np.ones((1, 1)),
+        "flat": np.ones((96, 20)),
+    }
+
+
+@pytest.mark.parametrize("name", contact_shapes())
+def test_the_lens_shows_the_highest_pressure_of_any_shape(name: str) -> None:
+    """The contact fills 4 % of the lens, or the lens is 8 to 12 cells wide.
+
+    A width is rounded up by a step of the root of 2 at most.
+    """
+    pressure, cell = contact_shapes()[name], 3.0
+    left, top = -40.0, 70.0
+    x, y, width = lens(pressure, (left, top, cell))
+    rows, columns = np.indices(pressure.shape)
+    across = top - (pressure.shape[1] - columns - 0.5) * cell
+    away = np.hypot(left + (rows + 0.5) * cell - x, across - y)
+    assert away.ravel()[np.argmax(pressure)] < width / 2
+    share = ((away < width / 2) & (pressure > 0)).sum() * cell**2 / (np.pi / 4 * width**2)
+    assert share >= 0.039 or 8 * cell <= width <= 12 * cell
 
 
 # ---- film
