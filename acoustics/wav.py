@@ -13,7 +13,14 @@ import numpy as np
 import soundfile
 from numpy.typing import ArrayLike, NDArray
 
-from acoustics.arrays import Array, real_array, refuse_masked
+from acoustics.arrays import (
+    Array,
+    finite,
+    instance,
+    positive,
+    real_array,
+    truth,
+)
 from acoustics.level import a_weighted_rms
 from acoustics.radiation import P_REF_PA
 
@@ -127,7 +134,9 @@ def listening(
     >>> len(wav.listening(tone, gain, f"gain {gain:g}", bits=16)) > 2 * len(tone)
     True
     """
-    samples = gain * _samples(pressure_pa)
+    if type(bits) is not int or bits not in (16, 24):
+        raise ValueError(f"bits: got {bits!r}, allowed: 16 or 24")
+    samples = finite("gain", gain) * _samples(pressure_pa)
     peak = float(np.max(np.abs(samples)))
     if peak > 1.0:
         words = f"a gain of {gain:g} per Pa drives the peak to {peak:.4g} of full scale"
@@ -168,8 +177,8 @@ def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float 
     >>> round(float(20 * np.log10(wav.listening_gain(tone))), 2)
     -23.0
     """
-    refuse_masked("pressure_pa", pressure_pa)
-    pressure_pa = np.asarray(pressure_pa)
+    pressure_pa = _samples(pressure_pa)
+    target_rms, peak = positive("target_rms", target_rms, 1.0), positive("peak", peak, 1.0)
     largest = float(np.max(np.abs(pressure_pa), initial=0.0))
     if largest < np.finfo(float).tiny:  # the gain would not be a number
         return 1.0
@@ -205,11 +214,13 @@ def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
 
 def _samples(pressure: ArrayLike) -> Array:
     """Return a record (n,) or several of them (n, channels) as floats; refuse other arrays."""
-    return real_array("record", pressure, 2 if np.ndim(pressure) == 2 else 1)
+    return real_array("pressure_pa", pressure, 2 if np.ndim(pressure) == 2 else 1)
 
 
 def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: bool) -> bytes:
+    loops = truth("loops", loops)
     for field, text in (("comment", comment), ("title", title)):
+        instance(field, text, str)
         length = len(text.encode())
         if length > _LONGEST_TEXT:
             raise ValueError(f"the {field} takes {length} bytes, at most {_LONGEST_TEXT} fit")

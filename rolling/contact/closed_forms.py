@@ -61,8 +61,10 @@ def contact_modulus(
     for modulus_name, modulus, ratio_name, ratio in bodies:
         if type(ratio) not in (int, float) or ratio:
             ratio = positive(ratio_name, ratio, 0.5)
-        is_rigid = modulus_name == "other_modulus" and modulus == math.inf
-        compliance += (1 - ratio**2) / (math.inf if is_rigid else _size(modulus_name, modulus))
+        may_be_rigid = modulus_name == "other_modulus"
+        stiffness = positive(modulus_name, modulus, infinite=may_be_rigid)
+        if stiffness < math.inf:
+            compliance += (1 - ratio**2) / _size(modulus_name, stiffness)
     return 1 / compliance
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from acoustics.arrays import Array, real_array, within
+from acoustics.arrays import Array, real_array, truth, within
 from rolling.scene.messages import table
 
 # Unit in SI and meaning by short name.
@@ -66,6 +66,7 @@ def surface_parameters(
     if len(pair) != 2:
         raise ValueError(f"spacing_um: got {len(pair)} numbers, allowed: one or a pair")
     steps = [1e-6 * within("spacing_um", step, 1e-15, 1e15) for step in pair]
+    periodic = truth("periodic", periodic)
     return parameters(real_array("heights", heights, 2, gaps=True), steps, periodic)
 
 

@@ -35,9 +35,12 @@ CALLS: dict[Callable[..., Any], dict[str, Any]] = {
     STEEL.deflection: {"pressure": FLAT + 1e9},
     rc.solve_contact: {
         "half_space": STEEL, "gap": GAP, "load": 0.02, "start": None, "hardness": 2e9,
-        "shape": GAP, "tolerance": 1e-5,
+        "shape": GAP, "tolerance": 1e-5, "single": True,
     },
-    rc.RollingContact: CONTACT | {"loads": np.full(5, 0.05), "subcells": 1, "radius_across": 1e-3},
+    rc.RollingContact: CONTACT | {
+        "loads": np.full(5, 0.05), "subcells": 1, "radius_across": 1e-3, "single": True,
+        "blended": True, "slopes": True,
+    },
     rc.march: {
         "contact": ROLLING, "first": 0, "last": 1, "half_space": rc.HalfSpace(4e-6, 230e9)
     },
@@ -64,11 +67,13 @@ CALLS: dict[Callable[..., Any], dict[str, Any]] = {
     acoustics.laeq_db: RECORD,
     acoustics.lae_db: RECORD,
     acoustics.is_single_event: RECORD,
-    acoustics.sound_levels: RECORD | {"highest_hz": 20e3},
+    acoustics.sound_levels: RECORD | {"highest_hz": 20e3, "closed": True},
     acoustics.loudest_octave: SIGNAL,
-    acoustics.modulated_octave: SIGNAL | {"frequency_hz": 20.0, "gain": np.ones(len(TONE))},
+    acoustics.modulated_octave: SIGNAL | {
+        "frequency_hz": 20.0, "closed": True, "gain": np.ones(len(TONE))
+    },
     acoustics.envelope_spectrum: SIGNAL | {
-        "band_hz": (500.0, 2000.0), "gain": np.ones(len(TONE))
+        "band_hz": (500.0, 2000.0), "closed": False, "gain": np.ones(len(TONE))
     },
     acoustics.line_spectrum: SIGNAL,
     acoustics.welch: SIGNAL,
@@ -77,6 +82,8 @@ CALLS: dict[Callable[..., Any], dict[str, Any]] = {
     acoustics.level_uncertainty: RECORD | {
         "levels": acoustics.sound_levels(TONE, RATE), "own_factor": True, "laps": 1.0
     },
+    acoustics.wav.listening: {"gain": 0.5, "loops": False, "pressure_pa": TONE, "comment": ""},
+    acoustics.wav.listening_gain: {"pressure_pa": TONE, "target_rms": 0.1, "peak": 0.9},
     acoustics.kurtosis: {"record": TONE},
     acoustics.kurtosis_uncertainty: {"record": TONE},
 }  # fmt: skip
@@ -86,11 +93,17 @@ BAD_ARRAYS = (
     np.full((5, 5), np.nan), np.full(5, np.inf), np.full(5, 1j), np.full(5, np.nan),
 )  # fmt: skip
 # Values that are bad elsewhere and have a meaning here.
-ANY_SIGN = {"start", "first", "last", "mean_square", "q"}
+ANY_SIGN = {"start", "first", "last", "mean_square", "q", "gain"}
 ANY_SHAPE = {"power_w", "frequency_hz"}  # of one function each
 CASES = [
-    (call, name) for call, arguments in CALLS.items() for name in arguments if name != "own_factor"
+    (call, name)
+    for call, arguments in CALLS.items()
+    for name, value in arguments.items()
+    if not isinstance(value, str)
 ]
+# Numbers that are infinite, beyond double precision, or so far off that sums lose their digits.
+EXTREME = (np.inf, -np.inf, np.float64(np.inf), 10**400, True)
+MAY_BE_INFINITE = {"hardness", "highest_hz", "other_modulus"}
 
 
 def title(value: Any) -> str:
@@ -104,10 +117,93 @@ def bad_values(name: str, valid: Any) -> list[Any]:
         return [bad for bad in BAD_ARRAYS if not (meant and acceptable(bad))]
     if isinstance(valid, tuple):
         return [*BAD_ARRAYS, (2.0, 1.0), (1.0,), (-1.0, 1.0)]
+    if isinstance(valid, bool):
+        return [None, 0, 1.0, "yes", np.nan, [True], np.array([True, False]), object()]
     if isinstance(valid, float | int):
         meant = {float} if name in ANY_SIGN else {list} if name == "spacing_um" else set()
         return [x for x in BAD_NUMBERS if type(x) not in meant or x != x]
     return ["1", object(), 1.0]
+
+
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [(f, x) for f, x in CASES if type(CALLS[f][x]) in (int, float) and x not in MAY_BE_INFINITE],
+    ids=title,
+)
+@pytest.mark.filterwarnings("error")
+def test_an_extreme_number_is_refused_by_its_name(call: Callable[..., Any], name: str) -> None:
+    """No infinity, no number that double precision cannot hold, no truth value is a number."""
+    for extreme in EXTREME:
+        if name in ANY_SHAPE and extreme is True:
+            continue
+        with pytest.raises((ValueError, TypeError), match=rf"^{name}: got .*allowed: "):
+            used(call, CALLS[call] | {name: extreme})
+
+
+@pytest.mark.parametrize(
+    ("changes", "allowed"),
+    [
+        ({"start": 1e12}, "start: got 1e.12, allowed: a number from -4000 to 4000"),
+        ({"start": -4001.0}, "start: got -4001, allowed: a number from -4000 to 4000"),
+        ({"loads": [0.05]}, "loads: got 1 number, allowed: the loads of two positions or more"),
+        ({"single": None}, "single: got None, allowed: True or False"),
+        ({"tolerance": 5}, "tolerance: got 5, allowed: a number > 0 and <= 1"),
+        ({"subcells": 65}, "subcells: got 65, allowed: a whole number from 1 to 64"),
+        ({"radius": np.inf}, "radius: got inf, allowed: a number > 0"),
+    ],
+)
+def test_a_rolling_contact_names_the_range(changes: dict[str, Any], allowed: str) -> None:
+    with pytest.raises(ValueError, match=allowed):
+        rc.RollingContact(**CONTACT | changes)
+
+
+@pytest.mark.parametrize("position", [10**12, -(10**12), 10**400])
+def test_a_march_refuses_positions_that_double_precision_cannot_tell_apart(position: int) -> None:
+    for name in ("first", "last"):
+        places = {"first": 0, "last": 0} | {name: position}
+        with pytest.raises(ValueError, match=f"{name}: got .*, allowed: -1000000000 to 1000000000"):
+            next(rc.march(ROLLING, half_space=rc.HalfSpace(4e-6, 230e9), **places))
+
+
+@pytest.mark.parametrize(("unit", "size"), [("um", 1e6), ("mm", 1e3), ("nm", 1e9)])
+def test_heights_in_another_unit_are_refused_with_the_unit(unit: str, size: float) -> None:
+    """A rough surface has slopes near 0.1; in another unit they are impossible in metres."""
+    rough = 2e-7 * np.random.default_rng(1).standard_normal((64, 64))  # rms slope 0.14 at 2 um
+    x = (np.arange(64) - 32) * 2e-6
+    ball = (x[:, None] ** 2 + x**2) / 0.01
+    rc.RollingContact(**CONTACT | {"heights": rough, "spacing": 2e-6})
+    with pytest.raises(ValueError, match=rf"heights: got an rms slope .*in {unit}"):
+        rc.RollingContact(**CONTACT | {"heights": size * rough, "spacing": 2e-6})
+    for hardness in (np.inf, 2.1e9):
+        assert rc.solve_contact(STEEL, ball - rough, 0.1, hardness=hardness).load > 0
+        with pytest.raises(ValueError, match=rf"gap: got an rms slope .*in {unit}"):
+            rc.solve_contact(STEEL, ball - size * rough, 20.0, hardness=hardness)
+
+
+def test_heights_beyond_the_radius_are_refused() -> None:
+    """A wave of 3 mm under a sphere of 1 mm is flat between nodes, and still no plate."""
+    wave = 3e-3 * np.sin(2 * np.pi * np.arange(4096) / 4096)[:, None] * np.ones(8)
+    with pytest.raises(ValueError, match=r"heights: got an rms height .* radius of the sphere"):
+        rc.RollingContact(**CONTACT | {"heights": wave})
+
+
+def test_the_sides_of_a_punch_may_be_high() -> None:
+    """Its rms slope is 280, but the sides never touch."""
+    gap = np.full((24, 24), 1e-3)
+    gap[4:20, 4:20] = 0.0
+    assert rc.solve_contact(STEEL, gap, 0.3).contact_area == pytest.approx(256 * 4e-12)
+
+
+def test_edges_and_names_are_those_of_scenes_and_states() -> None:
+    """An area has one name in a contact and in a state; the old one warns for a version."""
+    scene = rc.read_scene("quickstart")
+    assert ROLLING.blended and scene.numerics.edges == "blended"
+    contact = rc.solve_contact(STEEL, GAP, 0.02)
+    state = next(rc.march(ROLLING, 0, 0, rc.HalfSpace(4e-6, 230e9)))
+    shared = {"pressure", "deflection", "approach", "contact_area", "max_deflection", "residual"}
+    assert all(hasattr(solved, name) for solved in (contact, state) for name in shared)
+    with pytest.warns(DeprecationWarning, match="contact_area"):
+        assert contact.area == contact.contact_area
 
 
 def acceptable(value: Any) -> bool:

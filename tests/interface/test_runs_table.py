@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 import statistics
@@ -12,6 +13,8 @@ import pytest
 from finished import run_of
 from scene_text import TINY
 
+from rolling.commands import write_table
+from rolling.figures.picture import csv_bytes
 from rolling.results.labels import labels
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import with_sound, write_run
@@ -188,3 +191,29 @@ def test_uncertainties_are_rounded_up(level: float | None, spread: float | None,
 def test_columns_are_as_wide_as_their_cells() -> None:
     text = columns([["a", "b"], ["long cell", "x"], ["y", "z"]])
     assert text.splitlines() == ["a          b", "long cell  x", "y          z"]
+
+
+@pytest.mark.parametrize(
+    ("text", "cell"),
+    [
+        ("=HYPERLINK(1)", "'=HYPERLINK(1)"),
+        ("+1+cmd", "'+1+cmd"),
+        ("-2+3", "'-2+3"),
+        ("@SUM(A1)", "'@SUM(A1)"),
+        ("\t=1", "'\\t=1"),
+        ("\r=1", "'\\r=1"),
+        ("red \x1b[31m", "red \\x1b[31m"),
+        ("-5", "-5"),
+        ("+1e3", "+1e3"),
+        ("load 5 N", "load 5 N"),
+    ],
+)
+def test_no_cell_of_a_table_is_a_formula(text: str, cell: str, tmp_path: Path) -> None:
+    """Texts in the index and in columns are written as texts, and numbers stay numbers."""
+    index = pd.MultiIndex.from_tuples([(text, -1.5)], names=["run", "surface.path"])
+    frame = pd.DataFrame({"number": [-2.5], "word": [text]}, index=index)
+    write_table(frame, tmp_path / "runs.csv")
+    for content in ((tmp_path / "runs.csv").read_bytes(), csv_bytes(frame.reset_index())):
+        (head, row) = csv.reader(io.StringIO(content.decode(), newline=""))
+        assert head == ["run", "surface.path", "number", "word"]
+        assert row == [cell, "-1.5", "-2.5", cell]

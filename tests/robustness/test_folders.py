@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import resource
@@ -346,3 +347,105 @@ def test_a_folder_below_a_file_is_refused(
     assert "file/out', but " in (message := capsys.readouterr().err)
     assert message.endswith("file' is a file\n")
     assert (tmp_path / "file").read_text() == "mine"
+
+
+# ---- errors of the system
+
+
+COMMANDS_OF_A_FOLDER = ("status", "report", "listen", "gallery", "table", "plot", "resound")
+
+
+def refused(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """Return what a command says that is refused as bad input, without a number of the system."""
+    assert cli.main(words) == 2
+    said = capsys.readouterr().err
+    assert "Traceback" not in said and "[Errno" not in said
+    return said
+
+
+@pytest.mark.parametrize("kind", ["dangling", "loop", "long", "file", "below a missing link"])
+def test_a_path_that_cannot_become_a_folder_is_named(
+    kind: str, scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = named = tmp_path / "out"
+    if kind == "dangling":
+        out.symlink_to(tmp_path / "nowhere")
+    elif kind == "loop":
+        out.symlink_to(out)
+    elif kind == "long":
+        out = named = tmp_path / ("x" * 300)
+    elif kind == "file":
+        out.touch()
+    else:
+        named = tmp_path / "link"
+        named.symlink_to(tmp_path / "nowhere")
+        out = named / "out"
+    words = words_of(scene, out, "--workers", "1")
+    assert str(named) in refused(words, capsys)
+    before = tree(tmp_path)
+    for command in COMMANDS_OF_A_FOLDER:
+        more = ["--set", "sound.distance_m=2"] if command == "resound" else []
+        assert str(out) in refused([command, str(out), *more], capsys), command
+    for command in ("check", "surface"):
+        assert str(out) in refused([command, str(out)], capsys), command
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.EPERM])
+def test_a_folder_above_that_refuses_is_named(
+    number: int,
+    scene: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The system is replaced, because root may write whatever is read-only."""
+
+    def refuse(self: Path, *arguments: object, **keywords: object) -> None:
+        raise OSError(number, os.strerror(number), str(self))
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    out = tmp_path / "out"
+    said = refused(words_of(scene, out, "--workers", "1"), capsys)
+    assert str(out) in said and os.strerror(number) in said
+    said = refused(["surface", str(scene), "--out", str(out)], capsys)
+    assert str(out) in said
+
+
+def test_a_scene_that_may_not_be_read_is_named(
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = os.open
+
+    def refuse(path: str, *arguments: int, **keywords: int) -> int:
+        if Path(path) == scene:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+        return own(path, *arguments, **keywords)
+
+    monkeypatch.setattr(os, "open", refuse)
+    for command in ("check", "run", "surface"):
+        assert str(scene) in refused([command, str(scene)], capsys), command
+
+
+def test_a_working_folder_that_was_deleted_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    for words in (["run", "quickstart", "-q"], ["status", "."], ["check", "quickstart", "--fast"]):
+        assert "working folder was deleted" in refused(words, capsys)
+
+
+@pytest.mark.parametrize(
+    ("override", "code"),
+    [("rolling.load_n=1e7", 1), ("surface.width_um=1e9", 2), ("rolling.load_n=0.3", 0)],
+)
+def test_check_says_by_its_code_that_a_scene_does_not_run(
+    override: str, code: int, scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A load above the capacity has no solution, and a surface beyond the memory is bad input."""
+    assert cli.main(["check", str(scene), "--fast", "--set", override]) == code
+    said = capsys.readouterr().out
+    assert ("It does not run" in said) == (code != 0)

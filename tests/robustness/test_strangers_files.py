@@ -18,10 +18,11 @@ from commands import ROOT, words_of
 from finished import run_of
 from scene_text import TINY
 
-from rolling import cli
+from rolling import cli, open_run
 from rolling.marches.piece import contact_identity
 from rolling.results.run_result import write_run
-from rolling.scene.file import loads
+from rolling.scene.file import loads, read_scene
+from rolling.scene.messages import SceneError
 from rolling.terminal.files import FolderError, write_bytes
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pipes and links on Windows")
@@ -203,3 +204,56 @@ def test_workers_import_nothing_from_the_working_directory(tmp_path: Path) -> No
     )
     assert not (tmp_path / "hijacked").exists(), done.stderr
     assert done.returncode == 0, done.stderr
+
+
+STEERING = "\x1b]0;stolen\x07\x1b[31m\u202e\x9b2J"
+AS_YAML = "\\e]0;stolen\\a\\e[31m\\u202e\\x9b2J"
+PLACES_OF_A_TEXT = {
+    "duplicate key": f'"{AS_YAML}": 1\n"{AS_YAML}": 2\n',
+    "duplicate value": f'name: x\nname: "{AS_YAML}"\n',
+    "unknown key": TINY + f'"{AS_YAML}": 1\n',
+    "name": TINY.replace("name: ", f'name: "{AS_YAML}" #', 1),
+    "title": TINY + f'title: "{AS_YAML}"\nplate: 3\n',
+    "word": TINY.replace("kind: gaussian", f'kind: "{AS_YAML}"'),
+    "swept label": TINY + f'sweep: {{rolling: {{"{AS_YAML}": {{load_n: -1}}}}}}\n',
+    "tag": TINY + f"title: !{AS_YAML.replace(' ', '')} x\n",
+    "anchor": "a: *nobody\x85\n",
+    "path": TINY.replace("kind: gaussian", f'kind: file, path: "{AS_YAML}.npy", x: 1'),
+}
+
+
+def steers(text: str) -> list[str]:
+    """Return the letters of a text that steer a terminal."""
+    return [letter for letter in text if not letter.isprintable() and letter not in "\n\t"]
+
+
+@pytest.mark.parametrize("place", PLACES_OF_A_TEXT)
+def test_no_text_of_a_scene_steers_the_terminal(
+    place: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "scene.yaml"
+    path.write_text(PLACES_OF_A_TEXT[place], encoding="utf-8")
+    for command in ("check", "run", "surface"):
+        assert cli.main([command, str(path)]) == 2
+        said = capsys.readouterr()
+        assert not steers(said.out + said.err), command
+    with pytest.raises(SceneError) as error:
+        read_scene(path)
+    assert not steers(str(error.value))
+
+
+def test_no_name_of_a_file_steers_the_terminal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / f"a{STEERING}"
+    path.mkdir()
+    (path / "scene.yaml").write_text(STEERING)
+    words = ["status", "report", "listen", "gallery", "table", "plot", "check", "surface"]
+    for command in words:
+        for file in (path, path / "scene.yaml", path / "none.csv"):
+            assert cli.main([command, str(file)]) == 2
+            said = capsys.readouterr()
+            assert not steers(said.out + said.err), command
+    with pytest.raises(FolderError) as error:
+        open_run(path)
+    assert not steers(str(error.value))
