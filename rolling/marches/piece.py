@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
+from acoustics.texts import printable
 from rolling.check import cost, error_cost
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -194,7 +195,7 @@ def _contact_of(piece: Piece) -> RollingContact:
         raise ContactError(f"the surface cannot be read or used: {error}") from error
     if not same:
         _last.clear()
-        files = " or ".join(map(str, scene.height_paths.values()))
+        files = printable(" or ".join(map(str, scene.height_paths.values())))
         raise ContactError(f"{files} is not the surface that was solved")
     if piece.kind == "error":
         return level_contact(scene, piece.level, piece.first, piece.last - piece.first)
