@@ -11,10 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from acoustics.arrays import Array
+from rolling.contact import closed_forms
 from rolling.contact.march import march
 from rolling.contact.solver import ContactError
 from rolling.contact.subcells import half_space_of
 from rolling.dynamics import of_scene
+from rolling.dynamics.force_law import MIN_SLOPE
+from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact
@@ -25,12 +29,13 @@ POSITIONS = 4, 12  # minimum and maximum number of positions at the second load
 STEPS_EACH = 50  # of the track for a position, whose cold start costs some eight steps
 
 
-def solved_stiffness(scene: Scene, result: Result) -> float:
-    """Return the contact stiffness [N/m] of a run at the load of the scene.
+def solved_stiffness(scene: Scene, result: Result) -> Array:
+    """Return the contact stiffness [N/m] at some positions of a run, at the load of the scene.
 
-    It is the inverse of the mean compliance over positions. The secant between two loads belongs to
-    their geometric mean, and the stiffness of a Hertz contact grows with the cube root of the load.
-    The stiffness of a smooth contact stands for it where the lower load has no solution.
+    The secant between two loads belongs to their geometric mean, and the stiffness of a Hertz
+    contact grows with the cube root of the load. The approach rises by a share of Hertz's at least,
+    as in a force law. The stiffness of a smooth contact stands for all where the lower load has no
+    solution.
     """
     left = None if result.passes is None else result.left_by_passes(heights(scene))
     contact = replace(rolling_contact(scene, left), load=LOWER * scene.load)
@@ -44,9 +49,8 @@ def solved_stiffness(scene: Scene, result: Result) -> float:
             (state,) = march(contact, place, place, half_space)
             falls.append(result.series["approach"][place] - state.approach)
     except ContactError:
-        return of_scene.smooth_stiffness(scene)
-    fall = float(np.mean(falls))
-    if not fall > 0:
-        return of_scene.smooth_stiffness(scene)
-    secant = (1 - LOWER) * scene.load / fall
-    return float(secant * LOWER ** (-1 / 6))
+        return np.array([of_scene.smooth_stiffness(scene)])
+    body = equivalent_radius(scene), scene.contact_modulus
+    hertz = [closed_forms.hertz_approach(load, *body) for load in (scene.load, contact.load)]
+    secants = (1 - LOWER) * scene.load / np.maximum(falls, MIN_SLOPE * (hertz[0] - hertz[1]))
+    return np.asarray(secants * LOWER ** (-1 / 6))

@@ -255,6 +255,9 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
     level = _range([level_beside(summary, "vibration_estimate_laeq_db") for summary in known])
     bodies = " or ".join(dict.fromkeys(summary["vibration_estimate_bodies"] for summary in known))
     ratio: float = max(summary["vibration_estimate_force_ratio"] for summary in known)
+    spreads = [summary.get("vibration_estimate_uncertainty_db") for summary in known]
+    if widest := max((spread for spread in spreads if spread is not None), default=0.0):
+        level += f" ± {math.ceil(widest)}"
     words = say("beside.estimate", above=above, level=level, bodies=bodies)
     return words + say("beside.estimate.lost") * (ratio > LINEAR)
 

@@ -262,7 +262,7 @@ class Numerics(Section):
         Precision of the transforms in the iteration; the check of a solution is in double precision
     error_estimate : bool
         Estimate the errors of grid and tolerance in every level, for a quarter more time, or 40 %
-        under an exponential law
+        under an exponential law; on a short track for up to 20 s
 
     Examples
     --------

@@ -35,6 +35,7 @@ OWN_POWERS = -6.0, 0.0  # limits of the power of the last octave of a release
 LAST_OCTAVE = 0.45, 0.75
 MIN_LINES = 8  # in the last octave
 DOUBT = 0.5  # standard uncertainty over the decibels that are missing
+LEAST_DB = 0.1  # standard uncertainty of an error that is hardly there
 MAX_DB = 60.0  # part that a record may miss; it has no level that could be known then
 _SPEEDS = 24  # speeds that stand for a record of changing speed
 _POINTS = 4000  # frequencies of the missing band
@@ -106,7 +107,8 @@ def missing_band(
         whole -= 0.5 * float(error[1])  # the record's own fluctuation sets its factor
     whole = max(whole, -MAX_DB)
     lacking = 10 * math.log10(1 + missing[0] / solved[0])
-    return MissingBand(lowest, whole, DOUBT * min(max(abs(whole), lacking), MAX_DB))
+    doubt = DOUBT * min(max(abs(whole), lacking), MAX_DB)
+    return MissingBand(lowest, whole, math.hypot(LEAST_DB, doubt))
 
 
 @dataclass(frozen=True)

@@ -122,8 +122,10 @@ PLACES, MAX_PLACES, MAX_GAINS = 8, 512, 400_000
 DENSE = 4.0  # samples of an approach in a period of the highest audible frequency, at least
 # Standard uncertainties of the estimate by tests/benchmarks/vibration_estimate_study.py: of the
 # stiffness, relative, and of the linear chain.
-STIFFNESS_ERROR, LINEAR_DB = 0.05, 1.0
-UNRESOLVED = 0.5  # uncertainty of the decibels that lie above the Nyquist frequency of the steps
+STIFFNESS_ERROR, LINEAR_DB = 0.06, 0.5
+# Uncertainty over the decibels between the local and the mean stiffness, and over those that lie
+# above the Nyquist frequency of the steps.
+HALF = 0.5
 
 
 def with_bodies(scene: Scene) -> Scene:
@@ -162,7 +164,11 @@ class VibrationEstimate(NamedTuple):
 
 
 def vibration_estimate(
-    scene: Scene, approach: Array, step: float, closed: bool, stiffness_n_m: float | None = None
+    scene: Scene,
+    approach: Array,
+    step: float,
+    closed: bool,
+    stiffness_n_m: Array | float | None = None,
 ) -> VibrationEstimate:
     """Estimate the LAeq of the vibration, its uncertainty, and the fluctuation of the force.
 
@@ -175,7 +181,8 @@ def vibration_estimate(
     approach : (steps + 1,) array, m. Approach under the constant load at the ends of the steps.
     step : float, m. Length of a step.
     closed : bool. If true, the steps are whole laps of the track.
-    stiffness_n_m : float, N/m. Stiffness of the contact. Default: that of a smooth one.
+    stiffness_n_m : (positions,) array or float, N/m. Stiffness of the contact at positions along
+        the track. Default: that of a smooth contact.
     """
     motion, steps = scene.motion, len(approach) - 1
     duration = motion.duration(steps * step)
@@ -190,26 +197,40 @@ def vibration_estimate(
     if not mean_square.sum() > 0:
         return VibrationEstimate(None, None, 0.0)
     bodies = scene if scene.dynamics is not None else with_bodies(scene)
-    stiffness = stiffness_n_m or of_scene.smooth_stiffness(scene)
-    chains = [
-        of_scene.chain(bodies, factor * stiffness)
+    stiffness = np.atleast_1d(of_scene.smooth_stiffness(scene))
+    if stiffness_n_m is not None:
+        stiffness = np.atleast_1d(stiffness_n_m)
+    mean_stiffness = float(1 / np.mean(1 / stiffness))
+    chain = of_scene.chain(bodies, mean_stiffness)
+    points = _places(bodies, chain, frequency, 1 / duration)
+    forces = _force_gain(chain, points)
+    gain = roughness_gain(bodies, chain)(points.ravel()).reshape(points.shape)
+    gain *= mean_square[:, None] * 10 ** (a_weighting_db(points) / 10) / forces
+
+    def heard(stiffnesses: Array) -> Array:
+        """Return A-weighted mean squares of the lines at their places, as a mean over chains."""
+        chains = [of_scene.chain(bodies, float(k)) for k in stiffnesses]
+        return np.asarray(gain * np.mean([_force_gain(each, points) for each in chains], axis=0))
+
+    at_mean, softer, stiffer = (
+        heard(np.array([factor * mean_stiffness])).sum(axis=0)
         for factor in (1.0, 1 - STIFFNESS_ERROR, 1 + STIFFNESS_ERROR)
-    ]
-    points = _places(bodies, chains[0], frequency, 1 / duration)
-    gain = roughness_gain(bodies, chains[0])(points.ravel()).reshape(points.shape)
-    heard = mean_square[:, None] * gain * 10 ** (a_weighting_db(points) / 10)
-    forces = _force_gain(chains[0], points)
-    ratios = [_force_gain(chain, points) / forces for chain in chains[1:]]
-    by_place = heard.sum(axis=0)
-    square = float(by_place.mean())
-    within = float(heard[frequency < resolved_hz].sum(axis=0).mean())
+    )
+    mean = float(at_mean.mean())
+    # The resonance follows the stiffness along the track where it changes slowly, and the mean
+    # stiffness where it changes within a period. The level lies between both.
+    local = heard(stiffness)
+    following = float(local.sum(axis=0).mean())
+    within = float(local[frequency < resolved_hz].sum(axis=0).mean())
+    square = math.sqrt(mean * following)
     parts = [
         LINEAR_DB,
-        max(_apart_db(float((heard * ratio).mean(axis=1).sum()), square) for ratio in ratios),
-        UNRESOLVED * _apart_db(within, square),
+        max(_apart_db(float(other.mean()), mean) for other in (softer, stiffer)),
+        HALF * _apart_db(following, mean),
+        HALF * _apart_db(within, following),
     ]
     if looped:
-        parts.append(math.sqrt(np.mean([_apart_db(place, square) ** 2 for place in by_place])))
+        parts.append(math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean])))
     force_ratio = math.sqrt(float(mean_square @ forces.mean(axis=1))) / scene.load
     return VibrationEstimate(level.level_db(square), math.hypot(*parts), force_ratio)
 

@@ -87,7 +87,8 @@ def test_the_stiffness_of_a_rough_contact_is_that_of_its_force_law(rough: Run) -
     """
     law, smooth = rough.summary["contact_stiffness_n_m"], of_scene.smooth_stiffness(rough.scene)
     assert smooth > 1.2 * law
-    assert solved_stiffness(rough.scene, rough.result) == pytest.approx(law, rel=0.12)
+    stiffness = solved_stiffness(rough.scene, rough.result)
+    assert 1 / np.mean(1 / stiffness) == pytest.approx(law, rel=0.12)
 
 
 def test_the_estimate_of_a_rough_contact_is_within_3_db(rough: Run) -> None:
