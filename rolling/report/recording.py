@@ -16,7 +16,13 @@ from matplotlib.axes import Axes
 
 from acoustics import level, plots, resampling, spectrum, uncertainty
 from acoustics.arrays import Array
-from acoustics.bands import BAND_NAMES, EDGES_HZ, NOMINAL_HZ, third_octave_mean_square
+from acoustics.bands import (
+    BAND_NAMES,
+    EDGES_HZ,
+    NOMINAL_HZ,
+    band_uncertainty_db,
+    third_octave_mean_square,
+)
 from acoustics.modulation import envelope_spectrum
 from acoustics.radiation import P_REF_PA
 from acoustics.texts import printable
@@ -200,7 +206,9 @@ def _bands(record: Recording, seconds: float | None = None) -> Array:
     parts = levels.third_octave_db, levels.third_octave_a_db, noise.third_octave_db
     bands = np.array([[part[name] for name in BAND_NAMES] for part in parts], dtype=float)
     beyond = max(0.0, record.scatter_db**2 - 9 * (noise.laeq_db or 0.0) ** 2)
-    bands[2] = np.sqrt(np.fmax(bands[2], lines) ** 2 + beyond)
+    # A level that rises and falls couples neighbouring lines: a band has no more than its B T.
+    even = band_uncertainty_db(len(samples) / RATE / laps)
+    bands[2] = np.sqrt(np.maximum(np.fmax(bands[2], lines), even) ** 2 + beyond)
     return bands
 
 

@@ -79,6 +79,8 @@ def caveats(
         | _of_errors(scene, errors, knows_signal)
         | _of_vibration(scene, vibration)
     )
+    if vibration is not None and sound.source == "vibration" and vibration.is_mean_of_comb:
+        texts["comb_mean"] = _comb_mean(vibration)
     if sound.source == "release":
         hidden = solver_doubt(scene, sound.audible_rms, sound.resolved_rms)
         texts |= {"solver": f"solver: {hidden}"} if hidden else {}
@@ -142,7 +144,8 @@ def _of_levels(
         parts = "length, comb and time steps" if vibrates else "the length"
         covered = say(f"uncertainty.{noise}", parts=parts)
         if vibrates and vibration and vibration.is_mean_of_comb:
-            covered = "of LAeq, the spread over speeds within 3 % and the time steps"
+            near = f"{100 * NEAR_SPEEDS:g} %"
+            covered = f"of LAeq, the spread over speeds within {near} and the time steps"
         texts["uncertainty"] = say("uncertainty", covered=covered)
         if errors.get("laeq_uncertainty_db") is not None:
             law = ", solver and force law" if vibrates else " and solver"
@@ -246,8 +249,6 @@ def _of_vibration(scene: Scene, vibration: Vibration | None) -> dict[str, str]:
         texts["impacts"] = say("impacts", percent=percent, count=motion.impacts, s=s)
         if motion.flight_share == 1:
             texts["impacts"] += say("impacts.flight")
-    if vibration.is_mean_of_comb and scene.sound.source == "vibration":
-        texts["comb_mean"] = _comb_mean(vibration)
     repeats = not scene.is_smooth and scene.rolling.drop_mm is None
     if scene.track.closed and not motion.settled and repeats:
         texts["not_settled"] = say("not_settled")
