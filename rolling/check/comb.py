@@ -42,22 +42,35 @@ def findings(scene: Scene) -> Iterator[Finding]:
     """Warn of a track that is so short that one undamped resonance decides the level."""
     if not _repeats(scene):
         return
-    lap_m, chain = scene.track.lap_steps * scene.track.step, of_scene.smooth_chain(scene)
+    lap_m, chain = _lap_m(scene), of_scene.smooth_chain(scene)
     speed = scene.motion.fastest(scene.duration)
     spread = comb_spread_db(scene, chain, lap_m, speed)
     if spread is None:
         yield Finding(KEY, _NAME, "none: the resonance holds several lines, or nothing is heard")
         return
-    value = f"LAeq spreads by about {rounded(spread)} dB over speeds within 3 %"
+    near = f"{100 * of_scene.NEAR_SPEEDS:g} %"
+    value = f"LAeq spreads by about {rounded(spread)} dB over speeds within {near}"
     if spread <= COMB_MOST_DB:
         yield Finding(KEY, _NAME, value)
         return
     warning = (
         "the track is so short that one undamped resonance decides the level, so LAeq will be "
-        f"given as the mean over speeds within {100 * of_scene.NEAR_SPEEDS:g} %: "
+        f"given as the mean over speeds within {near}: "
         f"{_advice(scene, chain, lap_m, speed)}"
     )
     yield Finding(KEY, _NAME, value, warning)
+
+
+def _lap_m(scene: Scene) -> float:
+    """Return the length [m] after which the surface repeats; long steps may repeat later."""
+    if _is_file_alone(scene):
+        return scene.track.plate_nodes * scene.track.spacing
+    return scene.track.lap_steps * scene.track.step
+
+
+def _is_file_alone(scene: Scene) -> bool:
+    """Tell whether the heights of the plate are a file, and the sphere is smooth."""
+    return isinstance(scene.surface, HeightFile) and scene.sphere.surface is None
 
 
 def _repeats(scene: Scene) -> bool:
@@ -103,7 +116,7 @@ def _lines(scene: Scene, lap_m: float) -> Array | None:
 
     None where neither a law nor the heights of the plate alone describe the surface.
     """
-    from_file = isinstance(scene.surface, HeightFile) and scene.sphere.surface is None
+    from_file = _is_file_alone(scene)
     if not from_file and not scene.laws:
         return None
     linear = _lines_of_heights(scene) if from_file else _lines_of_laws(scene, lap_m)
