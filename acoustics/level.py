@@ -13,6 +13,7 @@ from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import P_REF_PA
 from acoustics.resampling import resample_closed
 from acoustics.spectrum import checked_record, line_spectrum
+from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 
 # A part 200 dB below the record counts as rounding. Transforms leave -300 dB, or -200 dB of a
@@ -49,6 +50,7 @@ class RecordNumbers:
     third_octave_db: dict[str, float | None]
 
 
+@ignoring_underflow
 @dataclass(frozen=True, repr=False)
 class SoundLevels(RecordNumbers):
     """Levels of one record, dB re 20 uPa; None where there is no sound.
@@ -76,6 +78,7 @@ class SoundLevels(RecordNumbers):
     third_octave_a_db: dict[str, float | None]
 
 
+@ignoring_underflow
 def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None:
     """Return 10 lg(mean square / reference) in dB, or None if there is no sound (<= 0).
 
@@ -111,6 +114,7 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
     return 10.0 * (math.log10(mean_square) - math.log10(reference)) if mean_square > 0.0 else None
 
 
+@ignoring_underflow
 def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     """Return the A-weighted equivalent level LAeq of the whole record, or None for silence.
 
@@ -255,6 +259,7 @@ def peak_pressure(pressure_pa: Array) -> float:
     return float(max(fine.max(), -fine.min()))
 
 
+@ignoring_underflow
 def sound_levels(
     pressure_pa: Array, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
 ) -> SoundLevels:

@@ -11,6 +11,7 @@ import numpy as np
 
 from acoustics.arrays import Array, refuse_masked
 from acoustics.spectrum import checked_record
+from acoustics.traps import ignoring_underflow
 
 MIN_RATE_HZ = 48000  # mosqito would resample lower rates
 
@@ -46,6 +47,7 @@ class Loudness:
     acum: float | None
 
 
+@ignoring_underflow
 def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudness:
     """Compute loudness and sharpness of a steady record with mosqito.
 

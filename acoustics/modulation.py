@@ -10,6 +10,7 @@ import numpy as np
 from acoustics.arrays import Array, positive, real_array, short_repr, truth
 from acoustics.bands import EDGES_HZ, third_octave_mean_square
 from acoustics.spectrum import audible_lines, checked_record
+from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 
 OCTAVE = 3  # third octaves
@@ -25,6 +26,7 @@ _MEDIAN_OVER_RMS = math.sqrt(math.log(2.0))
 _MEDIAN_OVER_DEVIATION = 0.6745
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class EnvelopeSpectrum:
     """Spectrum of the envelope of a band of a record.
@@ -215,6 +217,7 @@ def _over_periods(means: Array, gains: Array) -> Array:
     return np.asarray(sums / np.maximum(weights, np.finfo(float).tiny))
 
 
+@ignoring_underflow
 def modulated_octave(
     signal: Array,
     sample_rate_hz: float,
@@ -279,6 +282,7 @@ def modulated_octave(
     return max(prominent, key=lambda spectrum: _above_noise(spectrum, frequency_hz)).band_hz
 
 
+@ignoring_underflow
 def loudest_octave(signal: Array, sample_rate_hz: float) -> tuple[float, float]:
     """Return the edges of the octave with the largest A-weighted mean square.
 
@@ -329,6 +333,7 @@ def _edges(band_hz: Sequence[float]) -> tuple[float, float]:
     return float(edges[0]), float(edges[1])
 
 
+@ignoring_underflow
 def envelope_spectrum(
     signal: Array,
     sample_rate_hz: float,

@@ -20,6 +20,7 @@ from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, MID_HZ, MIN_BT, OFF_DB, reliable
 from acoustics.plot_style import COLOURS, FEW, GREY, PER_OCTAVE, Lines, level_limits
 from acoustics.spectrum import Spectrogram
+from acoustics.traps import ignoring_underflow
 
 __all__ = [
     "COLOURS", "FEW", "PER_OCTAVE", "BandErrors", "Lines", "drawn_as_means", "level_limits",
@@ -36,11 +37,13 @@ _SHADES = 36
 _HATCHES = ("////", "\\\\\\\\", "xxxx")  # marks of bands with large errors, one for each curve
 
 
+@ignoring_underflow
 def drawn_as_means(curves: Sequence[Curve]) -> list[Curve]:
     """Return the curves drawn as means: dense spectra, or all of more than three curves."""
     return [curve for curve in curves if curve[1].dense or len(curves) > FEW]
 
 
+@ignoring_underflow
 def spectrum(
     ax: Axes, curves: Sequence[Curve], limits_db: Limits | None = None, ordered: bool = False
 ) -> Axes:
@@ -88,6 +91,7 @@ def spectrum(
     return style.gridded(ax, xlabel="frequency [Hz]", ylabel="level [dB]")
 
 
+@ignoring_underflow
 def third_octaves(
     ax: Axes,
     curves: Sequence[tuple[str, Mapping[str, float | None], Mapping[str, float | None]]],
@@ -217,6 +221,7 @@ def _error_marks(
     return [float(level) for level in right]
 
 
+@ignoring_underflow
 def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limits) -> Axes:
     """Draw a spectrogram as colours over time and frequency, light where there is silence.
 

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import roots_legendre
 
 from acoustics.arrays import Array, finite, positive, real_array, refuse_masked, within
+from acoustics.traps import ignoring_underflow
 
 P_REF_PA = 20e-6  # reference sound pressure in air
 I_REF_W_M2 = 1e-12  # reference intensity
@@ -25,6 +26,7 @@ SOUND_M_S = 343.2  # speed of sound in air at 20 C
 legendre = cache(roots_legendre)  # nodes and weights of a quadrature from -1 to 1
 
 
+@ignoring_underflow
 def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
     """Return the intensity q W / (4 pi r^2) of a compact omnidirectional source.
 
@@ -55,6 +57,7 @@ def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
     return np.asarray(power / (4.0 * np.pi * within("distance_m", distance_m, *DISTANCES_M) ** 2))
 
 
+@ignoring_underflow
 def sound_pressure(
     intensity_fluctuation: ArrayLike, gain_pa_per_w_m2: float | None = None
 ) -> tuple[Array, float]:

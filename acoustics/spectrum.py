@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from acoustics.arrays import Array, real_array, short_repr, within
 from acoustics.bands import AUDIBLE_HZ
 from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
+from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 
 RATES_HZ = 1e-6, 1e12  # lowest and highest sample rate
@@ -31,6 +32,7 @@ _MIN_FRAME = 16
 _ROUNDING = 1e-20  # share of the maximum density, as for levels
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class Psd:
     """One-sided power spectral density of a record.
@@ -80,6 +82,7 @@ def checked_record(record: ArrayLike, sample_rate_hz: float, name: str = "signal
     return real_array(name, record, 1)
 
 
+@ignoring_underflow
 def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     """Compute the mean square of each spectral line.
 
@@ -126,6 +129,7 @@ def audible_lines(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     return frequency_hz[audible], mean_square[audible]
 
 
+@ignoring_underflow
 def welch(signal: Array, sample_rate_hz: float) -> Psd:
     """Compute the power spectral density by Welch's method with Hann windows that overlap by half.
 

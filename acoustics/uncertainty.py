@@ -22,6 +22,7 @@ from acoustics.arrays import Array, instance, real_array, truth, within
 from acoustics.bands import third_octave_mean_square
 from acoustics.level import FAST_S, SLOW_S, RecordNumbers, SoundLevels, a_weighted
 from acoustics.spectrum import checked_record, line_spectrum
+from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 
 _DB = 10.0 / math.log(10.0)
@@ -32,6 +33,7 @@ LAPS = 1e-6, 1e12  # fewest and most repetitions in a record
 _STUDENT = 1.32  # 68 % of Student's distribution with two degrees of freedom lie within it
 
 
+@ignoring_underflow
 @dataclass(frozen=True, repr=False)
 class LevelUncertainty(RecordNumbers):
     """Standard uncertainty of each level of `SoundLevels`, dB; None where the level is None.
@@ -75,6 +77,7 @@ class LevelUncertainty(RecordNumbers):
         return type(self)(**changed(whole), third_octave_db=bands)
 
 
+@ignoring_underflow
 def level_uncertainty(
     pressure_pa: Array,
     sample_rate_hz: float,
@@ -287,6 +290,7 @@ def _over_largest(record: Array) -> Array:
     return record / largest if largest > 0.0 else np.full(len(record), np.nan)
 
 
+@ignoring_underflow
 def kurtosis(record: Array) -> float:
     """Return the mean fourth power over the square of the mean square; NaN for silence.
 
@@ -312,6 +316,7 @@ def kurtosis(record: Array) -> float:
     return float(np.mean(np.square(square)) / np.mean(square) ** 2)
 
 
+@ignoring_underflow
 def kurtosis_uncertainty(record: Array) -> float:
     """Return the standard uncertainty of the kurtosis of Gaussian noise with a record's spectrum.
 

@@ -23,6 +23,7 @@ from acoustics.arrays import (
 )
 from acoustics.level import a_weighted_rms
 from acoustics.radiation import P_REF_PA
+from acoustics.traps import ignoring_underflow
 
 SAMPLE_RATE_HZ = 48000
 
@@ -39,6 +40,7 @@ _MIDDLE_C = 60  # the MIDI note at which a sampler plays a record at its own pit
 _FORWARD, _FOREVER = 0, 0  # direction of a loop, and how often it is played
 
 
+@ignoring_underflow
 def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "", loops: bool = False) -> bytes:
     """Write sound pressure as a 32-bit float WAV in which 1.0 is 1 Pa.
 
@@ -82,6 +84,7 @@ def calibrated(pressure_pa: ArrayLike, comment: str, title: str = "", loops: boo
     return _wav(samples, "FLOAT", comment, title, loops)
 
 
+@ignoring_underflow
 def listening(
     pressure_pa: Array,
     gain: float,
@@ -147,6 +150,7 @@ def listening(
     return _wav(steps.astype(np.int32) << (32 - bits), f"PCM_{bits}", comment, title, loops)
 
 
+@ignoring_underflow
 def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float = PEAK) -> float:
     """Return the gain that makes a record as loud as others without clipping.
 
@@ -188,6 +192,7 @@ def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float 
     return min(target_rms / weighted if weighted > 0.0 else MAX_GAIN, peak / largest, MAX_GAIN)
 
 
+@ignoring_underflow
 def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
     """Read a sound file, for example one that `calibrated` made.
 

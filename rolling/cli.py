@@ -14,7 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rolling import __version__, _own_acoustics
-from rolling.terminal import arguments, defaults, parser, progress, streams, system_errors
+from rolling.terminal import (
+    arguments,
+    defaults,
+    parser,
+    progress,
+    shortage,
+    streams,
+    system_errors,
+)
 from rolling.terminal.progress import Level
 
 if TYPE_CHECKING:
@@ -70,9 +78,14 @@ def _act(argv: Sequence[str] | None) -> int:
         _say("interrupted")
         return INTERRUPTED
     except Exception as error:
+        if shortage.is_of_memory(error):
+            _say(shortage.sentence(error))
+            return FAILED
         code = _code_of(error)
-        text = system_errors.sentence(error) if isinstance(error, OSError) else str(error)
-        _say(text or "not enough memory; take fewer workers or nodes")
+        if isinstance(error, OSError):
+            _say(system_errors.sentence(error))
+        else:
+            _say(str(error))
         return code
 
 
@@ -86,7 +99,7 @@ def _code_of(error: Exception) -> int:
     if isinstance(error, OSError) and system_errors.is_of_a_place(error):
         # A path that cannot be used is bad input, unless it failed beneath the work.
         return FAILED if progress.has_solved() else BAD_INPUT
-    if isinstance(error, OSError | MemoryError):  # the message names the files that are kept
+    if isinstance(error, OSError):  # the message names the files that are kept
         return FAILED
     from rolling.contact.solver import ContactError  # slow to import
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from acoustics.arrays import instance
+from acoustics.traps import ignoring_underflow
 from rolling.commands import derive
 from rolling.contact.solver import ContactError
 from rolling.results import labels
@@ -35,6 +36,7 @@ __all__ = ["Runs", "SweepError", "live", "open_run", "save_run", "simulate", "si
 PLAY_IT = "play-it"  # the section of the page where the ball is rolled by hand
 
 
+@ignoring_underflow
 class Runs(dict[Values, Run]):
     """Runs of a sweep by their swept value, or by a tuple of values if several keys are swept.
 
@@ -87,6 +89,7 @@ class SweepError(ContactError):
         self.failures, self.runs = failures, runs
 
 
+@ignoring_underflow
 def simulate(
     scene: Scene, workers: int = 0, progress: bool | None = None, heights: Any = None
 ) -> Run:
@@ -151,6 +154,7 @@ def simulate(
     return run
 
 
+@ignoring_underflow
 def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None) -> Runs:
     """Simulate every run of a scene that sweeps, in memory.
 
@@ -192,6 +196,7 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
     return Runs(runs)
 
 
+@ignoring_underflow
 def open_run(folder: Path | str) -> Run:
     """Read a stored run and make its sound again, without solving.
 
@@ -225,6 +230,7 @@ def open_run(folder: Path | str) -> Run:
     return run
 
 
+@ignoring_underflow
 def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
     """Write a run that is in memory into a new folder, with the files that `rolling run` writes.
 
@@ -273,6 +279,7 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
 Run.save = save_run
 
 
+@ignoring_underflow
 def live(runs: Run | Sequence[Run]) -> Any:
     """Open the page of a run, or of several, where the ball is rolled by hand.
 

@@ -18,6 +18,7 @@ from inspect import signature
 from typing import Any
 
 from acoustics.arrays import instance
+from acoustics.traps import ignoring_underflow
 from rolling.figures.contact import contact_pressure, recovery_events, surface
 from rolling.figures.origins import modulation, running_in, wavelengths
 from rolling.figures.picture import listed
@@ -41,6 +42,7 @@ def _checked(draw: Callable[..., Any]) -> Callable[..., Any]:
     first = next(iter(takes.parameters))
 
     @wraps(draw)
+    @ignoring_underflow
     def checked(*values: Any, **named: Any) -> Any:
         given = takes.bind(*values, **named).arguments
         shown = listed(given[first]) if first == "runs" else [given[first]]

@@ -14,6 +14,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from acoustics.numbers import rounded
+from acoustics.traps import ignoring_underflow
 from rolling.check import (
     comb,
     cost,
@@ -43,6 +44,7 @@ RUNS_ABREAST = 5  # columns of the table
 MIN_HERTZ_NODES = 10  # across the Hertz radius
 
 
+@ignoring_underflow
 @dataclass(frozen=True, repr=False)
 class Findings(Sequence[Finding]):
     """Findings of all runs of a scene, one run after the other; printed, they are a table.
@@ -126,6 +128,7 @@ class Findings(Sequence[Finding]):
         return shared + [list(row) for row in self.of_all], [["", *self.runs], *by_run]
 
 
+@ignoring_underflow
 def check_scene(scene: Scene, solve: bool = True) -> Findings:
     """Judge all runs of a scene before anything is computed.
 

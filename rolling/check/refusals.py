@@ -14,6 +14,10 @@ from rolling.scene.scene import Scene
 
 OUTPUTS = Path("outputs")  # where runs are written unless another folder is given
 SHARE = 0.8  # of memory or free disk that a run may take; the rest belongs to others
+ADDRESSES = Path("/proc/self/statm")
+# Address space that the rest of a run takes beyond the loaded solver: compiler, libraries of files
+# and pictures, stacks of threads. A run with a page was seen to take 380 MB.
+REST_OF_PROGRAM = 420e6
 GROUPS_OF_PROCESS, GROUPS = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
 
 
@@ -113,6 +117,50 @@ def memory_limit() -> float:
             group = top / path.strip("/")
             limits += [_number(place / name) for place in (group, *group.parents)]
     return min(limits)
+
+
+def refuse_few_addresses(scenes: Sequence[Scene]) -> None:
+    """Refuse runs for which the address space of a process is too small, where it is limited.
+
+    Libraries that are loaded without room for them, and the compiler, may end the process or wait
+    for ever, so that no error could be told later.
+
+    Raises
+    ------
+    MemoryError
+        The limit (`ulimit -v`) leaves less than the runs need.
+    """
+    limit, taken = _address_limit(), _addresses_taken()
+    if limit is None or taken is None:
+        return
+    parts = cost.memory(scenes, workers=1)
+    del parts["program"]  # of which the largest part is loaded by now
+    need = REST_OF_PROGRAM + sum(parts.values())
+    if taken + need > limit:
+        raise MemoryError(
+            f"not enough memory: a process may have {byte_size(limit)} of addresses (`ulimit -v`),"
+            f" has {byte_size(taken)} and needs about {byte_size(need)} more; allow more, or take"
+            " a smaller scene"
+        )
+
+
+def _address_limit() -> float | None:
+    """Return the limit of the address space of a process [bytes], None without one."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    return None if limit == resource.RLIM_INFINITY else float(limit)
+
+
+def _addresses_taken() -> float | None:
+    """Return the size of the address space of this process [bytes], None where it is unknown."""
+    try:
+        pages = int(ADDRESSES.read_text().split()[0])
+        return float(pages * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):
+        return None
 
 
 def free_disk(folder: Path) -> float:

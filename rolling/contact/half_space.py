@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array, positive, real_array
+from acoustics.traps import ignoring_underflow
 from rolling.contact import _transform_kernels as kernels
 from rolling.contact import _window_kernels
 from rolling.contact._plans import Plan, zeros
@@ -111,6 +112,7 @@ def half_spectrum(
     return half
 
 
+@ignoring_underflow
 class HalfSpace:
     """Elastic half-space under pressure on windows of square cells.
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from acoustics.arrays import instance
 from acoustics.numbers import rounded
+from acoustics.traps import ignoring_underflow
 from rolling.contact import _position_kernels, closed_forms, solver
 from rolling.contact._transform_kernels import MAX_NODES
 from rolling.contact.half_space import HalfSpace
@@ -31,6 +32,7 @@ _NOTHING = np.empty((0, 0))
 _NO_STATE = 0, 0, _NOTHING, _NOTHING, np.inf
 
 
+@ignoring_underflow
 def march(
     contact: RollingContact, first: int, last: int, half_space: HalfSpace
 ) -> Iterator[ContactState]:

@@ -22,6 +22,7 @@ import numpy as np
 
 from acoustics.arrays import Array, instance, positive, real_array, short_repr, truth
 from acoustics.numbers import rounded
+from acoustics.traps import ignoring_underflow
 from rolling.contact import _condition_kernels, _position_kernels, units
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact._far_field import far_field, stencils
@@ -60,6 +61,7 @@ class ConvergenceError(ContactError):
     """Error of a solve whose iterations led nowhere."""
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class Contact:
     """Solved contact on its window.
@@ -134,6 +136,7 @@ class Contact:
         )
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class WarmStart:
     """Pressures to start a solve from, with all known data about them.
@@ -208,6 +211,7 @@ def _cold_start(half_space: HalfSpace, gap: Array, load: float, hardness: float)
     return WarmStart(foundation(gap, load, half_space.spacing, stiffness, hardness))
 
 
+@ignoring_underflow
 def solve_contact(
     half_space: HalfSpace,
     gap: Array,

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array, finite, positive, real_array, truth
+from acoustics.traps import ignoring_underflow
 from rolling.contact import _window_kernels, units
 from rolling.contact.half_space import MAX_SIZE
 
@@ -122,6 +123,7 @@ def maxima_of(heights: Array, rising: bool) -> Maxima:
     return Maxima(tops, stretches, rows, float(rows.max()))
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class RollingContact:
     """Sphere, the plate it rolls over, and the accuracy of the march.
@@ -322,6 +324,7 @@ class RollingContact:
         return tuple(map(float, (self.spacing, *self.radii, x, self.mid_width)))
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class ContactState:
     """Solved contact at one position.

@@ -10,6 +10,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
+from acoustics.traps import ignoring_underflow
 from rolling.figures import contact, origins, sound, sweep, vibration
 from rolling.figures.picture import Picture, listed, picture, slug
 from rolling.figures.settings import left_out_if_it_fails
@@ -116,6 +117,7 @@ def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
     return plot_run(runs, names, out=folder / "figures")
 
 
+@ignoring_underflow
 def plot_run(
     runs: Run | Iterable[Run], names: Sequence[str] = (), form: str = "png", out: Path | str = "."
 ) -> list[Path]:

@@ -7,6 +7,8 @@ from typing import Any
 
 import matplotlib
 
+from rolling.terminal import shortage
+
 
 class PictureWarning(UserWarning):
     """Warning of a picture that could not be drawn and is left out."""
@@ -39,9 +41,9 @@ def left_out_if_it_fails(name: str) -> Iterator[None]:
     """
     try:
         yield
-    except MemoryError:
-        raise
     except Exception as error:
+        if shortage.is_of_memory(error):
+            raise
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
         warnings.warn(
             f"the picture {name} is left out, because it could not be drawn ({reason})",

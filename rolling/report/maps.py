@@ -151,7 +151,7 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
     }
 
 
-def lens(pressure: Array, box: tuple[float, float, float]) -> tuple[float, float, float]:
+def lens(pressure: NDArray[Any], box: tuple[float, float, float]) -> tuple[float, float, float]:
     """Return middle x and y and width [um] of a round part of a map that shows its contact.
 
     It is the whole map, unless the contact is a thin line or a few points of it. Then it becomes
@@ -178,7 +178,8 @@ def lens(pressure: Array, box: tuple[float, float, float]) -> tuple[float, float
 
 def _stepped(width: float) -> float:
     """Return the next larger power of the root of 2."""
-    return 2.0 ** (math.ceil(2 * math.log2(width)) / 2)
+    half_octaves = math.ceil(2 * math.log2(width))
+    return math.pow(2.0, half_octaves / 2)
 
 
 def _instead(run: Run, begins: Array) -> list[str | None]:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from acoustics import wav
 from acoustics.arrays import Array
+from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import widened
 from rolling.contact.recovery import EventStatistics, event_statistics
 from rolling.marches import force_law
@@ -45,6 +46,7 @@ SIGNAL, LISTEN = "signal.wav", "listen.wav"
 PASSES = "passes.wav"  # of a plate that remembers
 
 
+@ignoring_underflow
 @dataclass(frozen=True, eq=False, repr=False)
 class Run(RunFolder):
     """A run with its sound. It equals no other run, so it can be the key of a dictionary.

@@ -20,7 +20,7 @@ from rolling.run.worker import KILLED, MAX_BREAKS, solve_piece
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface import scene_surface
-from rolling.terminal import progress
+from rolling.terminal import progress, shortage
 
 LOOK_SECONDS = 0.5  # between two looks at the pool
 LOST = "a worker process was killed; the tasks that it may have had are done again, one by one"
@@ -195,13 +195,13 @@ class RunLoop:
             pool.rebuild()
             raise
         except (ContactError, SceneError, MemoryError) as error:
-            reason = str(error) or "not enough memory"
+            reason = str(error) or shortage.WORDS
         except OSError as error:
             if task.piece is not None or error.errno in OF_A_DISK:
                 raise
             reason = str(error)
         except Exception as error:
-            reason = pool.reason(error)
+            reason = shortage.WORDS if shortage.is_of_memory(error) else pool.reason(error)
         if task.piece is not None and not reason:
             progress.solved()
         del self._flying[future]

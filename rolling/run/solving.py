@@ -20,7 +20,7 @@ from rolling.run.pools import Cluster, Pool, Task, local_pool
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
-from rolling.terminal import defaults, files, progress, system_errors
+from rolling.terminal import defaults, files, progress, shortage, system_errors
 
 Derive = Callable[[Path, Sequence[RunFolder]], object]
 Values = Value | tuple[Value, ...]
@@ -34,6 +34,7 @@ def simulated(
         raise ValueError(f"workers: got {workers!r}, allowed: a whole number >= 0")
     refusals.refuse(scene, workers)
     runs = [RunFolder(values, single, Path()) for values, single in scene.runs()]
+    refusals.refuse_few_addresses([run.scene for run in runs])
     names, heard = labels.labels(runs), dict[int, Run]()
 
     def finish(number: int, result: Result) -> None:
@@ -41,7 +42,11 @@ def simulated(
 
     scenes = [run.scene for run in runs]
     silence = progress.begin(progress.Level.QUIET) if shown is False else nullcontext()
-    with silence, progress.Bar(0.0, scene.name, shown) as bar, local_pool(workers, scenes) as pool:
+    with ExitStack() as stack:
+        stack.enter_context(shortage.as_memory_error())
+        stack.enter_context(silence)  # before the bar, which stays hidden then
+        bar = stack.enter_context(progress.Bar(0.0, scene.name, shown))
+        pool = stack.enter_context(local_pool(workers, scenes))
         loop = RunLoop(scenes, lambda number: Result.empty(scenes[number]), finish, bar)
         loop.run(pool)
     swept: dict[Values, Run] = {}
@@ -152,6 +157,7 @@ def _solve(
         progress.line(f"{folder}: all runs are done")
         return {}
     scenes = [run.scene for run in lacking]
+    refusals.refuse_few_addresses(scenes)
     marches = [contact_identity(scene) for scene in scenes]
     left = Counter(marches)  # runs that still need the pieces of a march
 

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from acoustics.traps import ignoring_underflow
 from rolling.scene.height_files import read_regular
 from rolling.terminal import progress
 from rolling.terminal.files import make_below, write_bytes
@@ -57,6 +58,7 @@ def piece_path(pieces: Path, piece: Piece) -> Path:
     return pieces / piece.identity[:16] / f"{piece.key}.npz"
 
 
+@ignoring_underflow
 def solve_piece(piece: Piece, pieces: Path | None) -> Arrays:
     """March a piece, or read its file; a folder of pieces receives the file of a new piece."""
     path = None if pieces is None else piece_path(pieces, piece)
@@ -96,6 +98,7 @@ def read_piece(path: Path) -> Arrays | None:
         return None
 
 
+@ignoring_underflow
 def finish_run(run: RunFolder, label: str, result: Result) -> None:
     """Make the sound of a complete run and write the files of its folder."""
     from rolling.results.run_result import with_sound, write_run

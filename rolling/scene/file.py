@@ -16,6 +16,7 @@ from ruamel.yaml.error import YAMLError
 from ruamel.yaml.events import AliasEvent
 
 from acoustics.arrays import instance
+from acoustics.traps import ignoring_underflow
 from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE, Sphere
 from rolling.scene.height_files import read_regular, reason_of
@@ -38,6 +39,7 @@ _LONG_NUMBER = re.compile(r"[0-9_]{4301,}")  # Python reads no longer numbers
 # ---- reading, writing, overriding
 
 
+@ignoring_underflow
 def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     """Read a scene file.
 

@@ -20,6 +20,7 @@ from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, NOMINAL_HZ
 from acoustics.laps import Lap, crossfaded_lap
 from acoustics.numbers import decibels_a, rounded
+from acoustics.traps import ignoring_underflow
 from rolling.scene.scene import Scene
 from rolling.scene.track import Motion
 from rolling.terminal.files import write_bytes
@@ -31,6 +32,7 @@ FADE_S = 0.01  # [s], at either end of an open record; at most a tenth of its du
 COVERAGE = 3.0  # standard uncertainties beyond which a record is not Gaussian noise
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class ContactSound:
     """Sound of one run: the record, its levels and the power behind it.

@@ -8,6 +8,7 @@ import numpy as np
 from acoustics import level, radiation, resampling, wav
 from acoustics.arrays import Array, short_repr
 from acoustics.continued_rows import ContinuedRows
+from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import kurtosis
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.long_motion import LongMotion, turn_m
@@ -20,6 +21,7 @@ _FINER = 4  # points of a release per sample of sound, so that a spline between 
 _MAX_POINTS = 2**18  # at once
 
 
+@ignoring_underflow
 @dataclass(frozen=True, eq=False)
 class Listening:
     """Long record of a run: the solved track first, then a random continuation of the contact.

@@ -15,6 +15,7 @@ from acoustics import level, resampling, spectrum, uncertainty, wav
 from acoustics.arrays import Array, short_repr
 from acoustics.bands import BAND_NAMES, EDGES_HZ, third_octave_mean_square
 from acoustics.radiation import RHO_C, pressure_on_axis
+from acoustics.traps import ignoring_underflow
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.comb import COMB_MOST_DB, Comb
@@ -29,6 +30,7 @@ P_REF_W = 1e-12  # reference sound power
 UNKNOWN_DB = 20.0  # maximum error from the time steps; an impact more or less makes it arbitrary
 
 
+@ignoring_underflow
 @dataclass(frozen=True, eq=False)
 class Vibration:
     """Vibration of a run and its sound.

@@ -18,6 +18,7 @@ import numpy as np
 
 from acoustics.arrays import Array, positive, with_nan
 from acoustics.numbers import rounded
+from acoustics.traps import ignoring_underflow
 from rolling.scene import height_files, height_grid
 from rolling.scene.height_files import UNITS, HeightFormatError
 from rolling.scene.scene import Scene
@@ -192,6 +193,7 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
 COPY = "heights.npy"  # name of the copy in the folder of a run
 
 
+@ignoring_underflow
 def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
     """Make a surface of an array of heights, for `Scene(surface=...)` and `simulate(heights=...)`.
 

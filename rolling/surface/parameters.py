@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from acoustics.arrays import Array, real_array, truth, within
+from acoustics.traps import ignoring_underflow
 from rolling.scene.messages import table
 
 # Unit in SI and meaning by short name.
@@ -22,6 +23,7 @@ _BLOCK = 64  # samples of a ray at a time, two in each node
 _SMOOTHING = np.radians(12.0)  # standard deviation of the smoothed angular spectrum
 
 
+@ignoring_underflow
 def surface_parameters(
     heights: Array, spacing_um: float | Sequence[float], periodic: bool = False
 ) -> dict[str, float]:

@@ -28,7 +28,7 @@ FLOORS = {
         ("cli", "interface"),
     ),
     "acoustics": (
-        ("arrays", "numbers", "texts"),
+        ("arrays", "matplotlib_import", "numbers", "texts", "traps"),
         ("bands", "radiation", "weighting"),
         ("continued_rows", "plot_style", "rectangular_plate", "resampling", "spectrum"),
         ("level", "loudness", "modulation", "sound_power"),

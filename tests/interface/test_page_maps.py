@@ -143,7 +143,7 @@ def test_keys_act_as_the_page_states(pages, opened) -> None:
 
 
 def contact_shapes() -> dict[str, np.ndarray]:
-    """Return pressures of a disk, a line, two points far apart, one cell, and a wide flat contact."""
+    """Return pressures of a disk, a line, two far points, one cell, and a wide flat contact."""
     x, y = np.mgrid[:96, :96]
     points = np.zeros((96, 90))
     points[2, 3], points[93, 80] = 1.0, 2.0

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import PATIENCE, ROOT, SWEEP
 from large_scenes import FILE, LAPS, scene_of
-from scene_text import MADE, TEXT
+from scene_text import MADE, TEXT, TINY
 
+import rolling
 from rolling.check import findings, refusals
+from rolling.run.executor import RunLoop
 from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
 
@@ -73,6 +80,62 @@ def test_height_file_of_50_gb_is_refused_by_its_header(
         refusals.refuse(scene)
     with pytest.raises(SceneError, match="for the surface"):
         findings.check_scene(scene)
+
+
+LIMITED = """
+import resource
+import sys
+
+from rolling import cli
+
+limit = int(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+sys.exit(cli.main(sys.argv[2:]))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="address space is limited so on Linux only")
+@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize("megabytes", [250, 600, 700])
+def test_too_little_address_space_ends_with_a_sentence(
+    megabytes: int, workers: str, tmp_path: Path
+) -> None:
+    """The solver alone takes about 600 MB of addresses, libraries of files and pictures the rest.
+
+    Without room for them a compiler aborts, an import fails, or a worker waits for ever.
+    """
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(SWEEP)
+    words = ["run", str(scene), "--out", str(tmp_path / "out"), "--workers", workers]
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, str(megabytes * 10**6), *words],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    )
+    assert done.returncode == 1, done.stderr
+    assert "not enough memory" in done.stderr and "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError(),
+        OSError(errno.ENOMEM, "Cannot allocate memory"),
+        ImportError("libhdf5.so: failed to map segment from shared object"),
+        RuntimeError("can't start new thread"),
+    ],
+)
+def test_lack_of_memory_of_any_kind_is_one_error_in_python(
+    error: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(self: object, pool: object) -> None:
+        raise error
+
+    monkeypatch.setattr(RunLoop, "run", fail)
+    with pytest.raises(MemoryError):
+        rolling.simulate(loads(TINY), workers=1)
 
 
 def test_memory_is_limited_by_control_groups(
