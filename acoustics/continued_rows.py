@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
+from acoustics.traps import ignoring_underflow
 
 LINES = 25  # over which a Hann window smooths, at most
 THIRD_OCTAVE = 2 ** (1 / 6) - 2 ** (-1 / 6)  # its width over its middle: the other limit
@@ -26,6 +27,7 @@ Pairs = list[tuple[Array, Array]]
 _TURNS = np.array([1, 1j, -1, -1j])  # phases; the sum of many lines is Gaussian
 
 
+@ignoring_underflow
 class RandomRows:
     """Stationary Gaussian process of rows with zero mean.
 
@@ -142,6 +144,7 @@ QUARTILES = 1.349  # distance between the quartiles of a Gaussian row in standar
 Stretch = tuple[int, Array, Array]  # first position, share (m,), values (rows, m)
 
 
+@ignoring_underflow
 class ContinuedRows:
     """Rows without an end: the given rows first, then random rows of equal cross-spectra.
 

@@ -36,6 +36,7 @@ FAST_S = 0.125
 SLOW_S = 1.0
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class RecordNumbers:
     """A number of dB for each level of a record; None where there is none."""
@@ -152,6 +153,7 @@ def laeq_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     return level_db(a_weighted_rms(pressure_pa, sample_rate_hz) ** 2)
 
 
+@ignoring_underflow
 def lae_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     """Return the A-weighted sound exposure level LAE of the whole record, or None for silence.
 
@@ -191,6 +193,7 @@ def lae_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     return level_db(mean_square * len(pressure_pa) / sample_rate_hz)
 
 
+@ignoring_underflow
 def is_single_event(pressure_pa: Array, sample_rate_hz: float) -> bool:
     """Tell whether a record holds a single event, such as a knock, and little besides.
 
@@ -233,6 +236,7 @@ def is_single_event(pressure_pa: Array, sample_rate_hz: float) -> bool:
     return bool(lengths.min(initial=len(record)) <= _EVENT_SHARE * len(record))
 
 
+@ignoring_underflow
 def a_weighted_rms(pressure_pa: Array, sample_rate_hz: float) -> float:
     """Return the A-weighted rms of the whole record, in its unit; 0 if it is only rounding."""
     pressure_pa = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
@@ -241,6 +245,7 @@ def a_weighted_rms(pressure_pa: Array, sample_rate_hz: float) -> float:
     return math.sqrt(_above_rounding(weighted, mean_square.sum()))
 
 
+@ignoring_underflow
 def peak_pressure(pressure_pa: Array) -> float:
     """Return the maximum |p| of a record at and between its samples [Pa].
 
@@ -356,6 +361,7 @@ def _above_rounding(mean_square: float, whole: float) -> float:
 # ---- time weighting
 
 
+@ignoring_underflow
 def running_mean_square(
     pressure_pa: Array, sample_rate_hz: float, time_constant_s: float, closed: bool
 ) -> Array:
@@ -400,6 +406,7 @@ def running_mean_square(
     return running
 
 
+@ignoring_underflow
 def a_weighted(pressure_pa: Array, sample_rate_hz: float) -> Array:
     """Return the A-weighted record, each line weighted by the exact curve.
 

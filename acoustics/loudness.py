@@ -30,6 +30,7 @@ _FRAME_S = 0.002  # of mosqito's loudness in time
 _N5_SHARE = 0.05  # of the time
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class Loudness:
     """Loudness and sharpness of a record.

@@ -106,6 +106,7 @@ def sound_pressure(
     return factor * fluctuation, factor
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class ThinPlate:
     """Infinite plate in bending, with air above it.
@@ -157,6 +158,7 @@ class ThinPlate:
         return float(AIR_KG_M3 * SOUND_M_S / (np.pi * self.mass_per_area_kg_m2))
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class HalfSpaceBody:
     """Elastic half-space with air above it.
@@ -171,6 +173,7 @@ class HalfSpaceBody:
     compression_m_s: float
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class Ball:
     """Rigid ball that touches a rigid plane and moves along the normal.
@@ -192,6 +195,7 @@ class Ball:
 Body = ThinPlate | HalfSpaceBody | Ball
 
 
+@ignoring_underflow
 def axis_transfer(
     frequency_hz: ArrayLike, source: Body, distance_m: float, cosine: float = 1.0
 ) -> NDArray[np.complex128]:
@@ -240,6 +244,7 @@ def axis_transfer(
     return np.asarray(derivative * 3 / (8 * SOUND_M_S) * sphere * 2j * cosine * np.sin(ka * cosine))
 
 
+@ignoring_underflow
 def pressure_on_axis(
     force_n: ArrayLike, sample_rate_hz: float, sources: Sequence[Body], distance_m: float
 ) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 
 from acoustics.arrays import Array, refuse_masked
 from acoustics.bands import AUDIBLE_HZ
+from acoustics.traps import ignoring_underflow
 
 Edges = tuple[float, float]
 _OVERSAMPLING = 8
@@ -18,6 +19,7 @@ _OVERSAMPLING = 8
 _ROUNDING = 1e-13
 
 
+@ignoring_underflow
 def undo_step_mean(means: Array) -> Array:
     """Return a signal at the step boundaries from its means over consecutive steps.
 
@@ -45,6 +47,7 @@ def undo_step_mean(means: Array) -> Array:
     return np.fft.irfft(lines, n)
 
 
+@ignoring_underflow
 def band_limit(signal: Array, sample_rate_hz: float, band_hz: Edges = AUDIBLE_HZ) -> Array:
     """Limit a closed record to low <= f < high by a brick wall, and remove its mean.
 
@@ -74,6 +77,7 @@ def band_limit(signal: Array, sample_rate_hz: float, band_hz: Edges = AUDIBLE_HZ
     return limited
 
 
+@ignoring_underflow
 def resample_closed(signal: Array, n_out: int) -> Array:
     """Resample a closed record to another number of samples over the same period.
 
@@ -105,6 +109,7 @@ def resample_closed(signal: Array, n_out: int) -> Array:
     return np.fft.irfft(kept, n_out) * (n_out / n)
 
 
+@ignoring_underflow
 def interpolate_closed(signal: Array, index: Array) -> Array:
     """Interpolate a closed record between its samples.
 
@@ -132,6 +137,7 @@ def interpolate_closed(signal: Array, index: Array) -> Array:
     return values
 
 
+@ignoring_underflow
 def fade(signal: Array, n: int) -> Array:
     """Fade the first and last n samples of an open record to zero by a raised cosine.
 

@@ -69,6 +69,7 @@ class Psd:
     enbw_hz: float
 
 
+@ignoring_underflow
 def checked_record(record: ArrayLike, sample_rate_hz: float, name: str = "signal") -> Array:
     """Return a record (n,) as an array of floats; refuse others, and rates outside RATES_HZ.
 
@@ -122,6 +123,7 @@ def line_spectrum(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     return frequency_hz, mean_square
 
 
+@ignoring_underflow
 def audible_lines(signal: Array, sample_rate_hz: float) -> tuple[Array, Array]:
     """Return frequencies [Hz] and mean squares of the lines of a record from 20 Hz to 20 kHz."""
     frequency_hz, mean_square = line_spectrum(signal, sample_rate_hz)
@@ -181,6 +183,7 @@ def welch(signal: Array, sample_rate_hz: float) -> Psd:
     return Psd(frequency_hz, psd, "hann", sample_rate_hz / segment, bandwidth_hz)
 
 
+@ignoring_underflow
 def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
     """Return the equivalent noise bandwidth of a line of this window [Hz].
 
@@ -194,6 +197,7 @@ def equivalent_noise_bandwidth(window: Array, sample_rate_hz: float) -> float:
     return sample_rate_hz * float(np.sum(np.square(window)) / np.sum(window) ** 2)
 
 
+@ignoring_underflow
 def article_line_level_db(
     power_w: Array, sample_rate_hz: float, distance_m: float, q: float = 1.0
 ) -> tuple[Array, Array]:
@@ -249,6 +253,7 @@ def _lines(signal: Array, sample_rate_hz: float) -> tuple[Array, NDArray[np.comp
 # ---- density against time
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class Spectrogram:
     """Level of the spectral density against time.
@@ -274,6 +279,7 @@ class Spectrogram:
     enbw_hz: float
 
 
+@ignoring_underflow
 def spectrogram(
     pressure_pa: Array, sample_rate_hz: float, highest_hz: float = math.inf, closed: bool = True
 ) -> Spectrogram:

@@ -172,6 +172,7 @@ def level_uncertainty(
     )
 
 
+@ignoring_underflow
 def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
     """Return the standard uncertainty of the level of a mean power, from its density at 0 Hz [dB].
 
@@ -198,6 +199,7 @@ def steady_uncertainty_db(power: Array, sample_rate_hz: float) -> float | None:
     return _DB * math.sqrt(float(low.mean()) / 2.0) / mean
 
 
+@ignoring_underflow
 def record_scatter_db(pressure_pa: Array, sample_rate_hz: float) -> float | None:
     """Return the standard uncertainty of LAeq [dB] that the thirds of a record show.
 
@@ -212,6 +214,7 @@ def record_scatter_db(pressure_pa: Array, sample_rate_hz: float) -> float | None
     return _STUDENT * _DB * float(squares.std(ddof=1) / math.sqrt(3.0) / squares.mean())
 
 
+@ignoring_underflow
 def widened(spreads: LevelUncertainty, laeq_db: float | None) -> LevelUncertainty:
     """Return uncertainties that are widened by one factor, LAeq to at least a value [dB]."""
     if laeq_db is None or not spreads.laeq_db or laeq_db <= spreads.laeq_db:

@@ -100,7 +100,8 @@ def simulate(
     scene : Scene
         A scene without a sweep.
     workers : int
-        Processes; 0: one per core. The numbers do not depend on it. Default: 0.
+        Processes; 0: one per core. The numbers do not depend on it. A process of
+        `multiprocessing.Pool` and a worker of Dask solve in their own process. Default: 0.
     progress : bool
         Whether a progress bar is shown. Default: on a terminal and in a notebook.
     heights : (m, n) array_like, m, or HeightArray
