@@ -116,8 +116,8 @@ STEEL = {"plate.youngs_modulus_gpa": STEEL_GPA, "plate.poissons_ratio": STEEL_PO
 # Limits of another plate may be too high for steel, and the solved contact has them already.
 ELASTIC = {"plate.density_kg_m3": STEEL_DENSITY, "plate.hardness_gpa": NONE}
 UNLIMITED = dict.fromkeys(("plate.yield_strength_gpa", "plate.plasticity", "rolling.passes"))
-# Places between two lines of a looped record at which a resonance is heard, at least and at most,
-# and gains of all lines together.
+# Places between two lines of a record at which a resonance is heard, usually and at most, and the
+# maximum of places of all lines together.
 PLACES, MAX_PLACES, MAX_GAINS = 8, 512, 400_000
 DENSE = 4.0  # samples of an approach in a period of the highest audible frequency, at least
 # Standard uncertainties of the estimate by tests/benchmarks/vibration_estimate_study.py: of the
@@ -209,8 +209,10 @@ def vibration_estimate(
 
     def heard(stiffnesses: Array) -> Array:
         """Return A-weighted mean squares of the lines at their places, as a mean over chains."""
-        chains = [of_scene.chain(bodies, float(k)) for k in stiffnesses]
-        return np.asarray(gain * np.mean([_force_gain(each, points) for each in chains], axis=0))
+        forces = np.zeros_like(points)
+        for value in stiffnesses:
+            forces += _force_gain(of_scene.chain(bodies, float(value)), points)
+        return np.asarray(gain * forces / len(stiffnesses))
 
     at_mean, softer, stiffer = (
         heard(np.array([factor * mean_stiffness])).sum(axis=0)
@@ -275,7 +277,7 @@ def _places(scene: Scene, chain: Chain, frequency: Array, width: float) -> Array
     if chain.modes is not None:
         sharp = min(sharp, float(frequency[0]) * (scene.plate.loss_factor or 1.0))
     wanted = math.ceil(PLACES * width / sharp) if sharp > 0 else MAX_PLACES
-    most = min(MAX_PLACES, MAX_GAINS // len(frequency))
-    places = max(PLACES, min(wanted, most))
+    most = min(MAX_PLACES, MAX_GAINS // len(frequency))  # a long record has dense lines
+    places = max(1, min(max(PLACES, wanted), most))
     offsets = ((np.arange(places) + 0.5) / places - 0.5) * width
     return np.asarray(np.maximum(frequency[:, None] + offsets, 1.0))
