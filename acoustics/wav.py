@@ -219,7 +219,8 @@ def read(path: str | os.PathLike[str]) -> tuple[Array, int, str]:
 
 def _samples(pressure: ArrayLike) -> Array:
     """Return a record (n,) or several of them (n, channels) as floats; refuse other arrays."""
-    return real_array("pressure_pa", pressure, 2 if np.ndim(pressure) == 2 else 1)
+    samples = real_array("pressure_pa", pressure, None)
+    return real_array("pressure_pa", samples, 2 if samples.ndim == 2 else 1)
 
 
 def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: bool) -> bytes:

@@ -192,7 +192,9 @@ def _contact_of(piece: Piece) -> RollingContact:
             contact = _last[1]
         same = not scene.height_paths or contact_identity(scene) == piece.identity
     except SceneError as error:
-        raise ContactError(f"the surface cannot be read or used: {error}") from error
+        raise ContactError(
+            f"the surface that was solved is gone or cannot be used: {error}"
+        ) from error
     if not same:
         _last.clear()
         files = printable(" or ".join(map(str, scene.height_paths.values())))
