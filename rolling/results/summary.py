@@ -67,7 +67,7 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
     del spreads["third_octave"]
     spreads["lae"] = spreads["laeq"]  # they differ by the duration, which is known
-    levels = _levels(sound)
+    levels = _levels(sound, run.record_laeq_db)
     for key in ("laf_max", "las_max"):
         if levels[f"{key}_db"] is None:
             spreads[key] = None
@@ -158,17 +158,18 @@ def _commit() -> str | None:
     return done.stdout.strip() or None
 
 
-def _levels(sound: ContactSound) -> dict[str, Any]:
+def _levels(sound: ContactSound, record_laeq_db: float | None) -> dict[str, Any]:
     """Return the levels of a record, and whether it is a single event.
 
-    An open record begins in silence. If it ends before the time weighting has risen to LAeq, its
-    maximum with this weighting says how short it is, and nothing of the sound.
+    An open record begins in silence. If it ends before the time weighting has risen to the LAeq of
+    the record, its maximum with this weighting says how short it is, and nothing of the sound.
     """
     levels = asdict(sound.levels)
-    for key in ("laf_max_db", "las_max_db"):
-        maximum, laeq = levels[key], sound.levels.laeq_db
-        if maximum is not None and laeq is not None and maximum < laeq - _ROUNDING_DB:
-            levels[key] = None
+    if record_laeq_db is not None:
+        for key in ("laf_max_db", "las_max_db"):
+            maximum = levels[key]
+            if maximum is not None and maximum < record_laeq_db - _ROUNDING_DB:
+                levels[key] = None
     return levels | {
         "lae_db": lae_db(sound.pressure, sound.sample_rate),
         "single_event": _is_event(sound),
