@@ -27,7 +27,7 @@ SCENES: dict[str, tuple[str, list[str]]] = {
     "tiny": ("quickstart", ["sweep=", "rolling.load_n=5", "rolling.duration_s=0.01"]),
     "quickstart, 5 N": ("quickstart", ["sweep=", "rolling.load_n=5"]),
     "quickstart, three loads": ("quickstart", ["rolling.duration_s=0.01"]),
-    "vibrating ball": ("vibrating-ball", ["rolling.distance_mm=4"]),
+    "vibrating ball": ("vibrating-ball", ["rolling.duration_s=0.04"]),
     "ball on plate, eight runs": ("ball-on-plate", ["rolling.distance_mm=1"]),
     "steel sheet": ("steel-sheet", ["rolling.distance_mm=4"]),
     "marble dropped": ("marble-dropped", []),
