@@ -9,6 +9,7 @@ import { ballMass, loadOf } from "../engine/chain.js";
 import { renderedRecord } from "../engine/graph.js";
 
 const RECORD_S = 60;
+const FALLS = 3.5; // times that a record lasts over a fall: the second impact comes after three at most, and the end fades
 const PEAK = 10 ** (-1 / 20); // of full scale
 
 /** Return the keys of a scene that differ from the run, with their values; null removes a key. */
@@ -31,7 +32,7 @@ function trackOfFall(run, settings) {
   const fallTime = (at) => Math.sqrt((2 * (at.dropHeight ?? 0) * ballMass(run, at)) / loadOf(run, at));
   const own = fallTime(run.settings), fall = fallTime(settings);
   const lasted = (1e-3 * run.scene.rolling.distance_mm) / run.settings.speed;
-  return settings.speed * Math.max(3 * fall, own > 0 ? (lasted * fall) / own : 0); // a bounce takes two falls at most
+  return settings.speed * Math.max(FALLS * fall, own > 0 ? (lasted * fall) / own : 0);
 }
 
 /** Return the places of the listeners [mm], scaled from the middle of the path as in the engine. */
