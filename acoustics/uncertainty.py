@@ -135,7 +135,7 @@ def level_uncertainty(
     >>> noise = np.random.default_rng(1).standard_normal(48000)  # 1 s of 24,000 lines
     >>> spread = level_uncertainty(noise, 48000, sound_levels(noise, 48000), own_factor=False)
     >>> round(spread.level_db, 2), round(spread.third_octave_db["1000"], 2)
-    (0.03, 0.29)
+    (0.03, 0.28)
     """
     pressure_pa = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
     instance("levels", levels, SoundLevels)

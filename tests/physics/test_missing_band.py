@@ -34,7 +34,9 @@ def heard(speed: object, *changes: str) -> Scene:
     return loads(VIBRATING, words).with_(speed_m_s=speed)
 
 
-@pytest.mark.law("band: what long steps cut off of a spectrum of a power law")
+@pytest.mark.law(
+    "Missing band: The part that long steps cut off follows from the power law of the spectrum."
+)
 @pytest.mark.parametrize("speed", [0.003, 0.01, [[0, 0.0015], [1, 0.01]]])
 @pytest.mark.parametrize("gain", ["", "1e3"])
 @pytest.mark.parametrize("power", [-3.0, -2.0])
