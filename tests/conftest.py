@@ -1,4 +1,4 @@
-"""Rules of every test: invalid numbers are errors, and a test with a browser is marked."""
+"""Rules of every test: invalid numbers are errors, and a test with a browser is slow."""
 
 from __future__ import annotations
 
@@ -32,3 +32,4 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker("browser")
+            item.add_marker("slow")
