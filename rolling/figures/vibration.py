@@ -76,10 +76,12 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
     ax = third_octaves(axes_of(ax), curves, run.sound.duration)
     ax.set_ylabel("level [dB]")
     loss = run.scene.plate.loss_factor
-    facts = distance_and_duration([run])
-    if run.scene.is_listener_placed:  # which belongs to the plate alone
-        facts.append(f"release at {run.scene.sound.distance_m:g} m")
-    facts += [
+    place = f"at {number(run.scene.vibration_distance_m)} m"
+    if run.scene.sound.listener_mm is not None:
+        place += " from the contact"
+    facts = [
+        place,
+        *distance_and_duration([run])[1:],
         "one side of the plate",
         "no loss factor: no power above coincidence" if loss is None else f"loss factor {loss:g}",
     ]

@@ -251,6 +251,11 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
                 words += f"; {of_event}{name}: {f'{mean} dB(A)' if mean else 'not available'}"
         return words + (_others(known[0]) if len(known) == 1 else "")
     if level := _range([level_beside(summary, "vibration_laeq_db") for summary in known], 1):
+        if any(summary["release_laeq_db"] != summary["laeq_db"] for summary in known):
+            return (
+                f"at the listener's distance it lies {above} dB above the vibration, which has "
+                f"{level} dB(A) there"
+            )
         return say("beside.vibration", above=above, level=level)
     level = _range([level_beside(summary, "vibration_estimate_laeq_db") for summary in known])
     bodies = " or ".join(dict.fromkeys(summary["vibration_estimate_bodies"] for summary in known))

@@ -456,19 +456,44 @@ def _estimate(scene: Scene, result: Result, release: ContactSound) -> dict[str, 
 
 
 def _difference(scene: Scene, release: SoundLevels, vibration: SoundLevels) -> dict[str, Any]:
-    """Return the levels of both sources, their difference, and the q that makes them equal."""
+    """Return the levels of both sources, their difference, and the q that makes them equal.
+
+    Both levels belong to the place where the vibration is heard.
+    """
+    shift = _shift_to_listener_db(scene)
+    levels: dict[str, Any] = {
+        "vibration_laeq_db": vibration.laeq_db,
+        "vibration_level_db": vibration.level_db,
+        "vibration_third_octave_db": vibration.third_octave_db,
+        "release_laeq_db": _shifted(release.laeq_db, shift),
+        "release_level_db": _shifted(release.level_db, shift),
+        "release_third_octave_db": {
+            band: _shifted(band_level, shift)
+            for band, band_level in release.third_octave_db.items()
+        },
+    }
     difference = equal = None
     if release.laeq_db is not None and vibration.laeq_db is not None:
-        difference = release.laeq_db - vibration.laeq_db
+        difference = levels["release_laeq_db"] - vibration.laeq_db
         if scene.sound.gain_pa_per_w_m2 is None:  # the level of a release follows 10 lg q
             equal = scene.sound.q * 10 ** (-difference / 10)
-    sources = {"vibration": vibration, "release": release}
-    levels = {
-        f"{source}_{key}": getattr(of_source, key)
-        for source, of_source in sources.items()
-        for key in ("laeq_db", "level_db", "third_octave_db")
-    }
     return levels | {"release_over_vibration_db": difference, "equivalent_q": equal}
+
+
+def _shift_to_listener_db(scene: Scene) -> float:
+    """Return the level of the release where the vibration is heard over that at distance_m [dB].
+
+    The release spreads over a sphere, so that its intensity falls with the square of the distance.
+    The square of the pressure follows the intensity, and under a fixed gain the pressure does.
+    """
+    ratio = scene.sound.distance_m / scene.vibration_distance_m
+    factor = 20.0 if scene.sound.gain_pa_per_w_m2 is None else 40.0
+    return factor * math.log10(ratio)
+
+
+def _shifted(level: float | None, shift_db: float) -> float | None:
+    """Return a level [dB] with a shift added; None of silence."""
+    return None if level is None else level + shift_db
 
 
 def _total(power: Array) -> float | None:

@@ -183,8 +183,13 @@ class SceneQuantities(Section):
 
     @property
     def listener_distance_m(self) -> float:
-        """Distance [m] from the contact, or the middle of its path, to the first listener."""
-        if not self.is_listener_placed:
+        """Distance [m] at which the sound is heard: of the vibration, or of the release."""
+        return self.vibration_distance_m if self.is_listener_placed else self.sound.distance_m
+
+    @property
+    def vibration_distance_m(self) -> float:
+        """Distance [m] from the contact, or the middle of its path, to who hears the vibration."""
+        if self.sound.listener_mm is None:
             return self.sound.distance_m
         ends = list(self.plate.contact_ends_mm.values())
         middle = [5e-4 * (ends[0][axis] + ends[-1][axis]) for axis in (0, 1)]

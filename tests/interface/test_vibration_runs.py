@@ -48,6 +48,29 @@ def test_levels_rise_with_speed_and_have_no_steady_level(steady: Run, fast: Run)
         assert not {"upper_bound", "quasi_static", "resonance"} & keys
 
 
+def test_a_release_beside_a_vibration_is_heard_at_the_distance_of_its_listener(
+    steady: Run,
+) -> None:
+    """Half as far its level is 6 dB higher; a listener at distance_m changes nothing."""
+    edges = {"plate.length_mm": 120, "plate.width_mm": 100, "plate.loss_factor": 0.1}
+    above = {"plate.contact_mm": [50, 40], "sound.distance_m": 0.5}
+    scene = steady.scene.with_(edges | above)
+    own = heard_again(steady, scene).summary
+    near = heard_again(steady, scene.with_({"sound.listener_mm": [50, 40, 500]})).summary
+    far = scene.with_({"sound.listener_mm": [50, 40, 1000]})
+    released = heard_again(steady, far.with_({"sound.source": "release"})).summary
+    farther = heard_again(steady, far).summary
+    fall = 20 * np.log10(2)
+    for key in ("laeq_db", "level_db"):
+        assert near[f"release_{key}"] == own[f"release_{key}"]
+        assert farther[f"release_{key}"] == pytest.approx(near[f"release_{key}"] - fall, abs=1e-9)
+        # The headline of a release stays at distance_m.
+        assert released[f"release_{key}"] == pytest.approx(released[key] - fall, abs=1e-9)
+    for numbers in (own, near, farther, released):
+        difference = numbers["release_laeq_db"] - numbers["vibration_laeq_db"]
+        assert numbers["release_over_vibration_db"] == pytest.approx(difference)
+
+
 def test_other_bodies_over_the_same_marches_sound_as_if_solved_alone(steady: Run) -> None:
     keys = {"sphere.density_kg_m3": 15000, "plate.thickness_mm": 3, "rolling.speed_m_s": 0.7}
     scene = steady.scene.with_(keys)
