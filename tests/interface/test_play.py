@@ -320,6 +320,17 @@ LIT = """() => {
   for (let i = 0; i < data.length; i += 4) count += data[i] + data[i + 1] + data[i + 2] > 60;
   return count / (width * height);
 }"""
+# Holds back the questions to the worker until they are released.
+HELD_BACK = """() => {
+  const ask = Worker.prototype.postMessage, waiting = [];
+  Worker.prototype.postMessage = function (question) {
+    waiting.push(() => ask.call(this, question));
+  };
+  tap.release = () => {
+    Worker.prototype.postMessage = ask;
+    waiting.forEach((send) => send());
+  };
+}"""
 PREPARED = "document.querySelector('.stage').ariaBusy === 'false'"
 
 
@@ -380,6 +391,24 @@ def test_the_audio_context_rests_after_the_ball(playing) -> None:
         until(page, "tap.context.state === 'running' && tap.starts > 0")
         page.click("#play")
         until(page, "tap.context.state === 'suspended'")
+
+
+@pytest.mark.parametrize(
+    ("button", "sounds"),
+    [
+        ("roll", f"{SPEED} > 0.09"),
+        ("drop", "document.querySelector('#play-flight').textContent.includes('mm high')"),
+    ],
+)
+def test_a_ball_that_is_prepared_late_sounds(playing, button: str, sounds: str) -> None:
+    """The audio context stays awake until the worker has prepared the ball that was touched."""
+    with playing("edged") as page:
+        page.add_init_script(f"({HELD_BACK})()")
+        page.reload()
+        page.click(f"#play-{button}")
+        page.wait_for_timeout(600)  # in which a context without sound would be suspended
+        page.evaluate("tap.release()")
+        until(page, sounds)
 
 
 def test_late_settings_are_said_to_be_prepared(playing) -> None:

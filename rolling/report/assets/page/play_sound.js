@@ -1,7 +1,7 @@
 // ---- the instrument: its processor, its worker, and their messages ----
 
 import { $, FADE_S, RATE, runs, state } from "./core.js";
-import { audioContext, restContext, soundAlone, starting } from "./player.js";
+import { RESTING_MS, audioContext, restContext, soundAlone, starting } from "./player.js";
 import { isFaint, showReport } from "./play_meter.js";
 import { view, wakeStage } from "./play_view.js";
 import { sayPlayed, sayPreparing, showModes, showRun } from "./play_panel.js";
@@ -70,6 +70,7 @@ async function prepareSettings() {
   clearTimeout(late);
   sayPreparing("");
   $(".stage").setAttribute("aria-busy", "false");
+  setTimeout(restContext, RESTING_MS);
 }
 
 const answerTo = (question) => new Promise((answered) => {
@@ -127,7 +128,7 @@ function openNode({ number, settings, prepared }, falls) {
     restContext();
   };
   node.onprocessorerror = () => sayPlayed("The engine stopped because of an error.");
-  live.node = node;
+  Object.assign(live, { node, asleepAt: null });
   if (live.held) tellInstrument({ task: "drag", position: view.goal });
   else rollOn();
   return output;
@@ -148,12 +149,13 @@ export async function startInstrument() {
   if (isNew) soundOn();
 }
 
-/** Tell whether the ball is held, moves, or rings out on its plate. */
+/** Tell whether the ball is held, moves, rings out on its plate, or will sound once it is prepared. */
 export function isBallHeard() {
-  const { node, rolling, held, asleepAt, sounding } = live;
+  const { node, preparing, rolling, held, asleepAt, sounding } = live;
+  if (preparing || rolling !== 0 || held) return true;
   if (!node) return false;
   const rings = sounding.prepared.responses[0].length / RATE;
-  return rolling !== 0 || held || asleepAt === null || (!isFaint() && state.context.currentTime < asleepAt + rings);
+  return asleepAt === null || (!isFaint() && state.context.currentTime < asleepAt + rings);
 }
 
 /** Connect the pressure [Pa] with the meters, and through volume and limiter with the output. */
@@ -196,6 +198,7 @@ export async function rollBall(direction) {
   $("#play-roll span").textContent = direction ? "Stop" : "Roll";
   $("#play-roll").toggleAttribute("data-playing", direction !== 0);
   if (direction) await startInstrument();
+  else setTimeout(restContext, RESTING_MS);
   rollOn();
 }
 
