@@ -64,15 +64,16 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
     >>> ax = rolling.plot.sources(run)
     """
     _vibration(run)
-    names = {
+    words = {
         "vibration": "pressure of the vibration [dB re 20 µPa]",
         "release": f"pressure of the release, q = {run.scene.sound.q:g} [dB re 20 µPa]",
         "plate_power": "sound power of the plate [dB re 1 pW]",
         "ball_power": "sound power of the sphere [dB re 1 pW]",
     }
+    names = source_names(run)
     nothing = dict.fromkeys(BAND_NAMES)
     levels = {name: run.summary[f"{name}_third_octave_db"] for name in names}
-    curves = [(names[k], levels[k], nothing) for k in names if any(levels[k].values())]
+    curves = [(words[k], levels[k], nothing) for k in names if any(levels[k].values())]
     ax = third_octaves(axes_of(ax), curves, run.sound.duration)
     ax.set_ylabel("level [dB]")
     loss = run.scene.plate.loss_factor
@@ -85,13 +86,24 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
         "one side of the plate",
         "no loss factor: no power above coincidence" if loss is None else f"loss factor {loss:g}",
     ]
-    return finish(ax, f"Vibration and release: {run.title}", facts)
+    title = "Vibration and release" if "release" in names else "Vibration"
+    return finish(ax, f"{title}: {run.title}", facts)
 
 
 def source_table(run: Run) -> pd.DataFrame:
     """Tabulate the third octaves of the sources of a run [dB]."""
-    names = ("vibration", "release", "plate_power", "ball_power")
+    names = source_names(run)
     return band_table({f"{x}_level_db": run.summary[f"{x}_third_octave_db"] for x in names})
+
+
+def source_names(run: Run) -> list[str]:
+    """Return the sources of a run with dynamics by their names in summary.json.
+
+    The release belongs to a ball that rolls under its load, which a ball that falls does not.
+    """
+    if run.scene.rolling.drop_mm is not None:
+        return ["vibration", "plate_power", "ball_power"]
+    return ["vibration", "release", "plate_power", "ball_power"]
 
 
 # ---- contact force

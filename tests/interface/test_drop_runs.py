@@ -10,7 +10,7 @@ import pytest
 
 import rolling
 from acoustics.wav import SAMPLE_RATE_HZ
-from rolling.figures import sweep
+from rolling.figures import sweep, vibration
 from rolling.report import text
 from rolling.results import listening, runs_table
 from rolling.results.run_result import Run
@@ -121,6 +121,14 @@ def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
         assert not steady.summary["single_event"]
         heads, _ = text.levels([steady])
         assert not any("LAE" in head.replace("LAeq", "") for head in heads)
+
+
+def test_a_fall_is_drawn_without_the_release_of_a_ball_that_rolls(run: Run) -> None:
+    columns = vibration.source_table(run).columns
+    assert "vibration_level_db" in columns and "release_level_db" not in columns
+    legend = vibration.sources(run).get_legend_handles_labels()[1]
+    assert any("vibration" in label for label in legend)
+    assert not any("release" in label for label in legend)
 
 
 def test_falls_are_compared_by_their_exposure(run: Run) -> None:

@@ -232,6 +232,16 @@ def test_a_copied_fall_lasts_until_its_second_impact(playing) -> None:
     assert copied.duration >= 2.99 * drop.fall_s(copied)
 
 
+def test_an_unchanged_fall_is_copied_as_it_was_run(playing) -> None:
+    """The track of the run is longer than its fall, so its scene needs no longer one."""
+    scene = runs_of("falling")[0].scene
+    with playing("falling") as page:
+        assert made(keys(page)).track == scene.track
+        set_slider(page, "dropHeight", 1)
+        page.click("#play-drop")
+        assert made(keys(page)).duration >= 2.99 * drop.fall_s(made(keys(page)))
+
+
 def test_firefox_plays_it_without_a_complaint(pages, tmp_path) -> None:
     if (program := firefox_path()) is None:
         without_browser("no Firefox")

@@ -10,6 +10,7 @@ import { renderedRecord } from "../engine/graph.js";
 
 const RECORD_S = 60;
 const FALLS = 3.5; // times that a record lasts over a fall: the second impact comes after three at most, and the end fades
+const ROUNDED = 1e-9; // of a length
 const PEAK = 10 ** (-1 / 20); // of full scale
 
 /** Return the keys of a scene that differ from the run, with their values; null removes a key. */
@@ -23,7 +24,7 @@ function changedKeys(run, settings, dropped) {
   });
   if (scene.plate.contact_mm && (differs("length") || differs("width"))) changed.push(["plate.contact_mm", scene.plate.contact_mm]); // it stays
   const length = dropped && settings.dropHeight > 0 ? trackOfFall(run, settings) : 0;
-  if (1e3 * length > scene.rolling.distance_mm) changed.push(["rolling.distance_mm", Number((1e3 * length).toPrecision(4))]);
+  if (1e3 * length > (1 + ROUNDED) * scene.rolling.distance_mm) changed.push(["rolling.distance_mm", Number((1e3 * length).toPrecision(4))]);
   return changed;
 }
 
@@ -32,6 +33,7 @@ function trackOfFall(run, settings) {
   const fallTime = (at) => Math.sqrt((2 * (at.dropHeight ?? 0) * ballMass(run, at)) / loadOf(run, at));
   const own = fallTime(run.settings), fall = fallTime(settings);
   const lasted = (1e-3 * run.scene.rolling.distance_mm) / run.settings.speed;
+  if (fall === own && own < lasted) return settings.speed * lasted; // the fall of the run, which is heard in it
   return settings.speed * Math.max(FALLS * fall, own > 0 ? (lasted * fall) / own : 0);
 }
 
