@@ -284,7 +284,7 @@ def solve_contact(
     tolerance = positive("tolerance", tolerance, 1.0)
     single = truth("single", single)
     units.refuse_high("gap", gap)
-    units.refuse_steep_gap("gap", gap, half_space.spacing)
+    units.refuse_steep("gap", gap, half_space.spacing)
     shape = None if shape is None else _plain("shape", shape, gap)
     start = start or _cold_start(half_space, gap, load, hardness)
     pressure, u = _plain("start.pressure", start.pressure, gap), _NOTHING

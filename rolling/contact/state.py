@@ -231,7 +231,8 @@ class RollingContact:
         r = self.subcells  # cells may be flat, with steps between them
         cells = self.heights[::r, ::r]
         slope = kept(self.heights, ("slope", r), lambda: units.rms_slope(cells))
-        units.refuse_steep("heights", slope / self.cell_spacing)
+        if slope > units.MAX_SLOPE * self.cell_spacing:
+            units.refuse_steep("heights", cells, self.cell_spacing)
         rms = kept(self.heights, "rms height", lambda: units.rms_height(self.heights))
         units.refuse_rough("heights", rms, min(self.radii))
 

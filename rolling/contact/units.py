@@ -12,8 +12,7 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded
 
 MAX_SLOPE = 10.0  # rms slope; steeper heights are in another unit than metres
-# Share of neighbours in a gap that are steeper than MAX_SLOPE where the unit is wrong. The sides of
-# a punch may be as high as they like: they never touch.
+# Share of neighbours that are steeper than MAX_SLOPE where the unit is wrong.
 MIN_STEEP_SHARE = 0.2
 MAX_HEIGHT = 1e6  # [m]
 USUAL_SLOPE = 0.1  # of a rough surface, between nodes
@@ -37,9 +36,18 @@ def rms_height(heights: Array) -> float:
     return float(np.std(heights))
 
 
-def refuse_steep(name: str, slope: float) -> None:
-    """Raise ValueError for an rms slope that no heights in metres have, with the likely unit."""
+def refuse_steep(name: str, heights: Array, spacing: float) -> None:
+    """Raise ValueError for heights or a gap [m] that no unit of metres explains, with the unit.
+
+    A spike, a cliff or the side of a punch may be as steep as it likes. In another unit nearly all
+    neighbours are steep.
+    """
+    slope = rms_slope(heights) / spacing
     if slope <= MAX_SLOPE:
+        return
+    differences = [np.diff(heights, axis=axis).ravel() for axis in (0, 1)]
+    steep = np.abs(np.concatenate(differences)) > MAX_SLOPE * spacing
+    if np.mean(steep) < MIN_STEEP_SHARE:
         return
     raise ValueError(
         f"{name}: got an rms slope of {rounded(slope)}, allowed: heights in metres, whose rms slope"
@@ -62,16 +70,6 @@ def refuse_high(name: str, heights: Array) -> None:
     highest = float(np.abs(heights).max())
     if highest > MAX_HEIGHT:
         raise ValueError(f"{name}: got {rounded(highest)} m, allowed: at most {MAX_HEIGHT:g} m")
-
-
-def refuse_steep_gap(name: str, gap: Array, spacing: float) -> None:
-    """Raise ValueError for a gap [m] whose slopes no heights in metres have, nearly everywhere."""
-    slope = rms_slope(gap) / spacing
-    if slope <= MAX_SLOPE:
-        return
-    differences = np.abs(np.concatenate([np.diff(gap, axis=k).ravel() for k in (0, 1)]))
-    if np.mean(differences > MAX_SLOPE * spacing) >= MIN_STEEP_SHARE:
-        refuse_steep(name, slope)
 
 
 def _likely_unit(slope: float) -> str:

@@ -21,6 +21,7 @@ Nodes = NDArray[np.bool_]
 FULL_SCALE = 32767, 32768, 65535, 2147483647, 2147483648, 4294967295
 BLANKS = 9999, 99999, 999999, 9999999  # usual marks of missing points
 HUGE = 1e9  # in any unit; real heights are smaller, marks such as 1e37 are larger
+SMALLEST_MARK = 1e-12  # [m] smaller heights are rounding, in whatever unit
 LEAST = 3  # nodes of a value that is no usual mark
 FAR = 3.0  # jumps to the neighbours over the largest usual differences between neighbours
 USUAL = 0.999  # quantile of the differences between neighbours that counts as their largest
@@ -137,9 +138,9 @@ def _has_digits(value: float, numbers: tuple[int, ...]) -> bool:
 
     The number 32767 of nm is 3.2767e-05 where the file holds metres.
     """
-    if value == 0:
-        return False
     size = abs(value)
+    if size < SMALLEST_MARK:
+        return False
     for number in numbers:
         exponent = round(np.log10(size / number))
         if abs(size / (number * 10.0**exponent) - 1) < 1e-12:

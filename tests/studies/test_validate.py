@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import rolling
-from rolling import cli, validate
+from rolling import cli
+from rolling.studies import validate
 from rolling.studies.validate import Figure
 
 CONTENT = tomllib.loads((validate.FOLDER / "cases.toml").read_text(encoding="utf-8"))

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import rolling
-from rolling import validate
 from rolling.scene.scene import Scene
+from rolling.studies import validate
 from rolling.surface import scene_surface
 from rolling.surface.measured import HeightArray
 
