@@ -30,8 +30,10 @@ SIGNAL_ORDERS = 1.0, 2.0
 DEFAULT_ORDER = 1.0  # the order where it cannot be measured, and that of missing detail
 SHARED_UP_TO_HZ = 800.0  # bands up to this one share an estimate, because a stretch is short
 MIN_LINES = 2  # minimum number of lines of a stretch in a band with its own estimate
-# Lines of a transform with a Hann window over independent lines.
-HANN_LINES = 1.5
+# Lines of a transform with a Hann window over independent lines: the power of a line is correlated
+# by 4/9 with its neighbours and by 1/36 with the lines after them, 1 + 2 (4/9 + 1/36).
+HANN_LINES = 35 / 18
+GAIN_POINTS = 16  # frequencies of a band at which a gain is averaged
 JUDGED_HZ = 1000.0, 16000.0  # bands whose standard error is judged
 SOUND_SHARE = 1e-4  # a band with less than this share of the fluctuation carries no sound
 _FIRST_LINE = 2  # below this line the Hann window mixes the mean into the lines
@@ -79,12 +81,14 @@ class BandPowers:
 
     sums : (stretches, 7, bands) array. Mean squares over the passes, weighted by their speed.
     lines : (bands,) array. Number of lines of a stretch at the typical speed.
+    white : (bands,) array. Power gain to the sound, the mean over each band; 1 for a release.
     groups : tuple of tuples of int. Numbers of the bands that share an estimate.
     tolerance_ratio : float. As in `StretchSignals`.
     """
 
     sums: Array
     lines: NDArray[np.int64]
+    white: Array
     groups: tuple[tuple[int, ...], ...]
     tolerance_ratio: float
 
@@ -152,7 +156,23 @@ def band_powers(signals: StretchSignals) -> BandPowers:
     lines_of_bands = np.histogram(frequency, np.asarray(EDGES_HZ))[0]
     loud = int(np.flatnonzero(sums[:, _FINE].sum(axis=0)).max(initial=-1))
     groups = _groups(lines_of_bands, loud + 1)
-    return BandPowers(sums, lines_of_bands, groups, signals.tolerance_ratio)
+    return BandPowers(
+        sums=sums,
+        lines=lines_of_bands,
+        white=_mean_gain(signals.gain),
+        groups=groups,
+        tolerance_ratio=signals.tolerance_ratio,
+    )
+
+
+def _mean_gain(gain: Gain | None) -> Array:
+    """Return the mean power gain of each band, 1 for a release."""
+    if gain is None:
+        return np.ones(len(BAND_NAMES))
+    within = (np.arange(GAIN_POINTS) + 0.5) / GAIN_POINTS
+    low, width = np.asarray(EDGES_HZ[:-1]), np.asarray(BANDWIDTH_HZ)
+    frequency = low[:, None] + width[:, None] * within
+    return np.asarray(gain(frequency.ravel())).reshape(frequency.shape).mean(axis=1)
 
 
 def _spectrum(values: Array) -> NDArray[np.complex128]:
@@ -187,12 +207,7 @@ def detail_errors(powers: BandPowers, record: RecordLevels) -> Array:
     their standard uncertainties, (2, bands + 1) [dB].
     """
     errors, _ = _reported(powers.sums.sum(axis=0), powers, record)
-    widening = _widening(len(powers.sums))
-    of_lines = _scatter(powers, math.inf) / widening
-    share = np.nan_to_num(record.a * 10.0 ** (-errors[:-1] / 10.0))
-    share /= share.sum() or 1.0
-    laeq = math.hypot(*(of_lines[k[0]] * share[list(k)].sum() for k in powers.groups))
-    spread = np.append(_scatter(powers, _record_lines(powers, record)) / widening, laeq)
+    spread = np.sqrt(_line_scatter(powers, record).of_error)
     doubt = DOUBT * (1.0 - 1.0 / refinement_factor(DEFAULT_ORDER))
     return np.stack([errors, np.hypot(spread, doubt * errors)])
 
@@ -205,9 +220,8 @@ def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
     total = powers.sums.sum(axis=0)
     order, measured = _order(total)
     grid, solver = _reported(total, powers, record)
-    spread, _ = _jackknife(powers.sums, lambda part: _reported(part, powers, record))
-    bands = np.hypot(spread[:-1], _scatter(powers, _record_lines(powers, record)))
-    spread[:-1] = np.hypot(bands, _not_shared(grid[:-1], bands, powers))
+    spread = _scatter(powers, record)
+    spread[:-1] = np.hypot(spread[:-1], _not_shared(grid[:-1], spread[:-1], powers))
     doubt = DOUBT * (1.0 - 1.0 / refinement_factor(order))
     signal = _grid_signal_db(total)
     signal_spread = _jackknife(powers.sums, lambda part: np.array(_grid_signal_db(part)))
@@ -246,8 +260,9 @@ def worst_uncertainty_db(powers: BandPowers) -> float:
 
     It is infinite if no band does.
     """
-    spread = _jackknife(powers.sums, lambda part: _ratios(part, powers)[0])
-    spread = np.hypot(spread, _scatter(powers, math.inf))
+    bands = len(BAND_NAMES)
+    flat = np.asarray(BANDWIDTH_HZ) * powers.white
+    spread = _scatter(powers, RecordLevels(z=flat, a=flat, own_factor=False))[:bands]
     power, nominal = powers.sums[:, _FINE].sum(axis=0), np.array(NOMINAL_HZ)
     judged = (nominal >= JUDGED_HZ[0]) & (nominal <= JUDGED_HZ[1])
     judged &= (power > SOUND_SHARE * power.sum()) & np.isfinite(spread)
@@ -256,44 +271,138 @@ def worst_uncertainty_db(powers: BandPowers) -> float:
 
 def _jackknife(sums: Array, numbers: Callable[[Array], Array]) -> Array:
     """Return widened standard errors of numbers from leaving out each stretch in turn."""
+    return np.asarray(_widening(len(sums) - 1) * np.sqrt(_jackknife_variance(sums, numbers)))
+
+
+def _jackknife_variance(sums: Array, numbers: Callable[[Array], Array]) -> Array:
+    """Return variances of numbers from leaving out each stretch in turn."""
     count = len(sums)
     left_out = np.array([numbers(np.delete(sums, k, axis=0).sum(axis=0)) for k in range(count)])
-    return np.asarray(_widening(count) * np.sqrt((count - 1) * np.var(left_out, axis=0)))
+    return np.asarray((count - 1) * np.var(left_out, axis=0))
 
 
-def _record_lines(powers: BandPowers, record: RecordLevels) -> Array:
+class _LineScatter(NamedTuple):
+    """Variances of reported errors [dB2] if all lines are independent, and their basis.
+
+    of_error, of_stretches : (bands + 1,) arrays. Variance of the estimated less the true error of
+        the record, and that of the estimated error alone, of the bands and of LAeq.
+    lines : float. Number of independent lines of all stretches and groups.
+    """
+
+    of_error: Array
+    of_stretches: Array
+    lines: float
+
+
+def _scatter(powers: BandPowers, record: RecordLevels) -> Array:
+    """Return the standard errors of bands and of LAeq [dB] from the choice of the stretches.
+
+    The lines of the stretches and a jackknife over the stretches measure one variance. Each has
+    its degrees of freedom, by which they are averaged: their ratio is one number of all groups, as
+    the jackknife of a single group has only as many degrees as there are stretches, less one.
+    """
+    by_lines = _line_scatter(powers, record)
+    jackknife = _jackknife_variance(powers.sums, lambda part: _reported(part, powers, record)[0])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = jackknife / by_lines.of_stretches
+    firsts = [group[0] for group in map(list, powers.groups)]
+    of_groups = np.array([_first_known(ratio[list(group)]) for group in powers.groups])
+    of_groups = of_groups[np.isfinite(of_groups)]
+    each = len(powers.sums) - 1
+    if not (each and firsts and by_lines.lines):
+        return np.full(len(BAND_NAMES) + 1, math.nan)
+    degrees = by_lines.lines + each * len(of_groups)
+    excess = by_lines.lines + each * of_groups.sum()
+    scatter = np.full(len(BAND_NAMES) + 1, _widening(degrees) * math.sqrt(excess / degrees))
+    if np.isfinite(ratio[-1]):  # bands that scatter together show in LAeq alone
+        whole = degrees + each
+        scatter[-1] = _widening(whole) * math.sqrt((excess + each * ratio[-1]) / whole)
+    return np.asarray(scatter * np.sqrt(by_lines.of_error))
+
+
+def _first_known(values: Array) -> float:
+    """Return the first finite value; NaN without one."""
+    finite = values[np.isfinite(values)]
+    return float(finite[0]) if len(finite) else math.nan
+
+
+def _line_scatter(powers: BandPowers, record: RecordLevels) -> _LineScatter:
+    """Return the variances of errors if all lines are independent.
+
+    The power of n independent lines plus independent differences of a share e of it scatters by
+    sqrt(2 e / n): once in the stretches, from which the error of a group follows, and once in each
+    band of the record, whose own error it is. The stretches are part of the record, so both have
+    their common lines in common. A gain that all lines share is no such difference.
+    """
+    total, bands = powers.sums.sum(axis=0), len(BAND_NAMES)
+    factor, own_factor = refinement_factor(_order(total)[0]), _whole_difference(total)
+    in_decibels = (10 / math.log(10)) ** 2
+    weights = _weights(record)
+    of_stretches, of_error, all_lines = np.zeros(bands + 1), np.zeros(bands + 1), 0.0
+    unknown = np.ones(bands, dtype=bool)
+    for group in map(list, powers.groups):
+        tight, fine, difference = total[[_TIGHT, _FINE, _GRID]][:, group].sum(axis=1)
+        if not fine > 0:
+            continue
+        unknown[group] = False
+        independent = max(0.0, difference - (math.sqrt(tight) - math.sqrt(fine)) ** 2)
+        single = in_decibels * 2 * independent / fine  # variance of a single line
+        lines = _independent_lines(total[_FINE, group], powers, group)
+        all_lines += lines
+        of_estimate = factor**2 * single / lines
+        of_bands = own_factor**2 * single / _record_lines(powers, record, group)
+        in_common = factor / own_factor * total[_FINE, group] / fine * of_bands
+        own = weights[:, group]
+        whole = own.sum(axis=1)
+        of_stretches += whole**2 * of_estimate
+        of_error += whole**2 * of_estimate + own**2 @ of_bands - 2 * whole * (own @ in_common)
+    of_error[:-1][unknown] = np.nan
+    return _LineScatter(np.maximum(of_error, 0.0), of_stretches, all_lines)
+
+
+def _weights(record: RecordLevels) -> Array:
+    """Return the weights of the bands' errors in the reported errors, (bands + 1, bands)."""
+    a, z = (np.nan_to_num(power) for power in (record.a, record.z))
+    a_share, z_share = (power / (power.sum() or 1.0) for power in (a, z))
+    weights = np.vstack([np.eye(len(BAND_NAMES)), a_share])
+    return weights - 0.5 * z_share if record.own_factor else weights
+
+
+def _independent_lines(power: Array, powers: BandPowers, group: list[int]) -> float:
+    """Return the number of independent lines of all stretches in a group, at least one.
+
+    Differences between grids are as strong in all lines of a signal, so that the lines of a loud
+    band decide over the scatter of the group.
+    """
+    lines, seen = powers.lines[group], powers.lines[group] > 0
+    white = powers.white[group] * lines
+    products = float(np.sum(power[seen] * white[seen] / lines[seen]))
+    effective = float(power.sum() * white.sum()) / products if products > 0 else 1.0
+    return max(1.0, len(powers.sums) * effective / HANN_LINES)
+
+
+def _record_lines(powers: BandPowers, record: RecordLevels, group: list[int]) -> Array:
     """Return the number of lines of each band of a record that weigh as the lines of its group.
 
-    Differences of grids are as strong in all lines of a group, so a line that is quieter than the
-    lines that the stretches hold counts less.
+    Differences between grids are as strong in all lines of a signal. A line of the signal that is
+    quieter than the lines that the stretches hold counts less. The sound of a vibration is divided
+    by the gain first, because a quiet line of the sound may be a loud line of the approach.
     """
-    width = np.asarray(BANDWIDTH_HZ)
-    count, density = width * record.seconds, record.z / width
-    for group in map(list, powers.groups):
-        seen = [band for band in group if powers.lines[band] and record.z[band] > 0]
-        if seen:
-            count[group] *= np.fmin(density[group] / np.mean(density[seen]), 1.0)
-    return np.asarray(np.maximum(count, 1.0))
+    z, white = record.z[group], powers.white[group] * np.asarray(BANDWIDTH_HZ)[group]
+    count = np.maximum(np.asarray(BANDWIDTH_HZ)[group] * record.seconds, 1.0)
+    heard = z > 0
+    seen = heard & (powers.lines[group] > 0)
+    if seen.any() and white[seen].sum() > 0:
+        count[heard] *= z[heard] / white[heard] / (z[seen].sum() / white[seen].sum())
+    return np.where(heard, count, math.inf)
 
 
-def _scatter(powers: BandPowers, record_lines: Array | float) -> Array:
-    """Return the widened standard error of bands [dB] if differences of grids are independent.
-
-    A jackknife over four stretches is often smaller by chance. The power of n independent lines
-    plus independent differences of a share e of it scatters by sqrt(2 e / n), in the stretches and
-    in the lines of a band of the record. A gain that all lines share is no such difference.
-    """
-    count, total = len(powers.sums), powers.sums.sum(axis=0)
-    factor, spread = refinement_factor(_order(total)[0]), np.full(len(BAND_NAMES), np.nan)
-    of_record = np.broadcast_to(record_lines, len(BAND_NAMES))
-    for group in map(list, powers.groups):
-        lines = max(1.0, count * powers.lines[group].sum() / HANN_LINES)
-        tight, fine, difference = total[[_TIGHT, _FINE, _GRID]][:, group].sum(axis=1)
-        if fine > 0:
-            independent = max(0.0, difference - (math.sqrt(tight) - math.sqrt(fine)) ** 2)
-            share = np.sqrt(2 * independent / fine * (1 / lines + 1 / of_record[group]))
-            spread[group] = _widening(count) * factor * 10 / math.log(10) * share
-    return spread
+def _whole_difference(total: Array) -> float:
+    """Return the rms error of the signal over its difference to half the spacing."""
+    if not (total[_GRID].sum() > 0 and total[_FINE].sum() > 0):
+        return 1.0
+    error = 10 ** (_grid_signal_db(total) / 10) * total[_FINE].sum() / total[_GRID].sum()
+    return math.sqrt(error)
 
 
 def _not_shared(errors: Array, spread: Array, powers: BandPowers) -> Array:
@@ -310,9 +419,9 @@ def _not_shared(errors: Array, spread: Array, powers: BandPowers) -> Array:
     return apart
 
 
-def _widening(count: int) -> float:
-    """Return Student's factor, with which twice a standard error holds 95 %; NaN for one."""
-    return float(stdtrit(count - 1, 0.975) / ndtri(0.975)) if count > 1 else math.nan
+def _widening(degrees: float) -> float:
+    """Return Student's factor, with which twice a standard error holds 95 %; NaN for no degree."""
+    return float(stdtrit(degrees, 0.975) / ndtri(0.975)) if degrees > 0 else math.nan
 
 
 def _order(total: Array) -> tuple[float, bool]:

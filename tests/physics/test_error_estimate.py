@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from acoustics.bands import BAND_NAMES, EDGES_HZ, MID_HZ
+from acoustics.bands import BAND_NAMES, BANDWIDTH_HZ, EDGES_HZ, MID_HZ
 from rolling.sound import error_estimate
 from rolling.sound.error_estimate import (
     LevelErrors,
@@ -158,31 +158,76 @@ def test_independent_noise_is_found_within_its_standard_error() -> None:
     assert outside < 0.06 * total
 
 
-def test_a_standard_error_too_small_by_chance_is_at_least_that_of_independent_lines() -> None:
-    """Differences of a share e of the power scatter n lines by 4.34 sqrt(2 e / n) dB."""
+def test_a_jackknife_that_sees_no_scatter_leaves_that_of_independent_lines() -> None:
+    """Differences of a share e of the power scatter n lines by 4.34 sqrt(2 e / n) dB.
+
+    Lines of a Hann window overlap: n of them are as many as 18/35 n independent lines.
+    """
     powers = band_powers(stretches(noise=0.3, count=4))
     same = np.broadcast_to(powers.sums.mean(axis=0), powers.sums.shape)  # no scatter is seen
     found = level_errors(replace(powers, sums=same), FLAT)
     group = list(powers.groups[-1])
     fine, grid = (same[0, row, group].sum() for row in (2, 4))
-    lines = 4 * powers.lines[group].sum() / 1.5
-    factor = 2 * 1.62  # order 1, and Student's factor of four stretches
-    expected = factor * 4.34 * np.sqrt(2 * grid / fine / lines)
-    assert found.grid_uncertainty_db[group] == pytest.approx(expected, rel=0.1)
+    lines = 4 * powers.lines[group].sum() * 18 / 35
+    expected = 2 * 4.34 * np.sqrt(2 * grid / fine / lines)  # order 1
+    # The lines of all groups hold more degrees of freedom than the jackknife, which says zero.
+    assert 0.6 * expected < found.grid_uncertainty_db[group] < 1.1 * expected
 
 
 def test_a_band_of_the_record_has_an_error_of_its_own_few_lines() -> None:
-    """The third octave at 160 Hz (36.7 Hz wide) holds 5.9 lines in 0.16 s, that at 630 Hz 23."""
+    """The third octave at 160 Hz (36.7 Hz wide) holds 5.9 lines in 0.16 s, that at 630 Hz 23.
+
+    A noise of one shape that halves with each halving of the spacing errs by twice its difference.
+    """
     powers = band_powers(stretches(noise=0.3, count=4))
+    white = replace(FLAT, z=np.array(BANDWIDTH_HZ))
     long, short = (
-        level_errors(powers, replace(FLAT, seconds=seconds)).grid_uncertainty_db
+        level_errors(powers, replace(white, seconds=seconds)).grid_uncertainty_db
         for seconds in (np.inf, 0.16)
     )
     group = list(powers.groups[0])
     fine, grid = (powers.sums[:, row, group].sum() for row in (2, 4))
-    expected = 2 * 1.62 * 4.34 * np.sqrt(2 * grid / fine / np.array([5.9, 23.2]))
-    own = np.sqrt(short**2 - long**2)[[band("160"), band("630")]]
-    assert own == pytest.approx(expected, rel=0.15)  # the order is 1 within 10 %
+    expected = 2 * 4.34 * np.sqrt(2 * grid / fine / np.array([5.9, 23.2]))
+    chosen = [band("160"), band("630")]
+    own = np.sqrt(short[chosen] ** 2 - long[chosen] ** 2)
+    assert own[0] / own[1] == pytest.approx(np.sqrt(23.2 / 5.9), rel=0.02)
+    assert own == pytest.approx(expected, rel=0.25)  # the jackknife of four stretches takes part
+
+
+def test_a_band_of_a_vibration_is_quiet_by_its_approach_not_by_its_sound() -> None:
+    """A chain that carries little of a band carries as little of its differences.
+
+    The same approach with and without a chain that is 20 dB weaker below 1.5 kHz has the same
+    uncertainty of its own in a low band.
+    """
+    weaker = np.where(np.array(MID_HZ) < 1500, 0.01, 1.0)
+    own = []
+    for gain in (np.ones(31), weaker):
+        signals = replace(
+            stretches(noise=0.3, count=4),
+            gain=lambda f, gain=gain: gain[np.searchsorted(EDGES_HZ[1:-1], f)],
+        )
+        powers = band_powers(signals)
+        record = replace(FLAT, z=np.array(BANDWIDTH_HZ) * gain)
+        long, short = (
+            level_errors(powers, replace(record, seconds=seconds)).grid_uncertainty_db[band("160")]
+            for seconds in (np.inf, 0.16)
+        )
+        own.append(short**2 - long**2)
+    assert own[1] == pytest.approx(own[0], rel=0.1)
+
+
+def test_stretches_that_are_most_of_the_record_know_its_error_better() -> None:
+    """A band above the shared ones has its lines in common with the stretches."""
+    powers = band_powers(stretches(noise=0.3, count=8))
+    white = replace(FLAT, z=np.array(BANDWIDTH_HZ))
+    marched_s = 8 * STEPS * STEP / SPEED
+    whole, tenfold, endless = (
+        level_errors(powers, replace(white, seconds=seconds)).grid_uncertainty_db[band("8000")]
+        for seconds in (marched_s, 10 * marched_s, np.inf)
+    )
+    assert whole < 0.9 * tenfold
+    assert tenfold < endless
 
 
 def test_bands_that_share_an_error_are_uncertain_by_its_change_to_the_next() -> None:
@@ -200,21 +245,26 @@ def test_standard_errors_are_those_over_other_stretches() -> None:
     spread = np.std([each.grid_db for each in many], axis=0)
     stated = np.sqrt(np.mean([each.grid_uncertainty_db**2 for each in many], axis=0))
     judged = slice(band("1600"), band("20000"))
-    # The scatter of stretches and that of lines are both counted, so they exceed it by sqrt(2).
-    assert np.all(stated[judged] / spread[judged] > 1.0)
-    assert np.all(stated[judged] / spread[judged] < 2.0)
+    ratio = stated[judged] / spread[judged]
+    # 40 seeds tell a spread within 11 %, and their rms over eleven bands within some 5 %.
+    assert np.sqrt(np.mean(ratio**2)) == pytest.approx(1.0, abs=0.25)
+    assert np.all(ratio > 0.65)
+    assert np.all(ratio < 1.7)
     laeq = np.std([each.grid_db[-1] for each in many])
     assert np.mean([each.grid_uncertainty_db[-1] for each in many]) == pytest.approx(laeq, rel=0.4)
 
 
-def test_twice_the_standard_error_holds_more_than_95_percent_for_four_stretches() -> None:
+def test_standard_errors_of_four_stretches_hold_as_often_as_those_of_gaussian_errors() -> None:
+    """Gaussian errors lie in 68 % within one and in 95 % within two standard errors."""
     gain, noise = 0.5, 0.1
     offs = []
     for seed in range(100):
         found = errors_of(stretches(gain_db=gain, noise=noise, count=4, seed=seed))
         offs.append((found.grid_db - gain) / found.grid_uncertainty_db)
     judged = np.abs(np.array(offs)[:, band("2000") : band("20000")])
-    assert np.mean(judged < 2) > 0.95 and np.mean(judged < 1) < 0.99
+    # Ten bands of 100 seeds share some lines; independent ones would count within 1.5 %.
+    assert 0.60 < np.mean(judged < 1) < 0.76
+    assert 0.91 < np.mean(judged < 2) < 0.985
 
 
 def test_the_extrapolated_part_is_in_doubt_by_half(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -225,7 +275,7 @@ def test_the_extrapolated_part_is_in_doubt_by_half(monkeypatch: pytest.MonkeyPat
 
 
 def test_four_times_the_stretches_halve_the_standard_error() -> None:
-    """Student's factor is 1.21 for eight stretches and 1.04 for 32."""
+    """Student's factor is nearly one, because the lines of all groups tell the scatter."""
     few, many = (
         np.mean(
             [
@@ -235,7 +285,7 @@ def test_four_times_the_stretches_halve_the_standard_error() -> None:
         )
         for n in (8, 32)
     )
-    assert few / many == pytest.approx(2 * 1.21 / 1.04, rel=0.3)
+    assert few / many == pytest.approx(2, rel=0.3)
 
 
 def test_a_solver_error_is_told_from_an_error_of_the_grid() -> None:
