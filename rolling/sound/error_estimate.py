@@ -172,7 +172,8 @@ def _mean_gain(gain: Gain | None) -> Array:
     within = (np.arange(GAIN_POINTS) + 0.5) / GAIN_POINTS
     low, width = np.asarray(EDGES_HZ[:-1]), np.asarray(BANDWIDTH_HZ)
     frequency = low[:, None] + width[:, None] * within
-    return np.asarray(gain(frequency.ravel())).reshape(frequency.shape).mean(axis=1)
+    gains = np.asarray(gain(frequency.ravel())).reshape(frequency.shape)
+    return np.asarray(gains.mean(axis=1))
 
 
 def _spectrum(values: Array) -> NDArray[np.complex128]:
