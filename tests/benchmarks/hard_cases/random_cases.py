@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from hard_cases.named_cases import CAPACITY, SOLVED, WIDTH, HardCase, make_track, rough
-from rolling.contact import closed_forms
+from rolling.contact import closed_forms, units
 from rolling.contact.state import RollingContact
 from rolling.surface.contact_of_scene import on_subcells
 
@@ -87,6 +87,7 @@ def random_scene(seed: int) -> tuple[RollingContact, str]:
         heights[:i] += size
     elif feature == "trench":
         heights[:, j] -= size
+    heights = _accepted(heights, spacing, radius)
     track = make_track(
         heights,
         spacing=spacing,
@@ -99,6 +100,16 @@ def random_scene(seed: int) -> tuple[RollingContact, str]:
         tolerance=10.0 ** -rng.integers(3, 8),
     )
     return track, feature
+
+
+def _accepted(heights: Array, spacing: float, radius: float) -> Array:
+    """Return heights that are no steeper and no rougher than `RollingContact` accepts as metres."""
+    slope = units.rms_slope(heights) / spacing
+    rms = units.rms_height(heights)
+    largest = max(slope / units.MAX_SLOPE, rms / radius)
+    if largest <= 0.99:
+        return heights
+    return np.asarray(heights * (0.99 / largest))
 
 
 def odd_scene(seed: int) -> tuple[RollingContact, str]:
@@ -122,6 +133,7 @@ def odd_scene(seed: int) -> tuple[RollingContact, str]:
         radius = spacing * 10 ** rng.uniform(-2, 0)
     size = spacing * 10 ** rng.uniform(-5, 1)
     feature, heights = _odd_surface(rng, shape, size, seed)
+    heights = _accepted(heights, spacing, radius)
     kind = rng.choice(["elastic", "capped", "whole", "whole"])
     hardness = np.inf
     if kind == "capped":
