@@ -78,8 +78,11 @@ function drawLens() {
   });
 }
 
-/** Tell whether the ball has flown since the last report. */
-const isFlying = () => live.report?.flies.every((share) => share === 1) ?? false;
+/** Tell whether the ball has mostly flown in the time of the last report: impacts are short. */
+function isFlying() {
+  const { flies } = live.report ?? { flies: [0] };
+  return flies.reduce((sum, share) => sum + share, 0) > flies.length / 2;
+}
 
 /** Return the map nearest to the place of the ball on the track, which closes. */
 function nearestMap({ position_mm: places }) {
