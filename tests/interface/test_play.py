@@ -238,6 +238,34 @@ def test_a_copied_fall_lasts_until_its_second_impact(playing) -> None:
     assert copied.duration >= 2.99 * drop.fall_s(copied)
 
 
+@pytest.mark.slow
+def test_a_copied_fall_sounds_as_it_was_played(playing, pages) -> None:
+    """From three times the height, the copied run has the energy of the engine within 0.5 dB."""
+    data = data_of(pages("falling"))["runs"][0]["live"]
+    with playing("falling") as page:
+        set_slider(page, "dropHeight", 0.9)
+        page.click("#play-drop")
+        copied = solved(made(keys(page)))
+    height = 1e-3 * copied.scene.rolling.drop_mm
+    assert height > 3 * data["settings"]["dropHeight"]
+    samples = round(48000 * copied.sound.duration)
+    script = """
+      const { run, settings, samples } = data, prepared = prepare.prepare(run, settings);
+      const own = new worklet.Instrument({ run, settings, prepared });
+      const force = [], block = new Float64Array(128);
+      while (force.length < prepared.delay + samples) {
+        own.fill(block);
+        force.push(...block);
+      }
+      done({ force, response: prepared.responses[0], delay: prepared.delay });
+    """
+    fall = {"run": data, "settings": data["settings"] | {"dropHeight": height}}
+    got = live_engine.node(script, fall | {"samples": samples})
+    pressure = np.convolve(got["force"], got["response"])[got["delay"] :][:samples]
+    played = sound_level.sound_levels(pressure, 48000, copied.sound.highest, closed=False)
+    assert copied.sound.levels.laeq_db == pytest.approx(played.laeq_db, abs=0.5)
+
+
 def test_an_unchanged_fall_is_copied_as_it_was_run(playing) -> None:
     """The track of the run is longer than its fall, so its scene needs no longer one."""
     scene = runs_of("falling")[0].scene
