@@ -79,6 +79,7 @@ def test_weights_are_those_of_the_program() -> None:
     assert got == pytest.approx(weighting.a_weighting_db(frequency), abs=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thickness", [1e-3, 1e-2])
 def test_the_response_of_a_plate_has_its_transfer(thickness: float) -> None:
     """The lines of the response are the pressure per force within -43 dB of its energy.
@@ -105,6 +106,7 @@ def test_the_response_of_a_plate_has_its_transfer(thickness: float) -> None:
     assert np.sum(np.abs(error) ** 2) < 5e-5 * np.sum(np.abs(wanted) ** 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_a_record_of_the_engine_is_that_of_the_program(case: str) -> None:
     """Third octaves agree within 0.3 dB where their level is reliable, and LAeq within 0.1 dB.
@@ -151,6 +153,7 @@ def rendered(opened, tmp_path, call: str, *arguments) -> np.ndarray:
         return np.array(browser.evaluate(call, [url, *arguments]))
 
 
+@pytest.mark.slow
 def test_changes_of_settings_do_not_click(opened, tmp_path) -> None:
     """No step between samples exceeds 6 rms of those within 20 ms, for a tone of 300 Hz.
 
@@ -166,6 +169,7 @@ def test_changes_of_settings_do_not_click(opened, tmp_path) -> None:
     assert np.max(np.abs(steps) / np.sqrt(near)) < 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("listeners", [{}, STEREO])
 def test_chromium_renders_the_force_through_the_responses(listeners, opened, tmp_path) -> None:
     """Its convolvers are exact within single precision; a record of a fall begins with it."""

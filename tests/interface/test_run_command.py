@@ -84,6 +84,7 @@ def test_the_same_command_says_that_all_is_done_and_writes_nothing(
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*.*")} == before
 
 
+@pytest.mark.slow
 def test_values_that_a_sweep_gets_later_are_added(tmp_path: Path) -> None:
     scene, out, whole = write(tmp_path, SEEDS), tmp_path / "out", tmp_path / "whole"
     assert run(scene, out) == 0
@@ -285,6 +286,7 @@ def test_resound_solves_nothing_and_speed_scales(
     assert "rolling.load_n" in capsys.readouterr().err and not (tmp_path / "no").exists()
 
 
+@pytest.mark.slow
 def test_a_resounded_sweep_has_the_bytes_of_a_run(tmp_path: Path, swept: Path) -> None:
     scene, out, new = write(tmp_path, SEEDS), tmp_path / "out", tmp_path / "new"
     change = ["--set", "sound.distance_m=2"]
@@ -366,6 +368,7 @@ def test_table_writes_statistics_and_plots(
         assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["png", "svg", "csv"])
 def test_plot_draws_single_figures(
     form: str, swept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -23,6 +23,7 @@ from rolling.surface.scene_surface import ball_heights, heights, rolled_together
 ROUGH = {"kind": "gaussian", "roughness_ra_um": 0.005, "correlation_length_um": 10, "seed": 4}
 
 
+@pytest.mark.slow
 @pytest.mark.law("Ball surface: a rough ball on a smooth plate is a smooth ball on the same field.")
 def test_a_rough_ball_on_a_smooth_plate_is_a_smooth_ball_on_that_field() -> None:
     """Bit by bit, over one turn and the beginning of the next."""

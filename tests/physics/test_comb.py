@@ -61,6 +61,7 @@ def test_a_broad_resonance_has_no_comb() -> None:
     assert broad.uncertainty.laeq_db == pytest.approx(broad.spreads["record"], rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.law("Comb: levels of seeds differ as much as their stated uncertainty.")
 def test_seeds_differ_as_their_uncertainty_states() -> None:
     """Record and comb see the strengths of the same few lines, so their squares do not add up.

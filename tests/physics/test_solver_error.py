@@ -61,6 +61,7 @@ def test_a_smooth_sphere_is_silent(overrides: tuple[str, ...]) -> None:
     assert sound.steady_level is not None and sound.mean_power > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ra_um", "tolerance"), [(1e-6, 1e-8), (1e-4, 1e-6), (1e-2, 1e-4)])
 def test_roughness_of_atoms_and_less_is_heard_where_it_is_resolved(
     ra_um: float, tolerance: float

@@ -96,6 +96,7 @@ def test_further_contacts_on_a_surface_share_its_maxima() -> None:
     assert replace(higher, blended=False).maxima.highest == higher.heights.max()
 
 
+@pytest.mark.slow
 @pytest.mark.law("Sub-cells: sharp edges on them are the sharp edges of the fine grid.")
 def test_release_on_sub_cells_is_that_of_the_fine_grid() -> None:
     track = make_track(rough(100, 100, 3e-7), load=1.0, hardness=2.1e9, tolerance=1e-6)
@@ -116,6 +117,7 @@ def test_contact_conditions_hold_with_sharp_edges_and_elastic_plates() -> None:
             assert_solved(by_cells, state)
 
 
+@pytest.mark.slow
 @pytest.mark.law("Sub-cells: a piece has the same numbers, whatever was solved before it.")
 @pytest.mark.parametrize("subcells", [2, 4])
 def test_pieces_do_not_depend_on_other_pieces(subcells: int) -> None:
@@ -189,6 +191,7 @@ def test_auto_takes_sub_cells_on_steep_surfaces_that_yield() -> None:
     assert auto_subcells(make_track(pits, hardness=2.1e9, blended=True)) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.law("Blended edges: on unseen surfaces the release is closer to a fine grid, too.")
 def test_study_of_edges_in_short() -> None:
     """Two scenes of the study in 24 steps, one with pits (-11 dB, sharp -5) and a steep one."""

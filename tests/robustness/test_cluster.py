@@ -87,6 +87,7 @@ def run(scene: Path, out: Path, cluster: DaskProcesses, *more: str) -> int:
     return cli.main(words_of(scene, out, "--cluster", str(cluster.file), *more))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [SWEEP, MEMORY], ids=["sweep", "passes"])
 def test_a_killed_worker_or_process_of_one_changes_no_byte(
     cluster: DaskProcesses, tmp_path: Path, text: str
@@ -153,6 +154,7 @@ def test_a_late_worker_of_another_program_does_nothing(name: str) -> None:
         worker.act(b"", program.identity()._replace(**{name: "another"}))
 
 
+@pytest.mark.slow
 def test_a_lost_scheduler_ends_in_a_sentence_and_the_command_goes_on(
     cluster: DaskProcesses, tmp_path: Path
 ) -> None:

@@ -124,6 +124,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, byt
     return folder, contents(folder / "out")
 
 
+@pytest.mark.slow
 def test_a_crash_at_every_write(tmp_path: Path, whole: tuple[Path, dict[str, bytes]]) -> None:
     """The files stand as a kill leaves them before each call and in the middle of each write.
 
@@ -160,6 +161,7 @@ def test_a_crash_at_every_write(tmp_path: Path, whole: tuple[Path, dict[str, byt
     assert faults(fault_after_crash, jobs) == []
 
 
+@pytest.mark.slow
 def test_a_full_disk_at_every_write(tmp_path: Path, whole: tuple[Path, dict[str, bytes]]) -> None:
     folder, expected = whole
     names: list[str] = []

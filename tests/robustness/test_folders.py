@@ -153,6 +153,7 @@ def test_another_scene_is_refused_with_its_differences(
     assert run(scene, out) == 0 and tree(out) == before
 
 
+@pytest.mark.slow
 def test_runs_of_another_program_are_not_added_to(
     seeds: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

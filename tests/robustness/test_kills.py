@@ -48,6 +48,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return undisturbed(tmp_path_factory.mktemp("whole"), SWEEP)
 
 
+@pytest.mark.slow
 def test_a_killed_command_takes_its_workers_along_and_goes_on_with_its_pieces(
     scene: Path, tmp_path: Path, whole: dict[str, bytes]
 ) -> None:
@@ -69,6 +70,7 @@ def test_a_killed_command_takes_its_workers_along_and_goes_on_with_its_pieces(
     assert contents(out) == whole
 
 
+@pytest.mark.slow
 def test_a_run_killed_in_a_later_pass_goes_on_to_the_same_bytes(tmp_path: Path) -> None:
     """Each pass has two pieces; the finished passes are read from their files."""
     text = MEMORY.replace("passes: 2", "passes: 8")
@@ -144,6 +146,7 @@ march.march = killing
 """
 
 
+@pytest.mark.slow
 def test_a_run_that_kills_its_workers_fails_alone_and_by_name(
     scene: Path, tmp_path: Path, whole: dict[str, bytes]
 ) -> None:
@@ -181,6 +184,7 @@ Connection._send_bytes = sending
 """
 
 
+@pytest.mark.slow
 def test_workers_of_a_folder_send_no_message_that_a_kill_could_cut(
     tmp_path: Path, scene: Path, whole: dict[str, bytes]
 ) -> None:

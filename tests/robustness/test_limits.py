@@ -21,6 +21,7 @@ from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("surface", "rest", "words"),
     [

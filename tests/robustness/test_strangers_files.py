@@ -189,6 +189,7 @@ def test_a_folder_that_becomes_a_link_is_not_written(tmp_path: Path) -> None:
     assert not [*(tmp_path / "elsewhere").iterdir()]
 
 
+@pytest.mark.slow
 def test_workers_import_nothing_from_the_working_directory(tmp_path: Path) -> None:
     (tmp_path / "scene.yaml").write_text(SEEDS)
     for name in ("pickle", "numpy", "struct", "multiprocessing"):
