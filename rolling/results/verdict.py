@@ -29,6 +29,8 @@ MAX_OUTSIDE = 0.1  # share of the time with an extrapolated force, from which on
 _NEAR_HALF_SPACE = (100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5)
 ROLES: dict[str, list[str]] = table("rolling.results", "roles")  # keys of caveats and findings
 
+_ROUNDING = 1e-6  # share of a variance
+
 
 class Contribution(NamedTuple):
     """A contribution to the uncertainty of a level: name, word, decibels (None: unknown), text."""
@@ -166,7 +168,9 @@ def _record(summary: Mapping[str, Any], scene: Scene) -> list[Contribution]:
     if spread is not None:
         # Length and comb overlap, so the length counts as what it leaves beyond the comb.
         others = sum(part.decibels**2 for part in parts if part.decibels)
-        parts.append(_sized("uncertainty", math.sqrt(max(spread**2 - others, 0.0))))
+        rest = spread**2 - others
+        if rest > _ROUNDING * spread**2:
+            parts.append(_sized("uncertainty", math.sqrt(rest)))
         together = _sized("laeq_uncertainty", spread)
         if all(together.rank[0] > part.rank[0] for part in parts):
             parts.append(together)
