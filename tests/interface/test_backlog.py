@@ -34,6 +34,7 @@ def noted(folder: Path, function: Callable[..., Any], *arguments: Any) -> Any:
         return function(*arguments)
 
 
+@pytest.mark.slow
 def test_two_workers_make_few_surfaces_of_a_sweep_of_seeds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -155,6 +155,7 @@ def pixels(figure: Figure) -> np.ndarray:
     return np.asarray(canvas.buffer_rgba())[::-1].astype(int)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sides", [2, 3])
 @pytest.mark.parametrize("layout", [None, "constrained"])
 def test_a_grid_of_plots_has_whole_titles_and_legends_within_the_axes(

@@ -101,6 +101,7 @@ def test_axe_finds_nothing_on_any_screen(names: str, pages, opened) -> None:
             assert places == [], (viewport, scheme)
 
 
+@pytest.mark.slow
 def test_firefox_opens_and_plays_it_without_a_complaint(pages, tmp_path) -> None:
     if (program := firefox_path()) is None:
         without_browser("no Firefox")

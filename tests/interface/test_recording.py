@@ -283,6 +283,7 @@ def test_clipping_is_named(
         assert ("is clipped" in capsys.readouterr().out) == (name == "hard")
 
 
+@pytest.mark.slow
 def test_a_damaged_recording_is_read_or_refused(folder: Path, tmp_path: Path) -> None:
     """Flipped bytes of a header end in a page or in a refusal, never in a traceback."""
     rng = np.random.default_rng(7)

@@ -142,6 +142,7 @@ def test_plates_and_levels_are_near_phonometry() -> None:
     assert len(rows) >= 19 and rows["holds"].all()
 
 
+@pytest.mark.slow
 def test_a_softer_plate_is_beyond_the_contacts_of_other_solvers(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
