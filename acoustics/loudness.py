@@ -102,6 +102,7 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     return Loudness(float(sone), float(acum))
 
 
+@ignoring_underflow
 @dataclass(frozen=True)
 class VaryingLoudness:
     """Loudness of a record that changes in time.
@@ -119,6 +120,7 @@ class VaryingLoudness:
     max_sone: float | None
 
 
+@ignoring_underflow
 def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> VaryingLoudness:
     """Compute the loudness of a record that changes in time with mosqito.
 
@@ -147,6 +149,10 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
     ISO 532-1:2017, method 2, for time-varying sounds; H. Fastl and E. Zwicker, Psychoacoustics, 3rd
     ed., Springer 2007, 8.7, for N5.
     """
+    refuse_masked("pressure_pa", pressure_pa)
+    from acoustics import matplotlib_import
+
+    matplotlib_import.ensure()  # because mosqito imports matplotlib
     from mosqito.sq_metrics import loudness_zwtv
 
     record = checked_record(pressure_pa, sample_rate_hz)
@@ -161,10 +167,9 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
     if closed:
         rounds = max(2, math.ceil(_PLAYED_IN_TIME_S / duration))
         played = np.tile(fluctuation, rounds)
-        first, judged_s = (
-            round(rounds // 2 * duration / _FRAME_S),
-            (rounds - rounds // 2) * duration,
-        )
+        before = rounds // 2
+        first = round(before * duration / _FRAME_S)
+        judged_s = (rounds - before) * duration
     else:
         played = np.append(fluctuation, np.zeros(round(_AFTER_S * sample_rate_hz)))
         first, judged_s = 0, duration

@@ -41,6 +41,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     # The solve runs in several processes, and threads of libraries only slow them down.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    # Escapes by which argparse colours its help would be printed as text.
+    os.environ.setdefault("PYTHON_COLORS", "0")
     # Plugins of pydantic, which scenes do not use, would be searched in all packages.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
     with streams.lasting() as (output, _):
@@ -181,7 +183,10 @@ def _plot(given: argparse.Namespace) -> int:
     """Draw single figures of a run."""
     with progress.step(LOADING):
         from rolling.commands import plot
-    return _print_paths(plot(given.folder, given.names, given.form, given.out))
+    paths = plot(given.folder, given.names, given.form, given.out)
+    if not paths:  # a warning says why no picture could be drawn
+        return FAILED
+    return _print_paths(paths)
 
 
 def _resound(given: argparse.Namespace) -> int:

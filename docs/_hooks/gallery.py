@@ -188,9 +188,11 @@ def _figures(match: re.Match[str]) -> str:
 def _figure(card: Mapping[str, str], text: str, scene: str) -> str:
     """Return picture, level and player of a run as HTML."""
     title, stem, name, level, played, word, reason = (html.escape(card[key]) for key in CARD)
+    picture = ""
+    if (site() / f"{stem}.png").exists():  # a ball that falls has no still
+        picture = f'<img src="gallery/{stem}.png" alt="Contact seen from above" loading="lazy">\n'
     return f"""<figure class="run">
-<img src="gallery/{stem}.png" alt="Contact seen from above" loading="lazy">
-<figcaption>
+{picture}<figcaption>
 <strong>{title}</strong> <code>{scene}</code>
 <p>{text[0].upper()}{text[1:]}.</p>
 <p>{name} <b>{level}</b>, {word}: {reason}. The record that plays has {played}.</p>

@@ -120,7 +120,8 @@ class Contact:
     def area(self) -> float:
         """Area of the nodes under pressure [m2], under its old name."""
         words = "Contact.area is now Contact.contact_area; the old name goes with the next version"
-        warnings.warn(words, DeprecationWarning, stacklevel=2)
+        # The caller stands beyond the wrapper of `ignoring_underflow`.
+        warnings.warn(words, DeprecationWarning, stacklevel=3)
         return self.contact_area
 
     @property

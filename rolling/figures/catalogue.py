@@ -164,7 +164,8 @@ def plot_run(
                 content = drawn.file(form)
                 if content is not None:
                     contents[folder / f"{stem}.{form}"] = content
-        folder.mkdir(parents=True, exist_ok=True)
+        if contents:
+            folder.mkdir(parents=True, exist_ok=True)
         for path, content in contents.items():
             write_bytes(path, content)
         paths += contents

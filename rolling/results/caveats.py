@@ -145,7 +145,7 @@ def _of_levels(
         covered = say(f"uncertainty.{noise}", parts=parts)
         if vibrates and vibration and vibration.is_mean_of_comb:
             near = f"{100 * NEAR_SPEEDS:g} %"
-            covered = f"of LAeq, the spread over speeds within {near} and the time steps"
+            covered = f"the spread of LAeq over speeds within {near}, and the time steps"
         texts["uncertainty"] = say("uncertainty", covered=covered)
         if errors.get("laeq_uncertainty_db") is not None:
             law = ", solver and force law" if vibrates else " and solver"

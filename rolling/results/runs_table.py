@@ -186,7 +186,8 @@ def _exposure_db(summary: Mapping[str, Any]) -> float:
     """Return LAE over LAeq [dB] of an event, whose other levels are shown as LAE too; or 0."""
     if not summary.get("single_event") or summary["laeq_db"] is None:
         return 0.0
-    return float(summary["lae_db"] - summary["laeq_db"])
+    own = summary.get("record_laeq_db", summary["laeq_db"])  # LAeq may be a mean over a comb
+    return float(summary["lae_db"] - own)
 
 
 def error_line(label: str, summary: Mapping[str, Any]) -> str:
@@ -202,9 +203,9 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
     if subgrid := summary.get("laeq_subgrid_error_db"):
         of_detail = summary["laeq_subgrid_error_uncertainty_db"] or 0.0
         detail = say("errors.detail", error=subgrid, spread=of_detail)
-    corrected = f"corrected {uncertain(summary['laeq_db'] - grid - solver, whole)} dB(A)"
+    corrected = f"corrected LAeq {uncertain(summary['laeq_db'] - grid - solver, whole)} dB(A)"
     if (band_error_db(summary) or 0.0) > MAX_BAND_DB:
-        cut = band_text(summary, summary["highest_frequency_hz"])
+        cut = band_text(summary, summary["laeq_band_end_hz"])
         corrected = f"no corrected level, because {cut}"
     numbers = estimate | {"label": label, "grid": grid, "grid_spread": grid_spread}
     numbers |= {"detail": detail, "solver": solver, "corrected": corrected}

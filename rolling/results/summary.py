@@ -66,7 +66,7 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         origins["band"] = float(np.hypot(band.error_db, band.uncertainty_db))
     spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
     del spreads["third_octave"]
-    spreads["lae"] = spreads["laeq"]  # they differ by the duration, which is known
+    spreads["lae"] = spreads["laeq"]  # they differ by the duration, or by a comb that ± covers
     levels = _levels(sound, run.record_laeq_db)
     for key in ("laf_max", "las_max"):
         if levels[f"{key}_db"] is None:
@@ -89,6 +89,7 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         **errors,
         "laeq_band_error_db": None if band is None else band.error_db,
         "laeq_band_error_uncertainty_db": None if band is None else band.uncertainty_db,
+        "laeq_band_end_hz": None if band is None else band.highest_hz,
         **_loudness(scene, sound, vibration),
         "duration_s": sound.duration,
         "loops": sound.loops,
@@ -114,8 +115,11 @@ def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
         **(_estimate(scene, result, release) if scene.dynamics is None else {}),
     }
     summary["caveats"] = caveats(scene, sound, errors, vibration, moving)
-    if reason := summary.get("turn_reason"):
-        text = f"Turns of the sphere: nobody can tell whether they are heard, because {reason}."
+    reason = summary.get("turn_reason")
+    if reason and sound.levels.laeq_db is not None and not sound.once:
+        text = (
+            f"turns of the sphere: the record cannot tell whether they are heard, because {reason}"
+        )
         summary["caveats"].append({"key": TURNS, "text": text})
     return summary | {"verdict": verdict.verdict(summary, scene)}
 
@@ -372,7 +376,7 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration) -> dic
     return {
         **_difference(scene, release.levels, vibration.stated_levels),
         **_fall(scene, motion),
-        mean: compact_source_db(scene, vibration),
+        mean: _shifted(compact_source_db(scene, vibration), _to_mean_db(vibration)),
         **_listeners(scene, vibration),
         "plate_power_level_db": _total(vibration.plate_power),
         "ball_power_level_db": _total(vibration.ball_power),
@@ -411,6 +415,15 @@ def _vibration(scene: Scene, release: ContactSound, vibration: Vibration) -> dic
     }
 
 
+def _to_mean_db(vibration: Vibration) -> float:
+    """Return the stated LAeq less that of the record [dB]; 0 unless it is the mean over a comb."""
+    stated = vibration.stated_levels.laeq_db
+    own = vibration.levels.laeq_db
+    if stated is None or own is None:
+        return 0.0
+    return stated - own
+
+
 def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
     """Return places and levels of the listeners of a plate with edges.
 
@@ -418,13 +431,12 @@ def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
     """
     if scene.plate.edges_mm is None:
         return {}
-    stated, own = vibration.stated_levels.laeq_db, vibration.levels.laeq_db
-    to_mean = 0.0 if stated is None or own is None else stated - own
+    to_mean = _to_mean_db(vibration)
     places = ([round(1e3 * x, 6) for x in place] for place in scene.listeners)
     heard = zip(places, vibration.listener_levels(), strict=True)
     rows = []
     for at, levels in heard:
-        laeq = None if levels.laeq_db is None else levels.laeq_db + to_mean
+        laeq = _shifted(levels.laeq_db, to_mean)
         rows.append({"at_mm": at, "laeq_db": laeq, "level_db": levels.level_db})
     return {"listeners": rows}
 

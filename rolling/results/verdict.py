@@ -261,7 +261,7 @@ def _limits(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
             error = resolution.LEVEL_ERROR_DB * scene.track.step / resolution.contact_radius(scene)
             yield _sized(key, error, text=text)
         elif key == "nyquist" and (band := band_error_db(summary)) is not None:
-            cut = band_text(summary, _end_of_band_hz(scene))
+            cut = band_text(summary, summary["laeq_band_end_hz"])
             yield Contribution(key, _word(band), band, cut)
         elif key == "half_space_sound" and (bands := summary.get("third_octave_a_db")):
             if summary.get("source") == "vibration":
@@ -269,11 +269,6 @@ def _limits(summary: Mapping[str, Any], scene: Scene) -> Iterator[Contribution]:
         elif key in ROLES["broken"] + ROLES["doubtful"]:
             word = DO_NOT_QUOTE if key in ROLES["broken"] else INDICATIVE
             yield Contribution(key, word, None, text)
-
-
-def _end_of_band_hz(scene: Scene) -> float:
-    """Return the Nyquist frequency [Hz] of the steps at the minimum speed."""
-    return scene.motion.slowest(scene.duration) / (2 * scene.track.step)
 
 
 def _half_space_error_db(bands: Mapping[str, float | None], distance: float) -> float:

@@ -194,8 +194,10 @@ class RunLoop:
         except CancelledError:
             pool.rebuild()
             raise
-        except (ContactError, SceneError, MemoryError) as error:
-            reason = str(error) or shortage.WORDS
+        except MemoryError as error:
+            reason = shortage.sentence(error)
+        except (ContactError, SceneError) as error:
+            reason = str(error)
         except OSError as error:
             if task.piece is not None or error.errno in OF_A_DISK:
                 raise
@@ -224,7 +226,7 @@ class RunLoop:
         """Note that a run failed, with marks in its heights, and forget its other tasks."""
         scene = self._scenes[number]
         if scene.height_paths and number not in self.failures:
-            with suppress(SceneError):  # the file is gone
+            with suppress(SceneError, MemoryError):  # the file is gone, or does not fit here
                 suspicions = scene_surface.scene_surface(scene).suspicions
                 reason = "; ".join((reason, *suspicions))
         self.failures.setdefault(number, reason)

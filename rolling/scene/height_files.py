@@ -256,7 +256,9 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
     fields = line.split(separator)
     if separator == "," and len(parts := line.split()) > 1 and not line.endswith(","):
         wrong = next((part for part in parts if "," in part), "")
-        if all(_has_decimal_comma(part) or _WHOLE.fullmatch(part) for part in parts):
+        begins_with_comma = any(part.startswith(",") for part in parts)
+        decimal = all(_has_decimal_comma(part) or _WHOLE.fullmatch(part) for part in parts)
+        if decimal and not begins_with_comma:
             advice = ", with a point before the decimals"
             raise HeightFormatError(worded("file number", got=shown(wrong), advice=advice), place)
     if separator and not fields[-1].strip():
@@ -332,7 +334,8 @@ class _Commas:
                 f" comma stands before decimals and between numbers; {advice}"
             )
         return (
-            f"every number is a whole one of {digits}: if the comma stands before decimals as well,"
+            f"every second number is a whole one of {digits}, and all others are whole: if the"
+            " comma stands before decimals as well,"
             f" the file has twice the columns of the measurement; {advice}"
         )
 

@@ -21,6 +21,7 @@ import numpy as np
 from acoustics import spectrum, wav
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ
+from acoustics.radiation import P_REF_PA
 from acoustics.weighting import a_weighting_db
 from rolling.scene.scene import Scene
 from rolling.scene.track import Motion
@@ -73,13 +74,15 @@ def missing_band(
     Returns
     -------
     MissingBand, or None
-        None where the steps resolve hearing, where nothing sounds, and where the track is too short
-        to tell.
+        None where the steps resolve hearing, where nothing sounds, where contact is lost, and where
+        the track is too short to tell.
     """
     motion, duration = scene.motion, sound.duration
     lowest = motion.slowest(duration) / (2 * step)
     if lowest >= AUDIBLE_HZ[1] or sound.once or sound.levels.laeq_db is None:
         return None
+    if vibration is not None and vibration.motion.flight_share > 0:
+        return None  # impacts sound above the band of the steps, and their time steps resolve it
     waves = _waves(lap, step, sound.closed, vibration is not None)
     if waves is None:
         return None
@@ -95,7 +98,11 @@ def missing_band(
         solved += factor * waves.solved(speed, gain)
         missing += factor * waves.missing(speed, gain, resonance)
     spurious = 0.0
-    if vibration is not None and sound.constant_speed:
+    if vibration is not None and vibration.is_mean_of_comb:
+        # The level that is stated is the mean over the comb, of the lines of the steps alone.
+        stated = P_REF_PA**2 * 10 ** (sound.levels.laeq_db / 10)
+        solved = np.array([stated, stated])
+    elif vibration is not None and sound.constant_speed:
         # The record has the true lines of the solved band, and above it lines of splines, which
         # join the positions.
         solved, spurious = _of_record(sound.pressure, lowest)

@@ -86,8 +86,10 @@ def doubts(
     slopes = []
     for axis, step in enumerate(measured.spacing_m):
         differences = np.abs(np.diff(measured.heights, axis=axis))
-        slopes.append(np.median(differences[~np.isnan(differences)] / step))
-    steepest = float(np.nanmax(slopes)) if not np.isnan(slopes).all() else 0.0
+        known = differences[~np.isnan(differences)]
+        if known.size:
+            slopes.append(float(np.median(known)) / step)
+    steepest = max(slopes, default=0.0)
     if steepest <= STEEP:
         return []
     likely = [

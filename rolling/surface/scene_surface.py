@@ -114,17 +114,22 @@ def _making(scene: Scene) -> str:
 def _make(scene: Scene) -> SceneSurface:
     """Make the surface of plate and sphere of a scene."""
     plate, plane, effects = _plate(scene)
-    suspicions = tuple(_suspicions(scene))
     described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
     add_faults(plate, scene.surface.faults or (), scene.spacing)
     if scene.sphere.surface is None:
         return SceneSurface(
-            plate, scene.spacing, plane, effects, made=described, suspicions=suspicions
+            plate,
+            scene.spacing,
+            plane,
+            effects,
+            made=described,
+            suspicions=tuple(_suspicions(scene)),
         )
     try:
         ball, of_ball = ball_heights(scene, scene.sphere.surface)
     except surface.SurfaceError as error:
         raise SceneError([f"sphere.surface: {error}"]) from error
+    suspicions = tuple(_suspicions(scene))  # after the ball is read, which refuses damaged files
     part_ra = _ra(plate), _ra(ball)
     total = rolled_together(plate, ball, scene.track, scene.start)
     return SceneSurface(

@@ -43,7 +43,10 @@ _voice = _Voice()
 def begin(level: Level) -> Iterator[None]:
     """Print as much as the level asks for until the command ends."""
     before = _voice.level, _voice.has_reported_compiling
-    _voice.level, _voice.has_reported_compiling, _voice.has_solved = level, False, False
+    is_command = _voice.level is None
+    _voice.level, _voice.has_reported_compiling = level, False
+    if is_command:
+        _voice.has_solved = False
     try:
         yield
     finally:

@@ -21,9 +21,13 @@ def is_of_memory(error: BaseException | None) -> bool:
     while error is not None:
         if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
             return True
-        if any(sign in str(error).lower() for sign in _SIGNS):
+        text = str(error).lower()
+        # A library on a disk that runs no programs cannot be mapped either.
+        is_forbidden = "not permitted" in text or "permission denied" in text
+        if not is_forbidden and any(sign in text for sign in _SIGNS):
             return True
-        error = error.__cause__ or error.__context__
+        hidden = None if error.__suppress_context__ else error.__context__
+        error = error.__cause__ or hidden
     return False
 
 

@@ -9,12 +9,14 @@ import os
 import shutil
 import sys
 import textwrap
+import unicodedata
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TextIO, cast
 
+_JOINERS = "\u200c\u200d"  # of Persian words and of emoji
 # Errors of writing to a pipe or terminal that nobody reads any more.
 _UNHEARD = (errno.EPIPE, errno.EBADF, errno.EIO)
 
@@ -42,6 +44,11 @@ class LastingStream:
             except (OSError, ValueError) as error:
                 self._lose(error)
         return len(text)
+
+    def writelines(self, lines: Iterable[str]) -> None:
+        """Write several texts."""
+        for line in lines:
+            self.write(line)
 
     def flush(self) -> None:
         """Write the buffered text, or drop it when the stream is lost."""
@@ -131,11 +138,21 @@ def harmless(text: str) -> str:
         first, rest = "", text
     if rest.isprintable():
         return text
-    return first + "".join(x if x.isprintable() or x in "\n\t" else _escaped(x) for x in rest)
+    shown = [letter if _is_shown(letter) else _escaped(letter) for letter in rest]
+    return first + "".join(shown)
+
+
+def _is_shown(letter: str) -> bool:
+    """Tell whether a letter steers no terminal: spaces of any width and joiners do not."""
+    if letter.isprintable() or letter in "\n\t" or letter in _JOINERS:
+        return True
+    return unicodedata.category(letter) == "Zs"
 
 
 def _escaped(letter: str) -> str:
-    """Write a letter as Python writes it in a text."""
+    """Write a letter as Python writes it in a text, or the byte of a file name behind it."""
+    if 0xDC80 <= ord(letter) <= 0xDCFF:
+        return f"\\x{ord(letter) - 0xDC00:02x}"
     return letter.encode("unicode_escape").decode("ascii")
 
 

@@ -1,6 +1,7 @@
 """Errors of the system as sentences: what is wrong with a path, and what to do."""
 
 import errno
+from pathlib import Path
 
 _NO_ROOM = "no space is left on the disk; free some, or take another folder"
 _NOT_PERMITTED = "not permitted; change the permissions, or take another folder"
@@ -37,11 +38,20 @@ def sentence(error: OSError) -> str:
     if number is None or not reason:
         return str(error)
     path = error.filename if error.filename is not None else error.filename2
-    if path is None and number == errno.ENOENT:  # of the call that asks for the working folder
+    if path is None and number == errno.ENOENT and _working_folder_is_gone():
         return f"the working folder was deleted ({reason}); change to a folder that exists"
     words = (_PLACES | _OTHERS).get(number)
     place = "the system" if path is None else _text(path)
     return f"{place}: {reason}" if words is None else f"{place}: {words} ({reason})"
+
+
+def _working_folder_is_gone() -> bool:
+    """Tell whether somebody deleted the folder in which the command works."""
+    try:
+        Path.cwd()
+    except FileNotFoundError:
+        return True
+    return False
 
 
 def _text(path: object) -> str:

@@ -51,7 +51,7 @@ def test_a_corrected_level_is_as_uncertain_as_level_and_correction() -> None:
         "grid_signal_db": None,
         "solver_signal_db": None,
     }
-    assert "corrected 49.0 ± 0.5 dB(A)" in error_line("run", summary)
+    assert "corrected LAeq 49.0 ± 0.5 dB(A)" in error_line("run", summary)
 
 
 @pytest.fixture(scope="module")

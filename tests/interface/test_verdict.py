@@ -48,8 +48,11 @@ def warned(key: str) -> dict[str, Any]:
 
 def cut_off(error_db: float, uncertainty_db: float) -> dict[str, Any]:
     """Return the changes for a run whose steps end within hearing."""
-    names = "laeq_band_error_db", "laeq_band_error_uncertainty_db"
-    return dict(zip(names, (error_db, uncertainty_db), strict=True))
+    return {
+        "laeq_band_error_db": error_db,
+        "laeq_band_error_uncertainty_db": uncertainty_db,
+        "laeq_band_end_hz": 5000.0,
+    }
 
 
 @pytest.mark.parametrize(

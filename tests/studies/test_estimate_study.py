@@ -6,15 +6,25 @@ from estimate_study import compare, scene_of
 
 @pytest.mark.slow
 def test_estimates_agree_with_a_finer_grid_on_the_whole_track() -> None:
-    table, row = compare(scene_of("Ra 0.1", **{"rolling.load_n": 0.1}))
-    laeq, bands = table.loc["LAeq"], table.drop(index="LAeq")
-    assert len(bands) > 10 and bands.right.mean() >= 0.9
-    assert laeq.right and laeq.off < 0.3
-    # The sign of errors above 1 dB is known, where the uncertainty does not hide it.
-    loud = bands[(bands.true.abs() > 1.0) & (bands.true.abs() > 2 * bands.uncertainty)]
-    assert (loud.estimated * loud.true > 0).all()
-    stated, true = (float(row[key].split()[0]) for key in ("signal dB", "signal true dB"))
-    assert stated == pytest.approx(true, abs=4)
+    """Of the bands of three seeds 95 % should lie within two standard uncertainties.
+
+    Bands that share an estimate are off together: the 63 bands are some 15 independent ones, whose
+    share scatters by 6 %. Three times that leave 78 %.
+    """
+    right = list[bool]()
+    for seed in (31, 32, 33):
+        scene = scene_of("Ra 0.1", **{"rolling.load_n": 0.1, "surface.seed": seed})
+        table, row = compare(scene)
+        laeq, bands = table.loc["LAeq"], table.drop(index="LAeq")
+        assert len(bands) > 10
+        right += [*bands.right]
+        assert laeq.right and laeq.off < 0.3
+        # The sign of errors above 1 dB is known, where the uncertainty does not hide it.
+        loud = bands[(bands.true.abs() > 1.0) & (bands.true.abs() > 2 * bands.uncertainty)]
+        assert (loud.estimated * loud.true > 0).all()
+        stated, true = (float(row[key].split()[0]) for key in ("signal dB", "signal true dB"))
+        assert stated == pytest.approx(true, abs=4)
+    assert sum(right) / len(right) >= 0.78
 
 
 @pytest.mark.slow

@@ -89,7 +89,7 @@ def test_rigid_plastic_limit_of_the_area() -> None:
           for share in ("1", "1.001", "1e+06")),
         ("load 0.99 of the capacity", r"contact is [\d.]+ um wide .*one period of the surface"),
         # Hertz: 86.6 um on 60 by 40
-        ("contact wider than the surface", r"86\.\d+ um wide along the track.*\(60 um\).*duration"),
+        ("contact wider than the surface", r"86\.\d+ um wide along the track.*\(60 um\)"),
     ],
 )  # fmt: skip
 def test_load_above_capacity_is_refused_with_the_limit(name: str, words: str) -> None:
@@ -140,7 +140,7 @@ def test_seam_of_the_periodic_surface() -> None:
 
 @pytest.mark.parametrize(
     ("pattern", "least", "most"),
-    [("slopes of 14, .*", 1, 200), ("outlier of 1 mm", 1, 1)],
+    [("slopes of 9, .*", 1, 200), ("outlier of 1 mm", 1, 1)],
 )
 def test_contact_on_few_tips(pattern: str, least: int, most: int) -> None:
     for name in names(pattern):

@@ -153,11 +153,11 @@ def rolled_track(nodes: int) -> RollingContact:
 
 
 def noise_track(hardness: float) -> RollingContact:
-    """Make a plate of white noise of 20 um on a 2 um grid.
+    """Make a plate of white noise of 13 um on a 2 um grid.
 
     The sphere is small, because a large sphere would also touch the periodic images.
     """
-    heights = np.random.default_rng(5).standard_normal((60, 60)) * 2e-5
+    heights = np.random.default_rng(5).standard_normal((60, 60)) * 1.3e-5
     return make_track(heights, load=0.001, radius=1e-4, hardness=hardness, tolerance=1e-7)
 
 
@@ -266,7 +266,7 @@ def _steps_in_height() -> list[HardCase]:
         "springs turn 20 um into 1e8 times the pressures: the load loses its digits in a "
         "difference and must be restored"
     )
-    slopes = "rms slope 14 each way: a few tips, far apart, 1e4 times their deflection high"
+    slopes = "rms slope 9 each way: a few tips, far apart, 1e4 times their deflection high"
     cases = []
     for height, plate in (
         *((height, "elastic") for height in (1e-9, 1e-6, 1e-4, -1e-4)),
@@ -291,7 +291,7 @@ def _steps_in_height() -> list[HardCase]:
         cases.append(HardCase(f"trench {way}", trench, build, 80, first=28))
     for plate, hardness in PLATES.items():
         cases.append(
-            HardCase(f"slopes of 14, {plate}", slopes, partial(noise_track, hardness), 80, steps=6)
+            HardCase(f"slopes of 9, {plate}", slopes, partial(noise_track, hardness), 80, steps=6)
         )
     build = partial(stepped_track, 1e-3, (40, 7), 1e-7, load=0.05, tolerance=1e-7)
     cases.append(HardCase("outlier of 1 mm", outlier, build, 20))
