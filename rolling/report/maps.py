@@ -163,12 +163,14 @@ def lens(pressure: NDArray[Any], box: tuple[float, float, float]) -> tuple[float
     if not len(loaded):
         loaded = np.array([[0, 0], np.array(pressure.shape) - 1])
     ends = np.array([loaded.min(axis=0), loaded.max(axis=0)])
-    diagonal = float(np.hypot(*(ends[1] - ends[0] + 1)))
+    rows, columns = ends[1] - ends[0] + 1
+    diagonal = float(np.hypot(rows, columns))
     middle = ends.mean(axis=0)
     width = _stepped(max(diagonal, LENS_CELLS) * cell)
     peak = np.array(np.unravel_index(np.argmax(pressure), pressure.shape))
     while width / 2**0.5 >= LENS_CELLS * cell:
-        inside = np.hypot(*(loaded - middle).T) <= width / cell / 2
+        away = loaded - middle
+        inside = np.hypot(away[:, 0], away[:, 1]) <= width / cell / 2
         if inside.sum() * cell**2 >= LENS_SHARE * np.pi / 4 * width**2:
             break
         width, middle = width / 2**0.5, peak

@@ -33,7 +33,10 @@ from rolling.sound.error_estimate import Gain
 
 def sources(scene: Scene) -> list[Body]:
     """Return the bodies that are heard."""
-    return [of_scene.ground(scene), *([of_scene.ball(scene)] if scene.sound.ball else [])]
+    bodies: list[Body] = [of_scene.ground(scene)]
+    if scene.sound.ball:
+        bodies.append(of_scene.ball(scene))
+    return bodies
 
 
 def powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
