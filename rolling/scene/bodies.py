@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene import library
-from rolling.scene.messages import MATERIALS, fault, numbers, refusal, shown
+from rolling.scene.messages import MATERIALS, fault, numbers, plain_number, shown
 from rolling.scene.sections import Section, number_or
 from rolling.scene.surfaces import BallSurface
 
@@ -28,7 +28,7 @@ def _refuse_half(section: Section, keys: tuple[str, str], rule: str) -> None:
     for missing, given in (keys, keys[::-1]):
         if getattr(section, missing) is None and getattr(section, given) is not None:
             name = type(section).__name__.lower()
-            raise fault(f"missing beside {given}; {rule}", name, missing)
+            raise fault(f"missing beside {given}; {rule}", at=f"{name}.{missing}")
 
 
 class Sphere(Section):
@@ -73,9 +73,13 @@ class Sphere(Section):
         if self.radius_across_mm is not None:
             ratio = self.radius_across_mm / self.radius_mm
             if not 1 / MAX_OBLONG <= ratio <= MAX_OBLONG:
-                words = {"got": self.radius_across_mm, "least": self.radius_mm / MAX_OBLONG}
-                words["most"] = self.radius_mm * MAX_OBLONG
-                raise refusal("sphere.radius_across_mm oblong", **words)
+                least = plain_number(self.radius_mm / MAX_OBLONG)
+                most = plain_number(self.radius_mm * MAX_OBLONG)
+                raise fault(
+                    f"got {plain_number(self.radius_across_mm)}, allowed: {least} to {most},"
+                    " a millionth of radius_mm to a million times it",
+                    at="sphere.radius_across_mm",
+                )
         rule = "an elastic sphere needs both, a rigid sphere neither"
         _refuse_half(self, ("youngs_modulus_gpa", "poissons_ratio"), rule)
         return self
@@ -190,42 +194,72 @@ class Plate(Section):
 
     @model_validator(mode="after")
     def _yields(self) -> Self:
-        """Refuse a hardness beside a yield strength, a pressure that no bonds bear, and memory."""
-        key, part, share = "hardness_gpa", "fifth", HARDEST
-        if self.yield_strength_gpa is not None:
-            key, part, share = "yield_strength_gpa", "fifteenth", HARDEST * library.YIELDS
-            if self.hardness_gpa is not None:
-                raise refusal("plate.yield_strength_gpa beside", times=library.YIELDS)
+        """Refuse a hardness beside a yield strength, a hardness above E/5, and memory without."""
+        if self.yield_strength_gpa is not None and self.hardness_gpa is not None:
+            raise fault(
+                f"not beside hardness_gpa, which is {library.YIELDS} times as much",
+                at="plate.yield_strength_gpa",
+            )
         if self.youngs_modulus_gpa / HARDEST <= self.cap_gpa < math.inf:
-            words = {"part": part, "most": rounded(self.youngs_modulus_gpa / share, 4)}
-            raise refusal("plate.hardness_gpa bonds", "plate", key, got=getattr(self, key), **words)
+            key, got, part, share = "hardness_gpa", self.cap_gpa, "fifth", HARDEST
+            if self.yield_strength_gpa is not None:
+                key, got = "yield_strength_gpa", self.yield_strength_gpa
+                part, share = "fifteenth", HARDEST * library.YIELDS
+            raise fault(
+                f"got {plain_number(got)}, allowed: below a {part} of youngs_modulus_gpa,"
+                f" {rounded(self.youngs_modulus_gpa / share, 4)}; without a hardness the plate is"
+                " purely elastic",
+                at=f"plate.{key}",
+            )
         if self.plasticity == "permanent" and math.isinf(self.cap_gpa):
-            raise refusal("plate.hardness_gpa memory")
+            raise fault(
+                "missing; plasticity: permanent needs it, an elastic plate keeps its surface",
+                at="plate.hardness_gpa",
+            )
         return self
 
     @model_validator(mode="after")
     def _all_edges(self) -> Self:
         """Refuse half a rectangle, and keys of a contact point without edges."""
         if self.loss_factor is not None and self.thickness_mm is None:
-            raise refusal("plate.loss_factor bends")
+            raise fault(
+                "only goes with thickness_mm: a half-space has no bending waves",
+                at="plate.loss_factor",
+            )
         if self.edges_mm is None:
             rule = "a plate with edges needs both, an infinite plate neither"
             _refuse_half(self, ("length_mm", "width_mm"), rule)
             for key in ("contact_mm", "contact_path", "contact_end_mm"):
                 if getattr(self, key) is not None:
-                    raise refusal("plate.contact_mm edges", "plate", key)
+                    raise fault(
+                        "only goes with length_mm and width_mm: a point on an infinite plate is"
+                        " like any other",
+                        at=f"plate.{key}",
+                    )
             return self
-        for key in ("thickness_mm", "loss_factor"):
-            if getattr(self, key) is None:
-                raise refusal(f"plate.{key} edges")
+        if self.thickness_mm is None:
+            raise fault("missing; a plate with edges bends", at="plate.thickness_mm")
+        if self.loss_factor is None:
+            raise fault(
+                "missing; a plate with edges has modes, which decay", at="plate.loss_factor"
+            )
         for key, point in self.contact_ends_mm.items():
             for axis, place, edge in zip("xy", point, self.edges_mm, strict=True):
                 if not 0 < place < edge:
-                    words = {"got": list(point), "axis": axis, "edge": edge}
-                    raise refusal("plate.contact_mm beyond", "plate", key, **words)
-        end = self.contact_end_mm  # without which the contact has no path
-        if (self.contact_path == "to-and-fro") != (end is not None):
-            raise refusal(f"plate.contact_end_mm {'missing' if end is None else 'path'}")
+                    raise fault(
+                        f"got {shown(list(point))}, allowed: a point within the edges, {axis} above"
+                        f" 0 and below {plain_number(edge)}",
+                        at=f"plate.{key}",
+                    )
+        end = self.contact_end_mm
+        moves = self.contact_path == "to-and-fro"
+        if moves and end is None:
+            raise fault("missing; contact_path: to-and-fro needs it", at="plate.contact_end_mm")
+        if end is not None and not moves:
+            raise fault("only goes with contact_path: to-and-fro", at="plate.contact_end_mm")
         if end is not None and end == self.contact_ends_mm["contact_mm"]:
-            raise refusal("plate.contact_end_mm same", got=list(end))
+            raise fault(
+                f"got {shown(list(end))}, the point contact_mm, allowed: another point",
+                at="plate.contact_end_mm",
+            )
         return self

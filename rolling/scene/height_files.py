@@ -19,7 +19,7 @@ from typing import IO, Any, cast
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.scene.messages import TABLES, SceneError, shown, worded
+from rolling.scene.messages import TABLES, SceneError, shown
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
@@ -39,6 +39,8 @@ _EQUAL = 0.02  # of a step, by which places that are rounded may differ from equ
 _MIN_POINTS = 16  # of triples; the grid of fewer may be chance
 _MIN_LINES = 8  # of a matrix of heights or of a profile, in which a line may be places
 _SPARSE = 2  # nodes of a grid for each triple, at most
+_NUMBERS = "numbers by comma, semicolon, tab or whitespace"
+_ARRAY = "one 2-D array of real heights, (along track, across), or a profile of one line"
 
 
 class HeightFormatError(Exception):
@@ -79,13 +81,16 @@ def nodes(path: Path) -> tuple[int, int]:
     if any(count < 0 for count in shape):
         raise HeightFormatError("a damaged file: its header says a negative shape")
     if dtype.kind not in "fiu":
-        raise HeightFormatError(worded("file type", dimensions=len(shape), type=str(dtype)))
+        raise HeightFormatError(f"got {len(shape)}-D {dtype}, allowed: {_ARRAY}")
     counts = _rows_and_columns(shape)
     needed, there = math.prod(shape) * dtype.itemsize, max(size - begin, 0)
     if needed > there:
         large = needed >= 10**15
         count = f"10^{len(str(needed)) - 1} or more" if large else f"{needed:,}"
-        raise HeightFormatError(worded("file short", needed=count, there=f"{there:,}"))
+        raise HeightFormatError(
+            f"a file that is not whole: its header says {count} bytes of heights, it holds"
+            f" {there:,}"
+        )
     return counts
 
 
@@ -112,14 +117,18 @@ def _ending(path: Path) -> str:
     ending = path.suffix.lower()
     if ending not in _ENDINGS:
         got = f"the ending {path.suffix}" if ending else "no ending"
-        raise HeightFormatError(worded("file ending", got=got))
+        raise HeightFormatError(
+            f"got {got}, allowed: .npy, .npz, .csv or .txt, of a plate .xyz and formats of"
+            " instruments such as .x3p, .sdf or .sur; export others as a matrix of numbers, in"
+            ' Gwyddion "ASCII data matrix (.txt)"'
+        )
     return ending
 
 
 def _rows_and_columns(shape: tuple[int, ...]) -> tuple[int, int]:
     """Return the nodes along and across in an array of one or two dimensions."""
     if len(shape) not in (1, 2):
-        raise HeightFormatError(worded("file shape", dimensions=len(shape)))
+        raise HeightFormatError(f"got a {len(shape)}-D array, allowed: {_ARRAY}")
     return (math.prod(shape), 1) if len(shape) == 1 or 1 in shape else (shape[0], shape[1])
 
 
@@ -156,7 +165,7 @@ def _member(names: list[str]) -> str:
         return NAME if NAME in arrays else arrays[0]
     listed = ", ".join(repr(name.removesuffix(".npy"))[:60] for name in arrays[:5])
     got = f"{len(arrays)} arrays ({listed}{', ...' * (len(arrays) > 5)})" if arrays else "no array"
-    raise HeightFormatError(worded("file arrays", got=got))
+    raise HeightFormatError(f'got {got}, allowed: one array, or one that is named "heights"')
 
 
 def _array_header(stream: IO[bytes]) -> tuple[tuple[int, ...], np.dtype[Any], int]:
@@ -205,7 +214,9 @@ def _text(path: Path) -> "tuple[Array, _Commas]":
     """Read the numbers of a text file, and what its commas may be."""
     status = path.stat()
     if status.st_size > MAX_BYTES:
-        raise HeightFormatError(worded("file large", most=f"{MAX_BYTES:,}"))
+        raise HeightFormatError(
+            f"is larger than {MAX_BYTES:,} bytes of text; a .npy file may be larger"
+        )
     return _table(path, (status.st_mtime_ns, status.st_size, status.st_ino))
 
 
@@ -221,11 +232,12 @@ def _table(path: Path, stamp: tuple[int, ...]) -> "tuple[Array, _Commas]":
         if separator == ",":
             commas.add(line)
         if width and len(row) != width:
-            raise HeightFormatError(worded("file ragged", got=len(row), width=width), place)
+            words = f"got {len(row)} numbers, allowed: {width}, as on the lines before"
+            raise HeightFormatError(words, place)
         width, rows = len(row), rows + 1
         values.extend(row)
     if not rows:
-        raise HeightFormatError(worded("file empty"))
+        raise HeightFormatError(f"holds no heights, allowed: {_NUMBERS}")
     table = np.frombuffer(values, dtype=float).reshape(rows, width)
     table.flags.writeable = False
     return table, commas
@@ -240,7 +252,7 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
         for number in itertools.count(1):
             line = stream.readline(MAX_LINE)
             if len(line) == MAX_LINE:
-                raise HeightFormatError(worded("file line", most=f"{MAX_LINE:,}"), number)
+                raise HeightFormatError(f"a line of more than {MAX_LINE:,} letters", number)
             if not line:
                 return
             if number == 1 and line.startswith(("\xff\xfe", "\xfe\xff")):
@@ -259,12 +271,17 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
         begins_with_comma = any(part.startswith(",") for part in parts)
         decimal = all(_has_decimal_comma(part) or _WHOLE.fullmatch(part) for part in parts)
         if decimal and not begins_with_comma:
-            advice = ", with a point before the decimals"
-            raise HeightFormatError(worded("file number", got=shown(wrong), advice=advice), place)
+            words = f"got {shown(wrong)}, allowed: {_NUMBERS}, with a point before the decimals"
+            raise HeightFormatError(words, place)
     if separator and not fields[-1].strip():
         fields.pop()
     if separator == "," and (part := next(filter(_DECIMALS.fullmatch, fields), None)):
-        raise HeightFormatError(worded("file comma", got=shown(f"...,{part.strip()}")), place)
+        got = shown(f"...,{part.strip()}")
+        raise HeightFormatError(
+            f"got {got}, allowed: {_NUMBERS}; a comma is either before decimals or between numbers:"
+            " write points or semicolons",
+            place,
+        )
     row = [_number(field) for field in fields]
     if None not in row:
         return cast("list[float]", row)
@@ -274,7 +291,7 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
         advice = ", with a point before the decimals"
     # The letters were read as Latin-1, and are probably UTF-8.
     text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
-    raise HeightFormatError(worded("file number", got=shown(text), advice=advice), place)
+    raise HeightFormatError(f"got {shown(text)}, allowed: {_NUMBERS}{advice}", place)
 
 
 def _has_decimal_comma(field: str) -> bool:

@@ -23,7 +23,7 @@ from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.scene import height_files
 from rolling.scene.height_files import MAX_BYTES, TRIPLES, UNITS, HeightFormatError, is_instrument
-from rolling.scene.messages import cut, fault, first_line, refusal, shown
+from rolling.scene.messages import cut, fault, first_line, plain_number, shown
 from rolling.scene.surfaces import HeightFile, refuse_width
 from rolling.scene.track import MAX_NODES, MIN_NODES, Track
 
@@ -289,17 +289,26 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
 
     Raise a fault where the file has no heights or does not go with the keys of the surface.
     """
-    with faults_at(path, surface.path, ("surface", "path")):
+    with faults_at(path, surface.path, "surface.path"):
         shape, steps = _shape_and_steps(path, surface)
     if is_turned(shape, surface):
         shape, steps = shape[::-1], steps and steps[::-1]
     spacing = min(steps or (0.0,)) if surface.spacing_um is None else surface.spacing_um * 1e-6
     steps = steps or (spacing, spacing)
     is_profile = shape[1] == 1
-    if is_profile != (surface.width_um is not None):
-        form = "profile" if is_profile else "lines"
-        raise refusal(f"surface.width_um {form}", path=surface.path, lines=shape[1])
+    if is_profile and surface.width_um is None:
+        raise fault(
+            f"missing; {surface.path} is a profile of one line, which is laid across the track over"
+            " that width",
+            at="surface.width_um",
+        )
     if surface.width_um is not None:
+        if not is_profile:
+            raise fault(
+                f"only goes with a profile of one line, but {surface.path} has {shape[1]} lines"
+                " side by side",
+                at="surface.width_um",
+            )
         refuse_width(surface.width_um, spacing * 1e6)
         shape, steps = (shape[0], round(surface.width_um * 1e-6 / spacing)), (steps[0], spacing)
     _refuse_filters(surface, 1e6 * min(shape[k] * steps[k] for k in (0, 1)[: 2 - is_profile]))
@@ -310,9 +319,11 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
         along, across = (round(n) if wraps else int(n + SAME) + 1 for n in lengths)
         resampled = along, across
     if resampled != shape and 8 * resampled[0] * resampled[1] > MAX_BYTES:
-        sides = {"along": resampled[0], "across": resampled[1], "path": surface.path}
-        sizes = {"got": rounded(spacing * 1e6, 4), "most": rounded(MAX_BYTES / 8)}
-        raise refusal("surface.spacing_um nodes", **sides, **sizes)
+        raise fault(
+            f"got {rounded(spacing * 1e6, 4)}, which makes {resampled[0]} x {resampled[1]} nodes of"
+            f" {surface.path}, allowed: less than {rounded(MAX_BYTES / 8)} nodes",
+            at="surface.spacing_um",
+        )
     overlap, nodes = [0, 0], [*resampled]
     for axis in (0,) if is_profile else (0, 1):
         if surface.made_periodic == "blend":
@@ -321,8 +332,11 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
         elif surface.made_periodic == "mirror":
             nodes[axis] = 2 * resampled[axis] - 2
     if not MIN_NODES <= min(nodes) <= max(nodes) < MAX_NODES:
-        sides = {"along": nodes[0], "across": nodes[1], "path": surface.path}
-        raise refusal("surface.path nodes", least=MIN_NODES, most=rounded(MAX_NODES), **sides)
+        raise fault(
+            f"{surface.path}: got {nodes[0]} x {nodes[1]} nodes, allowed: at least {MIN_NODES} each"
+            f" way and less than {rounded(MAX_NODES)}",
+            at="surface.path",
+        )
     return HeightGrid(steps, spacing, resampled, (overlap[0], overlap[1]), (nodes[0], nodes[1]))
 
 
@@ -340,10 +354,13 @@ def _overlap(surface: HeightFile, count: int, spacing: float) -> int:
     if surface.overlap_um is None:
         return round(DEFAULT_OVERLAP * count)
     overlap = round(min(surface.overlap_um * 1e-6 / spacing, 2e9))
-    if not 1 <= overlap <= MAX_OVERLAP * count:
-        ends = (rounded(nodes * spacing * 1e6, 4) for nodes in (1, int(MAX_OVERLAP * count)))
-        sizes = dict(zip(("least", "most"), ends, strict=True))
-        raise refusal("surface.overlap_um side", got=surface.overlap_um, **sizes)
+    most = int(MAX_OVERLAP * count)
+    if not 1 <= overlap <= most:
+        raise fault(
+            f"got {plain_number(surface.overlap_um)}, allowed: {rounded(spacing * 1e6, 4)} to"
+            f" {rounded(most * spacing * 1e6, 4)}, half of a side",
+            at="surface.overlap_um",
+        )
     return overlap
 
 
@@ -352,8 +369,11 @@ def _refuse_filters(surface: HeightFile, side_um: float) -> None:
     for key in ("s_filter_um", "l_filter_um"):
         cutoff = getattr(surface, key)
         if cutoff is not None and cutoff > side_um * (1 + SAME):
-            words = {"most": rounded(side_um, 4), "path": surface.path}
-            raise refusal(f"surface.{key} side", got=cutoff, **words)
+            raise fault(
+                f"got {plain_number(cutoff)}, allowed: up to {rounded(side_um, 4)}, the shorter"
+                f" side of {surface.path}",
+                at=f"surface.{key}",
+            )
 
 
 def refuse_turn(path: Path, name: str, track: Track) -> None:
@@ -361,21 +381,24 @@ def refuse_turn(path: Path, name: str, track: Track) -> None:
 
     `name` is the path as the scene has it.
     """
-    with faults_at(path, name, ("sphere", "surface", "path")):
+    with faults_at(path, name, "sphere.surface.path"):
         rows, columns = height_files.nodes(path)
     if rows != track.turn_nodes or columns not in (1, track.n_across):
         radius = rounded(rows * track.spacing * 1e3 / (2 * math.pi), 8)
-        file = {"path": name, "rows": rows, "columns": columns, "radius": radius}
-        turn = {"nodes": track.turn_nodes, "across": track.n_across}
-        raise refusal("sphere.surface.path turn", **file, **turn)
+        raise fault(
+            f"{name}: got {rows} x {columns} nodes, allowed: {track.turn_nodes} nodes around the"
+            f" sphere x 1 or {track.n_across} across; {rows} nodes are a turn of sphere.radius_mm"
+            f" {radius}",
+            at="sphere.surface.path",
+        )
 
 
 @contextmanager
-def faults_at(path: Path, name: str, at: tuple[str, ...]) -> Iterator[None]:
+def faults_at(path: Path, name: str, at: str) -> Iterator[None]:
     """Raise a fault at a key where a file holds no heights; `name` is its path in the scene."""
     try:
         yield
     except height_files.HeightFormatError as error:
         missing = isinstance(error.__cause__, FileNotFoundError)
         place = f" (looked in {path.parent.absolute()})" if missing else ""
-        raise fault(f"{error.of(cut(name))}{place}", *at) from error
+        raise fault(f"{error.of(cut(name))}{place}", at=at) from error

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene.messages import Key, fault, plain_number, refusal
+from rolling.scene.messages import Key, fault, plain_number
 from rolling.scene.sections import Section
 
 AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
@@ -48,8 +48,8 @@ class Distribution(Section):
 
     def wrong(self, key: str, allowed: str, value: float) -> Exception:
         """Make the fault of a value of a key of this section."""
-        at = *filter(None, self.SECTION.split(".")), key
-        return fault(f"got {plain_number(value)}, allowed: {allowed}", *at)
+        at = f"{self.SECTION}.{key}" if self.SECTION else key
+        return fault(f"got {plain_number(value)}, allowed: {allowed}", at=at)
 
     @property
     def law(self) -> Self:
@@ -201,7 +201,7 @@ class SelfAffineLaw(Distribution):
         given = [key for key, size in sizes.items() if size is not None]
         if len(given) != 1:
             got = f"got {' and '.join(given)}" if given else "missing"
-            raise fault(f"{got}, allowed: exactly one of {', '.join(sizes)}", "surface", "rq_um")
+            raise fault(f"{got}, allowed: exactly one of {', '.join(sizes)}", at="surface.rq_um")
         return self
 
     @property
@@ -353,16 +353,27 @@ def refuse_misplaced(
     `at` is the key of the list.
     """
     for number, listed in enumerate(faults):
-        size, longest = max(listed.size_um, listed.length_um or 0.0), length_um
-        if not listed.crosses:
-            longest = min(length_um, width_um)
         if listed.size_um < spacing_um:
-            sizes = {"got": listed.size_um, "spacing": f"{spacing_um:g}"}
-            raise refusal("faults node", *at, number, "size_um", **sizes)
+            raise fault(
+                f"got {plain_number(listed.size_um)}, allowed: at least a node of {spacing_um:g}"
+                " um",
+                at=(*at, number, "size_um"),
+            )
+        key, size = "size_um", listed.size_um
+        if listed.length_um is not None and listed.length_um > size:
+            key, size = "length_um", listed.length_um
+        longest = length_um if listed.crosses else min(length_um, width_um)
         if size > longest:
-            name = "size_um" if size == listed.size_um else "length_um"
-            raise refusal("faults side", *at, number, name, got=size, most=rounded(longest, 6))
+            raise fault(
+                f"got {plain_number(size)}, allowed: at most {rounded(longest, 6)}, the size of the"
+                " surface in um",
+                at=(*at, number, key),
+            )
         x, y = listed.at_mm or (0.0, 0.0)
         if not 0 <= x * 1e3 < length_um or abs(y) * 2e3 > width_um:
-            ends = {"length": rounded(length_um * 1e-3, 6), "half": rounded(width_um * 5e-4, 6)}
-            raise refusal("faults beyond", *at, number, "at_mm", x=x, y=y, **ends)
+            raise fault(
+                f"got [{plain_number(x)}, {plain_number(y)}], which is beyond the surface, allowed:"
+                f" x from 0 to {rounded(length_um * 1e-3, 6)} mm, y within"
+                f" {rounded(width_um * 5e-4, 6)} mm of the line of the sphere",
+                at=(*at, number, "at_mm"),
+            )

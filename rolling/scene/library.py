@@ -196,7 +196,9 @@ def validated(section: str, values: Any) -> Any:
     forms = {other.partition("-")[0]: other for other in reversed(known)} | {x: x for x in known}
     near = difflib.get_close_matches(str(given).casefold().replace(" ", "-"), forms, 1)
     like = f"; nearest: {forms[near[0]]}" if near else ""
-    raise fault(f"got {shown(given)}, allowed: {', '.join(known)}{like}", section, name.key)
+    raise fault(
+        f"got {shown(given)}, allowed: {', '.join(known)}{like}", at=f"{section}.{name.key}"
+    )
 
 
 def freed(data: Mapping[str, Any], key: str, value: Any) -> Mapping[str, Any]:

@@ -35,7 +35,6 @@ def table(package: str, name: str) -> dict[str, Any]:
 
 
 TABLES = table("rolling.scene", "tables")
-_FAULTS: dict[str, str] = table("rolling.scene", "faults")
 
 
 class Plausible(NamedTuple):
@@ -78,19 +77,10 @@ class SceneError(Exception):
 # ---- faults
 
 
-def fault(message: str, *at: str | int) -> PydanticCustomError:
-    """Make a fault for pydantic to collect, at a key that may differ from the validated key."""
-    return PydanticCustomError("fault", "{message}", {"message": writable(message), "at": at})
-
-
-def refusal(rule: str, *at: str | int, **values: Any) -> PydanticCustomError:
-    """Make the fault of a rule of faults.toml with its values, at its key or at another."""
-    return fault(worded(rule, **values), *(at or key_of(rule.partition(" ")[0])))
-
-
-def worded(rule: str, **values: Any) -> str:
-    """Write the words of a rule of faults.toml with its values."""
-    return _FAULTS[rule].format(**{name: as_typed(value) for name, value in values.items()})
+def fault(message: str, at: str | Key = ()) -> PydanticCustomError:
+    """Make a fault for pydantic to collect, at the validated key or at another key of the scene."""
+    key = key_of(at) if isinstance(at, str) else at
+    return PydanticCustomError("fault", "{message}", {"message": writable(message), "at": key})
 
 
 def explained(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> tuple[Key, str]:
@@ -191,13 +181,6 @@ def numbers(value: Any, count: int) -> tuple[float, ...] | None:
 def plain_number(value: float) -> str:
     """Write a number without a needless decimal point."""
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
-
-
-def as_typed(value: Any) -> str:
-    """Write a value of a scene as plain text, numbers without a needless decimal point."""
-    if isinstance(value, float):
-        return plain_number(value)
-    return value if isinstance(value, str) else shown(value)
 
 
 def shown(value: Any) -> str:

@@ -19,7 +19,7 @@ from acoustics.numbers import rounded
 from rolling.scene import library, messages, quantities, sections
 from rolling.scene import sweep as sweeps
 from rolling.scene.bodies import Plate, Sphere
-from rolling.scene.messages import Key, SceneError, plain, refusal, shown
+from rolling.scene.messages import Key, SceneError, fault, plain, plain_number, shown
 from rolling.scene.surfaces import HeightFile, MadeSurface, refuse_ball
 from rolling.scene.track import ROUNDING
 
@@ -253,21 +253,31 @@ Values = Mapping[str, Any]
 
 def refuse_rolling(rolling: sections.Rolling, values: Values) -> None:
     """Refuse a track without a length, a missing load, and a contact too near an edge."""
-    lengths = rolling.duration_s, rolling.distance_mm, rolling.resistance
-    if not any(lengths) and isinstance(values.get("surface"), MadeSurface):
-        raise refusal("rolling.duration_s missing")
+    has_length = rolling.duration_s or rolling.distance_mm or rolling.resistance
+    if not has_length and isinstance(values.get("surface"), MadeSurface):
+        raise fault("missing; give it or a rolling.distance_mm", at="rolling.duration_s")
     sphere, plate = values.get("sphere"), values.get("plate")
     if sphere is None:
         return
     if sphere.density_kg_m3 is None:
         if rolling.load_n == sections.WEIGHT:
-            given = "load_n" in rolling.model_fields_set
-            raise refusal(f"rolling.load_n {'weight' if given else 'missing'}")
+            words = "missing; give it, or sphere.density_kg_m3 for the weight of the sphere"
+            if "load_n" in rolling.model_fields_set:
+                words = "got weight, which needs sphere.density_kg_m3"
+            raise fault(words, at="rolling.load_n")
         if rolling.resistance is not None:
-            raise refusal("sphere.density_kg_m3 resistance")
-    rest, duration = quantities.motion_of(sphere, rolling).rest_time, rolling.duration_s
+            raise fault(
+                "missing; rolling.resistance needs the mass of the sphere",
+                at="sphere.density_kg_m3",
+            )
+    rest = quantities.motion_of(sphere, rolling).rest_time
+    duration = rolling.duration_s
     if rolling.resistance and duration and duration > rest * (1 + ROUNDING):
-        raise refusal("rolling.duration_s rests", rest=rounded(rest, 6), duration=duration)
+        raise fault(
+            f"the sphere comes to rest after {rounded(rest, 6)} s, rolling.duration_s is"
+            f" {plain_number(duration)}: give it more speed, or leave out the duration",
+            at="rolling.duration_s",
+        )
     if plate is not None and plate.edges_mm is not None:
         _refuse_edges(rolling, sphere, plate)
 
@@ -282,12 +292,20 @@ def _refuse_edges(rolling: sections.Rolling, sphere: Sphere, plate: Plate) -> No
     for key, point in plate.contact_ends_mm.items():
         edge = min(min(x, side - x) for x, side in zip(point, plate.edges_mm, strict=True))
         if edge < least:
-            narrow = "length_mm" if plate.edges_mm[0] < plate.edges_mm[1] else "width_mm"
-            at = "plate", key if getattr(plate, key) is not None else narrow
-            sizes = {"edge": rounded(edge), "least": rounded(least, 3)}
-            raise refusal("plate.contact_mm edge", *at, **sizes)
-    if (modes := quantities.plate_modes(plate)) > MAX_MODES:
-        raise refusal("plate.length_mm modes", modes=rounded(modes), most=MAX_MODES)
+            if getattr(plate, key) is None:  # the default point, so the plate is too narrow
+                key = "length_mm" if plate.edges_mm[0] < plate.edges_mm[1] else "width_mm"
+            raise fault(
+                f"the contact is {rounded(edge)} mm from an edge, allowed: at least"
+                f" {rounded(least, 3)}, ten contact radii",
+                at=f"plate.{key}",
+            )
+    modes = quantities.plate_modes(plate)
+    if modes > MAX_MODES:
+        raise fault(
+            f"the plate has some {rounded(modes)} modes in hearing, allowed: {MAX_MODES}; choose a"
+            " smaller or thicker plate, or an infinite one without edges",
+            at="plate.length_mm",
+        )
 
 
 def refuse_numerics(numerics: sections.Numerics, values: Values) -> None:
@@ -297,7 +315,7 @@ def refuse_numerics(numerics: sections.Numerics, values: Values) -> None:
         return
     if sphere.surface is not None:
         if surface.spacing_um is None:
-            raise refusal("surface.spacing_um missing")
+            raise fault("missing; the surface of the sphere has the same", at="surface.spacing_um")
         refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
     if rolling is not None and not isinstance(surface, HeightFile):
         quantities.track_of(sphere, surface, rolling, numerics, Path())
@@ -310,15 +328,34 @@ def refuse_memory(numerics: sections.Numerics, values: Values) -> None:
         return
     if plate.plasticity != "permanent":
         if rolling is not None and (rolling.passes or 1) > 1:
-            raise refusal("rolling.passes memory", got=rolling.passes)
+            raise fault(
+                f"got {rolling.passes}, which needs plate.plasticity: permanent: without memory all"
+                " passes are equal",
+                at="rolling.passes",
+            )
         return
     if sphere is not None and sphere.surface is not None:
-        raise refusal("plate.plasticity turns")
-    allowed = {"edges": ("sharp",), "subcells": (1, "auto"), "error_estimate": (False,)}
-    for key, choices in allowed.items():
-        if (value := getattr(numerics, key)) not in choices:
-            words = {"got": shown(value), "allowed": shown(choices[0])}
-            raise refusal(f"numerics.{key} memory", **words)
+        raise fault(
+            'got "permanent", which only goes with a smooth sphere: each turn of a rough sphere'
+            " meets other places of the plate",
+            at="plate.plasticity",
+        )
+    permanent = "allowed with plate.plasticity: permanent"
+    if numerics.edges != "sharp":
+        raise fault(
+            f'got {shown(numerics.edges)}, {permanent}: "sharp"; nodes sink as a whole',
+            at="numerics.edges",
+        )
+    if numerics.subcells not in (1, "auto"):
+        raise fault(
+            f"got {numerics.subcells}, {permanent}: 1; nodes sink as a whole",
+            at="numerics.subcells",
+        )
+    if numerics.error_estimate:
+        raise fault(
+            f"got true, {permanent}: false; its grids have no earlier passes",
+            at="numerics.error_estimate",
+        )
 
 
 def refuse_dynamics(dynamics: sections.Dynamics | None, values: Values) -> None:
@@ -327,33 +364,61 @@ def refuse_dynamics(dynamics: sections.Dynamics | None, values: Values) -> None:
     dropped = "rolling" in values and values["rolling"].drop_mm is not None
     if dynamics is not None:
         if dynamics.release and dropped:
-            raise refusal("dynamics.release flight")
+            raise fault(
+                "got true, which a sphere with rolling.drop_mm has not: nothing is released in"
+                " flight",
+                at="dynamics.release",
+            )
         for name, body in bodies.items():
             if body.density_kg_m3 is None:
-                raise refusal(f"{name}.density_kg_m3 dynamics")
+                raise fault(
+                    f"missing; dynamics needs the mass of the {name}",
+                    at=f"{name}.density_kg_m3",
+                )
         return
     if dropped:
-        raise refusal("rolling.drop_mm dynamics")
-    for key in ("thickness_mm", "contact_loss_factor"):
-        if getattr(bodies.get("plate"), key, None) is not None:
-            raise refusal(f"plate.{key} dynamics")
+        raise fault(
+            "only goes with dynamics; `dynamics: {}` takes its defaults", at="rolling.drop_mm"
+        )
+    plate = values.get("plate")
+    if plate is not None and plate.thickness_mm is not None:
+        raise fault(
+            "only goes with dynamics: without that section the plate does not bend",
+            at="plate.thickness_mm",
+        )
+    if plate is not None and plate.contact_loss_factor is not None:
+        raise fault(
+            "only goes with dynamics: without that section nothing vibrates",
+            at="plate.contact_loss_factor",
+        )
 
 
 def with_source(sound: sections.Sound, values: Values) -> sections.Sound:
     """Return the sound with its source; refuse a source that the scene has not."""
     sphere, dynamics = values.get("sphere"), values.get("dynamics", ...)
     if sphere is not None and sound.distance_m <= sphere.radius_mm * 1e-3:
-        radius = rounded(sphere.radius_mm * 1e-3, 6)
-        raise refusal("sound.distance_m inside", got=sound.distance_m, radius=radius)
+        raise fault(
+            f"got {plain_number(sound.distance_m)}, allowed: more than"
+            f" {rounded(sphere.radius_mm * 1e-3, 6)}, the sphere's radius in m: the listener"
+            " stands outside the sphere",
+            at="sound.distance_m",
+        )
     if sound.source is None and dynamics is not ...:
         source = "release" if dynamics is None else "vibration"
         sound = sound.model_copy(update={"source": source})
         sections.refuse_free_factors(sound)
     elif sound.source == "vibration" and dynamics is None:
-        raise refusal("sound.source dynamics")
+        raise fault(
+            'got "vibration", which needs the section dynamics; `dynamics: {}` takes its defaults',
+            at="sound.source",
+        )
     rolling = values.get("rolling")
     if sound.source == "release" and rolling is not None and rolling.drop_mm is not None:
-        raise refusal("sound.source flight")
+        raise fault(
+            'got "release", which a sphere with rolling.drop_mm has not: nothing is released in'
+            " flight",
+            at="sound.source",
+        )
     return sound
 
 
@@ -363,7 +428,11 @@ def refuse_listeners(sound: sections.Sound, values: Values) -> None:
     if sound.listener_mm is None or sphere is None or plate is None:
         return
     if plate.edges_mm is None:
-        raise refusal("sound.listener_mm edges")
+        raise fault(
+            "only goes with plate.length_mm and plate.width_mm: an infinite plate is heard on the"
+            " axis, at distance_m",
+            at="sound.listener_mm",
+        )
     ends = list(plate.contact_ends_mm.values())
     (x, y), (to_x, to_y) = ends[0], ends[-1]
     square = (to_x - x) ** 2 + (to_y - y) ** 2
@@ -372,7 +441,11 @@ def refuse_listeners(sound: sections.Sound, values: Values) -> None:
         share = min(max(along / square, 0.0), 1.0) if square else 0.0
         nearest = x + share * (to_x - x), y + share * (to_y - y), sphere.radius_mm
         if math.dist(at, nearest) <= sphere.radius_mm:
-            raise refusal("sound.listener_mm inside", got=list(at))
+            raise fault(
+                f"got {shown(list(at))}, inside the sphere, allowed: more than its radius from the"
+                " middle of the sphere",
+                at="sound.listener_mm",
+            )
 
 
 # Rules of a section, which see the sections before it; one of them may return the section changed.

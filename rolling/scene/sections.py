@@ -19,7 +19,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from acoustics.numbers import rounded
 from rolling.scene import library, messages
-from rolling.scene.messages import fault, is_number, numbers, refusal, shown
+from rolling.scene.messages import fault, is_number, numbers, plain_number, shown
 from rolling.scene.track import Motion
 
 if TYPE_CHECKING:
@@ -125,11 +125,11 @@ def _speed(value: Any) -> Any:
         [numbers(pair, 2) for pair in value] if isinstance(value, list | tuple) else []
     )
     if len(pairs) < 2 or None in pairs:
-        raise fault(f"got {shown(value)}, allowed: {SPEED}", "rolling", "speed_m_s")
+        raise fault(f"got {shown(value)}, allowed: {SPEED}", at="rolling.speed_m_s")
     try:
         Motion.of(pairs)
     except ValueError as error:
-        raise fault(f"got {shown(value)}: {error}", "rolling", "speed_m_s") from error
+        raise fault(f"got {shown(value)}: {error}", at="rolling.speed_m_s") from error
     return tuple(pairs)
 
 
@@ -214,9 +214,12 @@ class Rolling(Section):
     @model_validator(mode="after")
     def _one_length(self) -> Rolling:
         if self.duration_s is not None and self.distance_mm is not None:
-            raise refusal("rolling.distance_mm beside")
+            raise fault("given beside duration_s, allowed: one of them", at="rolling.distance_mm")
         if self.resistance is not None and isinstance(self.speed_m_s, tuple):
-            raise refusal("rolling.resistance pairs")
+            raise fault(
+                "only goes with one speed_m_s, at which the sphere starts, not with pairs",
+                at="rolling.resistance",
+            )
         return self
 
 
@@ -232,7 +235,11 @@ def _step_nodes(value: float) -> float:
     """Return the allowed value that a rounded value stands for, such as a third for 0.333333."""
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
-        raise refusal("numerics.step_nodes fraction", got=value, nearest=closest)
+        raise fault(
+            f"got {plain_number(value)}, allowed: a whole number from 1 to 64, or one over a whole"
+            f" number down to 1/16; nearest: {plain_number(closest)}",
+            at="numerics.step_nodes",
+        )
     return closest
 
 
@@ -414,4 +421,8 @@ def refuse_free_factors(sound: Sound) -> None:
     for key, default in (("q", 1), ("gain_pa_per_w_m2", None)):
         value = getattr(sound, key)
         if sound.source == "vibration" and value != default:
-            raise refusal("sound.q vibration", "sound", key, got=float(value))
+            raise fault(
+                f"got {plain_number(value)}, which only goes with source: release; the pressure of"
+                " the vibration has no free factor",
+                at=f"sound.{key}",
+            )

@@ -15,7 +15,7 @@ from acoustics.numbers import rounded
 from rolling.scene import library
 from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
-from rolling.scene.messages import TABLES, fault, is_number, refusal, shown
+from rolling.scene.messages import TABLES, fault, is_number, plain_number, shown
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 
@@ -50,11 +50,17 @@ def refuse_width(width_um: float, spacing_um: float) -> None:
     """Raise a fault for a width that is no whole number of nodes, too small or too large."""
     nodes = width_um / spacing_um
     if not nodes < MAX_NODES:
-        raise refusal("surface.width_um most", got=width_um, most=rounded(MAX_NODES))
+        raise fault(
+            f"got {plain_number(width_um)}, allowed: less than {rounded(MAX_NODES)} nodes",
+            at="surface.width_um",
+        )
     if round(nodes) < MIN_NODES or abs(nodes - round(nodes)) > 1e-6 * nodes:
-        nearest = f"{max(MIN_NODES, round(nodes)) * spacing_um:.10g}"
-        sizes = {"spacing": f"{spacing_um:g}", "least": MIN_NODES, "nearest": nearest}
-        raise refusal("surface.width_um whole", got=width_um, **sizes)
+        nearest = max(MIN_NODES, round(nodes)) * spacing_um
+        raise fault(
+            f"got {plain_number(width_um)}, allowed: a whole number of nodes of {spacing_um:g} um,"
+            f" at least {MIN_NODES}; nearest: {nearest:.10g}",
+            at="surface.width_um",
+        )
 
 
 Finish = Annotated[str, library.listed("finishes")]
@@ -207,21 +213,37 @@ class HeightFile(SurfaceKind):
         ending = Path(self.path).suffix.lower()
         if not is_instrument(self.path):
             if self.spacing_um is None:
-                raise refusal("surface.spacing_um format")
+                raise fault(
+                    "missing; files of arrays and of rows of text do not hold their spacing",
+                    at="surface.spacing_um",
+                )
             if self.channel is not None:
-                raise refusal("surface.channel format", ending=ending)
+                raise fault(
+                    f"only goes with a file of an instrument, not {ending}", at="surface.channel"
+                )
         elif ending != TRIPLES and self.height_unit != "m":
-            raise refusal("surface.height_unit format", got=shown(self.height_unit), ending=ending)
+            raise fault(
+                f"got {shown(self.height_unit)}, but a {ending} file holds its own units",
+                at="surface.height_unit",
+            )
         if self.xy_unit is not None and ending != TRIPLES:
-            words = f"only goes with a {TRIPLES} file, not {ending or 'one without an ending'}"
-            raise fault(words, "surface", "xy_unit")
+            raise fault(
+                f"only goes with a {TRIPLES} file, not {ending or 'one without an ending'}",
+                at="surface.xy_unit",
+            )
         if self.outliers is not None and self.unmeasured != "fill":
-            raise refusal("surface.outliers fill")
+            raise fault(
+                "only goes with surface.unmeasured fill, because outliers count as unmeasured",
+                at="surface.outliers",
+            )
         if self.overlap_um is not None and self.made_periodic != "blend":
-            raise refusal("surface.overlap_um blend")
+            raise fault("only goes with surface.periodic blend", at="surface.overlap_um")
         if self.s_filter_um and self.l_filter_um and self.s_filter_um >= self.l_filter_um:
-            sizes = {"got": self.s_filter_um, "most": self.l_filter_um}
-            raise refusal("surface.s_filter_um l_filter", **sizes)
+            raise fault(
+                f"got {plain_number(self.s_filter_um)}, allowed: less than"
+                f" {plain_number(self.l_filter_um)}, the L-filter",
+                at="surface.s_filter_um",
+            )
         if self.width_um is not None and self.spacing_um is not None:
             refuse_width(self.width_um, self.spacing_um)
         return self
@@ -429,11 +451,21 @@ def refuse_ball(surface: BallSurface, radius_mm: float, spacing_um: float) -> No
     """Raise a fault for a surface of a sphere that does not fit its circumference in nodes."""
     circumference = 2e3 * math.pi * radius_mm
     if not MIN_NODES <= circumference / spacing_um < MAX_NODES:
-        sizes = {"least": MIN_NODES, "most": rounded(MAX_NODES), "spacing": f"{spacing_um:g}"}
-        raise refusal("sphere.surface circumference", got=rounded(circumference, 4), **sizes)
+        raise fault(
+            f"got a circumference of {rounded(circumference, 4)} um, allowed: {MIN_NODES} to"
+            f" {rounded(MAX_NODES)} nodes of {spacing_um:g} um around the sphere",
+            at="sphere.surface",
+        )
+    highest = max(surface.waviness or {0: 0.0})
     most = turn_nodes(radius_mm, spacing_um) // WAVE_NODES
-    if (highest := max(surface.waviness or {0: 0})) > most:
-        raise refusal("sphere.surface.waviness order", got=highest, most=most, least=WAVE_NODES)
+    if highest > most:
+        raise fault(
+            f"got the order {highest}, allowed: up to {most}, waves of at least {WAVE_NODES} nodes",
+            at="sphere.surface.waviness",
+        )
     if isinstance(surface, BallHeightFile) and surface.spacing_um != spacing_um:
-        sizes = {"got": surface.spacing_um, "spacing": spacing_um}
-        raise refusal("sphere.surface.spacing_um other", **sizes)
+        raise fault(
+            f"got {plain_number(surface.spacing_um)}, allowed: {plain_number(spacing_um)}, the"
+            " spacing of the plate's surface",
+            at="sphere.surface.spacing_um",
+        )

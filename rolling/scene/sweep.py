@@ -21,7 +21,7 @@ from pydantic_core import PydanticCustomError
 from rolling.scene import library, messages
 from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.height_files import file_digest
-from rolling.scene.messages import Key, dotted, fault, plain_number, refusal, shown
+from rolling.scene.messages import Key, dotted, fault, plain_number, shown
 from rolling.scene.sections import MAX_FAULTS
 
 if TYPE_CHECKING:
@@ -76,12 +76,16 @@ def _digest(text: str) -> str:
 def validated(sweep: Any, root: type[BaseModel]) -> dict[str, Any]:
     """Turn the lists of a sweep into tuples; raise its first fault at its own place."""
     if not isinstance(sweep, dict):
-        raise refusal("sweep form", got=shown(sweep))
+        raise fault(
+            f"got {shown(sweep)}, allowed: lists of numbers by dotted key, as in rolling.load_n:"
+            " [5, 20]",
+            at="sweep",
+        )
     for name, listed in sweep.items():
         _refuse_form(name, listed, root)
     runs = math.prod(map(len, sweep.values()))
     if runs > MAX_RUNS:  # refused before any value is looked at
-        raise fault(f"got {runs} runs, allowed: at most {MAX_RUNS}", "sweep")
+        raise fault(f"got {runs} runs, allowed: at most {MAX_RUNS}", at="sweep")
     for name, listed in sweep.items():
         _refuse_values(name, listed, root)
     return {
@@ -95,7 +99,7 @@ def _refuse_form(name: Any, listed: Any, root: type[BaseModel]) -> None:
     known = [*messages.keys(root), *messages.section_keys(root)]
     if name not in known:
         like = messages.nearest(name, known) if isinstance(name, str) else ""
-        raise fault(f"unknown key{like}", "sweep", str(name))
+        raise fault(f"unknown key{like}", at=("sweep", str(name)))
     if isinstance(listed, dict) and listed:
         return
     if name in messages.section_keys(root):
@@ -105,7 +109,7 @@ def _refuse_form(name: Any, listed: Any, root: type[BaseModel]) -> None:
         form = f"a list of {kind}, at least one"
     else:
         return
-    raise fault(f"got {shown(listed)}, allowed: {form}", "sweep", name)
+    raise fault(f"got {shown(listed)}, allowed: {form}", at=("sweep", name))
 
 
 def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
@@ -120,19 +124,26 @@ def _refuse_values(name: str, listed: Any, root: type[BaseModel]) -> None:
         if isinstance(listed, dict):
             at = ("sweep", name)
             if not isinstance(value, str) or not 0 < len(value) <= LONGEST_LABEL:
-                raise refusal("sweep label", *at, got=shown(value), most=LONGEST_LABEL)
+                raise fault(
+                    f"got {shown(value)} as a label, allowed: text of 1 to {LONGEST_LABEL} letters",
+                    at=at,
+                )
             if name in messages.section_keys(root) and not isinstance(form, dict):
-                raise fault(f"got {shown(form)}, allowed: a section", *at, value)
+                raise fault(f"got {shown(form)}, allowed: a section", at=(*at, value))
         elif numeric and not messages.is_number(value) and value not in words_too:
             numbers = " or ".join(["a number", *words_too])
-            raise fault(f"got {shown(value)}, allowed: {numbers}{labelled}", *at)
+            raise fault(f"got {shown(value)}, allowed: {numbers}{labelled}", at=at)
         elif not numeric and (not isinstance(value, str) or not value):
-            raise fault(f"got {shown(value)}, allowed: text{labelled}", *at)
+            raise fault(f"got {shown(value)}, allowed: text{labelled}", at=at)
         before = seen.setdefault(_written(value).casefold(), value)
         if before != value:
-            raise refusal("sweep alike", *at, got=shown(value), before=shown(before))
+            raise fault(
+                f"got {shown(value)} beside {shown(before)}, allowed: texts that differ in more"
+                " than upper and lower case",
+                at=at,
+            )
         if len(seen) <= i:
-            raise fault(f"got {shown(value)} twice, allowed: different values", *at)
+            raise fault(f"got {shown(value)} twice, allowed: different values", at=at)
 
 
 # ---- runs

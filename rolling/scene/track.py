@@ -9,10 +9,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic_core import PydanticCustomError
 
 from acoustics.arrays import Array
 from acoustics.numbers import rounded
-from rolling.scene.messages import refusal
+from rolling.scene.messages import fault, plain_number
 
 ROUNDING = 1e-9  # relative; a smaller excess over the last distance reached counts as rounding
 
@@ -179,8 +180,6 @@ MAX_NODES = 10**9  # maximum of nodes and steps along the track; more is an erro
 # surface: half a width at either end is as it would be on a longer track, and over a width the end
 # is faded into the beginning. A contact is narrower than the surface.
 MARGIN_WIDTHS = 2
-_RESISTANCE = "rolling", "resistance"
-_DURATION, _DISTANCE = ("rolling", "duration_s"), ("rolling", "distance_mm")
 
 
 @dataclass(frozen=True)
@@ -238,21 +237,27 @@ class Rolled(NamedTuple):
 
     distance: float
     value: float
-    key: tuple[str, str]
+    key: str
 
 
 def rolled(
     duration_s: float | None, distance_mm: float | None, resistance: float | None, motion: Motion
 ) -> Rolled | None:
     """Return the distance of a scene; raise a fault where the sphere comes to rest before it."""
-    if distance_mm is None:
-        if duration_s is None:
-            return Rolled(motion.final_distance, resistance, _RESISTANCE) if resistance else None
-        return Rolled(float(motion.distance(duration_s)), duration_s, _DURATION)
-    if distance_mm * 1e-3 > motion.final_distance * (1 + ROUNDING):
-        rest = rounded(motion.final_distance * 1e3, 6)
-        raise refusal("rolling.speed_m_s distance", rest=rest, distance=distance_mm)
-    return Rolled(distance_mm * 1e-3, distance_mm, _DISTANCE)
+    if distance_mm is not None:
+        if distance_mm * 1e-3 > motion.final_distance * (1 + ROUNDING):
+            raise fault(
+                f"the sphere comes to rest after {rounded(motion.final_distance * 1e3, 6)} mm,"
+                f" rolling.distance_mm is {plain_number(distance_mm)}: give it more speed",
+                at="rolling.speed_m_s",
+            )
+        return Rolled(distance_mm * 1e-3, value=distance_mm, key="rolling.distance_mm")
+    if duration_s is not None:
+        distance = float(motion.distance(duration_s))
+        return Rolled(distance, value=duration_s, key="rolling.duration_s")
+    if resistance:
+        return Rolled(motion.final_distance, value=resistance, key="rolling.resistance")
+    return None
 
 
 def made_track(
@@ -272,26 +277,52 @@ def made_track(
     # The track is counted in the larger of step and node; the smaller then fits in whole numbers.
     unit_nodes = max(1, math.ceil(step))
     unit = unit_nodes * spacing
-    distance, got = wanted.distance, wanted.value
-    if not distance / min(unit, spacing * float(step)) < MAX_NODES:
-        raise refusal("rolling.duration_s nodes", *wanted.key, got=got, most=rounded(MAX_NODES))
-    units, least = _within_reach(distance, unit, motion), math.ceil(MIN_NODES / unit_nodes)
-    if units < least:
-        shortest = {"nodes": least * unit_nodes, "length": rounded(least * unit * 1e6, 4)}
-        if least * unit > motion.final_distance * (1 + ROUNDING):
-            rest = rounded(motion.final_distance * 1e6, 4)
-            raise refusal("rolling.speed_m_s shortest", rest=rest, **shortest)
-        is_duration = wanted.key == _DURATION
-        value = motion.duration(least * unit) if is_duration else least * unit * 1e3
-        shortest |= {"rolled": rounded(distance * 1e6, 4), "least": rounded(value, 4)}
-        raise refusal("rolling.duration_s shortest", *wanted.key, got=got, **shortest)
+    step_length = spacing * float(step)
+    if not wanted.distance / min(unit, step_length) < MAX_NODES:
+        raise fault(
+            f"got {plain_number(wanted.value)}, which is more than {rounded(MAX_NODES)} nodes or"
+            " steps",
+            at=wanted.key,
+        )
+    units = _within_reach(wanted.distance, unit, motion)
+    least_units = math.ceil(MIN_NODES / unit_nodes)
+    if units < least_units:
+        raise _too_short(wanted, motion, nodes=least_units * unit_nodes, length=least_units * unit)
     n_along = units * unit_nodes
-    steps, length = int(n_along / step), spacing * float(step)
-    if not turn_nodes or n_along % turn_nodes == 0:
-        return Track(n_along, n_across, steps, length, spacing, True, steps, n_along, turn_nodes)
-    n_along += MARGIN_WIDTHS * n_across
-    lap_steps = _lap_steps(n_along, step)
-    return Track(n_along, n_across, steps, length, spacing, False, lap_steps, n_along, turn_nodes)
+    steps = int(n_along / step)
+    closed = not turn_nodes or n_along % turn_nodes == 0
+    lap_steps = steps
+    if not closed:
+        n_along += MARGIN_WIDTHS * n_across
+        lap_steps = _lap_steps(n_along, step)
+    return Track(
+        n_along=n_along,
+        n_across=n_across,
+        steps=steps,
+        step=step_length,
+        spacing=spacing,
+        closed=closed,
+        lap_steps=lap_steps,
+        plate_nodes=n_along,
+        turn_nodes=turn_nodes,
+    )
+
+
+def _too_short(wanted: Rolled, motion: Motion, nodes: int, length: float) -> PydanticCustomError:
+    """Make the fault of a track that is shorter than some nodes of a length [m] together."""
+    shortest = f"the shortest track is {nodes} nodes, {rounded(length * 1e6, 4)} um"
+    if length > motion.final_distance * (1 + ROUNDING):
+        return fault(
+            f"the sphere comes to rest after {rounded(motion.final_distance * 1e6, 4)} um,"
+            f" {shortest}: give it more speed",
+            at="rolling.speed_m_s",
+        )
+    least = motion.duration(length) if wanted.key == "rolling.duration_s" else length * 1e3
+    return fault(
+        f"got {plain_number(wanted.value)}, in which the sphere rolls"
+        f" {rounded(wanted.distance * 1e6, 4)} um; {shortest}: at least {rounded(least, 4)}",
+        at=wanted.key,
+    )
 
 
 def file_track(
@@ -308,22 +339,40 @@ def file_track(
     early raises a fault.
     """
     plate_nodes, n_across = nodes
-    fraction, step, lap = _fraction(step_nodes), spacing * step_nodes, plate_nodes * spacing
-    if wanted is None and motion.final_distance * (1 + ROUNDING) < lap:
-        rest = rounded(motion.final_distance, 4)
-        raise refusal("rolling.speed_m_s lap", rest=rest, lap=rounded(lap, 4))
-    distance, _, key = wanted or Rolled(lap, lap, _DURATION)
-    if not distance / step < MAX_NODES:
-        sizes = {"distance": rounded(distance, 4), "most": rounded(MAX_NODES)}
-        raise refusal("rolling.duration_s steps", *key, **sizes)
-    steps = max(1, _within_reach(distance, step, motion))
-    n_along = math.lcm(plate_nodes, turn_nodes or 1)
+    step = _fraction(step_nodes)
+    step_length = spacing * step_nodes
+    if wanted is None:
+        lap = plate_nodes * spacing
+        if motion.final_distance * (1 + ROUNDING) < lap:
+            raise fault(
+                f"the sphere comes to rest after {rounded(motion.final_distance, 4)} m, once round"
+                f" the height file is {rounded(lap, 4)} m: give it more speed or set"
+                " rolling.duration_s",
+                at="rolling.speed_m_s",
+            )
+        wanted = Rolled(lap, value=lap, key="rolling.duration_s")
+    if not wanted.distance / step_length < MAX_NODES:
+        raise fault(
+            f"the sphere rolls {rounded(wanted.distance, 4)} m, more than {rounded(MAX_NODES)}"
+            " steps",
+            at=wanted.key,
+        )
+    steps = max(1, _within_reach(wanted.distance, step_length, motion))
+    n_along = plate_nodes
     if turn_nodes:
-        n_along = min(n_along, math.ceil(steps * fraction) + MARGIN_WIDTHS * n_across)
-    lap_steps = _lap_steps(n_along, fraction)
-    closed = steps % lap_steps == 0
+        rolled_nodes = math.ceil(steps * step) + MARGIN_WIDTHS * n_across
+        n_along = min(math.lcm(plate_nodes, turn_nodes), rolled_nodes)
+    lap_steps = _lap_steps(n_along, step)
     return Track(
-        n_along, n_across, steps, step, spacing, closed, lap_steps, plate_nodes, turn_nodes
+        n_along=n_along,
+        n_across=n_across,
+        steps=steps,
+        step=step_length,
+        spacing=spacing,
+        closed=steps % lap_steps == 0,
+        lap_steps=lap_steps,
+        plate_nodes=plate_nodes,
+        turn_nodes=turn_nodes,
     )
 
 
