@@ -1,7 +1,7 @@
 """Numbers as a person writes them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 _PLAIN = 1e-4, 1e7  # magnitudes without an exponent
 
@@ -20,6 +20,59 @@ def rounded(value: float, digits: int = 2) -> str:
     if value == 0 or _PLAIN[0] <= abs(value) < _PLAIN[1]:
         return f"{float(f'{mantissa}e{exponent}'):.15g}"
     return f"{float(mantissa):.15g}e{int(exponent)}"
+
+
+def rounded_up(value: float) -> str:
+    """Write a positive number with two digits that are rounded up: a limit from below holds."""
+    return _to_two_digits(value, math.ceil)
+
+
+def rounded_down(value: float) -> str:
+    """Write a positive number with two digits that are rounded down: a limit from above holds."""
+    return _to_two_digits(value, math.floor)
+
+
+def _to_two_digits(value: float, whole: Callable[[float], int]) -> str:
+    """Round a positive number to two digits by a function that returns whole numbers."""
+    size = 10.0 ** (math.floor(math.log10(value)) - 1)
+    # A number of two digits keeps its value despite its rounding error.
+    return rounded(whole(round(value / size, 9)) * size, 6)
+
+
+def micrometres(length: float) -> str:
+    """Write a length [m] in micrometres, with four digits and without the unit."""
+    return rounded(length * 1e6, 4)
+
+
+def si(value: float, unit: str) -> str:
+    """Write a number with three digits and a prefix of its unit; lengths have no prefix above m.
+
+    Examples
+    --------
+    >>> si(6.87e-5, "m"), si(23e3, "Hz")
+    ('68.7 um', '23 kHz')
+    """
+    prefixes = [("G", 1e9), ("M", 1e6), ("k", 1e3)] if unit != "m" else []
+    for prefix, size in (*prefixes, ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
+        if abs(value) >= 0.9995 * size:
+            return f"{rounded(value / size, 3)} {prefix}{unit}"
+    return f"{rounded(value, 3)} {unit}"
+
+
+def byte_size(value: float) -> str:
+    """Write a size in bytes with two digits in TB or GB, or in whole MB."""
+    for unit, size in (("TB", 1e12), ("GB", 1e9)):
+        if value >= 0.995 * size:
+            return f"{float(rounded(value / size)):,.15g} {unit}"
+    return f"{max(value / 1e6, 1):.0f} MB"
+
+
+def clock(seconds: float) -> str:
+    """Write a time [s] with two digits in hours, minutes or seconds."""
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2 * size:
+            return f"{rounded(seconds / size)} {unit}"
+    return f"{rounded(seconds)} s"
 
 
 def bracketed(values: Sequence[float]) -> str:

@@ -11,11 +11,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.numbers import rounded
+from acoustics.numbers import rounded, si
 from acoustics.radiation import Body, axis_transfer
 from acoustics.weighting import a_weighting_db
 from rolling.check import refusals
-from rolling.check.finding import Finding, si
+from rolling.check.finding import Finding
 from rolling.check.validity import contact_axes, mean_heights
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain

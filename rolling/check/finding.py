@@ -1,11 +1,10 @@
 """Line of the check and the words for its numbers."""
 
-import math
 import string
 from dataclasses import dataclass
 from typing import Any
 
-from acoustics.numbers import rounded
+from acoustics.numbers import clock, micrometres, rounded, rounded_down, rounded_up, si
 from rolling.check import cost
 from rolling.scene.messages import table
 from rolling.scene.scene import Scene
@@ -55,13 +54,12 @@ class _Words(string.Formatter):
         """Write a number with a unit, with a number of digits, rounded up or down, or as usual."""
         if spec in _UNITS:
             return si(value, spec)
-        if spec in ("up", "down"):  # to two digits, so that followed advice holds
-            size = 10.0 ** (math.floor(math.log10(value)) - 1)
-            # A whole number keeps its value despite its rounding error.
-            whole = (math.ceil if spec == "up" else math.floor)(round(value / size, 9))
-            return rounded(whole * size, 6)
+        if spec == "up":
+            return rounded_up(value)
+        if spec == "down":
+            return rounded_down(value)
         if spec == "um":
-            return rounded(value * 1e6, 4)
+            return micrometres(value)
         return rounded(value, int(spec)) if spec.isdecimal() else format(value, spec)
 
 
@@ -80,31 +78,6 @@ def judged(key: str, value: str, doubt: bool | str, /, **numbers: object) -> Fin
     variant = doubt if isinstance(doubt, str) else "warning"
     warning = sentence(key, variant, **numbers) if doubt else None
     return Finding(key, sentence(key, "name", **numbers), value, warning)
-
-
-def si(value: float, unit: str) -> str:
-    """Write a number with three digits and a prefix: 6.87e-5 m becomes "68.7 um"."""
-    prefixes = [("G", 1e9), ("M", 1e6), ("k", 1e3)] if unit != "m" else []
-    for prefix, size in (*prefixes, ("", 1.0), ("m", 1e-3), ("u", 1e-6), ("n", 1e-9)):
-        if abs(value) >= 0.9995 * size:
-            return f"{rounded(value / size, 3)} {prefix}{unit}"
-    return f"{rounded(value, 3)} {unit}"
-
-
-def byte_size(value: float) -> str:
-    """Write a size in bytes with two digits in TB or GB, or in whole MB."""
-    for unit, size in (("TB", 1e12), ("GB", 1e9)):
-        if value >= 0.995 * size:
-            return f"{float(rounded(value / size)):,.15g} {unit}"
-    return f"{max(value / 1e6, 1):.0f} MB"
-
-
-def clock(seconds: float) -> str:
-    """Write a time [s] with two digits in hours, minutes or seconds."""
-    for unit, size in (("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2 * size:
-            return f"{rounded(seconds / size)} {unit}"
-    return f"{rounded(seconds)} s"
 
 
 def computing(core_seconds: float) -> str:

@@ -13,7 +13,7 @@ from html import escape
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from acoustics.numbers import rounded
+from acoustics.numbers import byte_size, rounded, si
 from acoustics.traps import ignoring_underflow
 from rolling.check import (
     comb,
@@ -25,7 +25,7 @@ from rolling.check import (
     resolution,
     validity,
 )
-from rolling.check.finding import SURFACE, Finding, byte_size, computing, judged, si, surface_time
+from rolling.check.finding import SURFACE, Finding, computing, judged, surface_time
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene

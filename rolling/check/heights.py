@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from acoustics.numbers import rounded
+from acoustics.numbers import rounded, si
 from rolling.check import cost, refusals, resolution
-from rolling.check.finding import Finding, judged, sentence, si
+from rolling.check.finding import Finding, judged, sentence
 from rolling.scene.height_files import is_instrument
 from rolling.scene.height_grid import read
 from rolling.scene.laws import SelfAffineLaw

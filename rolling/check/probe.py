@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
-from acoustics.numbers import rounded
+from acoustics.numbers import clock, rounded, si
 from rolling.check import cost
 from rolling.check.error_cost import COLD_STEPS
-from rolling.check.finding import Finding, clock, computing, sentence, si, surface_time
+from rolling.check.finding import Finding, computing, sentence, surface_time
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march

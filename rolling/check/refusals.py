@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
+from acoustics.numbers import byte_size
 from rolling.check import cost, resolution
-from rolling.check.finding import byte_size, sentence
+from rolling.check.finding import sentence
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
 

@@ -15,9 +15,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from acoustics import bands
-from acoustics.numbers import rounded
+from acoustics.numbers import rounded, si
 from rolling.check import cost
-from rolling.check.finding import Finding, judged, sentence, si, written
+from rolling.check.finding import Finding, judged, sentence, written
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene

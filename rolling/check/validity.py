@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.numbers import rounded
+from acoustics.numbers import rounded, si
 from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost, forecast, resolution
-from rolling.check.finding import Finding, computing, judged, sentence, si, written
+from rolling.check.finding import Finding, computing, judged, sentence, written
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import library

@@ -10,7 +10,6 @@ from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, MARKERS
 from rolling.figures.picture import axes_of, distance_and_duration, finish
 from rolling.results.run_result import Run
-from rolling.results.sentences import say
 from rolling.results.summary import pass_numbers
 from rolling.sound.wavelengths import FOLLOWS, MIN_SHARE
 
@@ -71,18 +70,33 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
 def reading(run: Run) -> str:
     """State the octave of wavelength that makes most of the sound of a run, and the doubts."""
     most = max(run.wavelength_octaves, key=lambda octave: octave.energy_share)
-    released, linear = run.sound.source == "release", most.linear_share
-    kinds = ["made" if linear is None or linear >= FOLLOWS else "elsewhere", "read"]
+    linear = most.linear_share
+    waves = f"{most.from_um:g} to {most.to_um:g} µm"
+    percent = f"{100 * most.energy_share:.0f} % of the A-weighted energy"
     if most.fall_db is None:
-        kinds[0] = "all"
+        made = f"Waves of {waves} make {percent}; without them the record is silent."
+    elif linear is None or linear >= FOLLOWS:
+        made = f"Waves of {waves} make {percent}; without them LAeq falls by {most.fall_db:.1f} dB."
+    else:
+        made = (
+            f"{percent} sounds at the frequencies of waves of {waves}, but only "
+            f"{100 * linear:.0f} % of the approach follows these waves: the nonlinear contact "
+            "makes the rest from other waves."
+        )
+    speed = "speed" if run.sound.constant_speed else "mean speed"
+    sentences = [
+        made,
+        f"A wave along the track sounds at the {speed} over its length, to first order.",
+    ]
     if run.vibration and run.vibration.motion.flight_share > 0:
-        kinds.append("impacts")
-    if linear is None:
-        kinds.append("release" if released else "unknown")
-    mean = "" if run.sound.constant_speed else "mean "
-    numbers = most._asdict() | {"mean": mean, "percent": 100 * most.energy_share}
-    numbers |= {"linear": 100 * (linear or 0.0)}
-    return " ".join(say(f"waves.{kind}", **numbers) for kind in kinds)
+        sentences.append(
+            "Impacts spread energy over all frequencies, so these shares are doubtful."
+        )
+    if linear is None and run.sound.source == "release":
+        sentences.append("The release is not linear in the heights, so falls are estimates.")
+    elif linear is None:
+        sentences.append("Whether the approach follows these waves is unknown.")
+    return " ".join(sentences)
 
 
 def wavelength_table(run: Run) -> pd.DataFrame:

@@ -15,7 +15,6 @@ from itertools import pairwise
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.check.finding import sentence
 from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
 from rolling.dynamics import drop, of_scene
@@ -269,9 +268,17 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     closed = scene.track.closed and scene.motion.is_constant(scene.duration)
     repeats = closed and motion.settled
     if result.steps > steps and not repeats:
-        return MovingRelease.impossible(key, steps, sentence("moving_release", "laps"))
+        return MovingRelease.impossible(
+            key,
+            steps,
+            "the record passes the track more than once, and its force does not repeat",
+        )
     if motion.flight_share > 0:
-        return MovingRelease.impossible(key, steps, sentence("moving_release", "flight"))
+        return MovingRelease.impossible(
+            key,
+            steps,
+            "the sphere loses contact, and nothing is released under no load",
+        )
     count = round(len(motion.force_n) * steps / result.steps)
     # A sphere that rests stays at its position.
     moved = np.flatnonzero(np.diff(motion.position_m[:count], prepend=-np.inf) > 0)
@@ -286,7 +293,7 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     if repeats:
         force[-1] = force[0]  # to the last digit
     if not force.min() > 0:
-        return MovingRelease.impossible(key, steps, sentence("moving_release", "zero"))
+        return MovingRelease.impossible(key, steps, "the contact force falls to zero")
     return MovingRelease(key, force, approach)
 
 

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.check import cost
-from rolling.check.finding import sentence
 from rolling.contact.memory import sink
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
@@ -146,8 +145,12 @@ class Passes:
     def refuse_yielding(self) -> None:
         """Raise ContactError while the last pass yields: a force law needs a run-in plate."""
         if self.yielding > YIELDING:
-            numbers = {"count": len(self.depth), "share": self.yielding, "most": YIELDING}
-            raise ContactError(sentence("refused", "yielding", **numbers))
+            count = len(self.depth)
+            raise ContactError(
+                f"a force law needs a plate that has run in, and in pass {count} of {count} the "
+                f"plastic work is {rounded(self.yielding)} of the release, allowed: "
+                f"{rounded(YIELDING)}; raise rolling.passes, or leave out dynamics"
+            )
 
     def missing(self, scene: Scene) -> list[tuple[int, int]]:
         """Return first and last position of the pieces that the present pass lacks."""

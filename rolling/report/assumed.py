@@ -7,7 +7,6 @@ from acoustics.radiation import RHO_C
 from acoustics.texts import printable
 from rolling.report.text import NOTHING
 from rolling.results.run_result import Run
-from rolling.results.sentences import say
 from rolling.scene import surfaces
 from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
@@ -66,13 +65,20 @@ def _bodies(run: Run) -> dict[str, str]:
         bending = f"{size} {plate.thickness_mm:g} mm thick, coincidence at {critical} Hz"
     quality, error = summary["resonance_q"], summary["force_law_error_n"]
     damping = "undamped" if quality is None else f"Q {rounded(quality, 3)}"
-    law, loss = say("assumed.law", **summary), plate.loss_factor
-    densities = {"sphere": scene.sphere.density_kg_m3, "plate": plate.density_kg_m3}
-    grams, resonance = 1e3 * summary["ball_mass_kg"], rounded(summary["resonance_hz"], 4)
+    loads = rounded(summary["force_law_min_n"], 3), rounded(summary["force_law_max_n"], 3)
+    law = f"{summary['force_law_loads']} loads from {loads[0]} to {loads[1]} N"
+    if error is not None:
+        law += f", rms error {rounded(error)} N between them"
+    grams = rounded(1e3 * summary["ball_mass_kg"], 3)
+    bodies = f"sphere of {grams} g ({scene.sphere.density_kg_m3:g} kg/m³), "
+    bodies += f"{bending}, {plate.density_kg_m3:g} kg/m³"
+    loss = plate.loss_factor
     return {
-        "vibrating bodies": say("assumed.bodies", grams=grams, bending=bending, **densities),
-        "resonance of the sphere on its contact": f"{resonance} Hz, {damping}",
-        "force law": law if error is None else f"{law}, rms error {rounded(error)} N between them",
+        "vibrating bodies": bodies,
+        "resonance of the sphere on its contact": (
+            f"{rounded(summary['resonance_hz'], 4)} Hz, {damping}"
+        ),
+        "force law": law,
         "loss factor of bending waves": NOTHING if loss is None else f"{loss:g}",
     }
 
@@ -82,13 +88,13 @@ def _contact(run: Run) -> dict[str, str]:
     scene, sound = run.scene, run.sound
     plate, sphere, duration = scene.plate, scene.sphere, sound.duration
     elastic, hardness, memory = "rigid", "no hardness: purely elastic", "without memory"
-    if sphere.youngs_modulus_gpa:
-        elastic = say("assumed.elastic", **dict(sphere))
+    if sphere.youngs_modulus_gpa and sphere.poissons_ratio is not None:
+        elastic = _elastic(sphere.youngs_modulus_gpa, sphere.poissons_ratio)
     if math.isfinite(plate.cap_gpa):
         hardness = f"hardness {plate.cap_gpa:g} GPa"
     if scene.is_permanent:
         memory = f"permanent indentation, {scene.passes} passes"
-    bends = say("assumed.elastic", **dict(plate))
+    bends = _elastic(plate.youngs_modulus_gpa, plate.poissons_ratio)
     load = "the weight of the sphere" if scene.rolling.load_n == WEIGHT else "constant"
     across = f" x {sphere.radius_across_mm:g}" if sphere.radius_across_mm else ""
     ends = scene.motion.slowest(duration), scene.motion.fastest(duration)
@@ -100,8 +106,16 @@ def _contact(run: Run) -> dict[str, str]:
         "plate": f"{_of(plate.material)}{bends}, {hardness}, {memory}",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
-        "solver": say("assumed.solver", own=scene.tolerance, **dict(scene.numerics)),
+        "solver": (
+            f"tolerance {rounded(scene.tolerance, 6)}, {scene.numerics.edges} edges, "
+            f"{scene.numerics.precision} precision"
+        ),
     }
+
+
+def _elastic(youngs_modulus_gpa: float, poissons_ratio: float) -> str:
+    """Write the elastic constants of a body."""
+    return f"{youngs_modulus_gpa:g} GPa, Poisson's ratio {poissons_ratio:g}"
 
 
 def _of(material: str | None) -> str:

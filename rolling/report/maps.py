@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from acoustics.arrays import Array
-from rolling.check.finding import si
+from acoustics.numbers import si
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.marches.observers import PressureMap
 from rolling.results.run_result import Run

@@ -32,7 +32,6 @@ from rolling.results import caveats, runs_table
 from rolling.results.listening import heard
 from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run
-from rolling.results.sentences import say
 from rolling.terminal import defaults
 
 LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
@@ -310,7 +309,7 @@ def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[st
         cards=[*zip(cards, gains, strict=True)],
         seconds=seconds,
         unsolved=unsolved,
-        remark=say("unvalidated"),
+        remark=caveats.UNVALIDATED,
         css=Markup(text.asset("report.css") + text.asset("gallery.css")),
     ).encode()
 

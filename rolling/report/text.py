@@ -23,7 +23,6 @@ from rolling.results.runs_table import (
     level_text,
     shown_levels,
 )
-from rolling.results.sentences import say
 from rolling.scene import file
 from rolling.sound.wavelengths import mean_speed, weighted_lines
 
@@ -247,7 +246,7 @@ def headline(runs: Sequence[Run]) -> str:
         label = f"{loud.label}: " if len(runs) > 1 else ""
         if source == "vibration":
             return label + _shaken(loud)[:2][-1]  # its fall, or its flights, or its ringing
-        return label + say("headline", percent=100 * MAIN, low=low_hz / 1e3, high=high_hz / 1e3)
+        return f"{label}{100 * MAIN:.0f} % of the sound lies between {_khz(low_hz, high_hz)}."
     key = level_key(loud.summary)
     by = loud.summary[key] - quiet.summary[key]
     parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
@@ -257,7 +256,7 @@ def headline(runs: Sequence[Run]) -> str:
     pitch = "of the same colour"
     if abs(bright_hz / dull_hz - 1.0) > ALIKE:
         pitch = "brighter" if bright_hz > dull_hz else "darker"
-    return _capitalized(say("headline.compared", label=loud.label, level=level, pitch=pitch))
+    return _capitalized(f"{loud.label} is {level} and {pitch}.")
 
 
 def reason(runs: Sequence[Run]) -> str:
@@ -265,8 +264,15 @@ def reason(runs: Sequence[Run]) -> str:
     if not (sounding := _by_level(runs)):
         return ""
     run, (_, low_hz, high_hz) = sounding[-1]
-    numbers = {"percent": 100 * MAIN, "low": low_hz / 1e3, "high": high_hz / 1e3}
-    return _capitalized(say("heard", label=run.label, reason=_reason(run), **numbers))
+    return _capitalized(
+        f"{run.label}: {100 * MAIN:.0f} % of the A-weighted power lies between "
+        f"{_khz(low_hz, high_hz)}. {_reason(run)}"
+    )
+
+
+def _khz(low_hz: float, high_hz: float) -> str:
+    """Write the ends of a band in kHz."""
+    return f"{rounded(low_hz / 1e3)} kHz and {rounded(high_hz / 1e3)} kHz"
 
 
 def _by_level(runs: Sequence[Run]) -> list[tuple[Run, tuple[float, float, float]]]:
@@ -290,7 +296,7 @@ def _reason(run: Run) -> str:
     scene = run.scene
     speed = mean_speed(scene, run.sound)
     width = 2 * semi_axes(scene)[0]
-    width_words = say("heard.width", rate=_rate(width, speed))
+    width_words = f"The sphere rolls over its own contact width, {_rate(width, speed)}"
     if run.sound.source == "vibration":
         return " ".join([f"{width_words}.", *_shaken(run)])
     if not scene.laws:
@@ -299,29 +305,49 @@ def _reason(run: Run) -> str:
     frequency, _, power = weighted_lines(run.sound)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())
-    reason = say(f"heard.{'fits' if share >= MAINLY else 'elsewhere'}", percent=100 * share)
-    return width_words + say("heard.length", rate=_rate(length, speed), reason=reason)
+    percent = f"{100 * share:.0f} % of the A-weighted power"
+    if share >= MAINLY:
+        reason = (
+            "Waves of the surface between these two lengths fit into the contact: "
+            f"{percent} lies between the two rates."
+        )
+    else:
+        reason = (
+            f"Only {percent} lies between the two rates, where waves of the surface fit into the "
+            "contact."
+        )
+    length_words = f"over a correlation length of the surface, {_rate(length, speed)}"
+    return f"{width_words}, and {length_words}. {reason}"
 
 
 def _shaken(run: Run) -> list[str]:
     """State the frequency at which the ball rings on its contact, its fall, and its flights."""
     summary = run.summary
-    khz, wave_um = summary["resonance_hz"] / 1e3, summary["resonance_wavelength_m"] * 1e6
-    sentences = [say("heard.rings", khz=khz, wave_um=wave_um)]
+    khz = rounded(summary["resonance_hz"] / 1e3)
+    wave_um = rounded(summary["resonance_wavelength_m"] * 1e6)
+    sentences = [
+        f"The ball rings on its contact at {khz} kHz, where waves of the surface of {wave_um} µm "
+        "shake it."
+    ]
     if "drop_mm" in summary:
-        left = summary["restitution"]
-        rebound = "" if left is None else say("heard.rebound", percent=100 * left)
-        sentences.append(say("heard.falls", drop_mm=summary["drop_mm"], rebound=rebound))
+        fall = f"The ball falls from {rounded(summary['drop_mm'])} mm above the surface"
+        if summary["restitution"] is not None:
+            percent = 100 * summary["restitution"]
+            fall += f", and its first impact leaves {percent:.0f} % of its speed"
+        sentences.append(f"{fall}.")
     if (share := summary["flight_share"]) > 0:
-        count, s = summary["impacts"], "" if summary["impacts"] == 1 else "s"
-        sentences.append(say("heard.flies", percent=100 * share, count=count, s=s))
+        impacts = summary["impacts"]
+        times = "1 time" if impacts == 1 else f"{impacts} times"
+        sentences.append(
+            f"The ball flies for {100 * share:.0f} % of the time, and hits the plate {times}."
+        )
     return sentences
 
 
 def _rate(length: float, speed: float) -> str:
     """Write a length [m] with the time to pass it and the rate."""
-    ms, khz = length / speed * 1e3, speed / length / 1e3
-    return say("heard.rate", length_um=length * 1e6, ms=ms, khz=khz)
+    ms, khz = rounded(length / speed * 1e3), rounded(speed / length / 1e3)
+    return f"{rounded(length * 1e6, 3)} µm, once in {ms} ms ({khz} kHz)"
 
 
 def explanations(runs: Sequence[Run]) -> list[tuple[str, str]]:

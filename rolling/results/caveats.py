@@ -20,6 +20,7 @@ from rolling.scene.surfaces import MadeSurface
 from rolling.sound.contact_sound import ContactSound, solver_doubt
 from rolling.sound.vibration_sound import Vibration
 
+UNVALIDATED = "No level has been validated against a microphone."
 SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 HEADLINE, REPEATS = ROLES["headline"], ROLES["repeats"]
 TURNS = "turns_unknown"
@@ -137,7 +138,7 @@ def _of_levels(
         texts = {"upper_bound": say(f"upper_bound{steady}")}
     if gain is not None and not vibrates:
         texts["fixed_gain"] = say("fixed_gain", gain=gain)
-    texts["unvalidated"] = say("unvalidated")
+    texts["unvalidated"] = UNVALIDATED
     if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
         flies = vibrates and vibration and vibration.motion.flight_share
         noise = "once" if sound.once else "impacts" if flies else "noise"

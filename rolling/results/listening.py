@@ -20,9 +20,8 @@ import soundfile
 
 from acoustics import resampling, wav
 from acoustics.arrays import Array
-from acoustics.numbers import decibels_a
+from acoustics.numbers import decibels_a, rounded
 from rolling.marches.result import Result
-from rolling.results.sentences import say
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.sound import long_listening
@@ -44,6 +43,17 @@ MIN_POSITIONS = 64  # of a solved track; fewer have no spectrum
 COARSE_HZ = 10e3  # highest frequency of the steps below which the sound is dull
 OFTEN = 0.1  # of a record's duration, in which forces beyond the marched loads are named
 LONG_WAVES_HZ = 500.0  # lowest frequency of the solved track above which its long waves are named
+# Rules of the gain of listen.wav, and what each means for whoever hears it.
+_CONSEQUENCES = {
+    "silence": "the record is silent, and the gain is 1",
+    "the largest gain": (
+        "the gain is the largest there is, that of a record at 0 dB(A): this record is below and"
+        " stays quieter than others"
+    ),
+    "equal loudness": (
+        "the gain makes runs equally loud, so compare their levels by the numbers, not by ear"
+    ),
+}
 
 
 class ListeningError(ValueError):
@@ -67,12 +77,16 @@ def laps_in_words(sound: ContactSound) -> str:
     lap, rate = sound.lap, sound.sample_rate
     if sound.once or len(sound.pressure) >= MIN_S * rate:
         return f"the record, {sound.ends}"
-    numbers = {"count": len(laps(sound)) // len(lap), "duration": sound.duration}
+    count = len(laps(sound)) // len(lap)
+    duration = rounded(sound.duration, 3)
     if sound.loops:
-        return say("laps.closed", **numbers)
-    change = round(20 * math.log10(lap.factor), 1) + 0.0  # without the sign of a zero
-    overlap_ms = lap.overlap / rate * 1e3
-    return say("laps", lap=len(lap) / rate, overlap_ms=overlap_ms, change=change, **numbers)
+        return f"{count} laps of the record of {duration} s, which closes on itself"
+    change_db = round(20 * math.log10(lap.factor), 1) + 0.0  # without the sign of a zero
+    return (
+        f"{count} laps of the record, which does not close: {rounded(len(lap) / rate, 3)} s of its "
+        f"{duration} s, cross-faded over {rounded(lap.overlap / rate * 1e3)} ms at points of equal "
+        f"slope and scaled by {change_db:+.1f} dB to its LAeq"
+    )
 
 
 def heard(run: Run) -> tuple[Array, str]:
@@ -108,7 +122,10 @@ def listen_wav(run: Run) -> tuple[bytes, dict[str, Any]]:
     return written, {
         "content": content,
         "duration_s": len(record) / run.sound.sample_rate,
-        "meaning": say("listen", consequence=say(f"listen.{rule}")),
+        "meaning": (
+            "Samples times pascal_per_full_scale are sound pressure in Pa at the listener; "
+            f"{_CONSEQUENCES[rule]}."
+        ),
         "pascal_per_full_scale": 1.0 / gain,
         "gain_full_scale_per_pa": gain,
         "gain_db_re_1_per_pa": 20.0 * math.log10(gain),
@@ -203,7 +220,7 @@ def reason_against(run: Run) -> str:
     """Return the reason why a run has no long record; empty if it has one."""
     steps, sound = run.result.solved_steps, run.sound
     if steps < MIN_POSITIONS:
-        return say("refused.short", steps=steps, least=MIN_POSITIONS)
+        return f"its solved track has {steps} steps, and a continuation needs {MIN_POSITIONS}"
     if sound.source == "vibration" or not sound.pressure.any():
         return "" if sound.pressure.any() else "its record is silent"
     if not sound.constant_speed:
@@ -224,7 +241,10 @@ def listen(run: Run, seconds: float, speed: Speed | None = None, seed: int = 0) 
     scene = run.scene if speed is None else with_speed(run.scene, speed, seconds)
     positions = float(scene.motion.distance(seconds)) / run.result.step
     if positions > (most := defaults.MAX_LISTENED_POSITIONS):
-        raise ListeningError(say("refused.positions", positions=positions, most=most))
+        raise ListeningError(
+            f"speed: the sphere passes {positions:.2g} positions, allowed is up to {most:.2g}, "
+            "which take ten minutes"
+        )
     if run.vibration is not None and run.sound.source == "vibration":
         record = long_listening.listen_to_vibration(scene, run.vibration.law, seconds, seed)
     else:
@@ -241,11 +261,14 @@ def _refuse(seconds: float, speed: Speed | None) -> None:
     """Refuse a length and a speed that are not possible."""
     least, most = defaults.MIN_LISTENED_SECONDS, defaults.MAX_LISTENED_SECONDS
     if not least <= seconds <= most:
-        raise ListeningError(say("refused.seconds", seconds=seconds, least=least, most=most))
+        raise ListeningError(
+            f"seconds: got {seconds:g}, allowed is {least:g} to {most:g}, for which memory suffices"
+        )
     speeds = np.asarray(1.0 if speed is None else speed, dtype=float)
     most_speed = speeds.max(initial=0.0)
     if speeds.shape not in ((), (2,)) or not (speeds.min(initial=0.0) >= 0 < most_speed < math.inf):
-        raise ListeningError(say("refused.speed", got=":".join(f"{v:g}" for v in speeds.ravel())))
+        got = ":".join(f"{value:g}" for value in speeds.ravel())
+        raise ListeningError(f"speed: got {got}, allowed: at least 0 m/s, and not only 0")
 
 
 def sentence(run: Run, long: Listening) -> str:
@@ -254,24 +277,47 @@ def sentence(run: Run, long: Listening) -> str:
     if run.summary.get("single_event"):
         own = f"has LAE {decibels_a(run.summary['lae_db'])} re 1 s"
     kurtosis = "-" if numbers["kurtosis"] is None else f"{numbers['kurtosis']:.2f}"
-    track = say("long.solved")
+    track = "all solved"
     if numbers["solved_mm"] < numbers["rolled_mm"]:
-        track = say("long.continued", percent=100 * numbers["solved_share"], **numbers)
-    words = {"track": track, "laeq": decibels_a(numbers["laeq_db"]), "own": own}
-    text = say("long", **numbers | words | {"kurtosis": kurtosis})
+        track = (
+            f"of which the first {rounded(numbers['solved_mm'], 3)} mm "
+            f"({rounded(100 * numbers['solved_share'])} % of the time) are solved and the others "
+            f"follow their statistics at random (seed {numbers['seed']})"
+        )
+    text = (
+        f"{rounded(numbers['seconds'], 4)} s over {rounded(numbers['rolled_mm'], 3)} mm, {track}: "
+        f"LAeq {decibels_a(numbers['laeq_db'])} (the run {own}), kurtosis {kurtosis}"
+    )
     if "impacts" in numbers:
-        text += say("long.impacts", rate=numbers["impacts"] / numbers["seconds"])
-    return text + (say("long.stretches", **numbers) if numbers["stretches"] else "")
+        text += f", {rounded(numbers['impacts'] / numbers['seconds'], 3)} impacts per second"
+    if numbers["stretches"]:
+        text += f", {numbers['stretches']} rare stretches inserted as solved"
+    return text
 
 
 def limits(numbers: dict[str, Any]) -> list[str]:
     """List the limits of a long record."""
-    turn, outside = numbers["turn_mm"], numbers.get("force_outside_share", 0.0)
-    doubts = {
-        "coarse": numbers["highest_frequency_hz"] < COARSE_HZ,
-        "turn": turn is not None and numbers["solved_mm"] < turn,
-        "force": outside > OFTEN,
-        "waves": numbers["lowest_frequency_hz"] > LONG_WAVES_HZ,
-    }
-    doubtful = [name for name, doubt in doubts.items() if doubt]
-    return [say(f"long.limit.{name}", percent=100 * outside, **numbers) for name in doubtful]
+    lowest_hz, highest_hz = numbers["lowest_frequency_hz"], numbers["highest_frequency_hz"]
+    turn_mm = numbers["turn_mm"]
+    outside = numbers.get("force_outside_share", 0.0)
+    found = []
+    if highest_hz < COARSE_HZ:
+        found.append(
+            f"the steps of the track resolve sound up to {rounded(highest_hz)} Hz at this speed; "
+            "the rest is missing"
+        )
+    if turn_mm is not None and numbers["solved_mm"] < turn_mm:
+        found.append(
+            f"the solved track is shorter than a turn of the ball ({rounded(turn_mm, 3)} mm): it "
+            "is put in as solved once per turn, and the rest of the turn is random"
+        )
+    if outside > OFTEN:
+        found.append(
+            f"the force lies beyond the marched loads for {100 * outside:.0f} % of the time"
+        )
+    if lowest_hz > LONG_WAVES_HZ:
+        found.append(
+            f"waves longer than the solved track sound below {rounded(lowest_hz)} Hz, where the "
+            "density is that of the longest solved wave"
+        )
+    return found

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ
-from acoustics.numbers import rounded
+from acoustics.numbers import rounded, si
 from rolling.check import error_cost, forecast, resolution
-from rolling.check.finding import Finding, si
+from rolling.check.finding import Finding
 from rolling.check.findings import Findings
 from rolling.dynamics.comb import COMB_MOST_DB
 from rolling.dynamics.of_scene import NEAR_SPEEDS
