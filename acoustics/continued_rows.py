@@ -179,7 +179,8 @@ class ContinuedRows:
         count = rows.shape[1]
         self._random = np.random.default_rng(seed)
         middle = np.median(rows, axis=1, keepdims=True)
-        self._turn, self._periodic = turn, np.zeros((len(rows), 1))
+        self._turn = turn
+        self._periodic = np.zeros((len(rows), 1))
         rest = rows - middle
         known = np.ones(count, dtype=bool)  # positions that differ from the repeated part
         if turn is not None and turn <= count:
@@ -207,22 +208,27 @@ class ContinuedRows:
         self._drawn = process.stretches(self._random, before)
         self._places = self._insertions()
         self._coming: list[Stretch] = []
-        self._first, self._rows = 0, rows[:, : self.solved]
-        self._last, self._starts = 0, list[int]()
+        self._first = 0
+        self._rows = rows[:, : self.solved]
+        self._last = 0
+        self._starts = list[int]()
 
     def between(self, first: int, last: int) -> Array:
         """Return the rows at positions `first` to `last - 1`, (rows, last - first).
 
         Neither may be less than at the call before: positions are forgotten then.
         """
-        parts, end = [self._rows], self._first + self._rows.shape[1]
+        parts = [self._rows]
+        end = self._first + self._rows.shape[1]
         while end < last:
             drawn = next(self._drawn)
             drawn = self._with_stretches(drawn, end) + self._mean
             parts.append(drawn + self._repeated(end, end + drawn.shape[1]))
             end += drawn.shape[1]
         rows = np.concatenate(parts, axis=1) if len(parts) > 1 else parts[0]
-        self._rows, self._first, self._last = rows[:, first - self._first :], first, last
+        self._rows = rows[:, first - self._first :]
+        self._first = first
+        self._last = last
         return self._rows[:, : last - first]
 
     @property
@@ -253,9 +259,11 @@ class ContinuedRows:
             self._coming.append(next(self._places))
             self._starts.append(self._coming[-1][0])
         for place, share, values in self._coming:
-            begin, end = max(place, first), min(place + len(share), last)
+            begin = max(place, first)
+            end = min(place + len(share), last)
             if begin < end:
-                here, own = slice(begin - first, end - first), slice(begin - place, end - place)
+                here = slice(begin - first, end - first)
+                own = slice(begin - place, end - place)
                 drawn[:, here] *= np.sqrt(1 - np.square(share[own]))
                 drawn[:, here] += share[own] * values[:, own]
         self._coming = [stretch for stretch in self._coming if stretch[0] + len(stretch[1]) > last]
@@ -276,7 +284,8 @@ def _rare(rows: Array, closed: bool, known: NDArray[np.bool_]) -> tuple[Array, P
     turned = 0
     if closed:  # no stretch lies across the end
         turned = int(np.argmin(departure.max(axis=0)))
-        departure, rows = np.roll(departure, -turned, axis=1), np.roll(rows, -turned, axis=1)
+        departure = np.roll(departure, -turned, axis=1)
+        rows = np.roll(rows, -turned, axis=1)
     # A stretch begins and ends where its row is calm, with a margin that is faded.
     rare = np.zeros(count, dtype=bool)
     for row in departure:
@@ -285,7 +294,8 @@ def _rare(rows: Array, closed: bool, known: NDArray[np.bool_]) -> tuple[Array, P
             if row[begin:end].max() > SIGMAS:
                 margin = 8 + (end - begin) // 2
                 rare[max(begin - margin, 0) : end + margin] = True
-    share, stretches = np.zeros(count), []
+    share = np.zeros(count)
+    stretches = []
     for begin, end in np.flatnonzero(np.diff(rare, prepend=False, append=False)).reshape(-1, 2):
         window = _window(end - begin, (end - begin) // 4)
         share[begin:end] = window

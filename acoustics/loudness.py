@@ -172,7 +172,8 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
         judged_s = (rounds - before) * duration
     else:
         played = np.append(fluctuation, np.zeros(round(_AFTER_S * sample_rate_hz)))
-        first, judged_s = 0, duration
+        first = 0
+        judged_s = duration
     try:
         sone, *_ = loudness_zwtv(played, int(sample_rate_hz), field_type="free")
     except ValueError:  # a third octave is too loud

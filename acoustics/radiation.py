@@ -274,7 +274,8 @@ def pressure_on_axis(
     """
     refuse_masked("force_n", force_n)
     force = np.asarray(force_n, dtype=float)
-    pressure, n = np.zeros(force.shape), force.size
+    pressure = np.zeros(force.shape)
+    n = force.size
     for source in sources:
         if isinstance(source, ThinPlate):
             pressure += axis_transfer(0.0, source, distance_m).real * force

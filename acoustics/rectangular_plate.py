@@ -28,7 +28,8 @@ _MARGIN = 10  # nodes of a panel beyond half its phase; they resolve 1/R at the 
 _POINTS = 6  # frequencies of a table that a polynomial joins
 _PHASE_RAD = 0.8  # between frequencies of a table; interpolation then errs by 1.3e-3 at most
 # Frequencies that share the directions of a sound power: maximum ratio, and phase along an edge.
-_RATIO, _SHIFT_RAD = 0.03, 0.6
+_RATIO = 0.03
+_SHIFT_RAD = 0.6
 _OWN_RATIO = 0.01  # of modes that share them at their own frequencies; more blurs coincidence
 MODES_HZ = 30e3  # highest natural frequency of the modes that move
 _BEYOND = 100.0  # times this frequency: modes up to there are summed for their static compliance
@@ -103,7 +104,8 @@ class RectangularPlate(ThinPlate):
         A complex frequency f - i a/(2 pi) stands for phasors that grow as exp(a t).
         """
         refuse_masked("frequency_hz", frequency_hz)
-        w, wn = 2 * np.pi * frequency_hz[:, None], self.angular_frequency[modes]
+        w = 2 * np.pi * frequency_hz[:, None]
+        wn = self.angular_frequency[modes]
         loss = 1j * self.loss_factors[modes] * wn * w
         return np.asarray(1 / (self.modal_mass_kg * (wn**2 - w**2 + loss)))
 
@@ -160,7 +162,8 @@ class RectangularPlate(ThinPlate):
         modes: slice = slice(None),
     ) -> Complex:
         """Return the sound pressure per modal force [Pa/N], (n, modes), as `pressure_transfer`."""
-        radiation, w = _pressures(self, listener_m), 2 * np.pi * frequency_hz
+        radiation = _pressures(self, listener_m)
+        w = 2 * np.pi * frequency_hz
         delay = (radiation.distance_m - path_m) / SOUND_M_S
         factor = AIR_KG_M3 / (2 * np.pi) * np.sign(listener_m[2]) * w**2 * np.exp(-1j * w * delay)
         modal = self.mode_receptance(frequency_hz, modes)
@@ -246,7 +249,8 @@ def mode_pressures(edges_m: Edges, orders: Orders, listener_m: Listener) -> Mode
     x, y, z = listener_m
     beside = [max(-place, place - edge, 0.0) for place, edge in zip((x, y), edges_m, strict=True)]
     beyond = [max(place, edge - place) for place, edge in zip((x, y), edges_m, strict=True)]
-    nearest, farthest = math.hypot(*beside, z), math.hypot(*beyond, z)
+    nearest = math.hypot(*beside, z)
+    farthest = math.hypot(*beyond, z)
     spread = max(farthest - nearest, 0.02 * min(edges_m))
     step = _PHASE_RAD * SOUND_M_S / (np.pi * spread)
     middle = (nearest + farthest) / 2
@@ -259,16 +263,19 @@ def _integrals(
     edges_m: Edges, orders: Orders, listener_m: Listener, middle_m: float, frequency_hz: float
 ) -> Complex:
     """Return the integral [m] of each mode at one frequency, times exp(i k middle)."""
-    k, z = 2 * np.pi * frequency_hz / SOUND_M_S, abs(listener_m[2])
+    k = 2 * np.pi * frequency_hz / SOUND_M_S
+    z = abs(listener_m[2])
     most = orders.max(axis=0, initial=1)
-    offsets, shapes = [], []
+    offsets = []
+    shapes = []
     for edge, at, order in zip(edges_m, listener_m[:2], most, strict=True):
         nodes, weights = _panels(edge, at, z, k + np.pi * order / edge)
         waves = np.sin(np.pi / edge * np.arange(1, order + 1)[:, None] * nodes)
         offsets.append(nodes - at)
         shapes.append(weights * waves)
     distance = np.sqrt(np.square(offsets[0])[:, None] + np.square(offsets[1]) + z**2)
-    phase, rows = k * (middle_m - distance), orders.T - 1
+    phase = k * (middle_m - distance)
+    rows = orders.T - 1
     real = shapes[0] @ (np.cos(phase) / distance) @ shapes[1].T
     imaginary = shapes[0] @ (np.sin(phase) / distance) @ shapes[1].T
     return np.asarray((real + 1j * imaginary)[rows[0], rows[1]])
@@ -280,7 +287,8 @@ def _panels(edge: float, at: float, near: float, wave_number: float) -> tuple[Ar
     inner = np.clip(np.concatenate((at - reach, at + reach)), 0.0, edge)
     ends = np.unique(np.concatenate(([0.0, edge], inner)))
     ends = ends[np.concatenate(([True], np.diff(ends) > 1e-12 * edge))]
-    nodes, weights = [], []
+    nodes = []
+    weights = []
     for left, right in pairwise(ends):
         pieces = int(np.ceil(wave_number * (right - left) / _PANEL_RAD)) or 1
         half = (right - left) / pieces / 2
@@ -341,7 +349,8 @@ def _resistances(edges_m: Edges, orders: Orders, frequency_hz: float) -> Array:
     """Return the radiation resistance [W s2/m2] of each mode over a quarter of the half-space."""
     k = 2 * np.pi * frequency_hz / SOUND_M_S
     (u, wu), (v, wv) = (legendre(int(np.ceil(k * edge / 2)) + _MARGIN) for edge in edges_m)
-    alpha, beta = np.pi / 4 * (u + 1), np.pi / 4 * (v + 1)
+    alpha = np.pi / 4 * (u + 1)
+    beta = np.pi / 4 * (v + 1)
     (m, rows), (n, columns) = (np.unique(order, return_inverse=True) for order in orders.T)
     along = _squares(m, edges_m[0], k * np.sin(alpha)) * (wu * np.cos(alpha))
     across = _squares(n, edges_m[1], k * np.outer(np.cos(alpha), np.sin(beta))) @ wv
@@ -351,7 +360,8 @@ def _resistances(edges_m: Edges, orders: Orders, frequency_hz: float) -> Array:
 
 def _squares(order: Orders, edge: float, k: Array) -> Array:
     """Return the squared Fourier transforms [m2] of sines along an edge at wave numbers [rad/m]."""
-    phase, k2 = k * edge / 2, np.square(k)
+    phase = k * edge / 2
+    k2 = np.square(k)
     waves = np.square(np.sin(phase)), np.square(np.cos(phase))  # of even and odd orders
     squares = np.empty((len(order), *k.shape))
     for row, i in zip(squares, order, strict=True):

@@ -55,7 +55,8 @@ def plate_power_per_force(frequency_hz: ArrayLike, plate: ThinPlate, sides: int 
     peak = np.sqrt(np.maximum(1 - plate.critical_hz / f, 0.0))
     loss = plate.loss_factor + air / np.maximum(peak, np.sqrt(air))
     width = loss / np.maximum(4 * np.sqrt(squared) * peak, np.sqrt(loss))
-    low, high = np.arcsinh(-peak / width), np.arcsinh((1 - peak) / width)
+    low = np.arcsinh(-peak / width)
+    high = np.arcsinh((1 - peak) / width)
     nodes, weights = legendre(_NODES)
     t = low + (high - low) * (nodes + 1) / 2
     u = np.clip(peak + width * np.sinh(t), 1e-12, 1.0)

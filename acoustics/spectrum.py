@@ -233,7 +233,8 @@ def article_line_level_db(
     Lee, Kim & Kim, Inventions 2025, 10(1), 17, equations (10) and (11).
     """
     frequency_hz, lines = _lines(power_w, sample_rate_hz)
-    frequency_hz, amplitude_w = frequency_hz[1:], np.abs(lines[1:])
+    frequency_hz = frequency_hz[1:]
+    amplitude_w = np.abs(lines[1:])
     amplitude_w[: (len(power_w) - 1) // 2] *= 2.0  # all but Nyquist
     with np.errstate(divide="ignore"):
         level_db = 10.0 * np.log10(intensity(amplitude_w, distance_m, q) / I_REF_W_M2)
@@ -336,7 +337,8 @@ def spectrogram(
     options = {"fft_mode": "onesided2X", "scale_to": "psd", "phase_shift": None}
     transform = ShortTimeFFT(window, hop, sample_rate_hz, **options)
     density = transform.spectrogram(padded, p0=before // hop, p1=before // hop + frames)
-    low, high = ROW_EDGES_HZ[:-1, np.newaxis], ROW_EDGES_HZ[1:, np.newaxis]
+    low = ROW_EDGES_HZ[:-1, np.newaxis]
+    high = ROW_EDGES_HZ[1:, np.newaxis]
     half = sample_rate_hz / frame / 2.0  # of a line's width
     covered = np.minimum(high, transform.f + half) - np.maximum(low, transform.f - half)
     rows = np.maximum(covered, 0.0) / (high - low) @ density

@@ -150,7 +150,8 @@ def level_uncertainty(
     laeq_db = laf_max_db = las_max_db = None
     if levels.laeq_db is not None:
         a = z * 10.0 ** (a_weighting_db(frequency_hz) / 10.0)
-        weighted, own = _variance(a, z, exponent), _variance(a, z, 0.0)
+        weighted = _variance(a, z, exponent)
+        own = _variance(a, z, 0.0)
         laeq_db = _db(weighted)
         # A reading is a part of the record: it varies with Z as the whole does, and on its own.
         readings = (duration_s / min(duration_s, 2.0 * tau_s) for tau_s in (FAST_S, SLOW_S))
@@ -241,7 +242,8 @@ def _variance(part: Array, whole: Array, exponent: float) -> float:
 
     The sums run over lines of Gaussian noise.
     """
-    share, total = part / part.sum(), whole / whole.sum()
+    share = part / part.sum()
+    total = whole / whole.sum()
     count = _independent_lines(1.0, float(np.sum(share**2)))
     # This is too small by 1/N for sums of few lines.
     few = float(np.sum(share**2)) / 2.0

@@ -37,7 +37,9 @@ PEAK = 10.0 ** (-1.0 / 20.0)  # maximum sample of a record for listening, as a s
 MAX_GAIN = _TARGET / P_REF_PA  # full scale per pascal
 
 _MIDDLE_C = 60  # the MIDI note at which a sampler plays a record at its own pitch
-_FORWARD, _FOREVER = 0, 0  # direction of a loop, and how often it is played
+# direction of a loop, and how often it is played
+_FORWARD = 0
+_FOREVER = 0
 
 
 @ignoring_underflow
@@ -182,7 +184,8 @@ def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float 
     -23.0
     """
     pressure_pa = _samples(pressure_pa)
-    target_rms, peak = positive("target_rms", target_rms, 1.0), positive("peak", peak, 1.0)
+    target_rms = positive("target_rms", target_rms, 1.0)
+    peak = positive("peak", peak, 1.0)
     largest = float(np.max(np.abs(pressure_pa), initial=0.0))
     if largest < np.finfo(float).tiny:  # the gain would not be a number
         return 1.0
@@ -268,7 +271,8 @@ def _without_time_stamp(wav: bytes) -> bytes:
     """
     start = 12
     while start + 8 <= len(wav):
-        name, size = wav[start : start + 4], int.from_bytes(wav[start + 4 : start + 8], "little")
+        name = wav[start : start + 4]
+        size = int.from_bytes(wav[start + 4 : start + 8], "little")
         if name == b"PEAK":
             return wav[: start + 12] + bytes(4) + wav[start + 16 :]
         start += 8 + size + size % 2

@@ -8,7 +8,10 @@ from acoustics.traps import ignoring_underflow
 
 # IEC 61672-1:2013, annex E: the poles follow from these four frequencies in Hz and D = sqrt(1/2).
 _HIGHEST_HZ = 1e15  # beyond hearing by far; its powers stay finite
-_REFERENCE, _LOW, _HIGH, _A = 1000.0, 10.0**1.5, 10.0**3.9, 10.0**2.45
+_REFERENCE = 1000.0
+_LOW = 10.0**1.5
+_HIGH = 10.0**3.9
+_A = 10.0**2.45
 
 
 def _pole_frequencies() -> tuple[float, float, float, float]:
@@ -20,7 +23,8 @@ def _pole_frequencies() -> tuple[float, float, float, float]:
     c = (_LOW * _HIGH) ** 2
     b = (_REFERENCE**2 + c / _REFERENCE**2 - d * (_LOW**2 + _HIGH**2)) / (1.0 - d)
     root = np.sqrt(b**2 - 4.0 * c)
-    first, fourth = np.sqrt((-b - root) / 2.0), np.sqrt((-b + root) / 2.0)
+    first = np.sqrt((-b - root) / 2.0)
+    fourth = np.sqrt((-b + root) / 2.0)
     return float(first), (3.0 - 5.0**0.5) / 2.0 * _A, (3.0 + 5.0**0.5) / 2.0 * _A, float(fourth)
 
 

@@ -107,7 +107,8 @@ class Modes:
 
         own = np.log(self.angular_frequency / (2 * np.pi))
         near = np.sinh(np.linspace(-8, 8, 49)) * self.damping_ratio[:, None]
-        least, most = own.min() - 5, np.log(_HIGHEST_HZ)
+        least = own.min() - 5
+        most = np.log(_HIGHEST_HZ)
         between = np.linspace(least, most, int(150 * (most - least)))
         grid = np.sort(np.concatenate(((own[:, None] + near).ravel(), between)))
         grid = grid[(grid >= least) & (grid <= most)]
@@ -173,7 +174,8 @@ def _half_space_coefficient(poisson: float) -> float:
     q2 = (1 - 2 * poisson) / (2 - 2 * poisson)  # squared ratio of the wave speeds
 
     def body(k: float) -> float:
-        a, b = np.sqrt(complex(k * k - q2)), np.sqrt(complex(k * k - 1))
+        a = np.sqrt(complex(k * k - q2))
+        b = np.sqrt(complex(k * k - 1))
         return float((k * a / ((2 * k * k - 1) ** 2 - 4 * k * k * a * b)).imag)
 
     def rayleigh(k: float) -> float:
@@ -259,23 +261,29 @@ class Chain:
         at the resonance, the ball's (x / tan x)^2 with x = w h/2. Without them 40 steps in a period
         lower the resonance by 0.2 %.
         """
-        modes, mass, x0 = self.modes, self.mass_kg, np.pi * self.resonance_hz * step_s
+        modes = self.modes
+        mass = self.mass_kg
+        x0 = np.pi * self.resonance_hz * step_s
         x0 = x0 if x0 < 1 else 0.0
         mass = float(mass * (x0 / np.tan(x0)) ** 2) if x0 > 0 else mass
         if modes is None:
-            parts, none = (step_s, mass, self.mobility_s_kg, self.contact_time_s), np.zeros(0)
+            parts = (step_s, mass, self.mobility_s_kg, self.contact_time_s)
+            none = np.zeros(0)
             return StepBodies(*parts, none, none, none, none, np.zeros(0, np.int64), np.ones(2))
         w = np.minimum(modes.angular_frequency, 2 * _FASTEST / step_s)
         zeta = modes.damping_ratio
         zeta = np.where(np.abs(zeta - 1) < 1e-8, 1 + 1e-8, zeta)  # critical damping has one root
         root = w * np.sqrt(np.square(zeta) - 1 + 0j)
         fast = -zeta * w - root
-        slow, fast = np.exp(np.square(w) / fast * step_s), np.exp(fast * step_s)
+        slow = np.exp(np.square(w) / fast * step_s)
+        fast = np.exp(fast * step_s)
         turn = np.ascontiguousarray((w * (slow - fast) / (2 * root)).real)
         mean = (slow + fast).real / 2
         x = w * step_s / 2
         gain = _sinc(x - x0) * _sinc(x + x0) / np.square(_sinc(x) * np.cos(x0))
-        reach, fall, keep = modes.reach * np.sqrt(gain), 1 - mean - zeta * turn, mean - zeta * turn
+        reach = modes.reach * np.sqrt(gain)
+        fall = 1 - mean - zeta * turn
+        keep = mean - zeta * turn
         parts = step_s, mass, 0.0, self.contact_time_s
         return StepBodies(*parts, fall, turn, keep, reach, modes.counts, modes.sides)
 
@@ -283,7 +291,8 @@ class Chain:
         """Return the mobilities [s/kg] of ball, contact and plate at frequencies [Hz] above 0."""
         frequency = np.asarray(frequency_hz, dtype=float)
         iw = 2j * np.pi * frequency
-        plate, contact = np.full_like(iw, self.mobility_s_kg), iw / self.stiffness_n_m
+        plate = np.full_like(iw, self.mobility_s_kg)
+        contact = iw / self.stiffness_n_m
         if self.contact_loss_factor > 0:
             contact /= 1 + self.contact_time_s * iw
         if self.modes is not None:

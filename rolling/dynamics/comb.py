@@ -17,7 +17,8 @@ from rolling.dynamics.of_scene import NEAR_SPEEDS
 
 BROAD = 4.0  # lines of a looped record in the bandwidth of a broad resonance
 COMB_MOST_DB = 3.0  # spread from which on a level is the mean over the comb
-FEWEST_SPEEDS, MOST_SPEEDS = 60, 1000
+FEWEST_SPEEDS = 60
+MOST_SPEEDS = 1000
 _MAX_LINES = 200_000  # lines of all speeds, unless the minimum has more
 
 
@@ -59,7 +60,9 @@ def speeds_of_comb(
         audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
         return LinesAtSpeed(frequency[audible], audible, gain(frequency[audible]))
 
-    quality, middle, most = chain.quality, chain.resonance_hz, most_speeds
+    quality = chain.quality
+    middle = chain.resonance_hz
+    most = most_speeds
     if chain.modes is not None:
         own = at_speed(1.0)
         passed = np.cumsum(lines[own.audible] * own.gain)

@@ -36,13 +36,15 @@ def fall_s(scene: Scene) -> float:
 
 def impact_s(scene: Scene) -> float:
     """Return the time [s] of the first impact."""
-    speed, radius = speed_m_s(scene), equivalent_radius(scene)
+    speed = speed_m_s(scene)
+    radius = equivalent_radius(scene)
     return closed_forms.hertz_impact_time(scene.mass, speed, radius, scene.contact_modulus)
 
 
 def largest_force_n(scene: Scene) -> float:
     """Return the largest force [N] of the first impact."""
-    energy, radius = scene.load * height_m(scene), equivalent_radius(scene)
+    energy = scene.load * height_m(scene)
+    radius = equivalent_radius(scene)
     return closed_forms.hertz_force(energy, radius, scene.contact_modulus)
 
 

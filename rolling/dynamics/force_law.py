@@ -11,7 +11,8 @@ from rolling.dynamics._motion_kernels import LawTable, evaluate, laws_at
 
 # Loads of a law are added up to these multiples of the scene's. A force beyond them is
 # extrapolated, and the share of time that it lasts is reported.
-HIGHEST, LOWEST = 128.0, 1 / 32
+HIGHEST = 128.0
+LOWEST = 1 / 32
 MIN_SLOPE = 0.2  # minimum slope da/ds at a break over the mean slopes beside it
 # Ratio in s, from the highest load on, within which the slope becomes that of a smooth contact. On
 # rough glass (Ra 0.05 and 0.2 um) forces of 1,700 times the load, by laws up to 3 to 140 times it,
@@ -145,7 +146,8 @@ def _limited_slopes(s: Array, means: Array) -> Array:
     first, last = (np.clip(2 * mean - end, 0.5 * mean, 1.5 * mean) for mean, end in pairs)
     at_loads = np.concatenate((first, inner, last))
     slopes = np.empty((2 * len(s) - 1, means.shape[1]))
-    slopes[::2], slopes[1::2] = at_loads, 2 * means - (at_loads[:-1] + at_loads[1:]) / 2
+    slopes[::2] = at_loads
+    slopes[1::2] = 2 * means - (at_loads[:-1] + at_loads[1:]) / 2
     return slopes
 
 

@@ -26,21 +26,27 @@ class LongLaw:
     """Force law of a solved track, continued at random."""
 
     def __init__(self, law: ForceLaw, load_n: float, seed: int, turn_m: float | None) -> None:
-        self._law, self._breaks = law, law.table.breaks
+        self._law = law
+        self._breaks = law.table.breaks
         self._weights = slope_weights(self._breaks, load_n ** (2 / 3))
-        count, closed = len(law.position_m), law.period_m is not None
+        count = len(law.position_m)
+        closed = law.period_m is not None
         values = law.table.values[:count]
         rows = np.log(values[:, 1:]).T
         spread = rows.std(axis=1)
-        self._least, self._most = rows.min(axis=1) - spread, rows.max(axis=1) + spread
+        self._least = rows.min(axis=1) - spread
+        self._most = rows.max(axis=1) + spread
         approach = values[:, 0] + values[:, 1:] @ self._weights
         turn = None if turn_m is None else round(turn_m / law.spacing_m)
         self.rows = ContinuedRows(np.vstack((approach, rows)), closed, seed, turn)
-        self.limited, self.continued = 0, 0  # positions
+        # positions
+        self.limited = 0
+        self.continued = 0
 
     def table(self, begin_m: float, end_m: float) -> LawTable:
         """Return the law between two positions [m], neither of them before the last ones."""
-        start, spacing = float(self._law.position_m[0]), self._law.spacing_m
+        start = float(self._law.position_m[0])
+        spacing = self._law.spacing_m
         first = max(math.floor((begin_m - start) / spacing) - _GUARD, 0)
         last = math.ceil((end_m - start) / spacing) + _GUARD + 1
         approach, slopes = np.split(self.rows.between(first, last), [1])
@@ -68,44 +74,57 @@ class LongMotion:
     """
 
     def __init__(self, scene: Scene, law: ForceLaw, seconds: float, rate: int, seed: int) -> None:
-        self._scene, self._solved_law = scene, law
-        self._chain, fastest = of_scene.chain_over(scene, law), scene.motion.fastest(seconds)
+        self._scene = scene
+        self._solved_law = law
+        self._chain = of_scene.chain_over(scene, law)
+        fastest = scene.motion.fastest(seconds)
         longest = longest_step_s(law, self._chain, fastest)
         if scene.rolling.drop_mm is not None:
             longest = drop.time_step_s(scene, law, self._chain, fastest)
         self.steps_per_sample = math.ceil(1 / (longest * rate))
         self.step = 1 / (rate * self.steps_per_sample)
-        self._bodies, self._path = self._chain.steps(self.step), of_scene.contact_path(scene)
+        self._bodies = self._chain.steps(self.step)
+        self._path = of_scene.contact_path(scene)
         self._steps = round(seconds * rate) * self.steps_per_sample
         self.law = LongLaw(law, scene.load, seed, turn_m(scene))
-        self.taken, self.apart, self.impacts, self.outside = 0, 0, 0, 0.0
+        self.taken = 0
+        self.apart = 0
+        self.impacts = 0
+        self.outside = 0.0
 
     def forces(self) -> Iterator[Array]:
         """Yield the contact forces [N] of time steps, in stretches of whole samples."""
         count = max(STRETCH_STEPS // self.steps_per_sample, 1) * self.steps_per_sample
-        state, flew = self._start(), False
+        state = self._start()
+        flew = False
         for first in range(0, self._steps, count):
             numbers = np.arange(first, min(first + count, self._steps), dtype=float)
             middles = np.asarray((numbers + 0.5) * self.step, dtype=float)
             places = np.asarray(self._scene.motion.distance(middles), dtype=float)
             places += self._solved_law.position_m[0]
             table = self.law.table(float(places[0]), float(places[-1]))
-            points, load = self._points(middles), self._scene.load
+            points = self._points(middles)
+            load = self._scene.load
             steps = advance(table, self._bodies, load, state, places, points)
-            state, force = steps.end, steps.record[:, 0]
+            state = steps.end
+            force = steps.record[:, 0]
             apart = force == 0
             self.impacts += int(np.sum(np.append(flew, apart[:-1]) & ~apart))
-            self.taken, self.apart = self.taken + len(force), self.apart + int(apart.sum())
+            self.taken = self.taken + len(force)
+            self.apart = self.apart + int(apart.sum())
             self.outside += len(force) * self._solved_law.outside(force)
             flew = bool(apart[-1])
             yield force
 
     def _start(self) -> State:
         """Return the state at the start: at rest in the air, or run in over a closed track."""
-        law, load, points = self._solved_law, self._scene.load, self._points(np.zeros(1))
+        law = self._solved_law
+        load = self._scene.load
+        points = self._points(np.zeros(1))
         if self._scene.rolling.drop_mm is not None:
             return at_rest(self._bodies, points, *drop.start(self._scene, law, self._chain), -load)
-        speed, begin = float(self._scene.motion.speed(0.0)), float(law.position_m[0])
+        speed = float(self._scene.motion.speed(0.0))
+        begin = float(law.position_m[0])
         if law.period_m is None or speed <= 0:
             return at_rest(self._bodies, points, float(law.approach(begin, load)), 0.0, 0.0)
         steps = math.ceil(min(DECAYS * self._chain.decay_s, law.period_m / speed) / self.step)

@@ -149,7 +149,8 @@ def advance(
     over the same or another force law. The contact points (n, 2) [m] of a plate with edges are one
     that is fixed, or one for each step.
     """
-    record, state = np.empty((len(places), 4)), state._replace(modes=state.modes.copy())
+    record = np.empty((len(places), 4))
+    state = state._replace(modes=state.modes.copy())
     end, energies = _motion_kernels.advance(state, load_n, bodies, places, points, table, record)
     return Steps(places, record, State(end[0], end[1], end[2], state.modes), energies)
 
@@ -192,10 +193,14 @@ class _Run:
     path: Path | None
 
     def __post_init__(self) -> None:
-        law, chain, speed, choices = self.law, self.chain, self.speed, self.choices
+        law = self.law
+        chain = self.chain
+        speed = self.speed
+        choices = self.choices
         self.first = float(law.position_m[0])
         fastest = speed.fastest_m_s if isinstance(speed, Travel) else speed
-        self.decay_s, self.slow_decay_s = chain.decay_s, 0.0
+        self.decay_s = chain.decay_s
+        self.slow_decay_s = 0.0
         if (modes := chain.modes) is not None:
             self.decay_s = max(self.decay_s, modes.decay_s(2 * np.pi * chain.resonance_hz))
             self.slow_decay_s = max(modes.decay_s(modes.lowest(chain.mass_kg)), chain.own_decay_s)
@@ -271,9 +276,11 @@ class _Run:
         # The laps to come change by a geometric series of the last change.
         allowed = self.choices.settled * self.load * -np.expm1(-lap_s / self.decay_s)
         lap = self.advance(self.steady(), places)
-        laps, difference = 0, np.inf
+        laps = 0
+        difference = np.inf
         while laps < (most if np.any(lap.record[:, 0] == 0) else longest) and difference > allowed:
-            laps, before = laps + 1, lap
+            laps = laps + 1
+            before = lap
             lap = self.advance(on_level(before.end), places)
             difference = float(np.max(np.abs(lap.record[:, 0] - before.record[:, 0])))
             if len(self.bodies.reach):  # low modes decay over many laps, and move little
@@ -288,7 +295,8 @@ class _Run:
         self, state: State, laps: int = 0, settled: bool = False, transient: float = 0.0
     ) -> BodyMotion:
         """Return the motion of the record from a state, after laps of a run-in."""
-        places, points = self.places(self.steps), self.points(self.steps)
+        places = self.places(self.steps)
+        points = self.points(self.steps)
         end = float(self.law.position_m[-1] + 1e-6 * self.law.spacing_m)
         if self.law.period_m is None and places.max() > end:
             raise ValueError(f"the ball leaves the track, which ends at {end:.6g} m")
@@ -304,6 +312,7 @@ class _Run:
         time = np.asarray((np.arange(len(force)) + 0.5) * self.step)
         error = abs(change - work - track + loss) / (loss + moved) if moved else 0.0
         record = time, lap.places, force, approach + plate, velocity, plate, self.step
-        flight, impacts = float(np.mean(apart)), int(np.sum(apart[:-1] & ~apart[1:]))
+        flight = float(np.mean(apart))
+        impacts = int(np.sum(apart[:-1] & ~apart[1:]))
         limits = error, flight, impacts, self.law.outside(force)
         return BodyMotion(*record, *limits, laps, settled, transient)

@@ -33,7 +33,8 @@ _MAX_TIMES = 1_000_000  # maximum number of times that describe a changing speed
 
 def plate(scene: Scene) -> ThinPlate | None:
     """Return the plate that bends, or None for a half-space."""
-    p, thickness = scene.plate, thickness_m(scene)
+    p = scene.plate
+    thickness = thickness_m(scene)
     if not thickness or p.density_kg_m3 is None:
         return None
     stiffness = p.youngs_modulus_gpa * 1e9 * thickness**3 / (12 * (1 - p.poissons_ratio**2))
@@ -42,7 +43,8 @@ def plate(scene: Scene) -> ThinPlate | None:
 
 def ground(scene: Scene) -> ThinPlate | HalfSpaceBody:
     """Return the plate that bends, or the half-space where the scene gives no thickness."""
-    properties, bending = scene.plate, plate(scene)
+    properties = scene.plate
+    bending = plate(scene)
     if bending is not None:
         return bending
     assert properties.density_kg_m3 is not None  # dynamics needs it
@@ -65,7 +67,8 @@ def ball(scene: Scene) -> Ball:
 
 def rectangular_plate(scene: Scene) -> RectangularPlate | None:
     """Return the plate with edges, or None for a plate without edges."""
-    bending, edges = plate(scene), scene.plate.edges_mm
+    bending = plate(scene)
+    edges = scene.plate.edges_mm
     if bending is None or edges is None or scene.plate.loss_factor is None:
         return None
     length, width = (1e-3 * edge for edge in edges)
@@ -99,13 +102,16 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
 
     The mobility of a half-space grows with the frequency, so it is taken at the resonance.
     """
-    bending, loss_factor = plate(scene), scene.plate.contact_loss_factor or 0.0
+    bending = plate(scene)
+    loss_factor = scene.plate.contact_loss_factor or 0.0
     if bending is not None:
-        rectangle, ends = rectangular_plate(scene), tuple(scene.plate.contact_ends_mm.values())
+        rectangle = rectangular_plate(scene)
+        ends = tuple(scene.plate.contact_ends_mm.values())
         falls = scene.rolling.drop_mm is not None
         modes = None if rectangle is None else _modes_between(rectangle, ends, falls)
         return Chain(scene.mass, bending.mobility_s_kg, stiffness_n_m, modes, loss_factor)
-    young, density = scene.plate.youngs_modulus_gpa * 1e9, scene.plate.density_kg_m3
+    young = scene.plate.youngs_modulus_gpa * 1e9
+    density = scene.plate.density_kg_m3
     assert density is not None  # dynamics needs it
     resonance = Chain(scene.mass, 0.0, stiffness_n_m).resonance_hz
     mobility = half_space_mobility(resonance, young, scene.plate.poissons_ratio, density)

@@ -200,7 +200,8 @@ class ContactSound:
             return "its record is silent"
         ends = 0 if self.closed else fade_length(len(self.pressure), self.duration)
         whole = self.pressure[ends : len(self.pressure) - ends]
-        value, spread = uncertainty.kurtosis(whole), uncertainty.kurtosis_uncertainty(whole)
+        value = uncertainty.kurtosis(whole)
+        spread = uncertainty.kurtosis_uncertainty(whole)
         if not abs(value - 3.0) <= COVERAGE * spread:
             noise = f"noise of its length and spectrum 3 ± {rounded(COVERAGE * spread)}"
             return f"its record has a kurtosis of {rounded(value, 3)}, and {noise}"
@@ -259,12 +260,17 @@ def contact_sound(
     has_seam : bool
         If true, the step from the end of the surface to its beginning stands out. Default: false.
     """
-    motion, steps, per_metre = scene.motion, len(release_energy), release_energy / step
+    motion = scene.motion
+    steps = len(release_energy)
+    per_metre = release_energy / step
     duration = motion.duration(steps * step)
-    constant, highest = motion.is_constant(duration), motion.fastest(duration) / (2 * step)
-    looped, times = closed and constant, np.asarray(motion.time(np.arange(steps + 1) * step))
+    constant = motion.is_constant(duration)
+    highest = motion.fastest(duration) / (2 * step)
+    looped = closed and constant
+    times = np.asarray(motion.time(np.arange(steps + 1) * step))
     time, speed = middle_speeds(motion, steps, step)
-    power, step_duration = per_metre * speed, np.diff(times)
+    power = per_metre * speed
+    step_duration = np.diff(times)
     mean_power = float(per_metre.mean()) * steps * step / duration
     rate = wav.SAMPLE_RATE_HZ
     samples = max(2, round(duration * rate))
@@ -281,7 +287,8 @@ def contact_sound(
         audible = np.zeros_like(audible)
     pressure, factor = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
     levels = level.sound_levels(pressure, rate, highest, looped)
-    lap, own_factor = per_metre[:lap_steps], scene.sound.gain_pa_per_w_m2 is None
+    lap = per_metre[:lap_steps]
+    own_factor = scene.sound.gain_pa_per_w_m2 is None
     spread = uncertainty.level_uncertainty(pressure, rate, levels, own_factor, steps / len(lap))
     mean_intensity = float(_intensity(scene, np.array([mean_power]))[0])
     steady_level = level.level_db(mean_intensity, radiation.I_REF_W_M2)

@@ -27,7 +27,9 @@ _POINTS = 9  # of a path over which powers are averaged
 _BLOCK = 2**21  # values of modes in time or frequency at once
 _STRETCH_S = 1.0  # [s] of a record on a path, for modes that fade as fast
 _PER_WAVE = 12  # stations of a path in the shortest bending wave that is heard
-_PER_WIDTH, _GRID = 4, (2000, 40_000)  # frequencies of a power in the width of a mode, and limits
+# frequencies of a power in the width of a mode, and limits
+_PER_WIDTH = 4
+_GRID = (2000, 40_000)
 
 
 def pressures(
@@ -37,22 +39,27 @@ def pressures(
 
     An open record begins in silence and ends with its duration: the ringing beyond fades out.
     """
-    n, rate, growth = len(force), wav.SAMPLE_RATE_HZ, 0.0
+    n = len(force)
+    rate = wav.SAMPLE_RATE_HZ
+    growth = 0.0
     if not closed:
         from scipy.fft import next_fast_len  # slow to import
 
         n = int(next_fast_len(2 * max(n, round(_MIN_S * rate)), real=True))
         # Waves that fall with time by this rate do not wrap round; the record is raised again.
         growth = -math.log(WRAPPED) * rate / n
-    times, places = np.arange(len(force)) / rate, scene.listeners[:listeners]
+    times = np.arange(len(force)) / rate
+    places = scene.listeners[:listeners]
     fallen = force * np.exp(-growth * times)
     frequency = np.asarray(np.fft.rfftfreq(n, 1 / rate) - 0.5j * growth / np.pi, dtype=complex)
     lines = np.arange(len(frequency))
     if closed:
         lines = lines[(frequency.real >= AUDIBLE_HZ[0]) & (frequency.real < AUDIBLE_HZ[1])]
-    kept, spectrum = frequency[lines], np.fft.rfft(fallen, n)[lines]
+    kept = frequency[lines]
+    spectrum = np.fft.rfft(fallen, n)[lines]
     if (path := of_scene.contact_path(scene)) is None:
-        points, fixed = None, points_on_path(scene)[0]
+        points = None
+        fixed = points_on_path(scene)[0]
         total = np.array([_at(scene, plate, kept, place, fixed) for place in places]) * spectrum
     else:
         points = path(times)
@@ -94,12 +101,17 @@ def _fading(
 
     The force is divided among stations of the path, between which the transfer is linear.
     """
-    rate, modes = wav.SAMPLE_RATE_HZ, len(plate.angular_frequency)
-    hop, lead, first_mode = round(_STRETCH_S * rate), rate // 10, _lasting(plate, force)
-    n, records = 2 * hop + lead, np.zeros((len(listeners), len(force) + 2 * (hop + lead)))
+    rate = wav.SAMPLE_RATE_HZ
+    modes = len(plate.angular_frequency)
+    hop = round(_STRETCH_S * rate)
+    lead = rate // 10
+    first_mode = _lasting(plate, force)
+    n = 2 * hop + lead
+    records = np.zeros((len(listeners), len(force) + 2 * (hop + lead)))
     if first_mode < modes:
         stations, places = _stations(scene, plate, points)
-        frequency, path = np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=float), _path(scene)
+        frequency = np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=float)
+        path = _path(scene)
         transfers = np.zeros((len(listeners), len(frequency), len(stations)), dtype=complex)
         for part in _parts(first_mode, modes, n):
             shapes = plate.shapes(stations, part).T
@@ -131,7 +143,8 @@ def square_transfer(scene: Scene, plate: RectangularPlate, frequency: Array) -> 
 
     It is the mean over the path of the contact.
     """
-    listener, points = scene.listeners[0], points_on_path(scene)
+    listener = scene.listeners[0]
+    points = points_on_path(scene)
     transfers = [_at(scene, plate, frequency, listener, point) for point in points]
     return np.asarray(np.mean(np.square(np.abs(transfers)), axis=0))
 

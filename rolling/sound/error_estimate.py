@@ -170,7 +170,8 @@ def _mean_gain(gain: Gain | None) -> Array:
     if gain is None:
         return np.ones(len(BAND_NAMES))
     within = (np.arange(GAIN_POINTS) + 0.5) / GAIN_POINTS
-    low, width = np.asarray(EDGES_HZ[:-1]), np.asarray(BANDWIDTH_HZ)
+    low = np.asarray(EDGES_HZ[:-1])
+    width = np.asarray(BANDWIDTH_HZ)
     frequency = low[:, None] + width[:, None] * within
     gains = np.asarray(gain(frequency.ravel())).reshape(frequency.shape)
     return np.asarray(gains.mean(axis=1))
@@ -185,7 +186,8 @@ def _spectrum(values: Array) -> NDArray[np.complex128]:
 
 def _groups(lines: NDArray[np.int64], bands: int) -> tuple[tuple[int, ...], ...]:
     """Group the first bands so that each group has enough lines; the low bands form a group."""
-    groups, group = list[tuple[int, ...]](), list[int]()
+    groups = list[tuple[int, ...]]()
+    group = list[int]()
     for band in range(bands):
         group.append(band)
         if NOMINAL_HZ[band] >= SHARED_UP_TO_HZ and lines[group].sum() >= MIN_LINES:
@@ -264,7 +266,8 @@ def worst_uncertainty_db(powers: BandPowers) -> float:
     bands = len(BAND_NAMES)
     flat = np.asarray(BANDWIDTH_HZ) * powers.white
     spread = _scatter(powers, RecordLevels(z=flat, a=flat, own_factor=False))[:bands]
-    power, nominal = powers.sums[:, _FINE].sum(axis=0), np.array(NOMINAL_HZ)
+    power = powers.sums[:, _FINE].sum(axis=0)
+    nominal = np.array(NOMINAL_HZ)
     judged = (nominal >= JUDGED_HZ[0]) & (nominal <= JUDGED_HZ[1])
     judged &= (power > SOUND_SHARE * power.sum()) & np.isfinite(spread)
     return float(spread[judged].max(initial=0.0)) if judged.any() else math.inf
@@ -335,11 +338,15 @@ def _line_scatter(powers: BandPowers, record: RecordLevels) -> _LineScatter:
     band of the record, whose own error it is. The stretches are part of the record, so both have
     their common lines in common. A gain that all lines share is no such difference.
     """
-    total, bands = powers.sums.sum(axis=0), len(BAND_NAMES)
-    factor, own_factor = refinement_factor(_order(total)[0]), _whole_difference(total)
+    total = powers.sums.sum(axis=0)
+    bands = len(BAND_NAMES)
+    factor = refinement_factor(_order(total)[0])
+    own_factor = _whole_difference(total)
     in_decibels = (10 / math.log(10)) ** 2
     weights = _weights(record)
-    of_stretches, of_error, all_lines = np.zeros(bands + 1), np.zeros(bands + 1), 0.0
+    of_stretches = np.zeros(bands + 1)
+    of_error = np.zeros(bands + 1)
+    all_lines = 0.0
     unknown = np.ones(bands, dtype=bool)
     for group in map(list, powers.groups):
         tight, fine, difference = total[[_TIGHT, _FINE, _GRID]][:, group].sum(axis=1)
@@ -375,7 +382,8 @@ def _independent_lines(power: Array, powers: BandPowers, group: list[int]) -> fl
     Differences between grids are as strong in all lines of a signal, so that the lines of a loud
     band decide over the scatter of the group.
     """
-    lines, seen = powers.lines[group], powers.lines[group] > 0
+    lines = powers.lines[group]
+    seen = powers.lines[group] > 0
     white = powers.white[group] * lines
     products = float(np.sum(power[seen] * white[seen] / lines[seen]))
     effective = float(power.sum() * white.sum()) / products if products > 0 else 1.0
@@ -389,7 +397,8 @@ def _record_lines(powers: BandPowers, record: RecordLevels, group: list[int]) ->
     quieter than the lines that the stretches hold counts less. The sound of a vibration is divided
     by the gain first, because a quiet line of the sound may be a loud line of the approach.
     """
-    z, white = record.z[group], powers.white[group] * np.asarray(BANDWIDTH_HZ)[group]
+    z = record.z[group]
+    white = powers.white[group] * np.asarray(BANDWIDTH_HZ)[group]
     count = np.maximum(np.asarray(BANDWIDTH_HZ)[group] * record.seconds, 1.0)
     heard = z > 0
     seen = heard & (powers.lines[group] > 0)
@@ -411,10 +420,12 @@ def _not_shared(errors: Array, spread: Array, powers: BandPowers) -> Array:
 
     The error changes over a group as from this group to the next, less the scatter of both.
     """
-    apart, groups = np.zeros(len(BAND_NAMES)), [list(group) for group in powers.groups]
+    apart = np.zeros(len(BAND_NAMES))
+    groups = [list(group) for group in powers.groups]
     for group, other in [*pairwise(groups), *pairwise(groups[::-1])]:
         if len(group) > 1:
-            k, n = group[0], other[0]
+            k = group[0]
+            n = other[0]
             excess = (errors[k] - errors[n]) ** 2 - spread[k] ** 2 - spread[n] ** 2
             apart[group] = np.fmax(apart[group], math.sqrt(max(0.0, excess)))
     return apart
@@ -427,7 +438,8 @@ def _widening(degrees: float) -> float:
 
 def _order(total: Array) -> tuple[float, bool]:
     """Return the order of convergence of the signal within its limits, and whether it is known."""
-    coarse, grid = float(total[_COARSE].sum()), float(total[_GRID].sum())
+    coarse = float(total[_COARSE].sum())
+    grid = float(total[_GRID].sum())
     if not (coarse > 0 and grid > 0):
         return DEFAULT_ORDER, False
     return float(np.clip(0.5 * math.log2(coarse / grid), *ORDER_LIMITS)), True
@@ -465,7 +477,8 @@ def _solver_factor(tolerance_ratio: float) -> float:
 
 def _ratios(total: Array, powers: BandPowers) -> tuple[Array, Array]:
     """Return the errors of the power of each band [dB] from grid and solver."""
-    factor, of_solver = refinement_factor(_order(total)[0]), _solver_factor(powers.tolerance_ratio)
+    factor = refinement_factor(_order(total)[0])
+    of_solver = _solver_factor(powers.tolerance_ratio)
     grid, solver = np.full((2, len(BAND_NAMES)), np.nan)
     for group in map(list, powers.groups):
         own, tight, fine = total[:3, group].sum(axis=1)

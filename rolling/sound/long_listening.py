@@ -76,7 +76,8 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     """
     rate = wav.SAMPLE_RATE_HZ
     motion = LongMotion(scene, law, seconds, rate, seed)
-    decimator, samples = Decimator(motion.steps_per_sample), []
+    decimator = Decimator(motion.steps_per_sample)
+    samples = []
     falls = scene.rolling.drop_mm is not None  # its record begins in silence
     with progress.Bar(seconds, "listening") as bar:
         for force in motion.forces():
@@ -102,7 +103,8 @@ def listen_to_release(
 
     `release_energy` [J] is the energy of each solved step of `step` [m].
     """
-    rate, motion = wav.SAMPLE_RATE_HZ, scene.motion
+    rate = wav.SAMPLE_RATE_HZ
+    motion = scene.motion
     fastest = motion.fastest(seconds)
     finer = int(np.clip(np.ceil(_FINER * rate * step / fastest), 1, 2 * _FINER))
     signal = release_energy / step
@@ -110,7 +112,8 @@ def listen_to_release(
     ends = max(1, len(signal) // 100)
     signal = resampling.undo_step_mean(signal) if closed else resampling.fade(signal, ends)
     row = resampling.resample_closed(signal, finer * len(signal))[None]
-    circumference, spacing = turn_m(scene), step / finer
+    circumference = turn_m(scene)
+    spacing = step / finer
     turn = None if circumference is None else round(circumference / spacing)
     rows = ContinuedRows(row, closed, seed, turn)
     faded = contact_sound.faded(_in_time(scene, rows, spacing, seconds), seconds)
@@ -124,15 +127,19 @@ def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) 
     """Return the release power [W] at the samples, from a release per metre at a spacing [m]."""
     from scipy.interpolate import CubicSpline  # slow to import, for long records only
 
-    rate, motion = wav.SAMPLE_RATE_HZ, scene.motion
+    rate = wav.SAMPLE_RATE_HZ
+    motion = scene.motion
     factor = contact_sound.oversampling(motion, seconds, spacing)
-    decimator, samples = Decimator(factor), []
-    count, total = _MAX_POINTS // factor * factor, round(seconds * rate) * factor
+    decimator = Decimator(factor)
+    samples = []
+    count = _MAX_POINTS // factor * factor
+    total = round(seconds * rate) * factor
     with progress.Bar(seconds, "listening") as bar:
         for begin in range(0, total, count):
             times = np.arange(begin, min(begin + count, total)) / (rate * factor)
             places = np.asarray(motion.distance(times)) / spacing
-            first, last = max(int(places[0]) - 24, 0), int(places[-1]) + 26
+            first = max(int(places[0]) - 24, 0)
+            last = int(places[-1]) + 26
             spline = CubicSpline(np.arange(first, last), rows.between(first, last)[0])
             samples.append(decimator.add(spline(places) * motion.speed(times)))
             bar.update(len(times) / (rate * factor))
@@ -143,8 +150,10 @@ def _numbers(
     scene: Scene, pressure: Array, seconds: float, step: float, rows: ContinuedRows, finer: int = 1
 ) -> dict[str, Any]:
     """Return facts and levels of a record; `rows` are `finer` to a step [m]."""
-    motion, turn = scene.motion, turn_m(scene)
-    fastest, rolled = motion.fastest(seconds), float(motion.distance(seconds))
+    motion = scene.motion
+    turn = turn_m(scene)
+    fastest = motion.fastest(seconds)
+    rolled = float(motion.distance(seconds))
     solved = rows.solved / finer * step
     solved_s = seconds if solved >= rolled else float(motion.time(solved))
     return {
@@ -171,10 +180,12 @@ class Decimator:
     def __init__(self, factor: int) -> None:
         from scipy import signal  # slow to import, for long records only
 
-        self._factor, reach = factor, _TAPS * factor
+        self._factor = factor
+        reach = _TAPS * factor
         window = "kaiser", signal.kaiser_beta(100)
         self._filter = signal.firwin(2 * reach + 1, 1 / max(factor, 1.01), window=window)
-        self._past, self._skip = np.zeros(2 * reach), _TAPS
+        self._past = np.zeros(2 * reach)
+        self._skip = _TAPS
         self._upfirdn = signal.upfirdn
 
     def add(self, values: Array) -> Array:
@@ -185,7 +196,8 @@ class Decimator:
         self._past = both[len(values) :]
         whole = self._upfirdn(self._filter, both, down=self._factor)
         samples = whole[2 * _TAPS : 2 * _TAPS + len(values) // self._factor]
-        skipped, self._skip = self._skip, max(self._skip - len(samples), 0)
+        skipped = self._skip
+        self._skip = max(self._skip - len(samples), 0)
         return np.asarray(samples[skipped:])
 
     def end(self) -> Array:

@@ -29,7 +29,9 @@ from rolling.sound.contact_sound import ContactSound
 from rolling.sound.radiators import roughness_gain
 from rolling.sound.vibration_sound import Vibration
 
-APPROACH_POWER, RELEASE_POWER = -5.0, -3.0  # of the wavenumber, with which the spectra fall
+# of the wavenumber, with which the spectra fall
+APPROACH_POWER = -5.0
+RELEASE_POWER = -3.0
 OWN_POWERS = -6.0, 0.0  # limits of the power of the last octave of a release
 # Waves from which a spectrum goes on, over the shortest wave of the steps. Still shorter ones hold
 # a part of the missing waves, which the steps fold back.
@@ -77,7 +79,8 @@ def missing_band(
         None where the steps resolve hearing, where nothing sounds, where contact is lost, and where
         the track is too short to tell.
     """
-    motion, duration = scene.motion, sound.duration
+    motion = scene.motion
+    duration = sound.duration
     lowest = motion.slowest(duration) / (2 * step)
     if lowest >= AUDIBLE_HZ[1] or sound.once or sound.levels.laeq_db is None:
         return None
@@ -91,7 +94,9 @@ def missing_band(
     if vibration is not None:
         gain = roughness_gain(scene, vibration.chain)
         resonance = vibration.chain.resonance_hz, vibration.chain.quality
-    solved, missing = np.zeros(2), np.zeros(2)  # A-weighted and unweighted
+    # A-weighted and unweighted
+    solved = np.zeros(2)
+    missing = np.zeros(2)
     for speed in _speeds(motion, duration):
         # The power of a release goes with the square of the speed.
         factor = 1.0 if vibration is not None else speed**2

@@ -41,7 +41,8 @@ def sources(scene: Scene) -> list[Body]:
 
 def powers(scene: Scene, force: Array, highest: float) -> tuple[Array, Array]:
     """Return the sound power [W] of plate and sphere in third octaves."""
-    body, rate = of_scene.ground(scene), wav.SAMPLE_RATE_HZ
+    body = of_scene.ground(scene)
+    rate = wav.SAMPLE_RATE_HZ
     of_ball = band_power(force, rate, of_scene.ball(scene))
     plate = np.full(len(of_ball), np.nan)
     if (rectangle := of_scene.rectangular_plate(scene)) is not None:
@@ -67,7 +68,8 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
     Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
     for ratios of powers, in which an error of the stiffness cancels.
     """
-    chain, plate = chain or of_scene.smooth_chain(scene), of_scene.rectangular_plate(scene)
+    chain = chain or of_scene.smooth_chain(scene)
+    plate = of_scene.rectangular_plate(scene)
     bodies = sources(scene)
 
     def gain(frequency: Array) -> Array:
@@ -121,11 +123,14 @@ ELASTIC = {"plate.density_kg_m3": STEEL_DENSITY, "plate.hardness_gpa": NONE}
 UNLIMITED = dict.fromkeys(("plate.yield_strength_gpa", "plate.plasticity", "rolling.passes"))
 # Places between two lines of a record at which a resonance is heard, usually and at most, and the
 # maximum of places of all lines together.
-PLACES, MAX_PLACES, MAX_GAINS = 8, 512, 400_000
+PLACES = 8
+MAX_PLACES = 512
+MAX_GAINS = 400_000
 DENSE = 4.0  # samples of an approach in a period of the highest audible frequency, at least
 # Standard uncertainties of the estimate by tests/benchmarks/vibration_estimate_study.py: of the
 # stiffness, relative, and of the linear chain.
-STIFFNESS_ERROR, LINEAR_DB = 0.06, 0.5
+STIFFNESS_ERROR = 0.06
+LINEAR_DB = 0.5
 # Uncertainty over the decibels between the local and the mean stiffness, and over those that lie
 # above the Nyquist frequency of the steps.
 HALF = 0.5
@@ -187,7 +192,8 @@ def vibration_estimate(
     stiffness_n_m : (positions,) array or float, N/m. Stiffness of the contact at positions along
         the track. Default: that of a smooth contact.
     """
-    motion, steps = scene.motion, len(approach) - 1
+    motion = scene.motion
+    steps = len(approach) - 1
     duration = motion.duration(steps * step)
     if scene.is_smooth or steps < 4:
         return VibrationEstimate(None, None, 0.0)
@@ -195,7 +201,8 @@ def vibration_estimate(
     signal = _in_time(scene, approach, step, looped)
     if not looped:
         signal = faded(signal, duration)
-    rate, resolved_hz = len(signal) / duration, motion.fastest(duration) / (2 * step)
+    rate = len(signal) / duration
+    resolved_hz = motion.fastest(duration) / (2 * step)
     frequency, mean_square = audible_lines(signal - signal.mean(), rate)
     if not mean_square.sum() > 0:
         return VibrationEstimate(None, None, 0.0)
@@ -258,7 +265,8 @@ def _in_time(scene: Scene, approach: Array, step: float, looped: bool) -> Array:
     """
     from scipy.interpolate import CubicSpline  # slow to import
 
-    motion, steps = scene.motion, len(approach) - 1
+    motion = scene.motion
+    steps = len(approach) - 1
     duration = motion.duration(steps * step)
     count = max(steps, math.ceil(DENSE * AUDIBLE_HZ[1] * duration))
     if looped and count == steps:

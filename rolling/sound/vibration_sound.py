@@ -178,7 +178,8 @@ def vibrate(
     once = scene.rolling.drop_mm is not None
     if once:  # the time steps resolve an impact, whatever the steps of the track
         highest = max(highest, wav.SAMPLE_RATE_HZ / 2)
-    motion, chain = motion or of_scene.motion(scene, law), of_scene.chain_over(scene, law)
+    motion = motion or of_scene.motion(scene, law)
+    chain = of_scene.chain_over(scene, law)
     closed = whole_laps and bool(motion.settled)
     force, pressures = _radiated(scene, motion, closed)
     pressure = pressures[0]
@@ -204,7 +205,8 @@ def _radiated(
     scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion."""
-    duration, falls = len(motion.force_n) * motion.time_step_s, scene.rolling.drop_mm is not None
+    duration = len(motion.force_n) * motion.time_step_s
+    falls = scene.rolling.drop_mm is not None
     # On a smooth surface the remainder is the solver's error; a flight has no remainder.
     if (scene.is_smooth and not falls) or motion.flight_share == 1:
         fluctuation = np.zeros_like(motion.force_n)
@@ -254,7 +256,8 @@ def _joined(
     widen the levels of the whole and the third octave that holds the resonance, or all third
     octaves on a plate with modes.
     """
-    comb_db, step_db = spreads.get("comb", 0.0), spreads.get("time_step", 0.0)
+    comb_db = spreads.get("comb", 0.0)
+    step_db = spreads.get("time_step", 0.0)
     whole = spread.mapped(lambda db: math.hypot(max(db, comb_db), step_db))
     in_step = set(BAND_NAMES)
     if chain.modes is None:

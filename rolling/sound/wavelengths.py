@@ -100,13 +100,15 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
     """Return the coherence of surface and approach by octave; empty unless a lap is solved."""
     # To first order the approach under a constant load is the mean of the heights under the
     # pressure, for which Hertz's pressure stands.
-    track, count = scene.track, len(heights)
+    track = scene.track
+    count = len(heights)
     lap = round(count * scene.spacing / track.step)
     closes = track.closed and track.lap_steps == lap < len(approach)
     if track.turn_nodes or not closes or abs(lap * track.step / scene.spacing - count) > 1e-6:
         return {}
     length, width = (axis / scene.spacing for axis in semi_axes(scene))
-    middle, reach = heights.shape[1] // 2, int(width)
+    middle = heights.shape[1] // 2
+    reach = int(width)
     along = np.fft.fftfreq(count, 1 / count)
     mean = np.zeros(count // 2 + 1, dtype=complex)
     for k in range(-reach, reach + 1, 1 + (2 * reach + 1) * count // _MAX_NODES):
@@ -116,10 +118,13 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
     actual = np.fft.rfft(approach[:lap])
     waves = np.arange(1, min(len(mean), len(actual)))
     begin = scene.start / (count * scene.spacing)  # of the steps, in laps
-    mean, actual = mean[waves] * np.exp(2j * np.pi * begin * waves), actual[waves]
-    order, shares = _order(1e6 * count * scene.spacing / waves), {}
+    mean = mean[waves] * np.exp(2j * np.pi * begin * waves)
+    actual = actual[waves]
+    order = _order(1e6 * count * scene.spacing / waves)
+    shares = {}
     for k in np.unique(order):
-        x, y = mean[order == k], actual[order == k]
+        x = mean[order == k]
+        y = actual[order == k]
         powers = float(np.vdot(x, x).real * np.vdot(y, y).real)
         if len(x) >= _MIN_LINES and powers > 0:
             shares[int(k)] = float(abs(np.vdot(x, y)) ** 2 / powers)

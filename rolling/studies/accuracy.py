@@ -99,7 +99,8 @@ def _march_all(
     ------
     OSError : a worker was killed.
     """
-    marched, failures = dict[Variant, dict[str, Array]](), dict[Variant, str]()
+    marched = dict[Variant, dict[str, Array]]()
+    failures = dict[Variant, str]()
     total = sum(variant.cost for variant in listed)
     bar = progress.Bar(total, f"{scene.name}: {len(listed)} variants")
     with bar, ended_by_signal(), pools.local_pool(workers, [scene]) as pool:

@@ -18,9 +18,12 @@ from rolling.surface.refined import dies_out, refined, subcell_heights
 from rolling.surface.scene_surface import heights
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-REFERENCE_TOLERANCE, SOLVER_TOLERANCE = 1e-6, 1e-8
+REFERENCE_TOLERANCE = 1e-6
+SOLVER_TOLERANCE = 1e-8
 STEP_NODES = (0.5, 1.0, 2.0, 4.0)
-OWN, REFERENCE, SOLVER = "the scene", "reference", "exact solve"
+OWN = "the scene"
+REFERENCE = "reference"
+SOLVER = "exact solve"
 STATES = ("contact_area", "plastic_area", "max_pressure", "iterations", "convolutions")
 
 
@@ -56,7 +59,8 @@ def tolerance_text(value: float) -> str:
 
 def label(scene: Scene, variant: Variant) -> str:
     """Name a variant of a scene by the setting that it varies."""
-    spacing, tolerance = scene.spacing * 1e6, tolerance_text(variant.tolerance)
+    spacing = scene.spacing * 1e6
+    tolerance = tolerance_text(variant.tolerance)
     grid = f"spacing {spacing / variant.times:g} µm, {variant.edges} edges"
     labels = {
         REFERENCE: f"reference: {grid}, tolerance {tolerance}",
@@ -75,7 +79,8 @@ def stretch_of(scene: Scene, duration_s: float) -> tuple[Scene, int]:
     The stretch is a closed lap of a generated surface. A height file is used unchanged.
     """
     unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(scene.numerics.step_nodes)))
-    track, motion = scene.track, scene.motion
+    track = scene.track
+    motion = scene.motion
     rolled = float(motion.distance(duration_s))
     distance = min(track.distance, track.n_along * track.spacing, rolled)
     nodes = unit * max(math.floor(distance / track.spacing / unit + 1e-6), math.ceil(8 / unit))
@@ -124,7 +129,8 @@ def variant_contact(scene: Scene, variant: Variant) -> RollingContact:
     plain = scene.with_({"numerics.edges": "sharp", "numerics.subcells": 1})
     own = heights(scene)
     coarse = contact_of_scene.rolling_contact(plain, own)
-    smooth, spacing = contact_of_scene.continues(scene), coarse.spacing / variant.times
+    smooth = contact_of_scene.continues(scene)
+    spacing = coarse.spacing / variant.times
     if smooth is None:
         smooth = dies_out(own)
     fine = refined(own, variant.times) if smooth else subcell_heights(own, variant.times, smooth)
@@ -163,7 +169,8 @@ def march_variant(scene: Scene, variant: Variant, nodes: int) -> dict[str, Array
     list(march(contact, 0, 1, half_space))  # compiles kernels and prepares transforms
     steps = round(nodes / variant.step_nodes)
     series = {name: np.empty(steps) for name in ("release_energy", *STATES)}
-    old, began = None, time.process_time()
+    old = None
+    began = time.process_time()
     for state in march(contact, 0, steps, half_space):
         if old is not None:
             k = old.position

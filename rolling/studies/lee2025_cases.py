@@ -51,7 +51,8 @@ def finished_runs(
 
 def case_of(reading: str, run: Run) -> dict[str, Any]:
     """Return the row of a run; the names of its columns end in their units."""
-    scene, summary = run.scene, run.summary
+    scene = run.scene
+    summary = run.summary
     surface = scene.surface
     assert isinstance(surface, Gaussian)
     return {
@@ -86,7 +87,9 @@ def _sound_measures(run: Run) -> dict[str, float]:
 
     LAeq is 10 lg of the release. The same fluctuation as 20 lg has no absolute value.
     """
-    summary, sound, laps = run.summary, run.sound, run.laps
+    summary = run.summary
+    sound = run.sound
+    laps = run.laps
     unscaled = level_uncertainty(sound.pressure, sound.sample_rate, sound.levels, False, laps=laps)
     factor = summary["factor_pa_per_w_m2"]
     unscaled_db = 20 * math.log10(P_REF_PA / (factor * I_REF_W_M2)) if factor else math.nan
@@ -105,7 +108,8 @@ def _sound_measures(run: Run) -> dict[str, float]:
 
 def _line_measures(run: Run) -> dict[str, Any]:
     """Compute the article's A-weighted line spectrum and its heights [dB] with 10 and 20 lg."""
-    scene, power = run.scene, run.release_power
+    scene = run.scene
+    power = run.release_power
     rate_hz = len(power) / run.summary["duration_s"]
     lines = Lines.audible(
         *article_line_level_db(power, rate_hz, scene.sound.distance_m, scene.sound.q)
@@ -136,7 +140,8 @@ def band_columns(names: Iterable[str]) -> list[str]:
 
 def maps_of(run: Run) -> Maps:
     """Return thinned maps of heights, contact pressure and deflection of a run at an end load."""
-    scene, snapshot = run.scene, run.result.snapshot
+    scene = run.scene
+    snapshot = run.result.snapshot
     assert isinstance(scene.surface, Gaussian)
     if scene.load not in ENDS_N or scene.surface.seed != 1 or snapshot is None:
         return {}

@@ -16,10 +16,16 @@ from acoustics.bands import BAND_NAMES, MID_HZ, band_uncertainty_db, reliable
 from acoustics.numbers import rounded
 from rolling.studies.lee2025_cases import band_columns
 
-ROUGHNESS, LOAD, LENGTH, SKEWNESS = "roughness_um", "load_n", "correlation_um", "skewness"
+ROUGHNESS = "roughness_um"
+LOAD = "load_n"
+LENGTH = "correlation_um"
+SKEWNESS = "skewness"
 FORMS = {ROUGHNESS: "Ra {:g} µm", LOAD: "{:g} N", LENGTH: "{:g} µm", SKEWNESS: "skewness {:g}"}
 OUTLOOK = {LENGTH: "correlation_length", SKEWNESS: "skewness"}  # columns and their figures
-HOLDS, IN_PART, FAILS, NOT_RUN = "holds", "in part", "does not hold", "not run"
+HOLDS = "holds"
+IN_PART = "in part"
+FAILS = "does not hold"
+NOT_RUN = "not run"
 
 LG_LENGTH_DB = 5.0  # fall of a line of noise in a record ten times as long (10 lg of an amplitude)
 LARGE_GAP_DB = 6.0
@@ -192,7 +198,8 @@ def exceeds(cases: pd.DataFrame, column: str, level_db: float) -> Iterator[Compa
         beyond = highest - level_db
         turns = duration * 10 ** (beyond / LG_LENGTH_DB)
         measured = f"{highest:.1f} dB in {duration:g} s, at the bound in {rounded(turns)} s"
-        holds, near = beyond > LG_LENGTH_DB, beyond > -LG_LENGTH_DB
+        holds = beyond > LG_LENGTH_DB
+        near = beyond > -LG_LENGTH_DB
         yield Comparison(label(ROUGHNESS, roughness), holds, measured, near)
 
 

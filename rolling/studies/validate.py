@@ -43,7 +43,9 @@ from rolling.terminal import progress
 from rolling.terminal.files import FolderError, write_bytes
 from rolling.terminal.program import identity
 
-PAGE, ALL, TITLE = Path("validation.md"), "all", "# Validation\n"
+PAGE = Path("validation.md")
+ALL = "all"
+TITLE = "# Validation\n"
 FOLDER = library.folder() / "validation"
 Case = dict[str, Any]  # a table of cases.toml
 
@@ -78,10 +80,12 @@ def validate(cases: Sequence[str], out: Path | None) -> int:
     FolderError : there is no such case, `out` is another file, or its folder cannot be written.
     """
     content = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
-    known, out = content["cases"], out or PAGE
+    known = content["cases"]
+    out = out or PAGE
     for name in cases if ALL not in cases else ():
         if name not in known:
-            near, listed = nearest(name, [*known]), ", ".join([ALL, *known])
+            near = nearest(name, [*known])
+            listed = ", ".join([ALL, *known])
             raise FolderError(f"CASE: got {name}{near}, allowed: {listed}")
     if out.is_dir() or not os.access(out.parent, os.W_OK):
         raise FolderError(f"--out: got {out}, allowed: a file in a folder that can be written")
@@ -103,7 +107,8 @@ def rows_of(case: Case, figures: Figures) -> pd.DataFrame:
     """Return the rows of a case, their differences, and the bounds by its rules."""
     rows = []
     for quantity, item, number, ours, own in figures:
-        rule, samples = case["rows"][quantity], np.atleast_1d(ours)
+        rule = case["rows"][quantity]
+        samples = np.atleast_1d(ours)
         published = float(rule.get("published", number))
         bound = abs(published) * rule["relative"] if "relative" in rule else math.inf
         bounds = rule.get("allowed", (-bound, bound)) if own is None else (-own, own)
@@ -156,11 +161,15 @@ def impact() -> Figures:
     """Compare time, force and pulse of an impact with Hertz, and restitution with Zener."""
     run = _run(_scene("ball-impact"))
     assert run.vibration is not None  # it has dynamics
-    scene, motion = run.scene, run.vibration.motion
+    scene = run.scene
+    motion = run.vibration.motion
     first = int(np.argmax(motion.force_n > 0))
     pulse = motion.force_n[first : first + int(np.argmin(motion.force_n[first:] > 0))]
-    step, lasts, largest = motion.time_step_s, drop.impact_s(scene), drop.largest_force_n(scene)
-    time_us, two_us = 1e6 * len(pulse) * step, 2e6 * step
+    step = motion.time_step_s
+    lasts = drop.impact_s(scene)
+    largest = drop.largest_force_n(scene)
+    time_us = 1e6 * len(pulse) * step
+    two_us = 2e6 * step
     yield Figure("contact time, measured", "", math.nan, time_us, 0.5 + two_us)  # rounded to 1 us
     yield Figure("contact time, Hertz", "", 1e6 * lasts, time_us, two_us)
     yield Figure("largest force", "", largest, float(pulse.max()))
@@ -175,7 +184,8 @@ def impact() -> Figures:
         hertz = 4 / 3 * scene.contact_modulus * scene.radius**0.5
         mobility = of_scene.smooth_chain(scene).mobility_s_kg
         inelasticity = mobility * scene.mass**0.6 * hertz**0.4 * drop.speed_m_s(scene) ** 0.2
-        plate, kept = f"{scene.plate.thickness_mm:g} mm", run.summary["restitution"]
+        plate = f"{scene.plate.thickness_mm:g} mm"
+        kept = run.summary["restitution"]
         yield Figure("restitution", plate, restitution(inelasticity), kept)
 
 
@@ -184,7 +194,9 @@ def restitution(inelasticity: float) -> float:
     from scipy.integrate import solve_ivp  # slow to import
 
     def rate(_: float, state: Array) -> list[float]:
-        root, speed = math.sqrt(max(state[0], 0.0)), state[1]  # no force once they are apart
+        # no force once they are apart
+        root = math.sqrt(max(state[0], 0.0))
+        speed = state[1]
         return [speed, -(root**3) - 1.5 * inelasticity * root * speed]
 
     return -float(solve_ivp(rate, (0, 100), [0.0, 1.0], rtol=1e-8, atol=1e-10).y[1, -1])
@@ -208,11 +220,13 @@ def _plate_figures() -> dict[tuple[str, str], float]:
     """Return mobility, critical frequency and radiation efficiency of plates."""
     figures: dict[tuple[str, str], float] = {}
     for _, scene in _scene("plates").runs():
-        plate, item = of_scene.rectangular_plate(scene), f"{scene.plate.thickness_mm:g} mm"
+        plate = of_scene.rectangular_plate(scene)
+        item = f"{scene.plate.thickness_mm:g} mm"
         assert plate is not None  # it has edges
         figures["mobility", item] = 1e3 * plate.mobility_s_kg
         figures["critical frequency", item] = plate.critical_hz
-        modes_hz, edges = plate.angular_frequency / (2 * np.pi), (plate.length_m, plate.width_m)
+        modes_hz = plate.angular_frequency / (2 * np.pi)
+        edges = (plate.length_m, plate.width_m)
         resistance = own_resistance(edges, plate.orders, modes_hz)
         efficiency = resistance / (AIR_KG_M3 * SOUND_M_S * math.prod(edges) / 4)
         for name, middle in zip(BAND_NAMES, MID_HZ, strict=True):
@@ -242,7 +256,9 @@ def _sound_figures() -> dict[tuple[str, str], float]:
 
 # ---- area of a rough contact
 
-LOADS_N, LARGE_N, COARSE = (10.0, 20.0, 50.0), (200.0, 500.0, 2000.0), 2
+LOADS_N = (10.0, 20.0, 50.0)
+LARGE_N = (200.0, 500.0, 2000.0)
+COARSE = 2
 
 
 def rough_contact() -> Figures:
@@ -293,7 +309,8 @@ def _area(scene: Scene, load: float) -> float:
 def rough_gap(scene: Scene, stride: int) -> tuple[Array, float]:
     """Return the gap [m] of ball and surface at every `stride`-th node, and the spacing [m]."""
     surface = heights(scene)
-    spacing, side = stride * scene.spacing, min(surface.shape)
+    spacing = stride * scene.spacing
+    side = min(surface.shape)
     surface = surface[:side:stride, :side:stride]
     x = (np.arange(len(surface)) - len(surface) // 2) * spacing
     return (x[:, None] ** 2 + x**2) / (2 * scene.radius) - surface, spacing
@@ -323,8 +340,11 @@ def _exponent(levels: pd.DataFrame) -> Array:
 
 # ---- contact filter of wheel and rail
 
-SHOWN_KN, SHOWN_MM = 50, (10, 20, 40)
-LONGEST_MM, MIN_MM = 100.0, 7.9  # wavelengths whose differences are summed up
+SHOWN_KN = 50
+SHOWN_MM = (10, 20, 40)
+# wavelengths whose differences are summed up
+LONGEST_MM = 100.0
+MIN_MM = 7.9
 
 
 def wheel_on_rail(scene: Scene, published: pd.DataFrame) -> pd.DataFrame:
@@ -417,7 +437,8 @@ def contact_filter() -> Figures:
     rows = wheel_on_rail(_scene("wheel-rail"), table)
     summary = differences(rows)
     for load, wheel in table:
-        item, column = f"{load:g}/{wheel:g}", table[load, wheel].loc[LONGEST_MM:MIN_MM]
+        item = f"{load:g}/{wheel:g}"
+        column = table[load, wheel].loc[LONGEST_MM:MIN_MM]
         band = float(np.sqrt(np.mean(column.diff() ** 2)))  # between the table and its shift
         isotropic, ridges = (summary.loc[load, wheel, kind] for kind in ("isotropic", "ridges"))
         yield Figure("rms", item, math.nan, isotropic["rms_db"], band)
@@ -432,7 +453,9 @@ def contact_filter() -> Figures:
 
 # ---- synthetic recording
 
-RECORDED_S, NOISE_DB = 6.0, -30.0  # duration, and background re the sound
+# duration, and background re the sound
+RECORDED_S = 6.0
+NOISE_DB = -30.0
 SHOWN_HZ = (250, 500, 1000, 2000, 5000)
 
 
@@ -447,7 +470,8 @@ def synthetic_recording() -> Figures:
     for number, run in enumerate(runs):
         others = np.concatenate(pieces[:number] + pieces[number + 1 :])
         table = _compared(run, _played(others), np.random.default_rng(number))
-        is_band, frequency = table["quantity"] == "third octave", table["frequency_hz"]
+        is_band = table["quantity"] == "third octave"
+        frequency = table["frequency_hz"]
         gain = _gain_db(frequency)
         power = 10 ** ((table["run_db"][is_band] + a_weighting_db(frequency[is_band])) / 10)
         change = 10 * np.log10((power * 10 ** (gain[is_band] / 10)).sum() / power.sum())  # of LAeq
@@ -456,7 +480,8 @@ def synthetic_recording() -> Figures:
     changes = pd.concat(tables, ignore_index=True)
     for hertz, part in changes.groupby("frequency_hz"):
         if hertz in (0, *SHOWN_HZ):
-            item, known = f"{hertz:g} Hz" if hertz else "LAeq", part["gain"].mean()
+            item = f"{hertz:g} Hz" if hertz else "LAeq"
+            known = part["gain"].mean()
             bound = 2 * part["difference_uncertainty_db"].mean()
             yield Figure("filter", item, known, -part["difference_db"], bound)
     bands = changes[changes["frequency_hz"] > 0]
@@ -470,7 +495,8 @@ def _compared(run: Run, sound: Array, rng: np.random.Generator) -> pd.DataFrame:
     noise = 10 ** (NOISE_DB / 20) * sound.std() * rng.standard_normal((2, len(sound)))
     full_scale = 2 * np.abs(sound).max()
     with TemporaryDirectory() as folder:
-        heard, background = Path(folder, "sound.wav"), Path(folder, "background.wav")
+        heard = Path(folder, "sound.wav")
+        background = Path(folder, "background.wav")
         soundfile.write(heard, (sound + noise[0]) / full_scale, RATE_HZ, "PCM_24")
         soundfile.write(background, noise[1] / full_scale, RATE_HZ, "PCM_24")
         return recording.compare(run, heard, f"{full_scale:.9g}", background)[0]

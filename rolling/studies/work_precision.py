@@ -19,9 +19,12 @@ from acoustics.plot_style import COLOURS, LINE_STYLES, MARKERS
 from rolling.figures.settings import own_settings
 from rolling.studies.accuracy_variants import OWN, REFERENCE, SOLVER, tolerance_text
 
-LAEQ_LIMIT_DB, BAND_LIMIT_DB = 0.1, 0.5  # maximum errors of a recommended variant
+# maximum errors of a recommended variant
+LAEQ_LIMIT_DB = 0.1
+BAND_LIMIT_DB = 0.5
 # A solve whose error is a fifth of the error of the grid adds 0.2 dB to the whole.
-SOLVER_BELOW_GRID_DB, MAX_SOLVER_DB = 14.0, -40.0
+SOLVER_BELOW_GRID_DB = 14.0
+MAX_SOLVER_DB = -40.0
 SETTINGS = ["spacing_um", "edges", "tolerance", "step_um", "precision"]
 COSTS = ["seconds_per_second", "iterations", "convolutions"]
 SHORT = {
@@ -70,7 +73,8 @@ def advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
     best = frame[frame.curve == REFERENCE].iloc[0]
     same = frame[(frame.edges == best.edges) & (frame.step_um == best.step_um)]
     next_grid = same[same.curve != REFERENCE].sort_values(["spacing_um", "tolerance"]).iloc[0]
-    laeq, band = abs(next_grid.error_laeq_db), next_grid.worst_band_db
+    laeq = abs(next_grid.error_laeq_db)
+    band = next_grid.worst_band_db
     off = f"the reference is off by {laeq:.3f} dB of LAeq and {band:.2f} dB of a third octave"
     grid = f"if errors halve with the spacing (the errors at {next_grid.spacing_um:g} µm)"
     lines.append(f"{off} at most, {grid}")
@@ -165,8 +169,10 @@ def work_precision(frame: pd.DataFrame, name: str, ax: Axes) -> Axes:
         column = setting if setting in ("tolerance", "precision") else f"{setting}_um"
         rows = rows.sort_values(column)
         line = LINE_STYLES[k % len(LINE_STYLES)]
-        marker, colour = MARKERS[k % len(MARKERS)], COLOURS[k % len(COLOURS)]
-        seconds, errors = rows.seconds_per_second, _drawn(rows, name)
+        marker = MARKERS[k % len(MARKERS)]
+        colour = COLOURS[k % len(COLOURS)]
+        seconds = rows.seconds_per_second
+        errors = _drawn(rows, name)
         ax.plot(seconds, errors, linestyle=line, marker=marker, color=colour, label=curve)
         if setting in ("spacing", "step", "tolerance"):
             points = zip(seconds, errors, rows[column], rows.curve, strict=True)
@@ -175,7 +181,8 @@ def work_precision(frame: pd.DataFrame, name: str, ax: Axes) -> Axes:
                     word = tolerance_text(value) if setting == "tolerance" else f"{value:g} µm"
                     ax.annotate(word, (at, error), (5, 4), textcoords="offset points", fontsize=7)
     ring: dict[str, Any] = {"color": "black", "markersize": 13, "fillstyle": "none"}
-    seconds, errors = own.seconds_per_second, _drawn(own, name)
+    seconds = own.seconds_per_second
+    errors = _drawn(own, name)
     ax.plot(seconds, errors, "o", label="the scene as it stands", **ring)
     ax.set_xscale("log")
     ax.grid(True, which="both", color="0.88", linewidth=0.5)

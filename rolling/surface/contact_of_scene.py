@@ -49,7 +49,9 @@ def continues(scene: Scene) -> bool | None:
     The spectrum of a surface of a few correlation lengths has a tail, from the edge of its period
     alone, that is no detail between nodes. Single faults follow no law.
     """
-    return not has_detail(scene) if scene.laws and not scene.faults else None
+    if scene.faults or not scene.laws:
+        return None
+    return not has_detail(scene)
 
 
 def auto_subcells(contact: RollingContact) -> int:
@@ -71,8 +73,14 @@ def on_subcells(
     if subcells == 1 and not contact.has_blended_edges:
         return contact
     z = contact.heights
-    smooth = kept(z, "smooth", lambda: refined.dies_out(z)) if smooth is None else smooth
-    key = subcells, smooth
-    fine = kept(z, key, lambda: refined.subcell_heights(z, *key))
-    spacing = contact.spacing / subcells
-    return replace(contact, heights=fine, spacing=spacing, subcells=subcells, slopes=smooth)
+    is_smooth = smooth
+    if is_smooth is None:
+        is_smooth = bool(kept(z, "smooth", lambda: refined.dies_out(z)))
+    key = (subcells, is_smooth)
+    return replace(
+        contact,
+        heights=kept(z, key, lambda: refined.subcell_heights(z, subcells, is_smooth)),
+        spacing=contact.spacing / subcells,
+        subcells=subcells,
+        slopes=is_smooth,
+    )

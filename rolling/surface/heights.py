@@ -1,6 +1,5 @@
 """Periodic surface heights: generation by spectral filtering, single faults, statistics."""
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -58,14 +57,14 @@ def filtered(noise: Array, spacing: float, law: HeightLaw) -> Array:
     # would pass for roughness if they were scaled up.
     least = 1e-6 * np.sqrt(density.max() / heights.size)
     if isinstance(law, Roughness) and not np.abs(heights).mean() > least:
-        sizes = " x ".join(rounded(n * spacing * 1e6, 4) for n in noise.shape)
+        surface_um = " x ".join(rounded(n * spacing * 1e6, 4) for n in noise.shape)
         # If the law falls with (r / L)^exponent, the share of roughness falls with its root.
         exponent = AUTOCORRELATIONS[law.autocorrelation][1]
         longest = 0.1 * 1e12 ** (1 / exponent) * max(noise.shape) * spacing * 1e6
-        lengths = " and ".join(rounded(length * 1e6, 4) for length in law.correlation[0])
+        lengths_um = " and ".join(rounded(length * 1e6, 4) for length in law.correlation[0])
         raise SurfaceError(
-            f"no roughness left but rounding: got correlation lengths of {lengths} um"
-            f" on {sizes} um, allowed: up to about {rounded(longest)} um; enlarge the surface"
+            f"no roughness left but rounding: got correlation lengths of {lengths_um} um"
+            f" on {surface_um} um, allowed: up to about {rounded(longest)} um; enlarge the surface"
         )
     return heights
 
@@ -78,11 +77,12 @@ def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> 
     if isinstance(law, SelfAffineLaw):
         density = self_affine(wave_numbers(shape, spacing), law)
         density[0, 0] = 0.0
-        return np.asarray(density * (shape[0] * shape[1] / (counted(shape) * density).sum()))
-    (first, second), name, angle = law.correlation
+        return np.asarray(density * (shape[0] * shape[1] / (wave_counts(shape) * density).sum()))
+    lengths, name, angle = law.correlation
+    first, second = lengths
     decay, exponent = AUTOCORRELATIONS[name]
-    # Lags along and across.
-    x, y = (spacing * np.asarray((np.arange(n) + n // 2) % n - n // 2, float) for n in shape)
+    x = spacing * _periodic_lags(shape[0])
+    y = spacing * _periodic_lags(shape[1])
 
     def autocorrelation(x: Array, y: Array) -> Array:
         """Return the autocorrelation at lags along and across [m]."""
@@ -93,7 +93,8 @@ def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> 
     periodic = autocorrelation(x, y)
     if angle:
         reach = (-np.log(_NEGLIGIBLE) / decay) ** (1 / exponent)
-        cosine, sine = np.cos(angle), np.sin(angle)
+        cosine = np.cos(angle)
+        sine = np.sin(angle)
         ends = reach * np.hypot([first * cosine, first * sine], [second * sine, second * cosine])
         if 4 * ends[0] * ends[1] > _MAX_LAGS * spacing**2:
             longest = math.sqrt(_MAX_LAGS / (4 * ends[0] * ends[1])) * spacing
@@ -106,14 +107,24 @@ def spectral_density(shape: tuple[int, ...], spacing: float, law: HeightLaw) -> 
         # ends, and the surface a roughness in short waves.
         sizes = spacing * np.array(shape)
         counts = np.maximum(np.ceil(ends / sizes - 0.5), 0).astype(int)
-        for i, j in itertools.product(*(range(-count, count + 1) for count in counts)):
-            if (i, j) != (0, 0):
-                along, across = x + i * sizes[0], y + j * sizes[1]
-                rows = np.flatnonzero(np.abs(along) <= ends[0])
+        for i in range(-counts[0], counts[0] + 1):
+            along = x + i * sizes[0]
+            rows = np.flatnonzero(np.abs(along) <= ends[0])
+            for j in range(-counts[1], counts[1] + 1):
+                if i == 0 and j == 0:
+                    continue
+                across = y + j * sizes[1]
                 periodic[rows] += autocorrelation(along[rows], across)
     # On a periodic grid the law can have slightly negative spectral densities from rounding.
     density = np.maximum(np.fft.rfft2(periodic).real, 0.0)
-    return density / periodic[0, 0] if angle else density
+    if angle:
+        return np.asarray(density / periodic[0, 0])
+    return np.asarray(density)
+
+
+def _periodic_lags(nodes: int) -> Array:
+    """Return the lags [nodes] of a periodic axis, those beyond half a period as negative ones."""
+    return np.asarray((np.arange(nodes) + nodes // 2) % nodes - nodes // 2, float)
 
 
 def self_affine(wave_number: Array, law: SelfAffineLaw) -> Array:
@@ -124,7 +135,7 @@ def self_affine(wave_number: Array, law: SelfAffineLaw) -> Array:
     return np.where(ratio <= law.rolloff_um / law.shortest_um * (1 + 1e-9), falling, 0.0)
 
 
-def counted(shape: tuple[int, ...]) -> Array:
+def wave_counts(shape: tuple[int, ...]) -> Array:
     """Return how many waves of the plane each column of the half plane stands for, 1 or 2."""
     counts = np.full(shape[1] // 2 + 1, 2.0)
     counts[0] = 1.0
@@ -135,7 +146,8 @@ def counted(shape: tuple[int, ...]) -> Array:
 
 def wave_numbers(shape: tuple[int, ...], spacing: float) -> Array:
     """Return the wave numbers [rad/m] of the half plane of waves of a periodic grid."""
-    along, across = np.fft.fftfreq(shape[0], spacing), np.fft.rfftfreq(shape[1], spacing)
+    along = np.fft.fftfreq(shape[0], spacing)
+    across = np.fft.rfftfreq(shape[1], spacing)
     return np.asarray(2 * np.pi * np.hypot(along[:, None], across))
 
 
@@ -152,10 +164,16 @@ def statistics(heights: Array, spacing: float) -> Statistics:
     The rms slope is the norm of the gradient over one spacing.
     """
     values = roughness(heights, spacing, wrap=True)
-    rough = values["Sq"] > 0
-    moments = (values["Ssk"], values["Sku"]) if rough else (0.0, 0.0)
-    ends = values["Sdq"], values["Sp"], 0.0 - values["Sv"]
-    return Statistics(values["Sa"], values["Sq"], *moments, *ends)
+    is_rough = values["Sq"] > 0
+    return Statistics(
+        ra=values["Sa"],
+        rq=values["Sq"],
+        skewness=values["Ssk"] if is_rough else 0.0,
+        kurtosis=values["Sku"] if is_rough else 0.0,
+        rms_slope=values["Sdq"],
+        highest=values["Sp"],
+        lowest=0.0 - values["Sv"],
+    )
 
 
 def moments(heights: Array, weights: Array | None = None) -> Array:
@@ -163,7 +181,8 @@ def moments(heights: Array, weights: Array | None = None) -> Array:
     z = heights - np.average(heights, weights=weights)
     square = z * z
     variance = np.average(square, weights=weights)
-    third, fourth = (np.average(square * other, weights=weights) for other in (z, square))
+    third = np.average(square * z, weights=weights)
+    fourth = np.average(square * square, weights=weights)
     return np.array([third / variance**1.5, fourth / variance**2])
 
 
@@ -179,15 +198,15 @@ def correlation(heights: Array, spacing: float, axis: int) -> Correlation:
     power = np.mean(np.abs(np.fft.rfft(z, axis=axis)) ** 2, axis=1 - axis)
     covariance = np.fft.irfft(power, n)[: n // 2 + 1]
     if not covariance[0] > 0:
-        return Correlation(np.inf, 0.0)
+        return Correlation(length=np.inf, noise=0.0)
     share = covariance / covariance[0]
     noise = float(np.clip(1 - (2 * share[1] - share[2]), 0.0, 1.0))
     below = np.flatnonzero(share < np.exp(-1))
     if not len(below):
-        return Correlation(np.inf, noise)
+        return Correlation(length=np.inf, noise=noise)
     k = int(below[0])
     length = k - 1 + (share[k - 1] - np.exp(-1)) / (share[k - 1] - share[k])
-    return Correlation(float(length) * spacing, noise)
+    return Correlation(length=float(length) * spacing, noise=noise)
 
 
 # ---- single faults
@@ -223,7 +242,8 @@ def _places(fault: SurfaceFault, length: float, width: float) -> Array:
 
 def _crossing(fault: SurfaceFault, x: Array, period: float) -> Array:
     """Return the heights [m] of a groove or step at distances x [m] along the track."""
-    size, depth = fault.size_um * 1e-6, fault.depth_um * 1e-6
+    size = fault.size_um * 1e-6
+    depth = fault.depth_um * 1e-6
     if fault.kind == "groove":
         away = np.abs((x + period / 2) % period - period / 2)
         return -depth * _hill(2 * away / size)
@@ -236,35 +256,42 @@ def _add_patch(
     heights: Array, fault: SurfaceFault, row: float, column: float, spacing: float
 ) -> None:
     """Add a fault about a row and a column, in nodes, to the heights [m] around it."""
-    size, length = fault.size_um * 1e-6, (fault.length_um or 0.0) * 1e-6
+    size = fault.size_um * 1e-6
+    length = (fault.length_um or 0.0) * 1e-6
     reach = (RIM if fault.kind == "dent" else 1.0) * size / 2 + length / 2
-    rows = _within(row, reach / spacing, heights.shape[0])
-    columns = _within(column, reach / spacing, heights.shape[1])
-    x, y = (rows[:, None] - row) * spacing, (columns - column) * spacing
+    rows = _nodes_near(row, reach / spacing, heights.shape[0])
+    columns = _nodes_near(column, reach / spacing, heights.shape[1])
+    x = (rows[:, None] - row) * spacing
+    y = (columns - column) * spacing
     if length:  # the distance from the line of a scratch
         angle = math.radians(90.0 if fault.angle_deg is None else fault.angle_deg)
-        cosine, sine = math.cos(angle), math.sin(angle)
-        along = np.maximum(np.abs(cosine * x + sine * y) - length / 2, 0.0)
-        x, y = along, cosine * y - sine * x
-    share = _shape(fault.kind, 2 * np.hypot(x, y) / size)
+        cosine = math.cos(angle)
+        sine = math.sin(angle)
+        beyond_end = np.maximum(np.abs(cosine * x + sine * y) - length / 2, 0.0)
+        distance = np.hypot(beyond_end, cosine * y - sine * x)
+    else:
+        distance = np.hypot(x, y)
+    share = _fault_profile(fault.kind, 2 * distance / size)
     places = np.ix_(rows % heights.shape[0], columns % heights.shape[1])
     heights[places] += fault.depth_um * 1e-6 * share
 
 
-def _within(middle: float, reach: float, nodes: int) -> NDArray[np.int64]:
+def _nodes_near(middle: float, reach: float, nodes: int) -> NDArray[np.int64]:
     """Return the nodes within a reach of a middle, at most one period of them."""
     first = max(math.ceil(middle - reach), math.ceil(middle - nodes / 2))
     last = min(math.floor(middle + reach), first + nodes - 1)
     return np.arange(first, last + 1, dtype=np.int64)
 
 
-def _shape(kind: str, r: Array) -> Array:
+def _fault_profile(kind: str, r: Array) -> Array:
     """Return the heights of a kind over its depth, at r radii from its middle or line."""
     if kind == "pit":
         return np.minimum(r**2 - 1, 0.0)
     if kind == "dent":  # its volume is zero
         return np.asarray((r**2 - 1) * np.exp(-(r**2)))
-    return _hill(r) if kind == "bump" else -_hill(r)
+    if kind == "bump":
+        return _hill(r)
+    return -_hill(r)
 
 
 def _hill(r: Array) -> Array:

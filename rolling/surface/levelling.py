@@ -166,30 +166,42 @@ def level(heights: Array, spacing: float, mode: str) -> tuple[Array, Levelling]:
         "auto", "plane", "quadratic" or "none". "auto" removes each direction by itself, where the
         seam stands out and the plane lowers it. "quadratic" takes a surface of second order off.
     """
-    seams = seam(heights, 0), seam(heights, 1)
-    plane = slope(heights, spacing, 0), slope(heights, spacing, 1)
-    tilted = [
-        mode != "none" and (mode != "auto" or _helps(heights, spacing, k, seams[k], plane[k]))
-        for k in (0, 1)
-    ]
-    taken = plane[0] if tilted[0] else 0.0, plane[1] if tilted[1] else 0.0
-    before = after = float(np.abs(heights).mean())
-    if any(taken) or mode == "quadratic":
+    seams = (seam(heights, 0), seam(heights, 1))
+    plane = (slope(heights, spacing, 0), slope(heights, spacing, 1))
+    is_quadratic = mode == "quadratic"
+    removed = [0.0, 0.0]
+    for axis in (0, 1):
+        is_removed = mode != "none"
+        if mode == "auto":
+            is_removed = _lowers_seam(heights, spacing, axis, seams[axis], plane[axis])
+        if is_removed:
+            removed[axis] = plane[axis]
+    taken = (removed[0], removed[1])
+    ra_before = float(np.abs(heights).mean())
+    ra_after = ra_before
+    if any(taken) or is_quadratic:
         heights = heights - (taken[0] * spacing * centred(heights.shape[0]))[:, None]
         heights -= taken[1] * spacing * centred(heights.shape[1])
-        if mode == "quadratic":
+        if is_quadratic:
             heights -= _second_order(heights)
-        after = float(np.abs(heights).mean())
-        seams = seam(heights, 0), seam(heights, 1)
-    lengths = heights.shape[0] * spacing, heights.shape[1] * spacing
-    is_quadratic = mode == "quadratic"
-    return heights, Levelling(plane, taken, lengths, before, after, seams, is_quadratic)
+        ra_after = float(np.abs(heights).mean())
+        seams = (seam(heights, 0), seam(heights, 1))
+    levelling = Levelling(
+        plane=plane,
+        taken=taken,
+        lengths=(heights.shape[0] * spacing, heights.shape[1] * spacing),
+        ra_before=ra_before,
+        ra_after=ra_after,
+        seams=seams,
+        is_quadratic=is_quadratic,
+    )
+    return heights, levelling
 
 
 def _second_order(heights: Array) -> Array:
     """Return the terms x^2, y^2 and x y of the least-squares surface of heights without a plane."""
     lines = [centred(n) for n in heights.shape]
-    x, y = (line / max(float(np.linalg.norm(line)), 1.0) for line in lines)
+    x, y = [line / max(float(np.linalg.norm(line)), 1.0) for line in lines]
     terms = np.multiply.outer(x, y) * (x @ heights @ y)
     for axis, line in enumerate(lines):
         parabola = line**2 - np.mean(line**2)
@@ -215,9 +227,10 @@ def seam(heights: Array, axis: int) -> Seam:
     rms = np.sqrt(np.mean(np.square(differences), axis=1 - axis))
     step = float(np.sqrt(np.mean(last_to_first**2)))
     medians = np.median(differences, axis=1 - axis)
-    usual, middle = float(np.median(rms)), float(np.median(np.abs(last_to_first)))
+    usual = float(np.median(rms))
+    middle = float(np.median(np.abs(last_to_first)))
     is_unusual = middle > BEYOND_USUAL * usual and _stands_out(middle, medians)
-    return Seam(step, usual, _stands_out(step, rms) or is_unusual)
+    return Seam(step=step, neighbours=usual, stands_out=_stands_out(step, rms) or is_unusual)
 
 
 def slope(heights: Array, spacing: float, axis: int) -> float:
@@ -255,7 +268,7 @@ def _share_of(heights: Array, shape: Array, axis: int) -> float:
     return float(heights.mean(axis=1 - axis) @ shape / (shape @ shape))
 
 
-def _helps(heights: Array, spacing: float, axis: int, seam: Seam, slope: float) -> bool:
+def _lowers_seam(heights: Array, spacing: float, axis: int, seam: Seam, slope: float) -> bool:
     """Tell whether the seam stands out and subtracting the plane lowers it."""
     if not seam.stands_out:
         return False
@@ -271,6 +284,7 @@ def _across_seam(heights: Array, axis: int) -> Array:
 def _stands_out(size: float, neighbours: Array) -> bool:
     """Tell whether a difference across the seam exceeds the range of all neighbours."""
     rows = len(neighbours) + 1
-    median, maximum = float(np.median(neighbours)), float(neighbours.max())
+    median = float(np.median(neighbours))
+    maximum = float(neighbours.max())
     beyond_range = (BEYOND_RANGE + 16 / rows) * (maximum - median)
     return size > (BEYOND_MAXIMUM + 4 / rows) * maximum and size - median > beyond_range

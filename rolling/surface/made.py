@@ -16,15 +16,18 @@ from rolling.scene.laws import AUTOCORRELATIONS, HeightLaw, Roughness, SelfAffin
 from rolling.surface import heights as surface
 from rolling.surface.heights import moments, spectral_density
 
-ROUNDS, CORRECTIONS = 40, 30  # maximum numbers
-NEAR, EXACT = 0.05, 1e-4  # differences of skewness and kurtosis that end rounds and corrections
+ROUNDS = 40  # maximum number
+CORRECTIONS = 30  # maximum number
+NEAR = 0.05  # difference of skewness and kurtosis that ends the rounds
+EXACT = 1e-4  # difference of skewness and kurtosis that ends the corrections
 MIN_SHARE = 1e-14  # of the mean square, below which an octave of a law is rounding
 SMALL = 1e-4  # rms height of the steps that show how a correction changes the moments
 LARGEST = 0.1  # maximum rms height of a correction, over the rms height
 STALLED = 6  # corrections without gain that end them
-# A law has detail below the spacing where the amplitude of its waves at this share of the Nyquist
-# frequency exceeds this share of the amplitude of its longest wave.
-END, DETAIL = 0.75, 0.01
+# A law has detail below the spacing where the amplitude of its waves at the share END of the
+# Nyquist frequency exceeds the share DETAIL of the amplitude of its longest wave.
+END = 0.75
+DETAIL = 0.01
 
 
 def of_law(
@@ -39,7 +42,8 @@ def of_law(
     """
     heights = surface.filtered(np.random.default_rng(seed).standard_normal(shape), spacing, law)
     if not law.is_gaussian:
-        heights = _with_moments(heights, *law.moments)
+        skewness, kurtosis = law.moments
+        heights = _with_moments(heights, skewness, kurtosis)
     heights *= scale(heights, spacing, law)
     return heights
 
@@ -47,7 +51,7 @@ def of_law(
 def scale(heights: Array, spacing: float, law: HeightLaw) -> float:
     """Return the factor that gives heights the Ra, Sq or Sdq of a law."""
     if isinstance(law, SelfAffineLaw) and law.rdq is not None:
-        gradients = _powers(heights) * surface.wave_numbers(heights.shape, spacing) ** 2
+        gradients = _wave_squares(heights) * surface.wave_numbers(heights.shape, spacing) ** 2
         return law.rdq / float(np.sqrt(gradients.sum()))
     if isinstance(law, SelfAffineLaw) and law.rq_um is not None:
         return law.rq_um * 1e-6 / float(np.sqrt(np.mean(heights**2)))
@@ -67,7 +71,7 @@ def plane_density(law: HeightLaw, along: Array, across: Array) -> Array:
         return plateau * surface.self_affine(np.hypot(along, across), law)
     lengths, name, angle = law.correlation
     decay, exponent = AUTOCORRELATIONS[name]
-    first, second = (length * decay ** (-1 / exponent) for length in lengths)
+    first, second = [length * decay ** (-1 / exponent) for length in lengths]
     u, v = surface.turned(along, across, angle)
     scaled = np.square(u * first) + np.square(v * second)
     if exponent == 2:
@@ -95,20 +99,27 @@ def continued(
     waves folded onto them. The shorter waves up to the end of the finer grid are new and Gaussian,
     and the nodes are the centres of the quarters of cells.
     """
-    shape = 2 * heights.shape[0], 2 * heights.shape[1]
     rq = laws[0][0]
-    coarse, fine = (
-        np.sum([(own / rq) ** 2 * spectral_density(size, step, law) for own, law in laws], axis=0)
-        for size, step in ((heights.shape, spacing), (shape, spacing / 2))
-    )
+
+    def density(shape: tuple[int, ...], step: float) -> Array:
+        """Return the spectral densities of the laws, added by their mean squares."""
+        weighted = [(own / rq) ** 2 * spectral_density(shape, step, law) for own, law in laws]
+        return np.asarray(np.sum(weighted, axis=0))
+
+    rows, columns = heights.shape
+    shape = (2 * rows, 2 * columns)
+    coarse = density(heights.shape, spacing)
+    fine = density(shape, spacing / 2)
     lines = rq * np.sqrt(fine) * np.fft.rfft2(np.random.default_rng(seed).standard_normal(shape))
     # The waves strictly below the end of the grid; a quarter of a node lies between the centres.
-    along, across = (np.arange(-((n - 1) // 2), (n + 1) // 2) for n in heights.shape)
-    kept = np.ix_(along, across[across >= 0])
-    turn = [np.exp(-0.5j * np.pi * waves / n) for waves, n in zip(kept, heights.shape, strict=True)]
+    along = np.arange(-((rows - 1) // 2), (rows + 1) // 2)
+    across = np.arange((columns + 1) // 2)
+    held = np.ix_(along, across)
+    turn_along = np.exp(-0.5j * np.pi * held[0] / rows)
+    turn_across = np.exp(-0.5j * np.pi * held[1] / columns)
     # A wave of the coarse grid is a sum of four waves of the finer one at most.
-    gain = 2 * np.sqrt(np.minimum(fine[kept] / np.maximum(coarse[kept], 1e-300), 4.0))
-    lines[kept] = np.fft.rfft2(heights)[kept] * gain * turn[0] * turn[1]
+    gain = 2 * np.sqrt(np.minimum(fine[held] / np.maximum(coarse[held], 1e-300), 4.0))
+    lines[held] = np.fft.rfft2(heights)[held] * gain * turn_along * turn_across
     return np.asarray(np.fft.irfft2(lines, s=shape))
 
 
@@ -120,20 +131,26 @@ def _with_moments(heights: Array, skewness: float, kurtosis: float) -> Array:
     z: Array = heights / np.sqrt(np.mean(heights**2))
     amplitudes = np.abs(np.fft.rfft2(z))
     amplitudes[0, 0] = 0.0
-    targets, wanted = johnson_heights(skewness, kurtosis, z.size), np.array([skewness, kurtosis])
+    targets = johnson_heights(skewness, kurtosis, z.size)
+    wanted = np.array([skewness, kurtosis])
     for _ in range(ROUNDS):
         ranked = np.empty(z.size)
         ranked[np.argsort(z, axis=None)] = targets
         z = _with_amplitudes(ranked.reshape(z.shape), amplitudes)
         if np.abs(wanted - moments(z)).max() < NEAR:
             break
-    nearest, least, stalled = z, np.inf, 0
+    nearest = z
+    least_error = np.inf
+    without_gain = 0
     for _ in range(CORRECTIONS):
         missing = wanted - moments(z)
-        stalled += 1
-        if (error := float(np.abs(missing).max())) < least:
-            nearest, least, stalled = z, error, 0
-        if least < EXACT or stalled > STALLED:
+        error = float(np.abs(missing).max())
+        without_gain += 1
+        if error < least_error:
+            nearest = z
+            least_error = error
+            without_gain = 0
+        if least_error < EXACT or without_gain > STALLED:
             break
         z = _corrected(z, amplitudes, missing)
     return nearest
@@ -175,34 +192,41 @@ def described(key: str, heights: Array, spacing: float, law: HeightLaw | None) -
     """
     if law is None or not is_described(law):
         return {}
-    skewness, kurtosis = map(float, moments(heights))
-    counts = surface.counted(heights.shape)
+    skewness, kurtosis = moments(heights)
+    counts = surface.wave_counts(heights.shape)
     density = spectral_density(heights.shape, spacing, law)
     density[0, 0] = 0.0
     with np.errstate(divide="ignore"):
         nodes = 2 * np.pi / surface.wave_numbers(heights.shape, spacing) / spacing
     octave = np.floor(np.log2(np.where(np.isfinite(nodes), nodes, 1.0)) + 1e-9).astype(int).ravel()
-    got, wanted, squares = (
-        np.bincount(octave, power.ravel())
-        for power in (_powers(heights), counts * density, counts * density**2)
-    )
-    shares, kept = wanted / wanted.sum(), np.flatnonzero(wanted > MIN_SHARE * wanted.sum())
+    got = np.bincount(octave, _wave_squares(heights).ravel())
+    wanted = np.bincount(octave, (counts * density).ravel())
+    squares = np.bincount(octave, (counts * density**2).ravel())
+    shares = wanted / wanted.sum()
     # A random wave has an exponentially distributed mean square; the sum of all varies as well.
     spread = 2 * squares / np.where(wanted > 0, wanted, 1.0) ** 2
     spread = spread * (1 - 2 * shares) + (spread * shares**2).sum()
-    errors, chances = dict[str, float](), dict[str, float]()
-    for k in kept:
-        name = " to ".join(f"{2.0**n * spacing * 1e6:.6g}" for n in (k, k + 1))
+    errors = dict[str, float]()
+    chances = dict[str, float]()
+    for k in np.flatnonzero(wanted > MIN_SHARE * wanted.sum()):
+        shortest_um = 2.0**k * spacing * 1e6
+        longest_um = 2.0 ** (k + 1) * spacing * 1e6
+        name = f"{shortest_um:.6g} to {longest_um:.6g}"
         error = 10 * np.log10(max(got[k] / got.sum() / shares[k], 1e-30))
         errors[name] = round(float(error), 3)
         chances[name] = round(float(10 / np.log(10) * np.sqrt(spread[k])), 3)
-    spectrum = {"spectrum_error_db": errors, "spectrum_chance_db": chances}
-    return {key: {"skewness": skewness, "kurtosis": kurtosis, **spectrum}}
+    comparison = {
+        "skewness": float(skewness),
+        "kurtosis": float(kurtosis),
+        "spectrum_error_db": errors,
+        "spectrum_chance_db": chances,
+    }
+    return {key: comparison}
 
 
-def _powers(heights: Array) -> Array:
+def _wave_squares(heights: Array) -> Array:
     """Return the mean square [m2] that each wave of the half plane, counted twice, adds."""
-    lines = np.abs(np.fft.rfft2(heights)) ** 2 * surface.counted(heights.shape)
+    lines = np.abs(np.fft.rfft2(heights)) ** 2 * surface.wave_counts(heights.shape)
     lines[0, 0] = 0.0
     return np.asarray(lines / heights.size**2)
 
@@ -214,9 +238,11 @@ def _powers(heights: Array) -> Array:
 # have every kurtosis above the square of the skewness plus 1.
 
 
-POINTS, REACH = 801, 9.0  # of the integrals over the Gaussian u, from -REACH to REACH
-STEEPEST, FARTHEST = 128.0, 512.0  # limits of b and a
-FLATTEST = 1e-4  # of b, where heights are Gaussian
+REACH = 9.0  # integrals over the Gaussian u go from -REACH to REACH
+POINTS = 801  # of these integrals
+STEEPEST = 128.0  # maximum of b
+FLATTEST = 1e-4  # minimum of b, where heights are Gaussian
+FARTHEST = 512.0  # maximum of a
 
 Shape = Callable[[Array], Array]
 
@@ -232,8 +258,8 @@ def johnson_heights(skewness: float, kurtosis: float, count: int) -> Array:
     quantiles = ndtri((np.arange(count) + 0.5) / count)
     u = np.linspace(-REACH, REACH, POINTS)
     weights = np.exp(-(u**2) / 2) / np.exp(-(u**2) / 2).sum()
-    ends = float(quantiles[0]), float(quantiles[-1])
-    shape, slope, offset = _fitted(abs(skewness), kurtosis, np.clip(u, *ends), weights)
+    u = np.clip(u, quantiles[0], quantiles[-1])
+    shape, slope, offset = _fitted(abs(skewness), kurtosis, u, weights)
     heights = shape(slope * quantiles + offset)
     if skewness < 0:
         heights = -heights[::-1]
@@ -246,26 +272,36 @@ def _fitted(
 ) -> tuple[Shape, float, float]:
     """Return shape, b and a of the heights of a skewness >= 0 and a kurtosis."""
 
-    def lognormal(slope: float) -> Array:
+    def lognormal_moments(slope: float) -> Array:
         return moments(np.exp(slope * (u - u[-1])), weights)
 
-    # The slope of the lognormal heights of this skewness is the least of both shapes.
-    least = _root(lambda b: float(lognormal(b)[0]) - skewness, FLATTEST, STEEPEST)
-    unbounded = kurtosis > lognormal(least)[1]
-    shape, sign = (_unbounded, 1) if unbounded else (_bounded, -1)
+    def lognormal_excess_skewness(slope: float) -> float:
+        return float(lognormal_moments(slope)[0]) - skewness
 
-    def offset(slope: float) -> float:
-        def skewed(a: float) -> float:
+    # The slope of the lognormal heights of this skewness is the least of both shapes.
+    least_slope = _root(lognormal_excess_skewness, FLATTEST, STEEPEST)
+    shape: Shape
+    if kurtosis > lognormal_moments(least_slope)[1]:
+        shape = _unbounded
+        sign = 1
+    else:
+        shape = _bounded
+        sign = -1
+
+    def fitted_offset(slope: float) -> float:
+        """Return the a that gives heights of a slope b their skewness."""
+
+        def excess_skewness(a: float) -> float:
             return float(moments(shape(slope * u + sign * a), weights)[0]) - skewness
 
-        return sign * _root(skewed, 0.0, FARTHEST)
+        return sign * _root(excess_skewness, 0.0, FARTHEST)
 
-    def excess(slope: float) -> float:
-        heights = shape(slope * u + offset(slope))
+    def excess_kurtosis(slope: float) -> float:
+        heights = shape(slope * u + fitted_offset(slope))
         return sign * float(moments(heights, weights)[1] - kurtosis)
 
-    slope = _root(excess, least * (1 + 1e-6), STEEPEST)
-    return shape, slope, offset(slope)
+    slope = _root(excess_kurtosis, least_slope * (1 + 1e-6), STEEPEST)
+    return shape, slope, fitted_offset(slope)
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
@@ -274,7 +310,9 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
 
     if function(low) >= 0:
         return low
-    return high if function(high) <= 0 else float(brentq(function, low, high, xtol=1e-10))
+    if function(high) <= 0:
+        return high
+    return float(brentq(function, low, high, xtol=1e-10))
 
 
 def _unbounded(v: Array) -> Array:

@@ -18,8 +18,8 @@ from acoustics.arrays import Array
 Nodes = NDArray[np.bool_]
 
 # Largest and smallest numbers of 16 and 32 bits, at which a digitizer ends.
-FULL_SCALE = 32767, 32768, 65535, 2147483647, 2147483648, 4294967295
-BLANKS = 9999, 99999, 999999, 9999999  # usual marks of missing points
+FULL_SCALE = (32767, 32768, 65535, 2147483647, 2147483648, 4294967295)
+BLANKS = (9999, 99999, 999999, 9999999)  # usual marks of missing points
 HUGE = 1e9  # in any unit; real heights are smaller, marks such as 1e37 are larger
 SMALLEST_MARK = 1e-12  # [m] smaller heights are rounding, in whatever unit
 LEAST = 3  # nodes of a value that is no usual mark
@@ -50,29 +50,29 @@ class Marker:
 
 
 def sentence(suspects: Sequence[Marker], section: str) -> str:
-    """Say which values are suspected, and the way out.
+    """Write which values look like marks, and what to do about them.
 
     The section is "surface" or "sphere.surface" of a scene, or "file" for a file without a scene.
     """
     if section == "sphere.surface":
-        way_out = (
-            "replace such points in the file, since a surface of a sphere has no key that does"
-        )
+        advice = "replace such points in the file, since a surface of a sphere has no key that does"
     else:
-        way_out = (
+        advice = (
             "surface.outliers 6 together with surface.unmeasured fill replaces such points by their"
             " surroundings"
         )
     if section == "file":
-        way_out = f"in a scene, {way_out}"
+        advice = f"in a scene, {advice}"
     values = ", ".join(marker.text for marker in suspects)
-    return f"{values}, which looks like a mark of unmeasured or saturated points; {way_out}"
+    return f"{values}, which looks like a mark of unmeasured or saturated points; {advice}"
 
 
 def without(values: Array, suspects: Sequence[Marker]) -> Array:
     """Return heights with NaN where they hold one of the marks."""
+    if not suspects:
+        return values
     marks = [marker.value for marker in suspects]
-    return np.where(np.isin(values, marks), np.nan, values) if marks else values
+    return np.where(np.isin(values, marks), np.nan, values)
 
 
 def suspected(values: Array, unit: str = "m") -> tuple[Marker, ...]:
@@ -83,29 +83,33 @@ def suspected(values: Array, unit: str = "m") -> tuple[Marker, ...]:
     with np.errstate(over="ignore", invalid="ignore"):  # marks may be the largest numbers
         heights = np.array(values, dtype=np.float64)
         heights[~np.isfinite(heights)] = np.nan
-        found = list[Marker]()
+        markers = list[Marker]()
         for _ in range(_MOST):
-            fresh = [mark for mark in _candidates(heights) if _is_mark(heights, mark)]
-            if not fresh:
+            marks = [value for value in _candidates(heights) if _is_mark(heights, value)]
+            if not marks:
                 break
-            for mark in fresh:
+            for mark in marks:
                 nodes = heights == mark
                 count = int(np.count_nonzero(nodes))
-                found.append(Marker(mark, unit, count, heights.size))
+                markers.append(Marker(value=mark, unit=unit, count=count, nodes=heights.size))
                 heights[nodes] = np.nan
-    return tuple(found)
+    return tuple(markers)
 
 
 def _candidates(heights: Array) -> list[float]:
     """Return maximum and minimum of heights, and zero, where they repeat or are usual marks."""
     if np.isnan(heights).all():
         return []
-    ends = float(np.nanmax(heights)), float(np.nanmin(heights))
-    if ends[0] == ends[1]:
+    highest = float(np.nanmax(heights))
+    lowest = float(np.nanmin(heights))
+    if highest == lowest:
         return []
+    values = [highest, lowest]
+    if 0.0 not in values:
+        values.append(0.0)
     return [
         value
-        for value in dict.fromkeys((*ends, 0.0))
+        for value in values
         if _is_usual_mark(value) or np.count_nonzero(heights == value) >= LEAST
     ]
 
@@ -152,7 +156,8 @@ def _is_far(heights: Array, nodes: Nodes, jumps: Array) -> bool:
     """Tell whether the jumps from some nodes to their neighbours exceed all usual differences."""
     value = heights[nodes][0]
     others = ~nodes & ~np.isnan(heights)
-    highest, lowest = heights[others].max(), heights[others].min()
+    highest = heights[others].max()
+    lowest = heights[others].min()
     # The other end may be a mark as well, unless the heights have two levels in all.
     inner = others & (heights < highest) & (heights > lowest)
     usual = _largest_difference(heights, inner) or _largest_difference(heights, others)
@@ -167,7 +172,8 @@ def _jumps(heights: Array, nodes: Nodes) -> Array:
     value = heights[nodes][0]
     neighbours = []
     for axis in (0, 1):
-        lines, own = np.moveaxis(heights, axis, 0), np.moveaxis(nodes, axis, 0)
+        lines = np.moveaxis(heights, axis, 0)
+        own = np.moveaxis(nodes, axis, 0)
         neighbours.append(lines[1:][own[:-1] & ~own[1:]])
         neighbours.append(lines[:-1][own[1:] & ~own[:-1]])
     beside = np.concatenate(neighbours)
@@ -186,7 +192,9 @@ def _largest_difference(heights: Array, nodes: Nodes) -> float | None:
         own = np.moveaxis(nodes, axis, 0)[:, ::stride]
         differences.append(np.abs(np.diff(lines, axis=0))[own[1:] & own[:-1]])
     both = np.concatenate(differences)
-    return float(np.quantile(both, USUAL)) if both.size else None
+    if not both.size:
+        return None
+    return float(np.quantile(both, USUAL))
 
 
 def _are_floors(nodes: Nodes, value: float) -> bool:

@@ -29,11 +29,13 @@ from rolling.surface.levelling import HIGHEST, LARGEST_RA, in_metres
 from rolling.surface.parameters import without_plane
 from rolling.terminal import files
 
-# Median slopes between neighbours. Above the first x and y are in another unit than the heights,
-# because no instrument measures a surface of which half is steeper than 60 degrees. A unit is
-# proposed that brings the slope between the others.
-STEEP, USUAL, FLAT = 2.0, 0.5, 1e-4
-WRITTEN = ".npy", ".csv", ".xyz", ".x3p", ".sdf"
+# Median slope between neighbours above which x and y are in another unit than the heights, because
+# no instrument measures a surface of which half is steeper than 60 degrees.
+STEEP = 2.0
+# A unit is proposed that brings the median slope between these.
+FLAT = 1e-4
+USUAL = 0.5
+WRITTEN = (".npy", ".csv", ".xyz", ".x3p", ".sdf")
 
 
 def read(
@@ -121,29 +123,35 @@ def levelled(
         measured = read(path, channel, unit, xy_unit)
     except HeightFormatError as error:
         raise files.FolderError(error.of(path)) from error
-    if (measured.spacing_m is None) == (spacing_um is None):
-        words = "missing; the file holds no" if spacing_um is None else "the file holds its own"
-        raise files.FolderError(f"{path}: --spacing-um: {words} spacing")
-    own_unit = measured.spacing_m is not None and path.suffix.lower() != height_files.TRIPLES
-    shown = "m" if own_unit else unit
-    suspects = markers.suspected(measured.heights / UNITS[shown], shown)
+    if measured.spacing_m is None:
+        if spacing_um is None:
+            raise files.FolderError(f"{path}: --spacing-um: missing; the file holds no spacing")
+        steps = np.array([1e-6 * spacing_um, 1e-6 * spacing_um])
+    else:
+        if spacing_um is not None:
+            raise files.FolderError(f"{path}: --spacing-um: the file holds its own spacing")
+        steps = np.array(measured.spacing_m)
+    has_own_unit = measured.spacing_m is not None and path.suffix.lower() != height_files.TRIPLES
+    shown_unit = "m" if has_own_unit else unit
+    suspects = markers.suspected(measured.heights / UNITS[shown_unit], shown_unit)
     sentences = doubts(path, measured, xy_unit or unit, "--xy-unit")
     if suspects:
         sentences.append(markers.sentence(suspects, "file"))
     hint = "".join(f"; {sentence}" for sentence in sentences)
     sizes = np.abs(measured.heights[np.isfinite(measured.heights)])
-    if not sizes.size or sizes.max() > HIGHEST:
-        words = "holds no heights"
-        if sizes.size:
-            words = f"holds heights above {HIGHEST:g} m"
-        raise files.FolderError(f"{path}: {words}{hint}")
+    if not sizes.size:
+        raise files.FolderError(f"{path}: holds no heights{hint}")
+    if sizes.max() > HIGHEST:
+        raise files.FolderError(f"{path}: holds heights above {HIGHEST:g} m{hint}")
     heights = without_plane(measured.heights)
     if np.nanmean(np.abs(heights)) > LARGEST_RA:
-        key = "" if own_unit else "--height-unit: "
-        raise files.FolderError(f"{path}: {key}Ra would be more than {LARGEST_RA:g} m{hint}")
-    steps = np.array(measured.spacing_m or (1e-6 * (spacing_um or 0),) * 2)
+        too_rough = f"Ra would be more than {LARGEST_RA:g} m{hint}"
+        if has_own_unit:
+            raise files.FolderError(f"{path}: {too_rough}")
+        raise files.FolderError(f"{path}: --height-unit: {too_rough}")
     if len(heights) == 1:
-        heights, steps = heights.T, steps[::-1]
+        heights = heights.T
+        steps = steps[::-1]
     return heights, steps, sentences
 
 
@@ -166,7 +174,8 @@ def write(path: Path, heights_m: Array, spacing_m: tuple[float, float]) -> None:
     OSError
         The file cannot be written.
     """
-    ending, stream = path.suffix.lower(), io.BytesIO()
+    ending = path.suffix.lower()
+    stream = io.BytesIO()
     heights = np.ascontiguousarray(with_nan(heights_m), dtype=np.float64)
     along, across = spacing_m
     try:
@@ -242,10 +251,11 @@ def HeightArray(heights: Any, *, spacing_um: float, **keys: Any) -> HeightFile:
         raise ValueError(f"heights: got an array of shape {values.shape}, {allowed}")
     positive("spacing_um", spacing_um, 1e15)
     surface = HeightFile(path=COPY, spacing_um=float(spacing_um), **keys)
-    unit, kept = surface.height_unit, values
-    if surface.outliers is not None:  # the preparation replaces them
-        kept = markers.without(values, markers.suspected(np.atleast_2d(values), unit))
-    in_metres(kept, unit, "heights", surface.unmeasured == "fill")
+    unit = surface.height_unit
+    checked = values
+    if surface.outliers is not None:  # the preparation replaces marks of unmeasured points
+        checked = markers.without(values, markers.suspected(np.atleast_2d(values), unit))
+    in_metres(checked, unit, "heights", has_gaps=surface.unmeasured == "fill")
     stream = io.BytesIO()
     np.save(stream, values)
     content = stream.getvalue()
@@ -265,8 +275,9 @@ def _folder() -> Path:
 
 def with_copy(scene: Scene, folder: Path) -> Scene:
     """Copy the array of a scene into a folder; return the scene with the copy in its place."""
-    path, is_made = scene.height_path, _folder.cache_info().currsize > 0
-    if path is None or not is_made or path.parent != _folder():
+    path = scene.height_path
+    has_folder = _folder.cache_info().currsize > 0
+    if path is None or not has_folder or path.parent != _folder():
         return scene
     files.write_bytes(folder / COPY, path.read_bytes())
     data = scene.to_dict()

@@ -76,9 +76,12 @@ def parameters(
     heights: Array, spacing: float | Sequence[float] | Array, wrap: bool = False
 ) -> dict[str, float]:
     """Compute all parameters of heights [m] of a spacing [m], periodic if they wrap."""
-    z, steps = about_mean(heights), np.broadcast_to(spacing, 2)
-    values = roughness(z, steps, wrap) | spatial_parameters(z, steps, wrap)
-    values |= {"Sdr": developed_area(z, steps, wrap)} | material_parameters(z)
+    z = about_mean(heights)
+    steps = np.broadcast_to(spacing, 2)
+    values = roughness(z, steps, wrap)
+    values |= spatial_parameters(z, steps, wrap)
+    values["Sdr"] = developed_area(z, steps, wrap)
+    values |= material_parameters(z)
     return {name: values[name] for name in NAMES}
 
 
@@ -90,7 +93,8 @@ def roughness(
     along, across = _squared_slopes(z, np.broadcast_to(spacing, 2), wrap)
     rms = float(np.sqrt(_mean(z**2)))
     shares = z / rms if rms > 0 else np.full(1, np.nan)
-    highest, lowest = float(np.nanmax(z)), float(np.nanmin(z))
+    highest = float(np.nanmax(z))
+    lowest = float(np.nanmin(z))
     return {
         "Sa": _mean(np.abs(z)),
         "Sq": rms,
@@ -110,10 +114,12 @@ def without_plane(heights: Array) -> Array:
     middle = along.mean(), across.mean()
     terms = np.stack([np.ones(len(along)), along - middle[0], across - middle[1]])
     factors = np.linalg.lstsq(terms @ terms.T, terms @ z[along, across])[0]
-    rows, columns = (np.arange(n) - at for n, at in zip(z.shape, middle, strict=True))
+    rows = np.arange(z.shape[0]) - middle[0]
+    columns = np.arange(z.shape[1]) - middle[1]
     rest = z - factors[0] - np.add.outer(factors[1] * rows, factors[2] * columns)
-    is_rounding = np.nanmax(np.abs(rest)) <= _ROUNDING * np.nanmax(np.abs(z))
-    return np.asarray(0.0 * z if is_rounding else rest)
+    if np.nanmax(np.abs(rest)) <= _ROUNDING * np.nanmax(np.abs(z)):
+        return np.asarray(0.0 * z)
+    return np.asarray(rest)
 
 
 def about_mean(heights: Array) -> Array:
@@ -121,8 +127,9 @@ def about_mean(heights: Array) -> Array:
     gaps = ~np.isfinite(heights)
     if gaps.any():
         heights = np.where(gaps, np.nan, heights)
-    equal = np.nanmin(heights) == np.nanmax(heights)
-    return np.asarray(heights - (np.nanmax(heights) if equal else _mean(heights)))
+    if np.nanmin(heights) == np.nanmax(heights):
+        return np.asarray(heights - np.nanmax(heights))
+    return np.asarray(heights - _mean(heights))
 
 
 def _mean(values: Array) -> float:
@@ -138,16 +145,22 @@ def _mean(values: Array) -> float:
 def developed_area(z: Array, steps: Array, wrap: bool) -> float:
     """Return Sdr [%] (ISO 25178-2, 4.4), the mean over the two triangles of each cell."""
     along, across = _squared_slopes(z, steps, wrap)
-    cells = map(np.add, _neighbours(along, 1, wrap), _neighbours(across, 0, wrap))
-    return 50 * sum(_mean(square / (1 + np.sqrt(1 + square))) for square in cells)
+    sides_along = _neighbours(along, 1, wrap)
+    sides_across = _neighbours(across, 0, wrap)
+    total = 0.0
+    for side_along, side_across in zip(sides_along, sides_across, strict=True):
+        square = side_along + side_across
+        total += _mean(square / (1 + np.sqrt(1 + square)))
+    return 50 * total
 
 
 def _squared_slopes(z: Array, steps: Array, wrap: bool) -> list[Array]:
     """Return the squared slopes between neighbouring heights [m], along and across."""
-    pairs = (_neighbours(z, axis, wrap) for axis in (0, 1))
-    return [
-        ((beyond - here) / step) ** 2 for (here, beyond), step in zip(pairs, steps, strict=True)
-    ]
+    slopes = []
+    for axis in (0, 1):
+        here, beyond = _neighbours(z, axis, wrap)
+        slopes.append(((beyond - here) / steps[axis]) ** 2)
+    return slopes
 
 
 def _neighbours(values: Array, axis: int, wrap: bool) -> tuple[Array, Array]:
@@ -168,7 +181,7 @@ def spatial_parameters(z: Array, steps: Array, wrap: bool) -> dict[str, float]:
     ends before its decay, at half the surface, counts with its length: Str is then an upper bound.
     """
     if not np.nan_to_num(z).any():
-        return dict.fromkeys(("Sal", "Str", "Std"), np.nan)
+        return {"Sal": np.nan, "Str": np.nan, "Std": np.nan}
     decay, ends = _decay(autocorrelation(z, wrap), steps, wrap)
     length = float(decay.min()) if np.isfinite(decay).any() else np.nan
     if 1 in z.shape:
@@ -182,7 +195,8 @@ def is_upper_bound(heights: Array, spacing: float | Sequence[float] | Array, wra
 
     The lags reach half the surface. Str of a profile or of a flat surface is not defined.
     """
-    z, steps = about_mean(heights), np.broadcast_to(spacing, 2)
+    z = about_mean(heights)
+    steps = np.broadcast_to(spacing, 2)
     if 1 in z.shape or not np.nan_to_num(z).any():
         return False
     decay, _ = _decay(autocorrelation(z, wrap), steps, wrap)
@@ -210,16 +224,29 @@ def autocorrelation(z: Array, wrap: bool) -> Array:
     """
     from scipy.fft import next_fast_len  # slow to import
 
-    lags = [np.arange(n if wrap else 2 * (n // 2) + 1) - n // 2 for n in z.shape]
-    size = [n if wrap else next_fast_len(n + n // 2, real=True) for n in z.shape]
+    lags = []  # along and across
+    counts = []  # nodes of each axis that have a partner at the lag
+    size = []  # of the transform
+    for n in z.shape:
+        if wrap:
+            lag = np.arange(n) - n // 2
+            count = np.full(len(lag), n)
+            padded = n
+        else:
+            lag = np.arange(2 * (n // 2) + 1) - n // 2
+            count = n - np.abs(lag)
+            padded = next_fast_len(n + n // 2, real=True)
+        lags.append(lag)
+        counts.append(count)
+        size.append(padded)
 
     def products(values: Array) -> Array:
         """Return the sum of products at each lag."""
         sums = np.fft.irfft2(np.abs(np.fft.rfft2(values, size)) ** 2, size)
-        return np.asarray(sums[np.ix_(*lags)])
+        return np.asarray(sums[np.ix_(lags[0], lags[1])])
 
     gaps = np.isnan(z)
-    pairs = np.outer(*(n - (not wrap) * np.abs(lag) for n, lag in zip(z.shape, lags, strict=True)))
+    pairs = np.outer(counts[0], counts[1])
     if gaps.any():
         pairs = np.round(products((~gaps).astype(float)))
     covariance = products(np.where(gaps, 0.0, z)) / np.maximum(pairs, 1)
@@ -233,15 +260,22 @@ def _decay(share: Array, steps: Array, wrap: bool) -> tuple[Array, Array]:
     """
     from scipy import ndimage  # slow to import
 
-    angle, half = np.pi * np.arange(_RAYS) / _RAYS, np.array(share.shape) // 2
+    angle = np.pi * np.arange(_RAYS) / _RAYS
+    half = np.array(share.shape) // 2
     rays = np.array([np.cos(angle), np.sin(angle)]) / steps[:, None]  # nodes of each axis per m
     rays[1, 0] = rays[0, _RAYS // 2] = 0.0  # exactly along an axis
     sample = 0.5 / np.abs(rays).max(axis=0)  # [m]
     reach = np.divide(half[:, None], np.abs(rays), np.full(rays.shape, np.inf), where=rays != 0)
-    count = ((max(half * steps) if wrap else reach.min(axis=0)) / sample + 1e-6).astype(int)
-    mode = "grid-wrap" if wrap else "mirror"
+    if wrap:
+        longest = max(half * steps)
+        mode = "grid-wrap"
+    else:
+        longest = reach.min(axis=0)
+        mode = "mirror"
+    count = (longest / sample + 1e-6).astype(int)
     coefficients = ndimage.spline_filter(share, mode=mode)
-    decay, last = np.full(_RAYS, np.inf), np.ones(_RAYS)
+    decay = np.full(_RAYS, np.inf)
+    last = np.ones(_RAYS)
     for first in range(1, count.max() + 1, _BLOCK):
         left = np.flatnonzero(np.isinf(decay) & (count >= first))
         number = first + np.arange(_BLOCK)[:, None]
@@ -252,7 +286,8 @@ def _decay(share: Array, steps: Array, wrap: bool) -> tuple[Array, Array]:
         last[left] = value[-1]
         column = np.flatnonzero(value.min(axis=0) <= DECAY)
         row = np.argmax(value[:, column] <= DECAY, axis=0)
-        high, low = before[row, column], value[row, column]
+        high = before[row, column]
+        low = value[row, column]
         number = first + row - (DECAY - low) / (high - low)
         decay[left[column]] = number * sample[left[column]]
     return decay, count * sample
@@ -266,18 +301,21 @@ def _lay(z: Array, steps: Array, wrap: bool) -> float:
     """
     z = np.nan_to_num(z)
     if not wrap:
-        z = z * np.outer(*(taper(n) for n in z.shape))
+        z = z * np.outer(taper(z.shape[0]), taper(z.shape[1]))
     power = np.abs(np.fft.rfft2(z)) ** 2
     power[0, 0] = 0.0
     power[:, 0] /= 2  # both waves of each pair stand in this column
-    along, across = np.fft.fftfreq(z.shape[0], steps[0]), np.fft.rfftfreq(z.shape[1], steps[1])
+    along = np.fft.fftfreq(z.shape[0], steps[0])
+    across = np.fft.rfftfreq(z.shape[1], steps[1])
     power[np.hypot(along[:, None], across) > 0.5 / steps.max()] = 0.0  # alike in all directions
     angle = np.arctan2(across, along[:, None])  # 0 to pi
     bins = np.rint(angle * (_RAYS / np.pi)).astype(int) % _RAYS
     lines = np.fft.rfft(np.bincount(bins.ravel(), power.ravel(), _RAYS))
     lines *= np.exp(-2 * (np.arange(len(lines)) * _SMOOTHING) ** 2)
     normal = 180 * int(np.argmax(np.fft.irfft(lines, _RAYS))) / _RAYS
-    return normal - 90.0 if normal > 0 else 90.0
+    if normal == 0:
+        return 90.0
+    return normal - 90.0
 
 
 def taper(n: int) -> Array:
@@ -296,8 +334,10 @@ def material_parameters(z: Array) -> dict[str, float]:
     """
     descending = np.sort(z[~np.isnan(z)])[::-1]
     top, bottom = core(descending)
-    above, below = float(np.mean(descending > top)), float(np.mean(descending < bottom))
-    peaks, dales = np.maximum(descending - top, 0), np.maximum(bottom - descending, 0)
+    above = float(np.mean(descending > top))
+    below = float(np.mean(descending < bottom))
+    peaks = np.maximum(descending - top, 0)
+    dales = np.maximum(bottom - descending, 0)
     return {
         "Sk": top - bottom,
         "Spk": 2 * float(peaks.mean()) / above if above else 0.0,

@@ -23,7 +23,7 @@ from rolling.surface.heights import SurfaceError
 from rolling.surface.markers import Marker, Nodes
 from rolling.surface.parameters import roughness, without_plane
 
-NAMES = "Sa", "Sq", "Ssk", "Sku", "Sdq"  # of the roughness before and after a step
+NAMES = ("Sa", "Sq", "Ssk", "Sku", "Sdq")  # of the roughness before and after a step
 ALPHA = float(np.sqrt(np.log(2) / np.pi))  # 0.4697, of the Gaussian filter of ISO 16610-61
 NEIGHBOURS = 5  # nodes of each side of the square whose median shows outliers
 ROBUST = 1.4826  # standard deviation of Gaussian numbers over the median of their magnitudes
@@ -94,17 +94,29 @@ class Preparation:
     """Heights [m] and their spacings [m] on the way to a period, with the steps that were taken."""
 
     def __init__(self, heights: Array, steps: tuple[float, float], watched: bool) -> None:
-        self.heights, self.steps = heights, steps
+        self.heights = heights
+        self.steps = steps
         self.effects: list[Effect] = []
-        self.roughness = values(heights, steps) if watched else None
+        self.roughness = known_roughness(heights, steps) if watched else None
 
-    def take(self, heights: Array, step: str, text: str, warning: str | None = None) -> None:
+    def replace_heights(
+        self, heights: Array, step: str, text: str, warning: str | None = None
+    ) -> None:
         """Replace the heights by those after a step, and note its effect."""
-        self.heights, before = heights, self.roughness
-        if before is not None:
-            self.roughness = values(heights, self.steps)
-            words = f"{text}; {_words(before, self.roughness)}"
-            self.effects.append(Effect(step, words, before, self.roughness, warning))
+        self.heights = heights
+        before = self.roughness
+        if before is None:
+            return
+        after = known_roughness(heights, self.steps)
+        effect = Effect(
+            step=step,
+            text=f"{text}; {_change_of_roughness(before, after)}",
+            before=before,
+            after=after,
+            warning=warning,
+        )
+        self.effects.append(effect)
+        self.roughness = after
 
 
 def prepare(
@@ -127,58 +139,85 @@ def prepare(
     if surface.width_um is not None:
         heights = np.repeat(heights, grid.resampled[1], axis=1)
         marked = None if marked is None else np.repeat(marked, grid.resampled[1], axis=1)
-    keys = surface.outliers, surface.s_filter_um, surface.l_filter_um
-    named = any(keys) or surface.unmeasured == "fill" or surface.level == "quadratic"
-    watched = named or not is_period or is_other(grid.steps, grid.spacing)
+    is_resampled = is_other(grid.steps, grid.spacing)
+    watched = (
+        bool(surface.outliers)
+        or bool(surface.s_filter_um)
+        or bool(surface.l_filter_um)
+        or surface.unmeasured == "fill"
+        or surface.level == "quadratic"
+        or not is_period
+        or is_resampled
+    )
     work = Preparation(heights, grid.steps, watched)
-    _complete(work, surface, marked)
-    if cutoff := surface.s_filter_um:
-        long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
-        work.take(long, "s_filter", f"waves shorter than {cutoff:g} um removed")
-    if is_other(grid.steps, grid.spacing):
+    if surface.outliers:
+        _remove_outliers(work, surface.outliers, marked)
+    _fill_unmeasured(work)
+    if surface.s_filter_um:
+        long = smoothed(work.heights, work.steps, surface.s_filter_um * 1e-6, is_period)
+        text = f"waves shorter than {surface.s_filter_um:g} um removed"
+        work.replace_heights(long, "s_filter", text)
+    if is_resampled:
         _resample(work, surface, grid, is_period)
-    mode = "plane" if surface.level == "auto" and not is_period else surface.level
+    mode = surface.level
+    if mode == "auto" and not is_period:
+        mode = "plane"
     heights, plane = levelling.level(work.heights, grid.spacing, mode)
-    if any(plane.taken) or plane.is_quadratic:
-        work.take(heights, "f_operator", "second order" if plane.is_quadratic else "plane")
-    if cutoff := surface.l_filter_um:
-        long = smoothed(work.heights, work.steps, cutoff * 1e-6, is_period)
-        work.take(work.heights - long, "l_filter", f"waves longer than {cutoff:g} um removed")
+    if plane.is_quadratic:
+        work.replace_heights(heights, "f_operator", "second order")
+    elif any(plane.taken):
+        work.replace_heights(heights, "f_operator", "plane")
+    if surface.l_filter_um:
+        long = smoothed(work.heights, work.steps, surface.l_filter_um * 1e-6, is_period)
+        text = f"waves longer than {surface.l_filter_um:g} um removed"
+        work.replace_heights(work.heights - long, "l_filter", text)
     if not is_period:
         _close(work, surface, grid)
     if work.effects:
-        seams = levelling.seam(work.heights, 0), levelling.seam(work.heights, 1)
+        seams = (levelling.seam(work.heights, 0), levelling.seam(work.heights, 1))
         plane = replace(plane, seams=seams)
     return np.ascontiguousarray(work.heights), plane, work.effects
 
 
-def _complete(work: Preparation, surface: HeightFile, marked: Nodes | None) -> None:
-    """Make outliers unmeasured points, and fill all unmeasured points."""
-    if threshold := surface.outliers:
-        heights, count = without_outliers(work.heights, threshold)
-        text = f"{count} of {heights.size} nodes, at a threshold of {threshold:g}"
-        # In patches, marks are no outliers among their neighbours.
-        if marked is not None and not np.isnan(heights[marked]).all():
-            heights, count = without_outliers(np.where(marked, np.nan, work.heights), threshold)
-            marks = int(np.count_nonzero(marked))
-            text = f"{count + marks} of {heights.size} nodes, of which {marks} hold a mark of"
-            text += f" unmeasured points, at a threshold of {threshold:g}"
-        work.take(heights, "outliers", text)
-    if count := int(np.count_nonzero(np.isnan(work.heights))):
-        text = f"{count} filled, {rounded(100 * count / work.heights.size)} % of the nodes"
-        work.take(filled(work.heights), "unmeasured", text)
+def _remove_outliers(work: Preparation, threshold: float, marked: Nodes | None) -> None:
+    """Make outliers unmeasured points, and nodes that hold marks of unmeasured points too."""
+    heights, count = without_outliers(work.heights, threshold)
+    text = f"{count} of {heights.size} nodes, at a threshold of {threshold:g}"
+    # In patches, marks are no outliers among their neighbours.
+    if marked is not None and not np.isnan(heights[marked]).all():
+        heights, count = without_outliers(np.where(marked, np.nan, work.heights), threshold)
+        marks = int(np.count_nonzero(marked))
+        text = (
+            f"{count + marks} of {heights.size} nodes, of which {marks} hold a mark of"
+            f" unmeasured points, at a threshold of {threshold:g}"
+        )
+    work.replace_heights(heights, "outliers", text)
+
+
+def _fill_unmeasured(work: Preparation) -> None:
+    """Fill the unmeasured points, if there are any."""
+    count = int(np.count_nonzero(np.isnan(work.heights)))
+    if not count:
+        return
+    share = rounded(100 * count / work.heights.size)
+    work.replace_heights(
+        filled(work.heights), "unmeasured", f"{count} filled, {share} % of the nodes"
+    )
 
 
 def _resample(work: Preparation, surface: HeightFile, grid: HeightGrid, is_period: bool) -> None:
     """Resample to square nodes; warn where they are coarser and no S-filter precedes."""
-    sides, least = " x ".join(f"{1e6 * step:.4g}" for step in grid.steps), 2e6 * grid.spacing
+    sides = " x ".join(f"{1e6 * step:.4g}" for step in grid.steps)
+    least_um = 2e6 * grid.spacing
     warning = None
-    if grid.spacing > min(grid.steps) and (surface.s_filter_um or 0) < least * (1 - SAME):
-        warning = "waves below two nodes fold onto longer ones: choose a surface.s_filter_um of"
-        warning += f" at least {least:.4g}"
-    work.steps = grid.spacing, grid.spacing
+    if grid.spacing > min(grid.steps) and (surface.s_filter_um or 0) < least_um * (1 - SAME):
+        warning = (
+            "waves below two nodes fold onto longer ones: choose a surface.s_filter_um of"
+            f" at least {least_um:.4g}"
+        )
+    work.steps = (grid.spacing, grid.spacing)
     text = f"from {sides} um to {1e6 * grid.spacing:.4g} um"
-    work.take(resampled(work.heights, grid, is_period), "resampling", text, warning)
+    work.replace_heights(resampled(work.heights, grid, is_period), "resampling", text, warning)
 
 
 def _close(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
@@ -186,25 +225,33 @@ def _close(work: Preparation, surface: HeightFile, grid: HeightGrid) -> None:
     heights = work.heights - work.heights.mean()
     if surface.made_periodic == "blend":
         heights, text = blended(heights, grid.overlap, grid.spacing)
-        work.take(heights, "periodic", text)
+        work.replace_heights(heights, "periodic", text)
         return
-    axes = (0,) if surface.width_um is not None else (0, 1)
+    is_profile = surface.width_um is not None
+    axes = (0,) if is_profile else (0, 1)
     warning = "the second half is the first backwards: it sounds palindromic"
-    work.take(mirrored(heights, axes), "periodic", "mirrored", warning)
+    work.replace_heights(mirrored(heights, axes), "periodic", "mirrored", warning)
 
 
-def values(heights: Array, steps: Sequence[float]) -> dict[str, float]:
+def known_roughness(heights: Array, steps: Sequence[float]) -> dict[str, float]:
     """Return Sa, Sq [m], Ssk, Sku and Sdq of the measured points, but for undefined ones."""
     numbers = roughness(heights, steps)
     return {name: numbers[name] for name in NAMES if not np.isnan(numbers[name])}
 
 
-def _words(before: dict[str, float], after: dict[str, float]) -> str:
+def _change_of_roughness(before: dict[str, float], after: dict[str, float]) -> str:
     """Write the roughness before and after a step, lengths in um."""
     texts = []
-    for name in (name for name in before if name in after):
-        scale, unit = (1e6, " um") if name in ("Sa", "Sq") else (1.0, "")
-        first, last = (rounded(scale * numbers[name], 3) for numbers in (before, after))
+    for name in before:
+        if name not in after:
+            continue
+        scale = 1.0
+        unit = ""
+        if name in ("Sa", "Sq"):
+            scale = 1e6
+            unit = " um"
+        first = rounded(scale * before[name], 3)
+        last = rounded(scale * after[name], 3)
         texts.append(f"{name} {first} -> {last}{unit}")
     return ", ".join(texts)
 
@@ -252,13 +299,16 @@ def filled(heights: Array) -> Array:
     number[gaps] = np.arange(count)
     along, across = np.nonzero(gaps)
     # Beyond an edge a node is its own neighbour, whose part cancels.
-    numbers, z = np.pad(number, 1, "edge"), np.pad(heights, 1, "edge")
+    numbers = np.pad(number, 1, "edge")
+    z = np.pad(heights, 1, "edge")
     places = [(along + i, across + j) for i, j in ((2, 1), (0, 1), (1, 2), (1, 0))]
     known = np.nansum([z[place] for place in places], axis=0)
     neighbours = np.concatenate([numbers[place] for place in places])
-    inner = np.flatnonzero(neighbours >= 0)
-    links = np.ones(len(inner)), (inner % count, neighbours[inner])
-    laplace = 4 * sparse.eye_array(count) - sparse.coo_array(links, shape=(count, count))
+    unknown = np.flatnonzero(neighbours >= 0)
+    rows = unknown % count
+    columns = neighbours[unknown]
+    links = sparse.coo_array((np.ones(len(unknown)), (rows, columns)), shape=(count, count))
+    laplace = 4 * sparse.eye_array(count) - links
     symmetric = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     factors = linalg.splu(laplace.tocsc(), "MMD_AT_PLUS_A", **symmetric)
     result = heights.copy()
@@ -283,7 +333,8 @@ def smoothed(heights: Array, steps: Sequence[float], cutoff: float, wraps: bool)
         gain = np.exp(-np.pi * (ALPHA * cutoff * fft.rfftfreq(size, step)) ** 2)
         weight = fft.irfft(fft.rfft(np.ones(n), size) * gain, size)[:n]
         if axis == 0:
-            gain, weight = gain[:, None], weight[:, None]
+            gain = gain[:, None]
+            weight = weight[:, None]
         z = fft.irfft(fft.rfft(z, size, axis) * gain, size, axis).take(range(n), axis) / weight
     return np.asarray(z + plane)
 
@@ -324,29 +375,39 @@ def blended(heights: Array, overlap: Sequence[int], spacing: float) -> tuple[Arr
         if not count:
             continue
         z = np.moveaxis(heights, axis, 0)
-        first, last = z[:count], z[-count:]
+        first = z[:count]
+        last = z[-count:]
         size = np.sqrt(np.mean(first**2) * np.mean(last**2)) or 1.0
         r = np.clip(np.mean(first * last) / size, _MIN_CORRELATION, 1.0)
         turn = np.pi / 2 * (np.arange(count) + 0.5) / count
-        c, s = np.cos(turn)[:, None], np.sin(turn)[:, None]
-        zone, rest = (c * last + s * first) / np.sqrt(1 + 2 * r * c * s), z[count:-count]
+        c = np.cos(turn)[:, None]
+        s = np.sin(turn)[:, None]
+        zone = (c * last + s * first) / np.sqrt(1 + 2 * r * c * s)
+        rest = z[count:-count]
         joined = np.concatenate([zone, rest])
         slopes = np.square(np.diff(joined, axis=0, append=joined[:1]) / spacing).mean(axis=1)
         ends = np.append(slopes[:count], slopes[-1])
-        squares = [np.square(part).mean(axis=1) for part in (zone, rest)]
-        rq, slope = (
-            [f"{scale * np.sqrt(part.mean()):.3g}" if part.size else "-" for part in parts]
-            for scale, parts in ((1e6, squares), (1.0, (ends, slopes[count:-1])))
-        )
+        direction = "along" if axis == 0 else "across"
         words.append(
-            f"{count * spacing * 1e6:.4g} um blended {('along', 'across')[axis]} (Sq {rq[0]} um"
-            f" there, {rq[1]} um elsewhere; rms slope {slope[0]}, {slope[1]})"
+            f"{count * spacing * 1e6:.4g} um blended {direction}"
+            f" (Sq {_rms_text(np.square(zone).mean(axis=1), 1e6)} um there,"
+            f" {_rms_text(np.square(rest).mean(axis=1), 1e6)} um elsewhere;"
+            f" rms slope {_rms_text(ends)}, {_rms_text(slopes[count:-1])})"
         )
         heights = np.moveaxis(joined, 0, axis)
     return heights, ", ".join(words)
 
 
+def _rms_text(squares: Array, scale: float = 1.0) -> str:
+    """Write the root of the mean of squares, times a scale; a dash without any."""
+    if not squares.size:
+        return "-"
+    return f"{scale * np.sqrt(squares.mean()):.3g}"
+
+
 def mirrored(heights: Array, axes: Sequence[int]) -> Array:
     """Continue heights backwards along some axes; the ends are not doubled."""
-    pads = [(0, n - 2 if axis in axes else 0) for axis, n in enumerate(heights.shape)]
+    pads = [(0, 0), (0, 0)]
+    for axis in axes:
+        pads[axis] = (0, heights.shape[axis] - 2)
     return np.pad(heights, pads, mode="reflect")

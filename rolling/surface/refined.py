@@ -30,9 +30,9 @@ def dies_out(heights: Array) -> bool:
     z = heights - heights.mean()
     rms = float(np.sqrt(np.mean(z**2)))
     lines = np.fft.rfft2(z)
-    along, across = np.fft.fftfreq(z.shape[0]), np.fft.rfftfreq(z.shape[1])
-    inner = [2 * np.abs(frequency) < OUTER for frequency in (along, across)]
-    lines[np.ix_(*inner)] = 0.0
+    along = np.fft.fftfreq(z.shape[0])
+    across = np.fft.rfftfreq(z.shape[1])
+    lines[np.ix_(2 * np.abs(along) < OUTER, 2 * np.abs(across) < OUTER)] = 0.0
     return float(np.abs(np.fft.irfft2(lines, s=z.shape)).max()) <= MAX_OUTER * rms
 
 
@@ -96,8 +96,10 @@ def cells_of_patch(
     """
     if not smooth:
         return _repeated(_flat_patch(heights, first, rows, side), subcells)
-    fine, across = side / subcells, heights.shape[1]
-    along, width = round(rows / fine), int(across / side) * subcells
+    fine = side / subcells
+    across = heights.shape[1]
+    along = round(rows / fine)
+    width = int(across / side) * subcells
     lines = np.empty((along, across))
     for column in range(0, across, _COLUMNS):
         block = slice(column, column + _COLUMNS)
@@ -127,7 +129,8 @@ def _lines_at(values: Array, start: float, step: float, count: int) -> Array:
 
     The step is a whole number of nodes or one over a whole number.
     """
-    times, stride = max(1, round(1 / step)), max(1, round(step))
+    times = max(1, round(1 / step))
+    stride = max(1, round(step))
     whole = round(start * times)
     if times > 1 or whole != start:
         values = _padded_lines(values, times, whole - start * times)
@@ -162,7 +165,9 @@ def auto_subcells(slope: float, contact_modulus: float, hardness: float) -> int:
     does in an elastic contact.
     """
     levelled = OWN * hardness / contact_modulus
-    return STEEP_SUBCELLS if 0.5 * slope > STEEP * levelled else 1
+    if 0.5 * slope > STEEP * levelled:
+        return STEEP_SUBCELLS
+    return 1
 
 
 def median_step(heights: Array) -> float:

@@ -86,7 +86,8 @@ def identity(scene: Scene) -> tuple[Any, ...]:
 
     A file that was written again counts as another file.
     """
-    track, stamps = scene.track, []
+    track = scene.track
+    stamps = []
     for section, path in scene.height_paths.items():
         try:
             stamp = path.stat()
@@ -94,9 +95,12 @@ def identity(scene: Scene) -> tuple[Any, ...]:
             raise SceneError([f"{section}.path: {path}: {reason_of(error)}"]) from error
         stamps.append((stamp.st_mtime_ns, stamp.st_size, stamp.st_ino))
     ball = scene.sphere.surface
+    of_ball = None
+    if ball is not None:
+        of_ball = (ball.model_dump_json(), track.turn_nodes, scene.start)
     return (
         scene.surface.model_dump_json(),
-        ball and (ball.model_dump_json(), track.turn_nodes, scene.start),
+        of_ball,
         scene.folder,
         track.n_along,
         track.n_across,
@@ -118,22 +122,27 @@ def _make(scene: Scene) -> SceneSurface:
     add_faults(plate, scene.surface.faults or (), scene.spacing)
     if scene.sphere.surface is None:
         return SceneSurface(
-            plate,
-            scene.spacing,
-            plane,
-            effects,
+            heights=plate,
+            spacing=scene.spacing,
+            levelling=plane,
+            preparation=effects,
             made=described,
             suspicions=tuple(_suspicions(scene)),
         )
     try:
-        ball, of_ball = ball_heights(scene, scene.sphere.surface)
+        ball, described_ball = ball_heights(scene, scene.sphere.surface)
     except surface.SurfaceError as error:
         raise SceneError([f"sphere.surface: {error}"]) from error
     suspicions = tuple(_suspicions(scene))  # after the ball is read, which refuses damaged files
-    part_ra = _ra(plate), _ra(ball)
-    total = rolled_together(plate, ball, scene.track, scene.start)
+    part_ra = (_ra(plate), _ra(ball))  # before the sum, which may overwrite the plate
     return SceneSurface(
-        total, scene.spacing, plane, effects, part_ra, described | of_ball, suspicions
+        heights=rolled_together(plate, ball, scene.track, scene.start),
+        spacing=scene.spacing,
+        levelling=plane,
+        preparation=effects,
+        part_ra=part_ra,
+        made=described | described_ball,
+        suspicions=suspicions,
     )
 
 
@@ -144,15 +153,17 @@ def _ra(heights: Array) -> float:
 
 def _plate(scene: Scene) -> tuple[Array, Levelling | None, list[Effect]]:
     """Generate or read the heights of the plate [m], and prepare heights from a file."""
-    s, track = scene.surface, scene.track
-    if isinstance(s, surfaces.HeightFile) and scene.height_path:
-        path = scene.height_path
-        marked = None if s.outliers is None else preparation.suspected(path, s)[1]
-        read, grid = preparation.read(path, s), height_grid(path, s)
-        return preparation.prepare(read, s, grid, marked)
-    shape = track.n_along, track.n_across
-    if s.law is not None:
-        return made.of_law(shape, scene.spacing, s.law, s.law.seed), None, []
+    plate = scene.surface
+    path = scene.height_path
+    if isinstance(plate, surfaces.HeightFile) and path:
+        marked = None
+        if plate.outliers is not None:
+            _, marked = preparation.suspected(path, plate)
+        read = preparation.read(path, plate)
+        return preparation.prepare(read, plate, height_grid(path, plate), marked)
+    shape = (scene.track.n_along, scene.track.n_across)
+    if plate.law is not None:
+        return made.of_law(shape, scene.spacing, plate.law, plate.law.seed), None, []
     return np.zeros(shape), None, []
 
 
@@ -161,14 +172,16 @@ def _suspicions(scene: Scene) -> Iterator[str]:
 
     Such values of a plate whose outliers are replaced count as unmeasured, and need no word.
     """
-    plate, ball = scene.surface, scene.sphere.surface
+    plate = scene.surface
+    ball = scene.sphere.surface
     path = scene.height_path
     if path is not None and isinstance(plate, surfaces.HeightFile):
         read = measured.read(path, plate.channel, plate.height_unit, plate.xy_unit)
         yield from measured.doubts(path, read, plate.xy_unit or plate.height_unit)
-        suspects = preparation.suspected(path, plate)[0] if plate.outliers is None else ()
-        if suspects:
-            yield markers.sentence(suspects, "surface")
+        if plate.outliers is None:
+            suspects, _ = preparation.suspected(path, plate)
+            if suspects:
+                yield markers.sentence(suspects, "surface")
     if isinstance(ball, surfaces.BallHeightFile):
         path = scene.height_paths["sphere.surface"]
         yield from height_files.doubts(path)
@@ -186,16 +199,17 @@ def continued_rows(scene: Scene, first: int, rows: int) -> Array:
     """Return rows of a generated surface at half the spacing, with the detail of its laws [m]."""
     whole = heights(scene)
     patch = whole[(first + np.arange(rows)) % len(whole)]
-    seed = scene.laws[0].seed, first % len(whole), rows
+    seed = (scene.laws[0].seed, first % len(whole), rows)
     return made.continued(patch, scene.spacing, [(law.rq_m, law) for law in scene.laws], seed)
 
 
 # ---- surface of a sphere
 
 
-FORM_ORDERS = range(2, 16)  # that make up the deviation of a grade from spherical form
+FORM_ORDERS = range(2, 16)  # waves around that make up a grade's deviation from spherical form
 # Parts of the seeds of a sphere, so that sphere and plate of equal seeds have other heights.
-_ROUGHNESS, _FORM = 1, 2
+_ROUGHNESS_SEED = 1
+_FORM_SEED = 2
 
 
 def ball_heights(scene: Scene, ball: surfaces.BallSurface) -> tuple[Array, dict[str, Any]]:
@@ -206,12 +220,14 @@ def ball_heights(scene: Scene, ball: surfaces.BallSurface) -> tuple[Array, dict[
     SurfaceError
         The filter leaves nothing, or a file cannot be used.
     """
-    track, law = scene.track, ball.law
-    shape, spacing = (track.turn_nodes, track.n_across), track.spacing
+    track = scene.track
+    law = ball.law
+    shape = (track.turn_nodes, track.n_across)
+    spacing = track.spacing
     if law is not None:
-        heights = made.of_law(shape, spacing, law, (law.seed, _ROUGHNESS))
+        heights = made.of_law(shape, spacing, law, (law.seed, _ROUGHNESS_SEED))
     elif isinstance(ball, surfaces.BallHeightFile):
-        heights = _read(scene, ball)
+        heights = _read_turn(scene, ball)
     else:
         heights = np.zeros(shape)
     described = made.described("ball_surface_made", heights, spacing, law)
@@ -221,9 +237,10 @@ def ball_heights(scene: Scene, ball: surfaces.BallSurface) -> tuple[Array, dict[
     return heights, described
 
 
-def _read(scene: Scene, ball: surfaces.BallHeightFile) -> Array:
+def _read_turn(scene: Scene, ball: surfaces.BallHeightFile) -> Array:
     """Read the heights [m] of a turn without its wave of order 1, which moves the centre only."""
-    path, across = scene.height_paths["sphere.surface"], scene.track.n_across
+    path = scene.height_paths["sphere.surface"]
+    across = scene.track.n_across
     heights = levelling.read_heights(path, ball.height_unit, "sphere.surface")
     if heights.shape[1] == 1:
         heights = np.repeat(heights, across, axis=1)
@@ -235,9 +252,11 @@ def _read(scene: Scene, ball: surfaces.BallHeightFile) -> Array:
 
 def _form(ball: surfaces.BallSurface, nodes: int) -> Array:
     """Return the heights [m] of the waves around a circumference of some nodes."""
-    angle, line = _angle(nodes), np.zeros(nodes)
+    angle = _angle(nodes)
+    line = np.zeros(nodes)
     if isinstance(ball, surfaces.GradedBall):
-        phases = np.random.default_rng((ball.seed, _FORM)).uniform(0, 2 * np.pi, len(FORM_ORDERS))
+        random = np.random.default_rng((ball.seed, _FORM_SEED))
+        phases = random.uniform(0, 2 * np.pi, len(FORM_ORDERS))
         for order, phase in zip(FORM_ORDERS, phases, strict=True):
             if order * surfaces.WAVE_NODES <= nodes:
                 line += np.cos(order * angle + phase) / order
@@ -258,9 +277,12 @@ def rolled_together(plate: Array, ball: Array, track: Track, start: float) -> Ar
     Beside a track that does not close, half a width of the surface goes on as it would; then its
     end fades into its beginning, so that the sum is periodic.
     """
-    nodes, across = track.n_along, track.n_across
+    nodes = track.n_along
+    across = track.n_across
     if nodes % len(plate) == 0 and nodes % len(ball) == 0:
-        total = plate if len(plate) == nodes else np.tile(plate, (nodes // len(plate), 1))
+        total = plate
+        if len(plate) != nodes:
+            total = np.tile(plate, (nodes // len(plate), 1))
         for first in range(0, nodes, len(ball)):
             total[first : first + len(ball)] += ball
         return total
@@ -272,4 +294,6 @@ def rolled_together(plate: Array, ball: Array, track: Track, start: float) -> Ar
     turn = np.pi / 2 * (np.arange(across)[:, None] + 0.5) / across
     total[-across:] = np.cos(turn) * total[-across:] + np.sin(turn) * before
     total = np.roll(total, first, axis=0)
-    return total + plate if len(plate) == nodes else total
+    if len(plate) == nodes:
+        return total + plate
+    return total

@@ -181,7 +181,7 @@ def test_steps_follow_the_standard_and_each_begins_where_the_last_ended(tmp_path
     steps = ["outliers", "unmeasured", "s_filter", "f_operator", "l_filter", "periodic"]
     assert [effect.step for effect in effects] == steps
     assert all(a.after == b.before for a, b in itertools.pairwise(effects))
-    want = preparation.values(out, (UM, UM))
+    want = preparation.known_roughness(out, (UM, UM))
     assert effects[-1].after == want and want["Sq"] == pytest.approx(out.std(), rel=1e-9)
     assert how.seams[0] == levelling.seam(out, 0)
     # The plane of 1e-8 m a node makes Sdq 0.01 of its own, and the S-filter takes slope off.
@@ -203,7 +203,7 @@ def test_a_period_stays_as_it_is_unless_a_key_says_otherwise(tmp_path: Path) -> 
 def test_statistics_of_a_plane_wave() -> None:
     """Sa 2/pi, Sq 1/sqrt 2, Ssk 0, Sku 1.5, Sdq the rms of differences over unequal steps."""
     z = np.sin(2 * np.pi * (np.arange(64) + 0.5) / 64)[:, None] * np.ones(5)
-    got = preparation.values(np.where(np.arange(5) == 2, np.nan, z), (2.0, 3.0))
+    got = preparation.known_roughness(np.where(np.arange(5) == 2, np.nan, z), (2.0, 3.0))
     assert [*got.values()][:4] == pytest.approx([2 / np.pi, 0.5**0.5, 0, 1.5], abs=1e-3)
     assert got["Sdq"] == pytest.approx(2 * np.sin(np.pi / 64) / 2 * 0.5**0.5, rel=0.02)
 
@@ -268,5 +268,5 @@ def test_an_overlap_of_a_whole_half_leaves_nothing_elsewhere() -> None:
 def test_gaps_without_neighbours_have_no_slope() -> None:
     """On a checkerboard of gaps no slope is known, and nothing is not a number."""
     z = np.where(np.add.outer(np.arange(8), np.arange(9)) % 2, np.nan, rough(8, 9))
-    assert [*preparation.values(z, (UM, UM))] == ["Sa", "Sq", "Ssk", "Sku"]
-    assert set(preparation.values(np.zeros((4, 4)), (UM, UM)).values()) == {0.0}
+    assert [*preparation.known_roughness(z, (UM, UM))] == ["Sa", "Sq", "Ssk", "Sku"]
+    assert set(preparation.known_roughness(np.zeros((4, 4)), (UM, UM)).values()) == {0.0}
