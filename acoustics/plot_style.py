@@ -30,11 +30,12 @@ LINE_STYLES: tuple[str | tuple[int, tuple[int, ...]], ...] = (
 )  # fmt: skip
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 GREY = "0.6"
+OCTAVES = slice(2, None, 3)  # of the third octaves, the octaves from 31.5 Hz on
 # SI prefixes of axes by powers of a thousand
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M"}
 
 _SHOWN_DB = 70.0
-_ROOM_IN = 4.3  # width of axes that takes a name for each third octave, side by side
+_ALL_NAMED_IN = 4.3  # width of axes that takes a name for each third octave, side by side
 _WIDEST_IN = 0.4  # width of such a name with its distance to the next
 FEW = 3  # maximum number of curves with distinguishable lines or error bars
 PER_OCTAVE = 12  # means per octave drawn for dense spectra
@@ -90,20 +91,30 @@ def gridded(ax: Axes, **labels: str) -> Axes:
 def band_ticks(ax: Axes, octaves: bool = False) -> None:
     """Name third octaves along x; octaves where that is asked for, or where they would overlap."""
     width_in = ax.get_window_extent().width / ax.figure.dpi
-    named = slice(2, None, 3) if octaves or width_in < _ROOM_IN else slice(None)
+    named = OCTAVES if octaves or width_in < _ALL_NAMED_IN else slice(None)
     names = [short_name(name) for name in BAND_NAMES[named]]
-    rotation, size = (90, "small") if len(names) * _WIDEST_IN > width_in else (0, "medium")
-    ax.set_xticks(MID_HZ[named], names, rotation=rotation, fontsize=size)
+    if len(names) * _WIDEST_IN > width_in:
+        ax.set_xticks(MID_HZ[named], names, rotation=90, fontsize="small")
+    else:
+        ax.set_xticks(MID_HZ[named], names, rotation=0, fontsize="medium")
 
 
 def say_if_silent(ax: Axes, sounds: bool) -> None:
     """Write `no sound` on axes without a level."""
     if not sounds:
-        middle: dict[str, Any] = {"ha": "center", "va": "center", "transform": ax.transAxes}
-        ax.text(0.5, 0.5, "no sound", color="0.4", fontsize=14, **middle)
+        ax.text(
+            0.5,
+            0.5,
+            "no sound",
+            color="0.4",
+            fontsize=14,
+            ha="center",
+            va="center",
+            transform=ax.transAxes,
+        )
 
 
-def look_of(number: int, count: int, ordered: bool = False) -> dict[str, Any]:
+def curve_style(number: int, count: int, ordered: bool = False) -> dict[str, Any]:
     """Return colour, line style and marker of a curve among `count` curves.
 
     Colours go from dark to light if the order of the curves has a meaning, or if they are many.
@@ -112,14 +123,25 @@ def look_of(number: int, count: int, ordered: bool = False) -> dict[str, Any]:
     if count > len(COLOURS) or (ordered and count >= FEW):
         # Beyond 0.72 the map has a contrast below 2.5 to white paper.
         colour = to_hex(matplotlib.colormaps["plasma"](0.72 * number / (count - 1)))
-    style = number % len(LINE_STYLES)
-    return {"color": colour, "linestyle": LINE_STYLES[style], "marker": MARKERS[style]}
+    return {
+        "color": colour,
+        "linestyle": LINE_STYLES[number % len(LINE_STYLES)],
+        "marker": MARKERS[number % len(MARKERS)],
+    }
 
 
-def bars(ax: Axes, x: Array, level_db: Array, uncertainty_db: Array, colour: str) -> None:
+def error_bars(ax: Axes, x: Array, level_db: Array, uncertainty_db: Array, colour: str) -> None:
     """Draw error bars of the standard uncertainty."""
-    lines: dict[str, Any] = {"elinewidth": 0.9, "capsize": 2.5, "capthick": 0.9}
-    ax.errorbar(x, level_db, uncertainty_db, fmt="none", ecolor=colour, **lines)
+    ax.errorbar(
+        x,
+        level_db,
+        uncertainty_db,
+        fmt="none",
+        ecolor=colour,
+        elinewidth=0.9,
+        capsize=2.5,
+        capthick=0.9,
+    )
 
 
 def numbers(levels_db: Iterable[float | None]) -> Array:
@@ -137,7 +159,9 @@ def unit_prefix(largest: float) -> tuple[float, str]:
 def short_name(name: str) -> str:
     """Write a frequency for a tick label: 1000 is 1k."""
     value = float(name)
-    return f"{value / 1000.0:g}k" if value >= 1000.0 else name
+    if value >= 1000.0:
+        return f"{value / 1000.0:g}k"
+    return name
 
 
 # ---- records as they are drawn
@@ -177,14 +201,16 @@ class Lines:
         Parts of the axis without lines are left out.
         """
         octaves = math.log2(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
-        edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(math.ceil(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
-        band, bands = np.searchsorted(edges, self.frequency_hz, side="right") - 1, len(edges) - 1
-        lines = np.bincount(band, minlength=bands)
-        power = np.bincount(band, weights=10.0 ** (self.level_db / 10.0), minlength=bands)
-        held = lines > 0
+        count = math.ceil(octaves * PER_OCTAVE)
+        edges = AUDIBLE_HZ[0] * 2.0 ** (np.arange(count + 1) / PER_OCTAVE)
+        part = np.searchsorted(edges, self.frequency_hz, side="right") - 1
+        lines = np.bincount(part, minlength=count)
+        power = np.bincount(part, weights=10.0 ** (self.level_db / 10.0), minlength=count)
+        has_lines = lines > 0
         with np.errstate(divide="ignore"):
-            level = 10.0 * np.log10(power[held] / lines[held])
-        return np.sqrt(edges[:-1] * edges[1:])[held], np.maximum(level, NOTHING_DB)
+            level = 10.0 * np.log10(power[has_lines] / lines[has_lines])
+        mid_frequency = np.sqrt(edges[:-1] * edges[1:])
+        return mid_frequency[has_lines], np.maximum(level, NOTHING_DB)
 
     @cached_property
     def envelope(self) -> tuple[Array, Array]:
@@ -199,9 +225,13 @@ class Lines:
 
         Single low lines of a dense spectrum do not count.
         """
-        shown = np.append(self.mean[1], self.level_db.max()) if self.dense else self.level_db
+        shown = self.level_db
+        if self.dense:
+            shown = np.append(self.mean[1], self.level_db.max())
         shown = shown[shown > NOTHING_DB]
-        return [float(shown.min()), float(shown.max())] if len(shown) else []
+        if not len(shown):
+            return []
+        return [float(shown.min()), float(shown.max())]
 
 
 @ignoring_underflow
@@ -222,5 +252,6 @@ def _thinned(x: Array, y: Array, share: Array) -> tuple[Array, Array]:
     """
     column = np.minimum(np.floor(share * _COLUMNS), _COLUMNS - 1)
     starts = np.flatnonzero(np.diff(column, prepend=-1.0))
-    limits = [limit.reduceat(y, starts) for limit in (np.minimum, np.maximum)]
-    return np.repeat(x[starts], 2), np.ravel(limits, "F")
+    minima = np.minimum.reduceat(y, starts)
+    maxima = np.maximum.reduceat(y, starts)
+    return np.repeat(x[starts], 2), np.column_stack((minima, maxima)).ravel()

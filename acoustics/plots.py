@@ -8,7 +8,7 @@ from acoustics import matplotlib_import  # noqa: F401, before matplotlib
 # isort: split
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -29,10 +29,19 @@ __all__ = [
 
 Limits = tuple[float, float]
 Curve = tuple[str, Lines]  # label and spectrum
-# Errors of band levels [dB] and their standard uncertainty, by nominal frequency.
-BandErrors = tuple[Mapping[str, float | None], Mapping[str, float | None]]
-# Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
+Levels = Mapping[str, float | None]  # by nominal frequency; None is a gap
+
+
+class BandErrors(NamedTuple):
+    """Errors of band levels [dB], too loud is positive, and their standard uncertainty [dB]."""
+
+    error_db: Levels
+    uncertainty_db: Levels
+
+
+_THIRD_OF_OCTAVES = slice(2, None, 9)  # of the third octaves, every third octave from 31.5 Hz on
 _SMALL_IN = 2.4  # height of axes that takes a name for each octave
+# Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
 _SHADES = 36
 _HATCHES = ("////", "\\\\\\\\", "xxxx")  # marks of bands with large errors, one for each curve
 
@@ -77,24 +86,26 @@ def spectrum(
     'frequency [Hz]'
     """
     for number, (label, lines) in enumerate(curves):
-        look = style.look_of(number, len(curves), ordered)
+        look = style.curve_style(number, len(curves), ordered)
         del look["marker"]
-        if (label, lines) in drawn_as_means(curves):
+        if lines.dense or len(curves) > FEW:
             if len(curves) <= FEW:
-                ax.plot(*lines.envelope, color=look["color"], linewidth=0.3, alpha=0.4, zorder=1.5)
-            ax.plot(*lines.mean, linewidth=1.8, label=label, **look)
+                frequency, level = lines.envelope
+                ax.plot(frequency, level, color=look["color"], linewidth=0.3, alpha=0.4, zorder=1.5)
+            frequency, level = lines.mean
+            ax.plot(frequency, level, linewidth=1.8, label=label, **look)
         else:
             level = np.maximum(lines.level_db, style.NOTHING_DB)
             ax.plot(lines.frequency_hz, level, linewidth=1.2, label=label, **look)
-    seen = [level for _, lines in curves for level in lines.extremes]
-    _audible(ax, seen, limits_db, octaves=True)
+    extremes = [level for _, lines in curves for level in lines.extremes]
+    _scale_axes(ax, extremes, limits_db, octaves=True)
     return style.gridded(ax, xlabel="frequency [Hz]", ylabel="level [dB]")
 
 
 @ignoring_underflow
 def third_octaves(
     ax: Axes,
-    curves: Sequence[tuple[str, Mapping[str, float | None], Mapping[str, float | None]]],
+    curves: Sequence[tuple[str, Levels, Levels]],
     duration_s: float,
     errors: Sequence[BandErrors | None] = (),
     ordered: bool = False,
@@ -113,7 +124,7 @@ def third_octaves(
         by nominal frequency; None is a gap.
     duration_s : float, s
         Duration T of the record; the shortest of several.
-    errors : sequence of pairs
+    errors : sequence of BandErrors or None
         Errors of the levels of each curve in dB, too loud is positive, and their standard
         uncertainty, both by nominal frequency; None for a curve without. Up to three curves have a
         diamond at the level less its error, and bands off by more than 1 dB are hatched in the
@@ -134,21 +145,25 @@ def third_octaves(
     >>> ax.get_xlabel()
     'third octave, nominal mid frequency [Hz]'
     """
-    read = reliable(duration_s)
-    # bands widen upwards, so the grey bands are the lowest
-    first = int(np.argmax(read)) if read.any() else len(read)
-    seen: list[float] = []
+    is_reliable = reliable(duration_s)
+    # Bands widen upwards, so the grey bands are the lowest.
+    first = int(np.argmax(is_reliable)) if is_reliable.any() else len(is_reliable)
+    shown_db: list[float] = []
     for number, (label, levels, uncertainty) in enumerate(curves):
-        level, spread = _by_band(levels), _by_band(uncertainty)
-        seen += [*level]
-        look = style.look_of(number, len(curves), ordered)
-        _band_curve(ax, label, level, spread, first, look, len(curves) <= FEW)
-        if number < len(errors) and (of_curve := errors[number]) and len(curves) <= FEW:
-            seen += _error_marks(ax, label, number, level, of_curve, look["color"])
+        level = _by_band(levels)
+        shown_db += [*level]
+        look = style.curve_style(number, len(curves), ordered)
+        if len(curves) <= FEW:
+            _draw_steps(ax, label, level, _by_band(uncertainty), first, look)
+        else:
+            _draw_line(ax, label, level, first, look)
+        of_curve = errors[number] if number < len(errors) else None
+        if of_curve is not None and len(curves) <= FEW:
+            shown_db += _mark_errors(ax, label, number, level, BandErrors(*of_curve), look["color"])
     if first > 0:
         short = f"B T < {MIN_BT:g}: uncertain by 2 dB or more"
         ax.axvspan(EDGES_HZ[0], EDGES_HZ[first], color="0.93", zorder=0, label=short)
-    _audible(ax, seen, None)
+    _scale_axes(ax, shown_db, None)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     return style.gridded(ax, ylabel="sound pressure level [dB re 20 µPa]")
 
@@ -158,7 +173,7 @@ def _by_band(by_name: Mapping[str, float | None]) -> Array:
     return style.numbers(by_name[name] for name in BAND_NAMES)
 
 
-def _audible(
+def _scale_axes(
     ax: Axes, levels_db: Sequence[float], limits_db: Limits | None, octaves: bool = False
 ) -> None:
     """Give the axes a logarithmic axis of the audible range and one of the levels."""
@@ -170,55 +185,119 @@ def _audible(
     style.band_ticks(ax, octaves)
 
 
-def _band_curve(
-    ax: Axes, label: str, level: Array, spread: Array, first: int, look: dict[str, Any], few: bool
+def _draw_steps(
+    ax: Axes, label: str, level: Array, spread: Array, first: int, look: dict[str, Any]
 ) -> None:
-    """Draw a curve of third octaves, grey below the first reliable band.
+    """Draw a curve of third octaves as steps, grey below the first reliable band."""
+    hidden = f"_{label}"  # which is not in the legend
+    if first > 0:
+        grey: dict[str, Any] = {"color": GREY, "label": hidden}
+        ax.stairs(
+            level[:first],
+            EDGES_HZ[: first + 1],
+            baseline=None,
+            linestyle=look["linestyle"],
+            linewidth=1.3,
+            **grey,
+        )
+        _draw_marks(ax, MID_HZ[:first], level[:first], look["marker"], face="white", **grey)
+    if first < len(level):
+        own: dict[str, Any] = {"color": look["color"], "label": hidden}
+        ax.stairs(
+            level[first:],
+            EDGES_HZ[first:],
+            baseline=None,
+            linestyle=look["linestyle"],
+            linewidth=1.3,
+            **own,
+        )
+        _draw_marks(ax, MID_HZ[first:], level[first:], look["marker"], face=look["color"], **own)
+    style.error_bars(ax, MID_HZ[first:], level[first:], spread[first:], look["color"])
+    _name_curve(ax, label, look)
 
-    Bands are steps, or a line where the steps of many curves would hide one another.
+
+def _draw_line(ax: Axes, label: str, level: Array, first: int, look: dict[str, Any]) -> None:
+    """Draw a curve of third octaves as a line, thin and grey below the first reliable band.
+
+    The steps of many curves would hide one another.
     """
-    marker, dash = {"marker": look["marker"], "markersize": 4}, {"linestyle": look["linestyle"]}
-    grey, coloured = slice(0, first), slice(first, len(level))
-    for part, colour in ((grey, GREY), (coloured, look["color"])):
-        if part.start == part.stop:
-            continue
-        own = {"color": colour, "label": f"_{label}"}  # which is not in the legend
-        line = dash | own | {"linewidth": 0.7 if colour == GREY and not few else 1.3}
-        edges = EDGES_HZ[part.start : part.stop + 1]
-        if few:
-            ax.stairs(level[part], edges, baseline=None, **line)
-        else:
-            ax.plot(MID_HZ[part], level[part], **line)
-        if few or colour != GREY:
-            face = "white" if colour == GREY else colour
-            dots = marker | own | {"markerfacecolor": face, "linestyle": "none"}
-            ax.plot(MID_HZ[part], level[part], **dots)
-    if few:
-        style.bars(ax, MID_HZ[coloured], level[coloured], spread[coloured], look["color"])
-    ax.plot([], [], color=look["color"], label=label, **marker, **dash)
+    hidden = f"_{label}"  # which is not in the legend
+    dash = look["linestyle"]
+    if first > 0:
+        ax.plot(
+            MID_HZ[:first], level[:first], color=GREY, linestyle=dash, linewidth=0.7, label=hidden
+        )
+    if first < len(level):
+        own: dict[str, Any] = {"color": look["color"], "label": hidden}
+        ax.plot(MID_HZ[first:], level[first:], linestyle=dash, linewidth=1.3, **own)
+        _draw_marks(ax, MID_HZ[first:], level[first:], look["marker"], face=look["color"], **own)
+    _name_curve(ax, label, look)
 
 
-def _error_marks(
+def _draw_marks(
+    ax: Axes, frequency: Array, level: Array, marker: str, *, color: str, face: str, label: str
+) -> None:
+    """Draw marks without a line."""
+    ax.plot(
+        frequency,
+        level,
+        marker=marker,
+        markersize=4,
+        markerfacecolor=face,
+        color=color,
+        linestyle="none",
+        label=label,
+    )
+
+
+def _name_curve(ax: Axes, label: str, look: dict[str, Any]) -> None:
+    """Add line and mark of a curve to the legend."""
+    ax.plot([], [], label=label, markersize=4, **look)
+
+
+def _mark_errors(
     ax: Axes, label: str, number: int, level: Array, errors: BandErrors, colour: str
 ) -> list[float]:
     """Draw diamonds at levels less their errors, and hatch the bands that are off by over 1 dB.
 
     Returns these levels [dB].
     """
-    error, spread = map(_by_band, errors)
+    error = _by_band(errors.error_db)
+    spread = _by_band(errors.uncertainty_db)
     known = np.isfinite(error) & np.isfinite(level)
-    right, marked = (level - error)[known], "level less its estimated error"
-    named = f"_{marked}" if marked in ax.get_legend_handles_labels()[1] else marked
-    # The curve's own mark shows inside a diamond of this size.
-    diamond: dict[str, Any] = {"fmt": "D", "markersize": 7, "elinewidth": 0.7, "zorder": 1.8}
-    diamond |= {"color": colour, "markeredgewidth": 0.8, "markerfacecolor": "none"}
-    ax.errorbar(MID_HZ[known], right, np.nan_to_num(spread[known]), label=named, **diamond)
-    hatch: dict[str, Any] = {"facecolor": "none", "edgecolor": colour, "alpha": 0.6}
-    hatch |= {"hatch": _HATCHES[number], "linewidth": 0.0, "zorder": 0.5}
+    corrected = (level - error)[known]
+    name = "level less its estimated error"
+    if name in ax.get_legend_handles_labels()[1]:
+        name = f"_{name}"
+    ax.errorbar(
+        MID_HZ[known],
+        corrected,
+        np.nan_to_num(spread[known]),
+        label=name,
+        color=colour,
+        fmt="D",
+        markersize=7,  # the curve's own mark shows inside
+        markeredgewidth=0.8,
+        markerfacecolor="none",
+        elinewidth=0.7,
+        zorder=1.8,
+    )
     for k, band in enumerate(np.flatnonzero(known & (np.abs(error) > OFF_DB))):
-        named = f"{'_' if k else ''}{label}: off by more than {OFF_DB:g} dB"
-        ax.axvspan(EDGES_HZ[band], EDGES_HZ[band + 1], label=named, **hatch)
-    return [float(level) for level in right]
+        name = f"{label}: off by more than {OFF_DB:g} dB"
+        if k > 0:
+            name = f"_{name}"
+        ax.axvspan(
+            EDGES_HZ[band],
+            EDGES_HZ[band + 1],
+            label=name,
+            facecolor="none",
+            edgecolor=colour,
+            alpha=0.6,
+            hatch=_HATCHES[number],
+            linewidth=0.0,
+            zorder=0.5,
+        )
+    return [float(level) for level in corrected]
 
 
 @ignoring_underflow
@@ -249,19 +328,27 @@ def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limi
     >>> plots.spectrogram(Figure().subplots(), shown, 0.5, (20.0, 90.0)).get_xlabel()
     'time [ms]'
     """
-    factor, prefix = style.unit_prefix(duration_s)
-    first, last = (shown.time_s[[0, -1]] + np.array([-0.5, 0.5]) * shown.hop_s) / factor
+    second, prefix = style.unit_prefix(duration_s)
+    first = (shown.time_s[0] - 0.5 * shown.hop_s) / second
+    last = (shown.time_s[-1] + 0.5 * shown.hop_s) / second
     low, high = np.log10(shown.edges_hz[[0, -1]])
-    colours = matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85")
     # Rows are equally wide on a logarithmic scale, so an image on a linear axis of logarithms shows
     # each value as a dot.
-    shape: dict[str, Any] = {"extent": (first, last, low, high), "aspect": "auto"}
-    shades: dict[str, Any] = {"cmap": colours, "vmin": limits_db[0], "vmax": limits_db[1]}
-    image = ax.imshow(shown.level_db, origin="lower", interpolation="none", **shape, **shades)
+    image = ax.imshow(
+        shown.level_db,
+        cmap=matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85"),
+        vmin=limits_db[0],
+        vmax=limits_db[1],
+        origin="lower",
+        interpolation="none",
+        extent=(first, last, low, high),
+        aspect="auto",
+    )
     style.say_if_silent(ax, bool(np.isfinite(shown.level_db).any()))
-    ax.set(xlim=(0.0, duration_s / factor), ylim=(low, high))
-    named = slice(2, None, 3 if ax.bbox.height > _SMALL_IN * ax.figure.dpi else 9)
-    ax.set_yticks(np.log10(MID_HZ[named]), [*map(style.short_name, BAND_NAMES[named])])
+    ax.set(xlim=(0.0, duration_s / second), ylim=(low, high))
+    is_small = ax.bbox.height <= _SMALL_IN * ax.figure.dpi
+    named = _THIRD_OF_OCTAVES if is_small else style.OCTAVES
+    ax.set_yticks(np.log10(MID_HZ[named]), [style.short_name(name) for name in BAND_NAMES[named]])
     ax.set(xlabel=f"time [{prefix}s]", ylabel="frequency [Hz]")
     beside = ax.inset_axes((1.03, 0.0, 0.04, 1.0))
     label = "density level [dB re (20 µPa)²/Hz]"

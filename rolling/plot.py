@@ -12,21 +12,11 @@ Examples
 >>> right = rolling.plot.contact_pressure(run, ax=ax[1])
 """
 
-from collections.abc import Callable
-from functools import wraps
-from inspect import signature
-from typing import Any
-
-from acoustics.arrays import instance
-from acoustics.traps import ignoring_underflow
 from rolling.figures.contact import contact_pressure, recovery_events, surface
 from rolling.figures.origins import modulation, running_in, wavelengths
-from rolling.figures.picture import listed
 from rolling.figures.sound import power_density, release_power, spectrogram, spectrum, third_octaves
 from rolling.figures.sweep import contact_areas, levels, mean_third_octaves
 from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
-from rolling.results.run_result import Run
-from rolling.scene.scene import Scene
 
 __all__ = [
     "contact_areas", "contact_filter", "contact_force", "contact_pressure", "levels",
@@ -34,25 +24,3 @@ __all__ = [
     "release_power", "running_in", "sources", "spectrogram", "spectrum", "surface",
     "third_octaves", "wavelengths",
 ]  # fmt: skip
-
-
-def _checked(draw: Callable[..., Any]) -> Callable[..., Any]:
-    """Raise TypeError where a plot is given no run, ValueError where it is given an empty list."""
-    takes = signature(draw)
-    first = next(iter(takes.parameters))
-
-    @wraps(draw)
-    @ignoring_underflow
-    def checked(*values: Any, **named: Any) -> Any:
-        given = takes.bind(*values, **named).arguments
-        shown = listed(given[first]) if first == "runs" else [given[first]]
-        for run in shown:
-            instance(first, run, *((Run,) if first in ("run", "runs") else (Run, Scene)))
-        if not shown:
-            raise ValueError("runs: got none, allowed: at least one run")
-        return draw(**given | {first: shown if first == "runs" else shown[0]})
-
-    return checked
-
-
-globals().update({name: _checked(globals()[name]) for name in __all__})

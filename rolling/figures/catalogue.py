@@ -1,9 +1,11 @@
-"""All figures by name, and their files: those that compare runs, and those on request."""
+"""All figures by name, and their files: figures that compare runs, figures of one run, on request.
+
+Files, the page and `rolling.plot` draw each figure by the same function.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -22,62 +24,103 @@ from rolling.terminal.files import make_below, write_bytes
 FORMATS = ("png", "svg", "csv")
 
 
+# ---- runs that have a figure
+
+
+def _always(shown: Run | Sequence[Run]) -> bool:
+    return True
+
+
+def _has_swept_key(runs: Sequence[Run]) -> bool:
+    return sweep.swept_key(runs) is not None
+
+
+def _has_turns(run: Run) -> bool:
+    return bool(run.summary.get("turn_band_hz"))
+
+
+def _has_wavelengths(run: Run) -> bool:
+    return bool(run.wavelength_octaves)
+
+
+def _has_passes(run: Run) -> bool:
+    return run.result.passes is not None
+
+
+def _has_snapshot(run: Run) -> bool:
+    return run.result.snapshot is not None
+
+
+def _has_events(run: Run) -> bool:
+    return run.event_statistics is not None
+
+
+def _has_vibration(run: Run) -> bool:
+    return run.vibration is not None
+
+
+def _vibrates_on_a_rough_surface(run: Run) -> bool:
+    return run.vibration is not None and scene_surface(run.scene).statistics.rq > 0
+
+
+# ---- the figures
+
+
 @dataclass(frozen=True)
 class FigureKind:
-    """A kind of figure: its function on axes, its table, and the runs that it holds for.
+    """A kind of figure: its function on axes, its table, and the runs that have it.
 
     Parameters
     ----------
-    draw : callable of (runs, ax), or of (run, ax) for a figure of one run.
+    draw : callable of (runs, ax=), or of (run, ax=) for a figure of one run.
     table : callable of the same runs or run. None for a map.
-    holds : callable of the same. True, or anything but nothing, if there is such a figure.
-    among : bool. Whether `draw` takes the runs `among` which a run is compared.
+    is_shown : callable of the same. Whether the runs have the figure.
+    shares_scales : bool. Whether `draw` takes the runs `among` which a run is compared.
     """
 
     draw: Callable[..., Axes]
     table: Callable[..., DataFrame] | None = None
-    holds: Callable[..., Any] = lambda shown: True
-    among: bool = False
+    is_shown: Callable[[Any], bool] = _always
+    shares_scales: bool = False
+
+    def picture(self, name: str, shown: Run | Sequence[Run], among: Sequence[Run] = ()) -> Picture:
+        """Draw the figure of runs, or of one run on the axes of all runs `among` which it is."""
+        draw = partial(self.draw, shown)
+        if self.shares_scales:
+            draw = partial(self.draw, shown, among=among)
+        table = None if self.table is None else self.table(shown)
+        return picture(name, draw, table)
 
 
-def _turns(run: Run) -> bool:
-    return bool(run.summary.get("turn_band_hz"))
-
-
-def _filters(run: Run) -> bool:
-    return bool(run.vibration) and scene_surface(run.scene).statistics.rq > 0
-
-
-_AREAS = partial(sweep.swept_table, names=sweep.AREAS)
-_VIBRATES, _OCTAVES = map(attrgetter, ("vibration", "wavelength_octaves"))
-_PASSES, _SNAPSHOT = map(attrgetter, ("result.passes", "result.snapshot"))
-_EVENTS = attrgetter("event_statistics")
 COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
-    "third_octaves_a": FigureKind(
-        partial(sound.third_octaves, a_weighted=True),
-        partial(sound.third_octave_table, a_weighted=True),
-    ),
+    "third_octaves_a": FigureKind(sound.third_octaves_a, sound.third_octave_a_table),
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
-    "levels": FigureKind(sweep.levels, sweep.level_table, sweep.swept_key),
-    "contact_areas": FigureKind(sweep.contact_areas, _AREAS, sweep.swept_key),
+    "levels": FigureKind(sweep.levels, sweep.level_table, _has_swept_key),
+    "contact_areas": FigureKind(sweep.contact_areas, sweep.area_table, _has_swept_key),
     "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
 }
 SINGLE = {
-    "release_power": FigureKind(sound.release_power, sound.release_power_table, among=True),
-    "spectrogram": FigureKind(sound.spectrogram, among=True),
-    "modulation": FigureKind(origins.modulation, origins.modulation_table, _turns),
-    "wavelengths": FigureKind(origins.wavelengths, origins.wavelength_table, _OCTAVES),
-    "running_in": FigureKind(origins.running_in, origins.running_in_table, _PASSES),
+    "release_power": FigureKind(sound.release_power, sound.release_power_table, shares_scales=True),
+    "spectrogram": FigureKind(sound.spectrogram, shares_scales=True),
+    "modulation": FigureKind(origins.modulation, origins.modulation_table, _has_turns),
+    "wavelengths": FigureKind(origins.wavelengths, origins.wavelength_table, _has_wavelengths),
+    "running_in": FigureKind(origins.running_in, origins.running_in_table, _has_passes),
     "surface": FigureKind(contact.surface),
-    "contact_pressure": FigureKind(contact.contact_pressure, holds=_SNAPSHOT, among=True),
-    "recovery_events": FigureKind(contact.recovery_events, contact.recovery_event_table, _EVENTS),
-    "sources": FigureKind(vibration.sources, vibration.source_table, _VIBRATES),
-    "contact_force": FigureKind(vibration.contact_force, vibration.contact_force_table, _VIBRATES),
-    "contact_filter": FigureKind(
-        vibration.contact_filter, vibration.contact_filter_table, _filters
+    "contact_pressure": FigureKind(
+        contact.contact_pressure, is_shown=_has_snapshot, shares_scales=True
     ),
-    "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _VIBRATES),
+    "recovery_events": FigureKind(
+        contact.recovery_events, contact.recovery_event_table, _has_events
+    ),
+    "sources": FigureKind(vibration.sources, vibration.source_table, _has_vibration),
+    "contact_force": FigureKind(
+        vibration.contact_force, vibration.contact_force_table, _has_vibration
+    ),
+    "contact_filter": FigureKind(
+        vibration.contact_filter, vibration.contact_filter_table, _vibrates_on_a_rough_surface
+    ),
+    "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _has_vibration),
 }
 ON_REQUEST = {"power_density": FigureKind(sound.power_density)}
 FIGURES = COMPARING | SINGLE | ON_REQUEST
@@ -87,11 +130,11 @@ def comparing_pictures(runs: Sequence[Run], names: Iterable[str] = ()) -> Iterat
     """Draw the figures that compare runs, a curve or mark for each run."""
     for name in names or COMPARING:
         kind = FIGURES[name]
-        if not kind.holds(runs):
+        if not kind.is_shown(runs):
             continue
         drawn = None
         with left_out_if_it_fails(name):
-            drawn = picture(name, partial(kind.draw, runs), kind.table and kind.table(runs))
+            drawn = kind.picture(name, runs)
         if drawn is not None:
             yield drawn
 
@@ -102,18 +145,20 @@ def single_picture(name: str, run: Run, among: Sequence[Run] = ()) -> Picture | 
     None for a figure that the run does not have, or that cannot be drawn.
     """
     kind = SINGLE[name]
-    if not kind.holds(run):
+    if not kind.is_shown(run):
         return None
-    shared = {"among": among} if kind.among else {}
     with left_out_if_it_fails(f"{name} of {run.label}"):
-        return picture(name, partial(kind.draw, run, **shared), kind.table and kind.table(run))
+        return kind.picture(name, run, among)
     return None
+
+
+# ---- files
 
 
 def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
     """Write the figures that compare runs into `folder/figures` as PNG, and return their paths."""
     make_below(folder, folder / "figures")
-    names = [name for name, kind in COMPARING.items() if kind.holds(runs)]
+    names = [name for name, kind in COMPARING.items() if kind.is_shown(runs)]
     return plot_run(runs, names, out=folder / "figures")
 
 
@@ -147,14 +192,15 @@ def plot_run(
     OSError
         A file cannot be written.
     """
-    shown, paths = listed(runs), list[Path]()
+    shown = listed(runs)
+    folder = Path(out)
     if form not in FORMATS:
         raise ValueError(f"{form}: no format of figures, allowed: {', '.join(FORMATS)}")
     for name in names:
         if name not in FIGURES:
             like = nearest(name, [*FIGURES])
             raise ValueError(f"{name}: no figure, allowed: {', '.join(FIGURES)}{like}")
-    folder = Path(out)
+    paths = list[Path]()
     for name in names or FIGURES:
         if names and not _is_there(name, shown, form):
             raise ValueError(f"{name}: the runs have no such figure in {form}")
@@ -178,15 +224,17 @@ def _is_there(name: str, runs: Sequence[Run], form: str) -> bool:
     if form == "csv" and kind.table is None:
         return False
     if name in SINGLE:
-        return any(kind.holds(run) for run in runs)
-    return bool(kind.holds(runs))
+        return any(kind.is_shown(run) for run in runs)
+    return kind.is_shown(runs)
 
 
 def _pictures(name: str, runs: Sequence[Run]) -> Iterator[tuple[str, Picture]]:
     """Draw a figure of all runs or of each run, with the stem of its file."""
     if name not in SINGLE:
-        yield from ((name, drawn) for drawn in comparing_pictures(runs, [name]))
+        for drawn in comparing_pictures(runs, [name]):
+            yield name, drawn
         return
     for run in runs:
-        if drawn := single_picture(name, run, runs):
-            yield (name if len(runs) == 1 else f"{name}-{slug(run.label)}"), drawn
+        own = single_picture(name, run, among=runs)
+        if own is not None:
+            yield (name if len(runs) == 1 else f"{name}-{slug(run.label)}"), own

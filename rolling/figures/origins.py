@@ -1,30 +1,46 @@
 """Figures of the origins of a sound: waves of the surface, turns of the sphere, and passes."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from acoustics.arrays import instance
 from acoustics.modulation import envelope_spectrum
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, MARKERS
-from rolling.figures.picture import axes_of, distance_and_duration, finish
+from acoustics.traps import ignoring_underflow
+from rolling.figures.picture import axes_of, distance_text, duration_text, finish
 from rolling.results.run_result import Run
 from rolling.results.summary import pass_numbers
 from rolling.sound.wavelengths import FOLLOWS, MIN_SHARE
 
 MULTIPLES = 10  # of the turn's frequency that are shown and marked
-_CURVES = {  # columns of the table with name, unit and factor of the unit
-    "laeq_db": ("LAeq of the release", "dB(A)", 1.0),
-    "vibration_estimate_laeq_db": ("LAeq of the vibration, estimated", "dB(A)", 1.0),
-    "release_power_mean_w": ("release", "µW", 1e6),
-    "depth_um": ("maximum depth", "µm", 1.0),
-}
+
+
+class PassQuantity(NamedTuple):
+    """A quantity of the passes: its column, name, unit, and the factor from the table to it."""
+
+    column: str
+    name: str
+    unit: str
+    factor: float = 1.0
+
+
+_PASS_QUANTITIES = (
+    PassQuantity("laeq_db", "LAeq of the release", "dB(A)"),
+    PassQuantity("vibration_estimate_laeq_db", "LAeq of the vibration, estimated", "dB(A)"),
+    PassQuantity("release_power_mean_w", "release", "µW", 1e6),
+    PassQuantity("depth_um", "maximum depth", "µm"),
+)
 
 
 # ---- waves of the surface
 
 
+@ignoring_underflow
 def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the share of each octave of roughness wavelength in the A-weighted energy of a run.
 
@@ -51,20 +67,36 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> ax = rolling.plot.wavelengths(run)
     """
-    table, ax = wavelength_table(run), axes_of(ax)
+    instance("run", run, Run)
+    table = wavelength_table(run)
     table = table[table["energy_share"] >= MIN_SHARE]
-    low, share = table["from_um"], 100 * table["energy_share"]
-    linear = share * table["linear_share"].fillna(0.0)
-    bars = [(share, 0.4, "at the frequencies of these waves")]
-    bars += [(linear, 1.0, "following these waves")] if linear.any() else []
-    for height, alpha, label in bars:
-        ax.bar(low, height, 0.92 * low, 0, align="edge", color=COLOURS[0], alpha=alpha, label=label)
+    low = table["from_um"]
+    all_percent = 100 * table["energy_share"]
+    linear_percent = all_percent * table["linear_share"].fillna(0.0)
+    ax = axes_of(ax)
+    _draw_shares(ax, low, all_percent, alpha=0.4, label="at the frequencies of these waves")
+    if linear_percent.any():
+        _draw_shares(ax, low, linear_percent, alpha=1.0, label="following these waves")
     ax.set_xscale("log")
     ax.set_xticks(low, [f"{edge:g}" for edge in low])
     ax.set_xticks([], minor=True)
     ax.set_xlabel("wavelength along the track, lower edge of the octave [µm]")
     ax.set_ylabel("part of the A-weighted energy [%]")
     return finish(ax, f"Wavelengths: {run.title}", [reading(run)])
+
+
+def _draw_shares(ax: Axes, low: pd.Series, percent: pd.Series, *, alpha: float, label: str) -> None:
+    """Draw bars over octaves of wavelength by their lower edges."""
+    ax.bar(
+        low,
+        percent,
+        width=0.92 * low,
+        bottom=0,
+        align="edge",
+        color=COLOURS[0],
+        alpha=alpha,
+        label=label,
+    )
 
 
 def reading(run: Run) -> str:
@@ -109,6 +141,7 @@ def wavelength_table(run: Run) -> pd.DataFrame:
 # ---- turns of the sphere
 
 
+@ignoring_underflow
 def modulation(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the envelope spectrum of the octave of a run that the turns of the sphere modulate most.
 
@@ -134,8 +167,11 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> ax = rolling.plot.modulation(run)
     """
-    table, ax = modulation_table(run), axes_of(ax)
-    (low, high), turn_hz = run.summary["turn_band_hz"], run.summary["turn_hz"]
+    instance("run", run, Run)
+    table = modulation_table(run)
+    low_hz, high_hz = run.summary["turn_band_hz"]
+    turn_hz = run.summary["turn_hz"]
+    ax = axes_of(ax)
     for multiple in range(1, MULTIPLES + 1):
         name = "multiples of v/(2πR)" if multiple == 1 else None
         ax.axvline(multiple * turn_hz, color=COLOURS[1], linestyle=":", linewidth=1, label=name)
@@ -143,8 +179,10 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
     ax.set(xlim=(0.0, (MULTIPLES + 0.5) * turn_hz), ylim=(0.0, None))
     ax.set(xlabel="frequency of the modulation [Hz]", ylabel="modulation [-]")
     facts = [
-        *distance_and_duration([run]),
-        f"Hilbert envelope of {low:.0f} to {high:.0f} Hz, the octave where turns stand out most",
+        distance_text([run]),
+        duration_text([run]),
+        f"Hilbert envelope of {low_hz:.0f} to {high_hz:.0f} Hz,"
+        " the octave where turns stand out most",
         f"its multiples have {rounded(run.summary['turn_prominence'])} times the floor under them;"
         " noise has 1 to 3 times",
         f"{rounded(turn_hz, 4)} turns per second",
@@ -157,8 +195,9 @@ def modulation_table(run: Run) -> pd.DataFrame:
     if not run.summary.get("turn_band_hz"):
         reason = run.summary.get("turn_reason") or "its sphere has no surface"
         raise ValueError(f"{run.title}: has no modulation by turns of the sphere: {reason}")
-    (low, high), sound = run.summary["turn_band_hz"], run.sound
-    spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, (low, high), sound.closed)
+    sound = run.sound
+    band_hz = tuple(run.summary["turn_band_hz"])
+    spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, band_hz, sound.closed)
     table = pd.DataFrame({"frequency_hz": spectrum.frequency_hz, "modulation": spectrum.modulation})
     return table[table["frequency_hz"] <= (MULTIPLES + 0.5) * run.summary["turn_hz"]]
 
@@ -166,6 +205,7 @@ def modulation_table(run: Run) -> pd.DataFrame:
 # ---- passes over a plate that remembers
 
 
+@ignoring_underflow
 def running_in(run: Run, ax: Axes | None = None) -> Axes:
     """Plot level, release, plastic work and depth of the passes of a run over the first pass.
 
@@ -192,25 +232,46 @@ def running_in(run: Run, ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> ax = rolling.plot.running_in(worn)
     """
-    table, ax = running_in_table(run), axes_of(ax)
-    for k, (column, (name, unit, factor)) in enumerate(_CURVES.items()):
-        values = table[column].to_numpy(dtype=float)
+    instance("run", run, Run)
+    table = running_in_table(run)
+    ax = axes_of(ax)
+    for k, quantity in enumerate(_PASS_QUANTITIES):
+        values = table[quantity.column].to_numpy(dtype=float)
         if not np.isfinite(values).all() or not values[0]:
             continue  # silent, or nothing has sunk
-        ratio = values - values[0] if unit == "dB(A)" else 10 * np.log10(values / values[0])
-        label = f"{name}, {rounded(values[0] * factor, 3)} {unit} in pass 1"
-        ax.plot(table["pass"], ratio, color=COLOURS[k], marker=MARKERS[k], label=label)
-    work, look = table["plastic_work_j"], f"{MARKERS[4]}--"
-    if (work > 0).any():
-        right = ax.twinx()
-        right.semilogy(table["pass"], work.where(work > 0), look, color=COLOURS[4])
-        right.set_ylabel("plastic work [J]")
-        ax.plot([], [], look, color=COLOURS[4], label="plastic work, right axis")
+        if quantity.unit == "dB(A)":
+            over_first_db = values - values[0]
+        else:
+            over_first_db = 10 * np.log10(values / values[0])
+        first = f"{rounded(values[0] * quantity.factor, 3)} {quantity.unit} in pass 1"
+        ax.plot(
+            table["pass"],
+            over_first_db,
+            color=COLOURS[k],
+            marker=MARKERS[k],
+            label=f"{quantity.name}, {first}",
+        )
+    if (table["plastic_work_j"] > 0).any():
+        _draw_plastic_work(ax, table)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("pass")
     ax.set_ylabel("over pass 1 [dB]")
-    facts = [*distance_and_duration([run]), "10 lg of release and depth over pass 1"]
+    facts = [
+        distance_text([run]),
+        duration_text([run]),
+        "10 lg of release and depth over pass 1",
+    ]
     return finish(ax, f"Running-in: {run.title}", facts)
+
+
+def _draw_plastic_work(ax: Axes, table: pd.DataFrame) -> None:
+    """Draw the plastic work of passes [J] on a logarithmic axis at the right."""
+    work = table["plastic_work_j"]
+    style = f"{MARKERS[4]}--"
+    right = ax.twinx()
+    right.semilogy(table["pass"], work.where(work > 0), style, color=COLOURS[4])
+    right.set_ylabel("plastic work [J]")
+    ax.plot([], [], style, color=COLOURS[4], label="plastic work, right axis")
 
 
 def running_in_table(run: Run) -> pd.DataFrame:

@@ -1,12 +1,13 @@
 """Axes of figures with title, note and legend, and their files; equal runs give equal bytes."""
 
 import io
+import math
 import re
 import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import matplotlib
 from matplotlib.artist import Artist
@@ -19,6 +20,7 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from pandas import DataFrame
 
+from acoustics.arrays import instance
 from acoustics.numbers import rounded
 from acoustics.plot_style import gridded
 from rolling.figures.settings import own_settings
@@ -26,15 +28,20 @@ from rolling.results.run_result import Run
 from rolling.results.runs_table import without_formulas
 
 DPI = 110
-WIDTH_IN, HEIGHT_IN = 8.5, 4.4
+WIDTH_IN = 8.5
+HEIGHT_IN = 4.4
 MAX_NAMED = 24  # curves; a legend of more takes more room than they do
 _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
 _ROW_IN = 0.19  # height of a row in a legend
-_LETTERS_PER_IN = 12  # of a title on axes
-_SMALL_IN, _SMALL_PT = 2.4, 7  # side of small axes, as in a grid, and the size of their letters
+_LETTERS_PER_IN = 12.0  # of a title on axes, in letters of normal size
+_FEWEST_LETTERS = 12  # of a line on narrow axes
+_NORMAL_PT = 10  # size of the letters of a title
+_SMALL_PT = 7  # size of the letters on small axes
+_SMALL_IN = 2.4  # shorter side of small axes, as in a grid
 _MAX_HIGH = 0.7  # largest height of a legend over that of its axes
 _DENSE: dict[str, Any] = {"labelspacing": 0.15, "borderpad": 0.2, "handlelength": 1.5}
-_TITLE_LETTERS, _NOTE_LETTERS = 88, 125  # of a line across a figure
+_TITLE_LETTERS = 88  # of a line of the title across a figure
+_NOTE_LETTERS = 125  # of a line of the note
 
 
 # ---- axes
@@ -46,7 +53,8 @@ def axes_of(ax: Axes | None) -> Axes:
     A figure without a layout engine gets the tight layout, so that nothing overlaps.
     """
     if ax is not None:
-        figure, in_grid = ax.figure, all(axes.get_subplotspec() for axes in ax.figure.axes)
+        figure = ax.figure
+        in_grid = all(axes.get_subplotspec() for axes in figure.axes)
         if isinstance(figure, Figure) and figure.get_layout_engine() is None and in_grid:
             figure.set_layout_engine("tight")
         return ax
@@ -69,47 +77,118 @@ def listed(runs: Run | Iterable[Run]) -> list[Run]:
     """Return one or several runs as a list; a dictionary gives its values."""
     if isinstance(runs, dict):
         return [*runs.values()]
-    return [*runs] if isinstance(runs, Iterable) else [runs]
+    if isinstance(runs, Iterable):
+        return [*runs]
+    return [runs]
+
+
+def compared(runs: Run | Iterable[Run]) -> list[Run]:
+    """Return the runs of a plot as a list; raise TypeError or ValueError if they are none."""
+    shown = listed(runs)
+    for run in shown:
+        instance("runs", run, Run)
+    if not shown:
+        raise ValueError("runs: got none, allowed: at least one run")
+    return shown
+
+
+class Caption(NamedTuple):
+    """Title and note of a figure."""
+
+    title: str
+    note: str
+
+
+def set_caption(ax: Axes, caption: Caption) -> None:
+    """Keep title and note of a figure in the label of its axes, which matplotlib never draws."""
+    ax.set_label(f"{caption.title}\n{caption.note}")
+
+
+def caption_of(ax: Axes) -> Caption:
+    """Return title and note of a figure from the label of its axes."""
+    title, note = str(ax.get_label()).split("\n")
+    return Caption(title, note)
 
 
 def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     """Set title, note and legend of axes, and the grid of curves.
 
-    The label of the axes holds title and note in two lines.
     Axes of a grid have small letters, and a legend only where it leaves room for the curves.
     """
     if not ax.images:
         gridded(ax)
     handles, names = ax.get_legend_handles_labels()
-    is_small = min(ax.bbox.size) < _SMALL_IN * ax.figure.dpi
     note = "; ".join(facts)
     if len(names) > MAX_NAMED:
         note += f"; {len(names)} curves"
-    ax.set_label(f"{title}\n{note}")
-    per_in = _LETTERS_PER_IN / (_SMALL_PT / 10 if is_small else 1)
-    letters = [max(12, int(per_in * side / ax.figure.dpi)) for side in ax.bbox.size]
-    heading, below = (textwrap.wrap(text, letters[0]) for text in (title, note))
-    roomy = not is_small and len(heading + below) < letters[1] / 10
-    size: Any = _SMALL_PT if is_small else "medium"
-    words = "\n".join(heading + below * roomy)
-    _plain([ax.set_title(words, loc="left", fontsize=size, wrap=True)])
-    ax.set_xlabel(_broken(ax.get_xlabel(), letters[0]))
-    beside = (other for other in ax.figure.axes if (*other.bbox.bounds,) == (*ax.bbox.bounds,))
-    bars = (image.colorbar.ax for image in ax.images if image.colorbar)
-    for side in dict.fromkeys((ax, *beside, *bars)):
-        side.set_ylabel(_broken(side.get_ylabel(), letters[1]))
-        if is_small:
-            side.tick_params(which="both", labelsize=_SMALL_PT)
-            for axis in (side.xaxis, side.yaxis):
-                axis.label.set_fontsize(_SMALL_PT)
+    caption = Caption(title, note)
+    set_caption(ax, caption)
+    size = _Size.of(ax)
+    _write_title(ax, caption, size)
+    _fit_labels(ax, size)
     if 0 < len(names) <= MAX_NAMED:
-        names = [textwrap.fill(drawable(name), letters[0] - 6) for name in names]
-        look = {"fontsize": _SMALL_PT - 1, **_DENSE} if is_small else {"fontsize": "small"}
-        legend = ax.legend(handles, names, framealpha=0.6, **look)
-        legend.__class__ = _Legend  # its axes have their final size when they are drawn
-        legend.set_in_layout(False)
-        _plain(legend.get_texts())
+        _add_legend(ax, handles, names, size)
     return ax
+
+
+class _Size(NamedTuple):
+    """Letters of a title that the sides of axes have room for, and whether the axes are small."""
+
+    is_small: bool
+    letters_across: int
+    letters_up: int
+
+    @classmethod
+    def of(cls, ax: Axes) -> Self:
+        """Measure axes."""
+        width_in = ax.bbox.width / ax.figure.dpi
+        height_in = ax.bbox.height / ax.figure.dpi
+        is_small = min(width_in, height_in) < _SMALL_IN
+        letters_per_in = _LETTERS_PER_IN
+        if is_small:
+            letters_per_in = _LETTERS_PER_IN * _NORMAL_PT / _SMALL_PT
+        return cls(
+            is_small=is_small,
+            letters_across=max(_FEWEST_LETTERS, int(letters_per_in * width_in)),
+            letters_up=max(_FEWEST_LETTERS, int(letters_per_in * height_in)),
+        )
+
+
+def _write_title(ax: Axes, caption: Caption, size: _Size) -> None:
+    """Write the title above axes, with the note below it where there is room."""
+    lines = textwrap.wrap(caption.title, size.letters_across)
+    note = textwrap.wrap(caption.note, size.letters_across)
+    if not size.is_small and len(lines) + len(note) < size.letters_up / 10:
+        lines += note
+    font_size: Any = _SMALL_PT if size.is_small else "medium"
+    title = ax.set_title("\n".join(lines), loc="left", fontsize=font_size, wrap=True)
+    _plain([title])
+
+
+def _fit_labels(ax: Axes, size: _Size) -> None:
+    """Break the labels of axes, of axes that share their place, and of colour bars."""
+    ax.set_xlabel(_broken(ax.get_xlabel(), size.letters_across))
+    sides = [ax]
+    sides += [other for other in ax.figure.axes if other.bbox.bounds == ax.bbox.bounds]
+    sides += [image.colorbar.ax for image in ax.images if image.colorbar]
+    for side in dict.fromkeys(sides):
+        side.set_ylabel(_broken(side.get_ylabel(), size.letters_up))
+        if size.is_small:
+            side.tick_params(which="both", labelsize=_SMALL_PT)
+            side.xaxis.label.set_fontsize(_SMALL_PT)
+            side.yaxis.label.set_fontsize(_SMALL_PT)
+
+
+def _add_legend(ax: Axes, handles: Sequence[Any], names: Sequence[str], size: _Size) -> None:
+    """Add a legend that is drawn only where its axes have room for it."""
+    wrapped = [textwrap.fill(drawable(name), size.letters_across - 6) for name in names]
+    if size.is_small:
+        legend = ax.legend(handles, wrapped, framealpha=0.6, fontsize=_SMALL_PT - 1, **_DENSE)
+    else:
+        legend = ax.legend(handles, wrapped, framealpha=0.6, fontsize="small")
+    legend.__class__ = _Legend  # its axes have their final size when they are drawn
+    legend.set_in_layout(False)
+    _plain(legend.get_texts())
 
 
 class _Legend(Legend):
@@ -117,7 +196,8 @@ class _Legend(Legend):
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw the legend if its axes have room for it."""
-        own, room = self.get_window_extent(renderer), self.axes.bbox
+        own = self.get_window_extent(renderer)
+        room = self.axes.bbox
         if own.height < _MAX_HIGH * room.height and own.width < room.width:
             super().draw(renderer)
 
@@ -125,8 +205,8 @@ class _Legend(Legend):
 def _broken(label: str, letters: int) -> str:
     """Break the label of an axis that is too long between words, but not within its unit."""
     words, sign, unit = label.partition(" [")
-    kept = words + sign + unit.replace(" ", "\xa0")
-    return textwrap.fill(kept, letters, break_long_words=False)
+    unbroken_unit = unit.replace(" ", "\xa0")
+    return textwrap.fill(words + sign + unbroken_unit, letters, break_long_words=False)
 
 
 def subject(runs: Sequence[Run]) -> str:
@@ -134,13 +214,17 @@ def subject(runs: Sequence[Run]) -> str:
     if len(runs) == 1:
         return runs[0].title
     names = dict.fromkeys(run.scene.name for run in runs)
-    return ", ".join(names) if len(names) <= _NAMED_SCENES else f"{len(names)} scenes"
+    if len(names) > _NAMED_SCENES:
+        return f"{len(names)} scenes"
+    return ", ".join(names)
 
 
 def common(word: str, values: Sequence[float], unit: str = "") -> str:
     """Write the value that all runs share, or its range: at 1 m, at 1 to 2 m."""
-    ends = dict.fromkeys(number(value) for value in (min(values), max(values)))
-    return f"{word} {' to '.join(ends)} {unit}".rstrip()
+    smallest = number(min(values))
+    largest = number(max(values))
+    span = smallest if smallest == largest else f"{smallest} to {largest}"
+    return f"{word} {span} {unit}".rstrip()
 
 
 def number(value: float) -> str:
@@ -148,12 +232,17 @@ def number(value: float) -> str:
     return f"{value:,.0f}" if value >= 1000 else rounded(value, 3)
 
 
-def distance_and_duration(runs: Sequence[Run]) -> list[str]:
-    """Write the distance of the listener [m] and the duration of the records [s]."""
-    place = common("at", [run.scene.listener_distance_m for run in runs], "m")
+def distance_text(runs: Sequence[Run]) -> str:
+    """Write the distance of the listener [m]."""
+    text = common("at", [run.scene.listener_distance_m for run in runs], "m")
     if any(run.scene.is_listener_placed for run in runs):
-        place += " from the contact"
-    return [place, common("T =", [run.sound.duration for run in runs], "s")]
+        text += " from the contact"
+    return text
+
+
+def duration_text(runs: Sequence[Run]) -> str:
+    """Write the duration of the records [s]."""
+    return common("T =", [run.sound.duration for run in runs], "s")
 
 
 # ---- files
@@ -186,33 +275,45 @@ def picture(name: str, draw: Callable[..., Axes], table: DataFrame | None = None
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)
     FigureCanvasAgg(figure)
     ax = draw(ax=figure.add_subplot())
-    title, note = str(ax.get_label()).split("\n")
-    heading = textwrap.fill(title, _TITLE_LETTERS), textwrap.fill(note, _NOTE_LETTERS)
-    above = figure.suptitle(heading[0], x=0.012, ha="left", fontsize=12)
-    _plain([above, ax.set_title(heading[1], loc="left", fontsize=8.5, color="0.25")])
-    _fit(above, [above])
-    rows = 0
-    if legend := ax.get_legend():
-        legend.remove()
-        handles, names = ax.get_legend_handles_labels()
-        names = [drawable(name) for name in names]
-        across = max(1, int(WIDTH_IN / (0.8 + 0.07 * max(map(len, names)))))
-        rows = -(-len(names) // across)
-        place: dict[str, Any] = {"loc": "outside lower left", "ncols": across}
-        below = figure.legend(handles, names, fontsize=8.5, frameon=False, **place)
-        _plain(below.get_texts())
-        _fit(below, below.get_texts())
+    caption = caption_of(ax)
+    title = textwrap.fill(caption.title, _TITLE_LETTERS)
+    note = textwrap.fill(caption.note, _NOTE_LETTERS)
+    above = figure.suptitle(title, x=0.012, ha="left", fontsize=12)
+    below = ax.set_title(note, loc="left", fontsize=8.5, color="0.25")
+    _plain([above, below])
+    _shrink_to_width(above, [above])
+    rows = _move_legend_below(figure, ax)
     figure.set_size_inches(WIDTH_IN, HEIGHT_IN + _ROW_IN * rows)
     return Picture(name, figure, table)
 
 
-def _fit(drawn: Artist, texts: Sequence[Text]) -> None:
+def _move_legend_below(figure: Figure, ax: Axes) -> int:
+    """Move the legend of axes below the figure, and return the number of its rows."""
+    legend = ax.get_legend()
+    if legend is None:
+        return 0
+    legend.remove()
+    handles, labels = ax.get_legend_handles_labels()
+    names = [drawable(label) for label in labels]
+    longest = max(len(name) for name in names)
+    columns = max(1, int(WIDTH_IN / (0.8 + 0.07 * longest)))
+    place: Any = "outside lower left"
+    legend = figure.legend(handles, names, loc=place, ncols=columns, fontsize=8.5, frameon=False)
+    _plain(legend.get_texts())
+    _shrink_to_width(legend, legend.get_texts())
+    return math.ceil(len(names) / columns)
+
+
+def _shrink_to_width(drawn: Artist, texts: Sequence[Text]) -> None:
     """Shrink texts until the artist that holds them is no wider than a figure."""
+    room = 0.97 * WIDTH_IN * DPI
     size = float(texts[0].get_fontsize())
-    while (wide := drawn.get_window_extent().width) > (room := 0.97 * WIDTH_IN * DPI):
-        size *= min(0.99, room / wide)  # letters snap to dots, so they shrink only roughly
+    width = drawn.get_window_extent().width
+    while width > room:
+        size *= min(0.99, room / width)  # letters snap to dots, so they shrink only roughly
         for text in texts:
             text.set_fontsize(size)
+        width = drawn.get_window_extent().width
 
 
 def _plain(texts: Iterable[Text]) -> None:
@@ -225,8 +326,13 @@ def _plain(texts: Iterable[Text]) -> None:
 def drawable(text: str) -> str:
     """Escape letters that the font lacks, so that different texts look different."""
     known = get_font(findfont(FontProperties())).get_charmap()
-    escaped = {x: x.encode("unicode_escape").decode("ascii") for x in {*text} - {"\n"}}
-    return "".join(escaped[x] if x in escaped and ord(x) not in known else x for x in text)
+    letters = []
+    for letter in text:
+        if letter == "\n" or ord(letter) in known:
+            letters.append(letter)
+        else:
+            letters.append(letter.encode("unicode_escape").decode("ascii"))
+    return "".join(letters)
 
 
 def csv_bytes(table: DataFrame) -> bytes:

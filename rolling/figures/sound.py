@@ -10,16 +10,17 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from acoustics import plots
-from acoustics.arrays import Array
+from acoustics.arrays import Array, instance
 from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, DENSE, Lines, envelope, unit_prefix
 from acoustics.radiation import P_REF_PA
 from acoustics.spectrum import Spectrogram, line_spectrum, welch
 from acoustics.spectrum import spectrogram as spectrogram_of
+from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 from rolling.figures import picture
-from rolling.figures.picture import axes_of, finish, listed, subject
+from rolling.figures.picture import axes_of, compared, finish, listed, subject
 from rolling.results import labels
 from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
@@ -31,6 +32,7 @@ _Levels = Mapping[str, float | None]
 # ---- runs compared
 
 
+@ignoring_underflow
 def third_octaves(
     runs: Run | Iterable[Run], ax: Axes | None = None, a_weighted: bool = False
 ) -> Axes:
@@ -61,49 +63,66 @@ def third_octaves(
     >>> import rolling
     >>> ax = rolling.plot.third_octaves([run], a_weighted=True)
     """
-    shown = listed(runs)
+    shown = compared(runs)
     curves = [
         (label, _bands(run, a_weighted), run.sound.uncertainty.third_octave_db)
         for label, run in zip(labels.labels(shown), shown, strict=True)
     ]
-    errors = [
-        (total, run.summary["grid_error_uncertainty_db"])
-        if (total := total_errors_db(run.summary))
-        else None
-        for run in shown
-    ]
-    # A band that is too uncertain in any run is grey in all of them.
-    shortest = min(run.sound.duration / run.laps for run in shown)
-    is_ordered = _is_ordered(shown)
-    ax = plots.third_octaves(axes_of(ax), curves, shortest, errors=errors, ordered=is_ordered)
-    facts = picture.distance_and_duration(shown)
+    ax = plots.third_octaves(
+        axes_of(ax),
+        curves,
+        # A band that is too uncertain in any run is grey in all of them.
+        duration_s=min(run.sound.duration / run.laps for run in shown),
+        errors=[_band_errors(run) for run in shown],
+        ordered=_is_ordered(shown),
+    )
+    facts = [picture.distance_text(shown), picture.duration_text(shown)]
     if len(shown) <= plots.FEW and any(run.sound.levels.level_db is not None for run in shown):
         facts.append("bars: standard uncertainty of Gaussian noise of that duration")
-    weighting = "A" if a_weighted else "Z"
+    weighting = "Z"
     if a_weighted:
+        weighting = "A"
         ax.set_ylabel("A-weighted sound pressure level [dB re 20 µPa]")
     return finish(ax, f"Third octaves, {weighting}-weighted: {subject(shown)}", facts)
+
+
+def third_octaves_a(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
+    """Plot A-weighted third-octave levels of runs, as `third_octaves` does."""
+    return third_octaves(runs, ax, a_weighted=True)
 
 
 def third_octave_table(runs: Sequence[Run], a_weighted: bool = False) -> pd.DataFrame:
     """Tabulate third octaves of runs with their uncertainties and errors [dB]."""
     frames = []
     for run in runs:
-        columns = {"level_db": _bands(run, a_weighted)}
-        columns["standard_uncertainty_db"] = run.sound.uncertainty.third_octave_db
-        if total := total_errors_db(run.summary):
-            for kind in ("grid_error", "grid_error_uncertainty", "solver_error", "subgrid_error"):
-                name = kind.replace("uncertainty", "standard_uncertainty")
-                columns[f"{name}_db"] = run.summary[f"{kind}_db"]
-            columns["corrected_level_db"] = total
-        frame = band_table(columns)
-        if total:
-            frame["corrected_level_db"] = frame["level_db"] - frame["corrected_level_db"]
+        columns = {
+            "level_db": _bands(run, a_weighted),
+            "standard_uncertainty_db": run.sound.uncertainty.third_octave_db,
+        }
+        errors = _band_errors(run)
+        if errors is None:
+            frame = band_table(columns)
+        else:
+            columns |= {
+                "grid_error_db": run.summary["grid_error_db"],
+                "grid_error_standard_uncertainty_db": errors.uncertainty_db,
+                "solver_error_db": run.summary["solver_error_db"],
+                "subgrid_error_db": run.summary["subgrid_error_db"],
+                "total_error_db": errors.error_db,
+            }
+            frame = band_table(columns)
+            frame["corrected_level_db"] = frame["level_db"] - frame.pop("total_error_db")
         frame.insert(0, "run", run.label)
         frames.append(frame)
     return pd.concat(frames, ignore_index=True)
 
 
+def third_octave_a_table(runs: Sequence[Run]) -> pd.DataFrame:
+    """Tabulate A-weighted third octaves of runs with their uncertainties and errors [dB]."""
+    return third_octave_table(runs, a_weighted=True)
+
+
+@ignoring_underflow
 def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     """Plot A-weighted line spectra of the sound pressure of runs.
 
@@ -124,14 +143,22 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> ax = rolling.plot.spectrum([run])
     """
-    shown = listed(runs)
-    lines = picture.common("lines of", [1 / run.sound.duration for run in shown], "Hz")
-    facts = [*picture.distance_and_duration(shown), lines]
-    spectra = [_a_weighted_lines(run) for run in shown]
-    level = "A-weighted line level [dB re 20 µPa]"
-    return _spectrum(shown, spectra, ax, ("A-weighted spectrum", level), facts)
+    shown = compared(runs)
+    return _spectrum(
+        axes_of(ax),
+        shown,
+        spectra=[_a_weighted_lines(run) for run in shown],
+        title="A-weighted spectrum",
+        ylabel="A-weighted line level [dB re 20 µPa]",
+        facts=[
+            picture.distance_text(shown),
+            picture.duration_text(shown),
+            picture.common("lines of", [1 / run.sound.duration for run in shown], "Hz"),
+        ],
+    )
 
 
+@ignoring_underflow
 def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     """Plot power spectral densities of the sound pressure of runs, by Welch's method.
 
@@ -156,16 +183,21 @@ def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> ax = rolling.plot.power_density([run])
     """
-    shown = listed(runs)
+    shown = compared(runs)
     densities = [welch(run.sound.pressure, run.sound.sample_rate) for run in shown]
-    facts = [
-        *picture.distance_and_duration(shown),
-        f"Welch, {densities[0].window.capitalize()}",
-        picture.common("ENBW", [density.enbw_hz for density in densities], "Hz"),
-    ]
-    lines = [Lines.audible(density.frequency_hz, _level(density.psd)) for density in densities]
-    words = "Power spectral density", "density level [dB re (20 µPa)²/Hz]"
-    return _spectrum(shown, lines, ax, words, facts)
+    return _spectrum(
+        axes_of(ax),
+        shown,
+        spectra=[Lines.audible(density.frequency_hz, _level(density.psd)) for density in densities],
+        title="Power spectral density",
+        ylabel="density level [dB re (20 µPa)²/Hz]",
+        facts=[
+            picture.distance_text(shown),
+            picture.duration_text(shown),
+            f"Welch, {densities[0].window.capitalize()}",
+            picture.common("ENBW", [density.enbw_hz for density in densities], "Hz"),
+        ],
+    )
 
 
 def spectrum_table(runs: Sequence[Run]) -> pd.DataFrame:
@@ -179,20 +211,27 @@ def spectrum_table(runs: Sequence[Run]) -> pd.DataFrame:
 
 
 def _spectrum(
-    shown: list[Run], lines: list[Lines], ax: Axes | None, words: tuple[str, str], facts: list[str]
+    ax: Axes,
+    shown: Sequence[Run],
+    *,
+    spectra: Sequence[Lines],
+    title: str,
+    ylabel: str,
+    facts: Sequence[str],
 ) -> Axes:
-    """Draw spectra of runs with their labels, under a title and the label of y."""
-    curves = [*zip(labels.labels(shown), lines, strict=True)]
-    ax = plots.spectrum(axes_of(ax), curves, ordered=_is_ordered(shown))
-    ax.set_ylabel(words[1])
+    """Draw spectra of runs with the labels of the runs."""
+    curves = [*zip(labels.labels(shown), spectra, strict=True)]
+    plots.spectrum(ax, curves, ordered=_is_ordered(shown))
+    ax.set_ylabel(ylabel)
     if plots.drawn_as_means(curves):
         facts = [*facts, f"drawn bold: mean over 1/{plots.PER_OCTAVE} octave"]
-    return finish(ax, f"{words[0]}: {subject(shown)}", facts)
+    return finish(ax, f"{title}: {subject(shown)}", facts)
 
 
 # ---- a run over time
 
 
+@ignoring_underflow
 def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> Axes:
     """Plot the release power of a run over time, with its mean.
 
@@ -215,32 +254,51 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     >>> import rolling
     >>> ax = rolling.plot.release_power(run)
     """
-    sound, compared = run.sound, listed(among) or [run]
-    # The axis spans at least 2 % of the mean, so that a steady power looks steady.
-    extremes = np.array([[other.sound.power.min(), other.sound.power.max()] for other in compared])
-    means = np.array([[other.sound.mean_power or 1.0] for other in compared])
-    shares = extremes / means
-    low, high = min(0.99, float(shares.min())), max(1.01, float(shares.max()))
-    second, time_unit = unit_prefix(sound.duration)
-    watt, unit = unit_prefix(float(np.abs(sound.power).max()))
+    instance("run", run, Run)
+    sound = run.sound
+    others = listed(among) or [run]
+    low, high = _power_span(others)
+    second, time_prefix = unit_prefix(sound.duration)
+    watt, power_prefix = unit_prefix(float(np.abs(sound.power).max()))
     time, power = envelope(sound.time, sound.power)
-    mean, ax = sound.mean_power / watt, axes_of(ax)
-    width = 0.5 if len(time) > DENSE else 1.5
-    ax.plot(time / second, power / watt, color=COLOURS[0], linewidth=width, label="release power")
-    ax.axhline(mean, color=COLOURS[1], linestyle="--", label=f"mean {rounded(mean, 4)} {unit}W")
-    room = 0.05 * (high - low) * mean or 1.0
-    ax.set(xlim=(0.0, sound.duration / second), ylim=(low * mean - room, high * mean + room))
-    ax.set(xlabel=f"time [{time_unit}s]", ylabel=f"release power [{unit}W]")
+    mean = sound.mean_power / watt
+    margin = 0.05 * (high - low) * mean or 1.0
+    ax = axes_of(ax)
+    ax.plot(
+        time / second,
+        power / watt,
+        color=COLOURS[0],
+        linewidth=0.5 if len(time) > DENSE else 1.5,
+        label="release power",
+    )
+    ax.axhline(
+        mean,
+        color=COLOURS[1],
+        linestyle="--",
+        label=f"mean {rounded(mean, 4)} {power_prefix}W",
+    )
+    ax.set(xlim=(0.0, sound.duration / second), ylim=(low * mean - margin, high * mean + margin))
+    ax.set(xlabel=f"time [{time_prefix}s]", ylabel=f"release power [{power_prefix}W]")
     ax.ticklabel_format(useOffset=False)
-    facts = [*picture.distance_and_duration([run])[1:], "q and distance are not in it"]
+    facts = [picture.duration_text([run]), "q and distance are not in it"]
     if run.scene.dynamics is not None:
         moved = any(caveat["key"] == "moving_load_release" for caveat in run.summary["caveats"])
-        facts.append(f"under the {'moving' if moved else 'constant'} load")
-    if len(compared) > 1:
+        facts.append("under the moving load" if moved else "under the constant load")
+    if len(others) > 1:
         facts.append(f"axis from {rounded(low, 3)} to {rounded(high, 3)} of the mean for all runs")
     if len(time) < len(sound.time):
         facts.append("minimum and maximum in each of 1,500 columns")
     return finish(ax, f"Release power: {run.title}", facts)
+
+
+def _power_span(runs: Sequence[Run]) -> tuple[float, float]:
+    """Return the minimum and maximum release power of runs over their means.
+
+    They lie at least 2 % of the mean apart, so that a steady power looks steady.
+    """
+    minima = [run.sound.power.min() / (run.sound.mean_power or 1.0) for run in runs]
+    maxima = [run.sound.power.max() / (run.sound.mean_power or 1.0) for run in runs]
+    return min(0.99, float(min(minima))), max(1.01, float(max(maxima)))
 
 
 def release_power_table(run: Run) -> pd.DataFrame:
@@ -248,6 +306,7 @@ def release_power_table(run: Run) -> pd.DataFrame:
     return pd.DataFrame({"time_s": run.sound.time, "release_power_w": run.sound.power})
 
 
+@ignoring_underflow
 def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> Axes:
     """Plot the spectrogram of the sound pressure of a run, with a colour bar.
 
@@ -270,12 +329,16 @@ def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> 
     >>> import rolling
     >>> ax = rolling.plot.spectrogram(run)
     """
+    instance("run", run, Run)
     shown = _spectrogram(run)
-    compared = map(_spectrogram, listed(among) or [run])
-    limits = plots.level_limits(level for other in compared for level in _extremes(other))
+    extremes = list[float]()
+    for other in listed(among) or [run]:
+        extremes += _extremes(_spectrogram(other))
+    limits = plots.level_limits(extremes)
     ax = plots.spectrogram(axes_of(ax), shown, run.sound.duration, limits)
     facts = [
-        *picture.distance_and_duration([run]),
+        picture.distance_text([run]),
+        picture.duration_text([run]),
         f"{shown.window.capitalize()} frames of {rounded(shown.frame_s * 1e3, 3)} ms"
         f" every {rounded(shown.hop_s * 1e3, 3)} ms",
         f"ENBW {picture.number(shown.enbw_hz)} Hz",
@@ -291,15 +354,19 @@ _spectrograms: WeakKeyDictionary[Run, Spectrogram] = WeakKeyDictionary()
 def _spectrogram(run: Run) -> Spectrogram:
     """Return the spectrogram of a run, computed once."""
     if run not in _spectrograms:
-        s = run.sound
-        _spectrograms[run] = spectrogram_of(s.pressure, s.sample_rate, s.highest, s.closed)
+        sound = run.sound
+        _spectrograms[run] = spectrogram_of(
+            sound.pressure, sound.sample_rate, sound.highest, sound.closed
+        )
     return _spectrograms[run]
 
 
 def _extremes(shown: Spectrogram) -> list[float]:
     """Return the extreme levels [dB] without the lowest fiftieth, the gaps between peaks."""
     known = shown.level_db[np.isfinite(shown.level_db)]
-    return [float(np.quantile(known, 0.02)), float(known.max())] if len(known) else []
+    if not len(known):
+        return []
+    return [float(np.quantile(known, 0.02)), float(known.max())]
 
 
 # ---- numbers of runs
@@ -314,8 +381,17 @@ def band_table(columns: Mapping[str, _Levels]) -> pd.DataFrame:
 
 def _bands(run: Run, a_weighted: bool) -> _Levels:
     """Return third-octave levels of a run by band [dB re 20 µPa]."""
-    levels = run.sound.levels
-    return levels.third_octave_a_db if a_weighted else levels.third_octave_db
+    if a_weighted:
+        return run.sound.levels.third_octave_a_db
+    return run.sound.levels.third_octave_db
+
+
+def _band_errors(run: Run) -> plots.BandErrors | None:
+    """Return the estimated errors of the third octaves of a run [dB]; None without an estimate."""
+    errors_db = total_errors_db(run.summary)
+    if not errors_db:
+        return None
+    return plots.BandErrors(errors_db, run.summary["grid_error_uncertainty_db"])
 
 
 def _a_weighted_lines(run: Run) -> Lines:
@@ -332,9 +408,14 @@ def _level(mean_square: Array) -> Array:
 
 def _is_ordered(runs: Sequence[Run]) -> bool:
     """Return whether runs differ in one swept number, other than the seed, that ascends."""
-    keys = {tuple(run.values) for run in runs}
-    if len(keys) != 1 or len(key := keys.pop()) != 1 or key == (SEED,):
+    swept = {tuple(run.values) for run in runs}
+    if len(swept) != 1:
         return False
-    values: list[Any] = [run.values[key[0]] for run in runs]
-    numbers = [v for v in values if isinstance(v, int | float) and not isinstance(v, bool)]
-    return len(numbers) == len(values) and all(a < b for a, b in pairwise(numbers))
+    keys = swept.pop()
+    if len(keys) != 1 or keys[0] == SEED:
+        return False
+    values: list[Any] = [run.values[keys[0]] for run in runs]
+    for value in values:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return False
+    return all(value < following for value, following in pairwise(values))

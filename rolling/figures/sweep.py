@@ -3,19 +3,22 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.ticker import NullLocator
 
+from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
 from acoustics.numbers import rounded
-from acoustics.plot_style import LINE_STYLES, band_ticks, bars, look_of
+from acoustics.plot_style import LINE_STYLES, band_ticks, curve_style, error_bars
 from acoustics.texts import printable
+from acoustics.traps import ignoring_underflow
 from rolling.figures import picture
-from rolling.figures.picture import MAX_NAMED, axes_of, finish, listed, subject
+from rolling.figures.picture import MAX_NAMED, axes_of, compared, finish, subject
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.results import labels
 from rolling.results.run_result import Run
@@ -23,24 +26,33 @@ from rolling.results.runs_table import SEED, runs_table
 from rolling.scene.scene import Scene
 from rolling.terminal.files import write_bytes
 
-Numbers = Mapping[str, tuple[str, str]]  # columns of runs.csv with label and uncertainty
+
+class Quantity(NamedTuple):
+    """The label of a column of runs.csv, and the column of its standard uncertainty if any."""
+
+    label: str
+    uncertainty: str | None = None
+
+
+Quantities = Mapping[str, Quantity]  # by their columns of runs.csv
 SCENE = "scene"  # column of the scene's name beside the swept keys
 FEWEST_SEEDS = 3  # that have a spread worth drawing
-EVENT_LEVELS: Numbers = {
-    "lae_db": ("LAE (re 1 s)", "lae_uncertainty_db"),
-    "laf_max_db": ("LAFmax", "laf_max_uncertainty_db"),
+EVENT_LEVELS: Quantities = {
+    "lae_db": Quantity("LAE (re 1 s)", "lae_uncertainty_db"),
+    "laf_max_db": Quantity("LAFmax", "laf_max_uncertainty_db"),
 }
-LEVELS: Numbers = {
-    "laeq_db": ("LAeq", "laeq_uncertainty_db"),
-    "level_db": ("LZeq", "level_uncertainty_db"),
-    "vibration_laeq_db": ("LAeq of the vibration", ""),
-    "release_laeq_db": ("level of the release, A", ""),
+LEVELS: Quantities = {
+    "laeq_db": Quantity("LAeq", "laeq_uncertainty_db"),
+    "level_db": Quantity("LZeq", "level_uncertainty_db"),
+    "vibration_laeq_db": Quantity("LAeq of the vibration"),
+    "release_laeq_db": Quantity("level of the release, A"),
 }
-AREAS: Numbers = {
-    "contact_area_mean_m2": ("contact area", ""),
-    "plastic_area_mean_m2": ("plastic area", ""),
+AREAS: Quantities = {
+    "contact_area_mean_m2": Quantity("contact area"),
+    "plastic_area_mean_m2": Quantity("plastic area"),
 }
 _MAX_CURVES = 100  # more would hide one another
+_MAX_TICKS = 8  # of an axis that names all its numbers
 _MAX_CELLS = 100  # of a map whose numbers are written in it
 _BANDS = [f"third_octave_a_db_{name}" for name in BAND_NAMES]
 
@@ -48,6 +60,7 @@ _BANDS = [f"third_octave_a_db_{name}" for name in BAND_NAMES]
 # ---- figures of runs
 
 
+@ignoring_underflow
 def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) -> Axes:
     """Plot LAeq and LZeq of runs against a number of their scenes, or LAE and LAFmax of events.
 
@@ -77,21 +90,30 @@ def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) 
     >>> import rolling
     >>> ax = rolling.plot.levels(runs, "rolling.load_n")
     """
-    shown = listed(runs)
-    names = level_columns(shown)
-    released = {run.sound.source for run in shown} == {"release"}
-    if released and names == EVENT_LEVELS:
-        names["lae_db"] = "LAE (re 1 s) of the released power", "lae_uncertainty_db"
-        names["laf_max_db"] = "LAFmax of the released power", "laf_max_uncertainty_db"
-    elif released:
-        names["laeq_db"] = "released power, A", "laeq_uncertainty_db"
-        names["level_db"] = "released power, Z", "level_uncertainty_db"
-    ax = _against_key(shown, key, names, ax)
+    shown = compared(runs)
+    quantities = dict(level_quantities(shown))
+    is_release = all(run.sound.source == "release" for run in shown)
+    if is_release and quantities == EVENT_LEVELS:
+        quantities["lae_db"] = Quantity("LAE (re 1 s) of the released power", "lae_uncertainty_db")
+        quantities["laf_max_db"] = Quantity(
+            "LAFmax of the released power", "laf_max_uncertainty_db"
+        )
+    elif is_release:
+        quantities["laeq_db"] = Quantity("released power, A", "laeq_uncertainty_db")
+        quantities["level_db"] = Quantity("released power, Z", "level_uncertainty_db")
+    key = key or _some_swept_key(shown)
+    ax = axes_of(ax)
+    _draw_against_key(ax, shown, key, quantities)
     ax.set_ylabel("level [dB re 20 µPa]")
-    facts = [*picture.distance_and_duration(shown), "bars: standard uncertainty of that duration"]
-    return finish(ax, f"Levels against {x_words(ax)}: {subject(shown)}", facts)
+    facts = [
+        picture.distance_text(shown),
+        picture.duration_text(shown),
+        "bars: standard uncertainty of that duration",
+    ]
+    return finish(ax, f"Levels against {x_quantity(ax)}: {subject(shown)}", facts)
 
 
+@ignoring_underflow
 def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) -> Axes:
     """Plot the mean contact area and plastic area of runs against a number of their scenes.
 
@@ -119,13 +141,16 @@ def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None =
     >>> import rolling
     >>> ax = rolling.plot.contact_areas(runs, "rolling.load_n")
     """
-    shown = listed(runs)
-    ax = _against_key(shown, key, AREAS, ax, 1e12)
+    shown = compared(runs)
+    key = key or _some_swept_key(shown)
+    ax = axes_of(ax)
+    _draw_against_key(ax, shown, key, AREAS, factor=1e12)
     ax.set(ylabel="mean area [µm²]", ylim=(0.0, None))
     facts = ["mean over the track", "dashed: plastic area"]
-    return finish(ax, f"Contact areas against {x_words(ax)}: {subject(shown)}", facts)
+    return finish(ax, f"Contact areas against {x_quantity(ax)}: {subject(shown)}", facts)
 
 
+@ignoring_underflow
 def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     """Plot the mean A-weighted third octaves of runs that differ in their seed alone.
 
@@ -146,29 +171,45 @@ def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> ax = rolling.plot.mean_third_octaves(runs)
     """
-    shown = listed(runs)
-    return mean_bands(sweep_table(shown), _others(shown, SEED), axes_of(ax), subject(shown))
+    shown = compared(runs)
+    return mean_bands(sweep_table(shown), _other_keys(shown, SEED), axes_of(ax), subject(shown))
 
 
-def level_columns(runs: Sequence[Run]) -> dict[str, tuple[str, str]]:
+def level_quantities(runs: Sequence[Run]) -> Quantities:
     """Return the levels that a sweep is compared by: LAE and LAFmax if all runs are events."""
-    events = [run.summary.get("single_event") for run in runs if run.summary["laeq_db"] is not None]
-    return dict(EVENT_LEVELS if events and all(events) else LEVELS)
+    sounding = [run for run in runs if run.summary["laeq_db"] is not None]
+    if sounding and all(run.summary.get("single_event") for run in sounding):
+        return EVENT_LEVELS
+    return LEVELS
 
 
 def level_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Tabulate swept values and levels of runs with their standard uncertainty."""
-    return swept_table(runs, level_columns(runs))
+    return _swept_table(runs, level_quantities(runs))
+
+
+def area_table(runs: Sequence[Run]) -> pd.DataFrame:
+    """Tabulate swept values and mean areas of runs [m²]."""
+    return _swept_table(runs, AREAS)
 
 
 def swept_key(runs: Sequence[Run]) -> str | None:
     """Return the first swept key with several numbers if the swept values tell all runs apart."""
     for key in runs[0].values:
-        numbers = all(isinstance(run.values.get(key), int | float) for run in runs)
-        if numbers and len({run.values[key] for run in runs}) > 1:
+        values = [run.values.get(key) for run in runs]
+        are_numbers = all(isinstance(value, int | float) for value in values)
+        if are_numbers and len(set(values)) > 1:
             distinct = {(run.scene.name, *run.values.items()) for run in runs}
             return key if len(distinct) == len(runs) else None
     return None
+
+
+def _some_swept_key(runs: Sequence[Run]) -> str:
+    """Return the swept key of runs, or raise ValueError if there is none."""
+    key = swept_key(runs)
+    if key is None:
+        raise ValueError("the runs have no swept key, name one, such as rolling.load_n")
+    return key
 
 
 def has_seeds(runs: Sequence[Run]) -> bool:
@@ -176,20 +217,23 @@ def has_seeds(runs: Sequence[Run]) -> bool:
     frame = sweep_table(runs)
     if frame[SCENE].nunique() > 1 or SEED not in frame:
         return False
-    seeds = [group[SEED].nunique() for _, group in groups_of(frame, _others(runs, SEED))]
+    seeds = [group[SEED].nunique() for _, group in groups_of(frame, _other_keys(runs, SEED))]
     return bool(min(seeds) >= FEWEST_SEEDS)
 
 
 def seed_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Tabulate mean and standard deviation of third octaves of runs over their seeds [dB]."""
-    return mean_band_table(sweep_table(runs), _others(runs, SEED))
+    return mean_band_table(sweep_table(runs), _other_keys(runs, SEED))
 
 
-def swept_table(runs: Sequence[Run], names: Numbers) -> pd.DataFrame:
+def _swept_table(runs: Sequence[Run], quantities: Quantities) -> pd.DataFrame:
     """Tabulate swept values and numbers of runs with their standard uncertainty."""
-    frame, keys = sweep_table(runs), dict.fromkeys(key for run in runs for key in run.values)
-    columns = [column for name, (_, spread) in names.items() for column in (name, spread)]
-    return frame[[name for name in ("run", SCENE, *keys, *columns) if name in frame]]
+    frame = sweep_table(runs)
+    names: list[str | None] = ["run", SCENE]
+    names += dict.fromkeys(key for run in runs for key in run.values)
+    for column, quantity in quantities.items():
+        names += [column, quantity.uncertainty]
+    return frame[[name for name in names if name in frame]]
 
 
 def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
@@ -197,44 +241,50 @@ def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
     return runs_table(runs).reset_index().assign(**{SCENE: [run.scene.name for run in runs]})
 
 
-def _against_key(
-    runs: Sequence[Run], key: str | None, names: Numbers, ax: Axes | None, factor: float = 1.0
-) -> Axes:
-    """Draw columns of a table of runs, with label and uncertainty, against a key of the scenes."""
-    key = key or swept_key(runs)
-    if key is None:
-        raise ValueError("the runs have no swept key, name one, such as rolling.load_n")
-    frame, ax = sweep_table(runs), axes_of(ax)
-    frame[key] = [_number(run.scene, key) for run in runs]
-    groups = [*groups_of(frame.sort_values(key), _others(runs, key))]
-    present = [name for name in names if name in frame and frame[name].notna().any()]
-    if "vibration_laeq_db" in present and frame["vibration_laeq_db"].equals(frame["laeq_db"]):
-        present.remove("vibration_laeq_db")
+def _draw_against_key(
+    ax: Axes, runs: Sequence[Run], key: str, quantities: Quantities, factor: float = 1.0
+) -> None:
+    """Draw quantities of runs, times a factor, against a key of the scenes.
+
+    The runs of each combination of the other swept values have a curve.
+    """
+    frame = sweep_table(runs)
+    frame[key] = [_number_at(run.scene, key) for run in runs]
+    groups = [*groups_of(frame.sort_values(key), _other_keys(runs, key))]
+    columns = [name for name in quantities if name in frame and frame[name].notna().any()]
+    if "vibration_laeq_db" in columns and frame["vibration_laeq_db"].equals(frame["laeq_db"]):
+        columns.remove("vibration_laeq_db")
     for k, (label, group) in enumerate(groups):
-        for number, name in enumerate(present):
-            word, spread = names[name]
-            look = look_of(k, len(groups)) if len(groups) > 1 else look_of(number, len(present))
-            look["linestyle"] = LINE_STYLES[number]
-            values = factor * group[name].astype(float)
-            text = ", ".join(filter(None, [label, word]))
-            ax.plot(group[key], values, markersize=5, label=text, **look)
-            if spread in frame:
-                bars(ax, group[key], values, group[spread].astype(float), look["color"])
-    _name_axis(ax, "x", key, _ticks(frame[key]))
-    return ax
+        for number, column in enumerate(columns):
+            quantity = quantities[column]
+            # Colours tell the groups apart, or the quantities of a single group.
+            if len(groups) > 1:
+                style = curve_style(k, len(groups))
+            else:
+                style = curve_style(number, len(columns))
+            style["linestyle"] = LINE_STYLES[number]
+            style["label"] = f"{label}, {quantity.label}" if label else quantity.label
+            values = factor * group[column].astype(float)
+            ax.plot(group[key], values, markersize=5, **style)
+            if quantity.uncertainty in frame:
+                spread = group[quantity.uncertainty].astype(float)
+                error_bars(ax, group[key], values, spread, style["color"])
+    _label_values(ax, key, _places_of(frame[key]))
 
 
-def _others(runs: Sequence[Run], key: str) -> list[str]:
+def _other_keys(runs: Sequence[Run], key: str) -> list[str]:
     """Return the swept keys other than one, after the scene's name where scenes differ."""
     keys = dict.fromkeys(name for run in runs for name in run.values if name != key)
-    several = len({run.scene.name for run in runs}) > 1
-    return [SCENE, *keys] if several else [*keys]
+    if len({run.scene.name for run in runs}) > 1:
+        return [SCENE, *keys]
+    return [*keys]
 
 
-def _number(scene: Scene, key: str) -> float:
+def _number_at(scene: Scene, key: str) -> float:
     """Read the number at a dotted key of a scene."""
-    # The weight is a number, too.
-    value = scene.load if key == "rolling.load_n" else labels.value_at(scene, key)
+    value = labels.value_at(scene, key)
+    if key == "rolling.load_n":  # which may be the weight, a number too
+        value = scene.load
     if not isinstance(value, int | float) or isinstance(value, bool):
         raise ValueError(f"{key}: the scene {scene.name} has no number there")
     return float(value)
@@ -250,19 +300,18 @@ def write_number_figures(
 
     `frame` holds the columns of runs.csv, and the paths of the PNG files are returned.
     """
-    keys = [key for key in frame if key.partition(".")[0] in Scene.model_fields]
-    others = [key for key in keys if key != SEED]
-    draw = partial(mean_bands, frame, others, title=title)
+    swept = [key for key in frame if key.partition(".")[0] in Scene.model_fields and key != SEED]
+    draw: Callable[..., Axes]
+    draw = partial(mean_bands, frame, swept, title=title)
     contents = dict[Path, bytes]()
     _draw_into(contents, folder, "mean_third_octaves", draw)
     for number in numbers:
-        name = f"{number}_against_{'_'.join(against)}"
         if len(against) == 2:
             draw = partial(number_map, frame, number, (against[0], against[1]), title=title)
         else:
-            curves = [key for key in others if key != against[0]]
+            curves = [key for key in swept if key != against[0]]
             draw = partial(number_against, frame, number, against[0], curves, title=title)
-        _draw_into(contents, folder, name, draw)
+        _draw_into(contents, folder, f"{number}_against_{'_'.join(against)}", draw)
     folder.mkdir(parents=True, exist_ok=True)
     for path, content in contents.items():
         write_bytes(path, content)
@@ -283,41 +332,51 @@ def number_against(
     frame: pd.DataFrame, number: str, key: str, curves: Sequence[str], ax: Axes, title: str
 ) -> Axes:
     """Plot the mean of a column of runs.csv against a swept key, a line per value of `curves`."""
-    groups, ticks = [*groups_of(frame, curves)], _ticks(frame[key])
-    x = np.array([*ticks.values()])
+    groups = [*groups_of(frame, curves)]
+    places = _places_of(frame[key])
+    x = np.array([*places.values()])
     for k, (label, group) in enumerate(groups[:_MAX_CURVES]):
-        look = look_of(k, len(groups))
+        style = curve_style(k, len(groups))
         values = group[number].astype(float).groupby(group[key])
-        mean, spread = (table.reindex([*ticks]) for table in (values.mean(), values.std()))
-        ax.plot(x, mean, markersize=5, label=label or None, **look)
-        bars(ax, x, mean, spread, look["color"])
-    _name_axis(ax, "x", key, ticks)
+        mean = values.mean().reindex([*places])
+        deviation = values.std().reindex([*places])
+        ax.plot(x, mean, markersize=5, label=label or None, **style)
+        error_bars(ax, x, mean, deviation, style["color"])
+    _label_values(ax, key, places)
     ax.set_ylabel(number)
-    facts = _facts(frame, [key, *curves], "bars", len(groups))
-    return finish(ax, f"{number} against {x_words(ax)}: {title}", facts)
+    facts = _facts_of_means(frame, [key, *curves], "bars", len(groups))
+    return finish(ax, f"{number} against {x_quantity(ax)}: {title}", facts)
 
 
 def number_map(
     frame: pd.DataFrame, number: str, keys: tuple[str, str], ax: Axes, title: str
 ) -> Axes:
     """Plot the mean of a column of runs.csv over two swept keys, along x and y, as a map."""
-    ticks = [_ticks(frame[key]) for key in keys]
-    values = frame.astype({number: float})
-    table = values.pivot_table(number, keys[1], keys[0], "mean", observed=True)
-    means = table.reindex([*ticks[1]], columns=[*ticks[0]]).to_numpy(dtype=float)
-    drawn = ax.imshow(means, origin="lower", aspect="auto", cmap="viridis")
-    ax.figure.colorbar(drawn, ax=ax, label=number)
-    for axis, key, places in zip(("x", "y"), keys, ticks, strict=True):
-        _name_axis(ax, axis, key, {value: place for place, value in enumerate(places)}, True)
+    values_x, values_y = ([*_places_of(frame[key])] for key in keys)
+    frame = frame.astype({number: float})
+    table = frame.pivot_table(number, keys[1], keys[0], "mean", observed=True)
+    means = table.reindex(values_y, columns=values_x).to_numpy(dtype=float)
+    image = ax.imshow(means, origin="lower", aspect="auto", cmap="viridis")
+    ax.figure.colorbar(image, ax=ax, label=number)
+    ax.set_xlabel(_label_of(keys[0]))
+    ax.set_ylabel(_label_of(keys[1]))
+    _name_ticks(ax.xaxis, {value: place for place, value in enumerate(values_x)})
+    _name_ticks(ax.yaxis, {value: place for place, value in enumerate(values_y)})
     if means.size <= _MAX_CELLS:
-        middle = np.nanmean(means)
-        for (row, place), value in np.ndenumerate(means):
-            colour = "black" if value > middle else "white"
-            text = rounded(value, 3) if np.isfinite(value) else ""
-            ax.text(place, row, text, ha="center", va="center", color=colour)
-    words = " and ".join(labels.named(key)[0] for key in keys)
+        _write_numbers(ax, means)
+    quantities = " and ".join(labels.named(key)[0] for key in keys)
     facts = [f"{len(frame)} runs", "mean over all other keys"]
-    return finish(ax, f"{number} against {words}: {title}", facts)
+    return finish(ax, f"{number} against {quantities}: {title}", facts)
+
+
+def _write_numbers(ax: Axes, means: Array) -> None:
+    """Write the numbers of a map into its cells, in black on bright cells."""
+    middle = np.nanmean(means)
+    for (row, column), value in np.ndenumerate(means):
+        if np.isfinite(value):
+            colour = "black" if value > middle else "white"
+            text = rounded(value, 3)
+            ax.text(column, row, text, ha="center", va="center", color=colour)
 
 
 def mean_bands(frame: pd.DataFrame, curves: Sequence[str], ax: Axes, title: str) -> Axes:
@@ -326,18 +385,20 @@ def mean_bands(frame: pd.DataFrame, curves: Sequence[str], ax: Axes, title: str)
     # Values that are equal in print have curves of one name.
     groups = [rows for _, rows in table.groupby(np.arange(len(table)) // len(MID_HZ))]
     for k, rows in enumerate(groups[:_MAX_CURVES]):
-        look, mean = look_of(k, len(groups)), rows["mean_a_weighted_level_db"]
+        style = curve_style(k, len(groups))
         label = rows["curve"].iloc[0]
-        spread = rows["standard_deviation_db"]
-        ax.plot(MID_HZ, mean, markersize=4, label=label or None, **look)
+        mean = rows["mean_a_weighted_level_db"]
+        deviation = rows["standard_deviation_db"]
+        ax.plot(MID_HZ, mean, markersize=4, label=label or None, **style)
         if len(groups) <= MAX_NAMED:
-            low, high = mean - spread, mean + spread
-            ax.fill_between(MID_HZ, low, high, color=look["color"], alpha=0.18, lw=0)
+            ax.fill_between(
+                MID_HZ, mean - deviation, mean + deviation, color=style["color"], alpha=0.18, lw=0
+            )
     ax.set(xscale="log", xlim=AUDIBLE_HZ, ylabel="A-weighted level [dB re 20 µPa]")
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     ax.minorticks_off()
     band_ticks(ax)
-    facts = _facts(frame, curves, "shaded", len(groups))
+    facts = _facts_of_means(frame, curves, "shaded", len(groups))
     return finish(ax, f"Mean third octaves: {title}", facts)
 
 
@@ -347,10 +408,12 @@ def mean_band_table(frame: pd.DataFrame, curves: Sequence[str]) -> pd.DataFrame:
     for label, group in groups_of(frame, curves):
         levels_db = group.reindex(columns=_BANDS).astype(float)
         columns = {
+            "curve": label,
+            "mid_frequency_hz": MID_HZ,
             "mean_a_weighted_level_db": levels_db.mean().to_numpy(),
             "standard_deviation_db": levels_db.std().to_numpy(),
         }
-        tables.append(pd.DataFrame({"curve": label, "mid_frequency_hz": MID_HZ, **columns}))
+        tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True)
 
 
@@ -371,39 +434,57 @@ def groups_of(frame: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[str, p
         yield ", ".join(words), group
 
 
-def _facts(frame: pd.DataFrame, keys: Sequence[str], spread: str, curves: int) -> list[str]:
+def _facts_of_means(
+    frame: pd.DataFrame, keys: Sequence[str], spread: str, curves: int
+) -> list[str]:
     """Write how many runs a figure of means has, and the meaning of bars or bands."""
     facts = [f"{len(frame)} runs"]
-    sizes = frame.groupby([*keys]).size() if keys else pd.Series([len(frame)])
-    if sizes.max() > 1:
-        ends = " to ".join(str(count) for count in dict.fromkeys((sizes.min(), sizes.max())))
-        facts += [f"mean of {ends} runs", f"{spread}: their standard deviation"]
+    fewest = most = len(frame)
+    if keys:
+        sizes = frame.groupby([*keys]).size()
+        fewest = sizes.min()
+        most = sizes.max()
+    if most > 1:
+        count = f"{most}" if fewest == most else f"{fewest} to {most}"
+        facts.append(f"mean of {count} runs")
+        facts.append(f"{spread}: their standard deviation")
     if curves > _MAX_CURVES:
         facts.append(f"first {_MAX_CURVES} of {curves} curves")
     return facts
 
 
-def _ticks(values: pd.Series) -> dict[Any, float]:
+def _places_of(values: pd.Series) -> dict[Any, float]:
     """Return the values of a swept key with their places along an axis; names stand evenly."""
-    ticks = [*dict.fromkeys(values)]
-    if all(isinstance(value, int | float | np.number) for value in ticks):
-        return {value: float(value) for value in sorted(ticks)}
-    return {name: float(place) for place, name in enumerate(ticks)}
+    distinct = [*dict.fromkeys(values)]
+    if all(isinstance(value, int | float | np.number) for value in distinct):
+        return {value: float(value) for value in sorted(distinct)}
+    return {name: float(place) for place, name in enumerate(distinct)}
 
 
-def _name_axis(ax: Axes, axis: str, key: str, ticks: dict[Any, float], named: bool = False) -> None:
-    """Name an axis by its key, and its ticks where they are names, few, or all to be named."""
+def _label_values(ax: Axes, key: str, places: dict[Any, float]) -> None:
+    """Label the x axis by a swept key; values that are few, or that are names, have ticks."""
+    ax.set_xlabel(_label_of(key))
+    first = min(places.values())
+    last = max(places.values())
+    if first > 0.0 and last > 10.0 * first:
+        ax.set_xscale("log")
+    if len(places) <= _MAX_TICKS or any(isinstance(value, str) for value in places):
+        _name_ticks(ax.xaxis, places)
+
+
+def _label_of(key: str) -> str:
+    """Return the label of an axis for a swept key, with its unit."""
     word, unit = labels.named(key)
-    names = [printable(v) if isinstance(v, str) else f"{v:g}" for v in ticks]
-    places = [*ticks.values()]
-    getattr(ax, f"set_{axis}label")(f"{word} [{unit}]" if unit else word)
-    if places[0] > 0.0 and places[-1] > 10.0 * places[0]:
-        getattr(ax, f"set_{axis}scale")("log")
-    if named or len(ticks) <= 8 or any(isinstance(value, str) for value in ticks):
-        getattr(ax, f"set_{axis}ticks")(places, names)
-        getattr(ax, f"{axis}axis").set_minor_locator(NullLocator())
+    return f"{word} [{unit}]" if unit else word
 
 
-def x_words(ax: Axes) -> str:
+def _name_ticks(axis: Axis, places: dict[Any, float]) -> None:
+    """Name the ticks of an axis by values at their places."""
+    names = [printable(value) if isinstance(value, str) else f"{value:g}" for value in places]
+    axis.set_ticks([*places.values()], names)
+    axis.set_minor_locator(NullLocator())
+
+
+def x_quantity(ax: Axes) -> str:
     """Return the quantity along x without its unit."""
     return ax.get_xlabel().partition(" [")[0]

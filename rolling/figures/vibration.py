@@ -4,11 +4,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from acoustics.arrays import instance
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
 from acoustics.plots import COLOURS, third_octaves
+from acoustics.traps import ignoring_underflow
 from rolling.dynamics.smooth_contact import semi_axes
-from rolling.figures.picture import axes_of, distance_and_duration, finish, number
+from rolling.figures.picture import axes_of, duration_text, finish, number
 from rolling.figures.sound import band_table
 from rolling.results.run_result import Run
 from rolling.sound.vibration_sound import Vibration
@@ -17,27 +19,35 @@ from rolling.surface.scene_surface import scene_surface
 
 _COLUMNS = 1500  # of the force over time, in each of which minimum and maximum are drawn
 _FILTERED_DB = 40.0  # below the maximum of the surface's spectrum
-_STYLES = ("-", "--", "-.", ":")
+_LINE_STYLES = ("-", "--", "-.", ":")
 
 
 def _vibration(run: Run) -> Vibration:
-    """Return the vibration of a run; raise ValueError without dynamics."""
+    """Return the vibration of a run; raise TypeError or ValueError if there is none."""
+    instance("run", run, Run)
     if run.vibration is None:
         raise ValueError(f"{run.title}: has no vibration, because its scene has no dynamics")
     return run.vibration
 
 
-def _curves(ax: Axes, table: pd.DataFrame, names: dict[str, str], xlabel: str, ylabel: str) -> None:
-    """Draw columns of a table over its first column, on a logarithmic axis."""
-    for k, (name, label) in enumerate(names.items()):
-        style, colour = _STYLES[k], COLOURS[k]
-        ax.plot(table.iloc[:, 0], table[name], style, color=colour, linewidth=1.5, label=label)
-    ax.set(xscale="log", xlabel=xlabel, ylabel=ylabel)
+def _draw_columns(ax: Axes, table: pd.DataFrame, labels: dict[str, str]) -> None:
+    """Draw columns of a table, with their labels, over its first column on a logarithmic axis."""
+    for k, (column, label) in enumerate(labels.items()):
+        ax.plot(
+            table.iloc[:, 0],
+            table[column],
+            color=COLOURS[k],
+            linestyle=_LINE_STYLES[k],
+            linewidth=1.5,
+            label=label,
+        )
+    ax.set_xscale("log")
 
 
 # ---- sources side by side
 
 
+@ignoring_underflow
 def sources(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the third octaves of vibration, release and sound power of a run with dynamics.
 
@@ -64,36 +74,39 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
     >>> ax = rolling.plot.sources(run)
     """
     _vibration(run)
-    words = {
+    labels = {
         "vibration": "pressure of the vibration [dB re 20 µPa]",
         "release": f"pressure of the release, q = {run.scene.sound.q:g} [dB re 20 µPa]",
         "plate_power": "sound power of the plate [dB re 1 pW]",
         "ball_power": "sound power of the sphere [dB re 1 pW]",
     }
     names = source_names(run)
-    nothing = dict.fromkeys(BAND_NAMES)
-    levels = {name: run.summary[f"{name}_third_octave_db"] for name in names}
-    curves = [(words[k], levels[k], nothing) for k in names if any(levels[k].values())]
+    unknown = dict.fromkeys(BAND_NAMES)
+    curves = []
+    for name in names:
+        levels = run.summary[f"{name}_third_octave_db"]
+        if any(levels.values()):
+            curves.append((labels[name], levels, unknown))
     ax = third_octaves(axes_of(ax), curves, run.sound.duration)
     ax.set_ylabel("level [dB]")
-    loss = run.scene.plate.loss_factor
-    place = f"at {number(run.scene.vibration_distance_m)} m"
+    distance = f"at {number(run.scene.vibration_distance_m)} m"
     if run.scene.sound.listener_mm is not None:
-        place += " from the contact"
-    facts = [
-        place,
-        *distance_and_duration([run])[1:],
-        "one side of the plate",
-        "no loss factor: no power above coincidence" if loss is None else f"loss factor {loss:g}",
-    ]
+        distance += " from the contact"
+    if run.scene.plate.loss_factor is None:
+        losses = "no loss factor: no power above coincidence"
+    else:
+        losses = f"loss factor {run.scene.plate.loss_factor:g}"
+    facts = [distance, duration_text([run]), "one side of the plate", losses]
     title = "Vibration and release" if "release" in names else "Vibration"
     return finish(ax, f"{title}: {run.title}", facts)
 
 
 def source_table(run: Run) -> pd.DataFrame:
     """Tabulate the third octaves of the sources of a run [dB]."""
-    names = source_names(run)
-    return band_table({f"{x}_level_db": run.summary[f"{x}_third_octave_db"] for x in names})
+    columns = {
+        f"{name}_level_db": run.summary[f"{name}_third_octave_db"] for name in source_names(run)
+    }
+    return band_table(columns)
 
 
 def source_names(run: Run) -> list[str]:
@@ -109,6 +122,7 @@ def source_names(run: Run) -> list[str]:
 # ---- contact force
 
 
+@ignoring_underflow
 def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the contact force over the load of a run with dynamics against time.
 
@@ -134,10 +148,19 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> ax = rolling.plot.contact_force(run)
     """
-    vibration, table, ax = _vibration(run), contact_force_table(run), axes_of(ax)
-    motion, ratio = vibration.motion, vibration.force_ratio
-    curves = 1e3 * table["time_s"], table["minimum_ratio"], table["maximum_ratio"]
-    ax.fill_between(*curves, step="post", color=COLOURS[0], linewidth=0.6)
+    vibration = _vibration(run)
+    motion = vibration.motion
+    ratio = vibration.force_ratio
+    table = contact_force_table(run)
+    ax = axes_of(ax)
+    ax.fill_between(
+        1e3 * table["time_s"],
+        table["minimum_ratio"],
+        table["maximum_ratio"],
+        step="post",
+        color=COLOURS[0],
+        linewidth=0.6,
+    )
     ax.axhline(1.0, color="0.4", linewidth=0.6)
     ax.set(xlabel="time [ms]", ylabel="contact force over load [-]")
     ax.set_xlim(0.0, 1e3 * motion.time_step_s * len(ratio))
@@ -146,7 +169,7 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
         f"rms {rounded(vibration.rms_ratio, 3)},"
         f" from {rounded(ratio.min(), 3)} to {rounded(ratio.max(), 3)}",
         f"in flight {rounded(100 * motion.flight_share)} % of the time",
-        f"{motion.impacts} impact{'s' * (motion.impacts != 1)}",
+        "1 impact" if motion.impacts == 1 else f"{motion.impacts} impacts",
     ]
     return finish(ax, f"Contact force: {run.title}", facts)
 
@@ -169,6 +192,7 @@ def contact_force_table(run: Run) -> pd.DataFrame:
 # ---- contact filter
 
 
+@ignoring_underflow
 def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
     """Plot surface and approach of a run over wavelength, and their difference, the filter.
 
@@ -193,36 +217,41 @@ def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> ax = rolling.plot.contact_filter(run)
     """
-    table, ax, radius = contact_filter_table(run), axes_of(ax), 1e6 * semi_axes(run.scene)[0]
-    names = {
+    instance("run", run, Run)
+    table = contact_filter_table(run)
+    radius_um = 1e6 * semi_axes(run.scene)[0]
+    ax = axes_of(ax)
+    labels = {
         "surface_level_db": "surface, lines under the contact",
         "approach_level_db": "approach under the load",
         "contact_filter_db": "contact filter, their difference [dB]",
     }
-    _curves(ax, table, names, "wavelength [µm]", "level [dB]")
-    ax.axvline(radius, color="0.4", linestyle=":", linewidth=1.0)
+    _draw_columns(ax, table, labels)
+    ax.set(xlabel="wavelength [µm]", ylabel="level [dB]")
+    ax.axvline(radius_um, color="0.4", linestyle=":", linewidth=1.0)
     ax.set_ylim(bottom=np.nanmin(table["approach_level_db"]) - 10)
     ax.invert_xaxis()
     facts = [
         "third octaves, dB re 1 µm rms",
         f"load {rounded(run.scene.load, 6)} N, constant",
-        f"dotted: Hertz radius {rounded(radius, 3)} µm",
+        f"dotted: Hertz radius {rounded(radius_um, 3)} µm",
     ]
     return finish(ax, f"Contact filter: {run.title}", facts)
 
 
 def contact_filter_table(run: Run) -> pd.DataFrame:
     """Tabulate the levels of surface and approach [dB re 1 µm] by wavelength [µm]."""
-    scene, result = run.scene, run.result
+    scene = run.scene
+    result = run.result
     heights = scene_surface(scene).heights
-    across = semi_axes(scene)[1]
-    middle, reach = heights.shape[1] // 2, max(1, round(across / scene.spacing))
-    under = heights[:, max(0, middle - reach) : middle + reach]
+    middle = heights.shape[1] // 2
+    half_width = max(1, round(semi_axes(scene)[1] / scene.spacing))
+    under_contact = heights[:, max(0, middle - half_width) : middle + half_width]
     closed = scene.track.lap_steps <= result.solved_steps
-    lengths, heights_db = wavelength_bands(under, scene.spacing, closed)
-    lap = result.series["approach"][: result.solved_steps]
-    wavelength, level_db = wavelength_bands(lap, result.step, closed)
-    surface_db = np.interp(-np.log(wavelength), -np.log(lengths), heights_db)
+    surface_wavelength, heights_db = wavelength_bands(under_contact, scene.spacing, closed)
+    approach = result.series["approach"][: result.solved_steps]
+    wavelength, level_db = wavelength_bands(approach, result.step, closed)
+    surface_db = np.interp(-np.log(wavelength), -np.log(surface_wavelength), heights_db)
     # Where the surface has next to nothing, the approach is bent by the contact, not filtered.
     rough = surface_db > np.nanmax(surface_db) - _FILTERED_DB
     return pd.DataFrame(
@@ -238,6 +267,7 @@ def contact_filter_table(run: Run) -> pd.DataFrame:
 # ---- mobilities
 
 
+@ignoring_underflow
 def mobilities(run: Run, ax: Axes | None = None) -> Axes:
     """Plot the mobilities of sphere, contact and plate of a run, with the resonance marked.
 
@@ -263,18 +293,24 @@ def mobilities(run: Run, ax: Axes | None = None) -> Axes:
     >>> import rolling
     >>> ax = rolling.plot.mobilities(run)
     """
-    chain, table, ax = _vibration(run).chain, mobility_table(run), axes_of(ax)
-    names = {name: name.removesuffix("_s_kg").replace("_", " ") for name in table.columns[1:]}
-    _curves(ax, table, names, "frequency [Hz]", "magnitude of the mobility [s/kg]")
+    chain = _vibration(run).chain
+    table = mobility_table(run)
+    ax = axes_of(ax)
+    _draw_columns(
+        ax,
+        table,
+        {column: column.removesuffix("_s_kg").replace("_", " ") for column in table.columns[1:]},
+    )
+    ax.set(xlabel="frequency [Hz]", ylabel="magnitude of the mobility [s/kg]", yscale="log")
     ax.axvline(chain.resonance_hz, color="0.4", linestyle=":", linewidth=1.0)
-    ax.set_yscale("log")
     quality = "undamped" if np.isinf(chain.quality) else f"Q {rounded(chain.quality, 3)}"
-    thickness = run.scene.plate.thickness_mm
+    if run.scene.plate.thickness_mm is None:
+        plate = "half-space at the resonance's damping"
+    else:
+        plate = f"infinite plate of {run.scene.plate.thickness_mm:g} mm"
     facts = [
         f"dotted: resonance of sphere and contact at {number(chain.resonance_hz)} Hz, {quality}",
-        "half-space at the resonance's damping"
-        if thickness is None
-        else f"infinite plate of {thickness:g} mm",
+        plate,
     ]
     return finish(ax, f"Mobilities: {run.title}", facts)
 
@@ -283,7 +319,12 @@ def mobility_table(run: Run) -> pd.DataFrame:
     """Tabulate the magnitudes of the mobilities of a run [s/kg] by frequency [Hz]."""
     chain = _vibration(run).chain
     frequency = np.geomspace(20.0, max(40e3, 2 * chain.resonance_hz), 400)
-    bodies = {name.replace("ball", "sphere"): m for name, m in chain.mobilities(frequency).items()}
-    bodies["all_three_in_a_row"] = np.asarray(sum(bodies.values()))
-    magnitudes = {f"{name}_s_kg": np.abs(mobility) for name, mobility in bodies.items()}
-    return pd.DataFrame({"frequency_hz": frequency, **magnitudes})
+    mobilities = {
+        name.replace("ball", "sphere"): mobility
+        for name, mobility in chain.mobilities(frequency).items()
+    }
+    mobilities["all_three_in_a_row"] = np.asarray(sum(mobilities.values()))
+    table = pd.DataFrame({"frequency_hz": frequency})
+    for name, mobility in mobilities.items():
+        table[f"{name}_s_kg"] = np.abs(mobility)
+    return table

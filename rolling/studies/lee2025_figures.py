@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from acoustics.plot_style import look_of
+from acoustics.plot_style import curve_style
 from acoustics.plots import Lines, level_limits, spectrum
 from rolling.check.validity import MAX_SLOPE
 from rolling.studies.lee2025_cases import CELLS, Maps
@@ -79,7 +79,7 @@ def against_load(ax: Axes, cases: pd.DataFrame, column: str, ylabel: str) -> Axe
             by_load["std"].fillna(0.0),
             label=title(cases, float(roughness)),
             capsize=3,
-            **look_of(number, cases[ROUGHNESS].nunique()),
+            **curve_style(number, cases[ROUGHNESS].nunique()),
         )
     loads = sorted(cases[LOAD].unique())
     ax.set_xscale("log")
