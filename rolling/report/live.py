@@ -4,8 +4,7 @@ All tracks close here: the end of an open track, or of a part, is cross-faded wi
 """
 
 import base64
-import tomllib
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from rolling.dynamics._motion_kernels import LawTable
 from rolling.dynamics.bodies import half_space_mobility
 from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
 from rolling.dynamics.smooth_contact import equivalent_radius
-from rolling.report.text import asset
 from rolling.results.listening import released
 from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
@@ -32,9 +30,29 @@ SEAM = 20  # an open track is cross-faded over its length divided by this
 RESOLVED = 1e-5  # share of the roughness in waves that time steps need not resolve
 FASTEST_STEPS = 8  # time steps per sample that the highest speed takes
 FALL_M_S = 1.0  # speed that a ball which is lifted may reach in its fall
-RANGES: dict[str, list[float]] = tomllib.loads(asset("sliders.toml"))
-EDGES = 1.5, 3.0  # lowest edge over the distance from its corner to the contact; highest edge [m]
 Data = dict[str, Any]
+
+
+class Slider(NamedTuple):
+    """A setting of the page with the range of its slider in SI units, which a run may widen."""
+
+    name: str
+    least: float
+    most: float
+    unit: str
+
+
+SLIDERS = (
+    Slider("ballDensity", 900.0, 19_300.0, "kg/m³"),  # plastics to tungsten
+    Slider("plateDensity", 900.0, 19_300.0, "kg/m³"),
+    Slider("thickness", 5e-4, 0.05, "m"),  # foil to block
+    Slider("lossFactor", 5e-4, 0.3, "-"),  # bells to damped layers
+    Slider("contactLossFactor", 0.0, 0.2, "-"),
+    Slider("distance", 0.1, 10.0, "m"),
+    Slider("q", 1e-6, 1.0, "-"),
+)
+LEAST_EDGE = 1.5  # lowest length of an edge, over the distance from its corner to the contact
+MOST_EDGE_M = 3.0  # highest length of an edge
 
 
 def live_of(run: Run) -> Data | None:
@@ -42,18 +60,20 @@ def live_of(run: Run) -> Data | None:
     scene, vibration = run.scene, run.vibration if run.sound.source == "vibration" else None
     if run.result.solved_steps < MIN_ROWS:
         return None
-    settings, limits = _settings(run), {}
-    for name in _sliders(settings, vibration is not None):
-        least, most = RANGES[name]
-        limits[name] = [min(least, settings[name]), max(most, settings[name])]
+    settings = _settings(run)
+    limits = {}
+    for slider in SLIDERS:
+        if _changes_the_sound(slider.name, settings, vibration is not None):
+            value = settings[slider.name]
+            limits[slider.name] = [min(slider.least, value), max(slider.most, value)]
     limits["distance"][0] = min(settings["distance"], max(0.1, 2 * scene.radius))
     ends = list[list[float]]()
     if vibration is not None:  # a release is heard at a distance, whatever the edges
         ends = [[1e-3 * x for x in end] for end in scene.plate.contact_ends_mm.values()]
     if vibration is not None and settings["length"] is not None:
         for axis, name in enumerate(("length", "width")):
-            least = EDGES[0] * max(end[axis] for end in ends)
-            limits[name] = [min(least, settings[name]), max(EDGES[1], settings[name])]
+            least = LEAST_EDGE * max(end[axis] for end in ends)
+            limits[name] = [min(least, settings[name]), max(MOST_EDGE_M, settings[name])]
     peak = float(np.abs(run.sound.channels).max())
     data: Data = {
         "label": run.label,
@@ -72,12 +92,15 @@ def live_of(run: Run) -> Data | None:
     return data | {"remarks": _remarks(run, data.get("law") or data["energy"])}
 
 
-def _sliders(settings: Data, vibrates: bool) -> list[str]:
-    """Return the settings with a fixed range that change the sound of a run."""
+def _changes_the_sound(name: str, settings: Data, vibrates: bool) -> bool:
+    """Tell whether a setting with a slider changes the sound of a run."""
     if not vibrates:
-        return ["distance", "q"]
-    deaf = {"q"} if settings["length"] else {"q", "lossFactor"}
-    return [name for name in RANGES if name not in deaf and settings[name] is not None]
+        return name in ("distance", "q")
+    if name == "q":
+        return False
+    if name == "lossFactor" and not settings["length"]:
+        return False
+    return settings[name] is not None
 
 
 def _settings(run: Run) -> Data:
