@@ -27,10 +27,11 @@ from rolling.check import (
 )
 from rolling.check.finding import SURFACE, Finding, computing, judged, surface_time
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
+from rolling.scene.identity import contact_keys, digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
-from rolling.scene.sweep import contact_keys, digest, run_name
+from rolling.scene.sweep import run_name
 from rolling.surface import scene_surface
 from rolling.terminal import progress
 from rolling.terminal.streams import columns, wrapped

@@ -24,9 +24,9 @@ from rolling.contact.state import ContactState, RollingContact
 from rolling.contact.subcells import half_space_of
 from rolling.marches.observers import Events, Film, Maps, Observer, Series
 from rolling.marches.passes import Sinking, run_in, unrolled
+from rolling.scene.identity import contact_keys, digest
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import contact_keys, digest
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
 from rolling.surface.scene_surface import continued_rows, heights

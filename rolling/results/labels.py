@@ -9,8 +9,8 @@ from acoustics.texts import printable
 from rolling.results.run_folder import RunFolder
 from rolling.scene.library import NAMES
 from rolling.scene.messages import table
+from rolling.scene.models import Section
 from rolling.scene.scene import Scene
-from rolling.scene.sections import Section
 
 LONGEST = 72  # characters of a label: the width of a row in a legend
 _PROMINENT = 3  # differences that a label names even where fewer would distinguish the runs

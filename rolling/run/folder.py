@@ -13,10 +13,10 @@ from pathlib import Path
 
 from rolling.results.run_folder import FAILED, RESULT, RunFolder
 from rolling.scene import file
-from rolling.scene import sweep as sweeps
 from rolling.scene.height_files import open_regular
+from rolling.scene.identity import contains, differences, scene_identity
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import run_name
+from rolling.scene.sweep import run_name, with_paths
 from rolling.terminal import files, program
 from rolling.terminal.files import FolderError
 
@@ -131,8 +131,8 @@ def refuse_other(folder: Path, scene: Scene) -> bool:
             raise FolderError(f"{folder}: {reason}; {_way_out(folder)}")
         return False
     old, new = stored_scene(folder), seen_from(folder, scene)
-    lines = sweeps.differences(old, new)
-    if lines and not (old.sweep and new.sweep and sweeps.contains(old, new)):
+    lines = differences(old, new)
+    if lines and not (old.sweep and new.sweep and contains(old, new)):
         text = "".join(f"\n  {text}" for text in lines)
         raise FolderError(f"{folder}: holds runs of another scene; {_way_out(folder)}{text}")
     maker = made_by(folder)
@@ -190,13 +190,13 @@ def seen_from(folder: Path, scene: Scene) -> Scene:
         return Path(os.path.relpath(heights, folder.resolve())).as_posix()
 
     before = scene.to_dict()
-    data = sweeps.with_paths(before, moved)
+    data = with_paths(before, moved)
     return scene if data == before else Scene.from_dict(data, folder)
 
 
 def default_folder(scene: Scene) -> Path:
     """Return the folder of a scene that is given without --out."""
-    return Path("outputs") / f"{scene.name}-{sweeps.scene_identity(scene)[:8]}"
+    return Path("outputs") / f"{scene.name}-{scene_identity(scene)[:8]}"
 
 
 # ---- the lock

@@ -7,8 +7,9 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene import library
-from rolling.scene.messages import MATERIALS, fault, numbers, plain_number, shown
-from rolling.scene.sections import Section, number_or
+from rolling.scene.messages import MATERIALS, fault, numbers, plain_number, quoted
+from rolling.scene.models import Section
+from rolling.scene.sections import number_or
 from rolling.scene.surfaces import BallSurface
 
 YOUNG, HARDNESS = MATERIALS["youngs_modulus_gpa"], MATERIALS["hardness_gpa"]
@@ -88,7 +89,7 @@ class Sphere(Section):
 def _point(value: Any) -> Any:
     """Return a point on the plate as a tuple."""
     if (point := numbers(value, 2)) is None:
-        raise fault(f"got {shown(value)}, allowed: [x, y], two numbers in mm from a corner")
+        raise fault(f"got {quoted(value)}, allowed: [x, y], two numbers in mm from a corner")
     return point
 
 
@@ -247,8 +248,8 @@ class Plate(Section):
             for axis, place, edge in zip("xy", point, self.edges_mm, strict=True):
                 if not 0 < place < edge:
                     raise fault(
-                        f"got {shown(list(point))}, allowed: a point within the edges, {axis} above"
-                        f" 0 and below {plain_number(edge)}",
+                        f"got {quoted(list(point))}, allowed: a point within the edges, {axis}"
+                        f" above 0 and below {plain_number(edge)}",
                         at=f"plate.{key}",
                     )
         end = self.contact_end_mm
@@ -259,7 +260,7 @@ class Plate(Section):
             raise fault("only goes with contact_path: to-and-fro", at="plate.contact_end_mm")
         if end is not None and end == self.contact_ends_mm["contact_mm"]:
             raise fault(
-                f"got {shown(list(end))}, the point contact_mm, allowed: another point",
+                f"got {quoted(list(end))}, the point contact_mm, allowed: another point",
                 at="plate.contact_end_mm",
             )
         return self

@@ -19,7 +19,7 @@ from typing import IO, Any, cast
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.scene.messages import TABLES, SceneError, shown
+from rolling.scene.messages import TABLES, SceneError, quoted
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}  # of heights, in m
 MAX_BYTES = 500_000_000  # of a file, packed or not; reading takes long, and .npy may be larger
@@ -271,12 +271,12 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
         begins_with_comma = any(part.startswith(",") for part in parts)
         decimal = all(_has_decimal_comma(part) or _WHOLE.fullmatch(part) for part in parts)
         if decimal and not begins_with_comma:
-            words = f"got {shown(wrong)}, allowed: {_NUMBERS}, with a point before the decimals"
+            words = f"got {quoted(wrong)}, allowed: {_NUMBERS}, with a point before the decimals"
             raise HeightFormatError(words, place)
     if separator and not fields[-1].strip():
         fields.pop()
     if separator == "," and (part := next(filter(_DECIMALS.fullmatch, fields), None)):
-        got = shown(f"...,{part.strip()}")
+        got = quoted(f"...,{part.strip()}")
         raise HeightFormatError(
             f"got {got}, allowed: {_NUMBERS}; a comma is either before decimals or between numbers:"
             " write points or semicolons",
@@ -291,7 +291,7 @@ def _row(line: str, separator: str | None, place: int) -> list[float]:
         advice = ", with a point before the decimals"
     # The letters were read as Latin-1, and are probably UTF-8.
     text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
-    raise HeightFormatError(f"got {shown(text)}, allowed: {_NUMBERS}{advice}", place)
+    raise HeightFormatError(f"got {quoted(text)}, allowed: {_NUMBERS}{advice}", place)
 
 
 def _has_decimal_comma(field: str) -> bool:

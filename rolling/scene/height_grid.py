@@ -23,7 +23,7 @@ from acoustics.arrays import Array, short_repr
 from acoustics.numbers import rounded
 from rolling.scene import height_files
 from rolling.scene.height_files import MAX_BYTES, TRIPLES, UNITS, HeightFormatError, is_instrument
-from rolling.scene.messages import cut, fault, first_line, plain_number, shown
+from rolling.scene.messages import fault, first_line, plain_number, quoted, shortened
 from rolling.scene.surfaces import HeightFile, refuse_width
 from rolling.scene.track import MAX_NODES, MIN_NODES, Track
 
@@ -143,8 +143,8 @@ def _chosen(channels: _Channels, wanted: str | None) -> tuple[Any, Sequence[floa
         raise HeightFormatError("holds no channel of heights")
     channel = next(iter(channels)) if wanted is None else wanted
     if channel not in channels:
-        names = ", ".join(map(shown, list(channels)[:20]))
-        raise HeightFormatError(f"got the channel {shown(wanted)}, allowed: {names}")
+        names = ", ".join(map(quoted, list(channels)[:20]))
+        raise HeightFormatError(f"got the channel {quoted(wanted)}, allowed: {names}")
     return channels[channel]()
 
 
@@ -209,7 +209,7 @@ def _of_channel(channel: Any) -> tuple[Any, list[float]]:
 
     _refuse_bytes(8 * math.prod(channel.nb_grid_pts or (0,)))
     if channel.physical_sizes is None or channel.unit is None:
-        raise HeightFormatError(f"the channel {shown(channel.name)} has no sizes in a unit")
+        raise HeightFormatError(f"the channel {quoted(channel.name)} has no sizes in a unit")
     topography = channel.topography()
     if not topography.is_uniform:
         raise HeightFormatError("the points lie on no regular grid")
@@ -401,4 +401,4 @@ def faults_at(path: Path, name: str, at: str) -> Iterator[None]:
     except height_files.HeightFormatError as error:
         missing = isinstance(error.__cause__, FileNotFoundError)
         place = f" (looked in {path.parent.absolute()})" if missing else ""
-        raise fault(f"{error.of(cut(name))}{place}", at=at) from error
+        raise fault(f"{error.of(shortened(name))}{place}", at=at) from error

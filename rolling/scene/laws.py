@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from acoustics.numbers import rounded
 from rolling.scene.messages import Key, fault, plain_number
-from rolling.scene.sections import Section
+from rolling.scene.models import Section
 
 AUTOCORRELATIONS = {  # name: (decay, exponent) of exp(-decay * (r / L)^exponent)
     "gaussian": (1.0, 2),

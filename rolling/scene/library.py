@@ -19,7 +19,7 @@ from pydantic import Field
 from ruamel.yaml import YAML
 
 from acoustics.numbers import rounded
-from rolling.scene.messages import SceneError, fault, nearest, shown
+from rolling.scene.messages import SceneError, fault, nearest, quoted
 
 # In an installed package the scenes stand inside of it, in a checkout beside it.
 _PLACES = (Path(__file__).parents[1] / "scenarios", Path(__file__).parents[2] / "scenarios")
@@ -171,48 +171,62 @@ def name_of(section: str, values: Any) -> str | None:
     return name if isinstance(name, str) else None
 
 
-def filled(section: str, values: Any) -> Any:
-    """Fill in the keys that the name in a section gives; keys that stand beside it win."""
-    if name_of(section, values) is None:
+def fill_in(section: str, values: Any) -> Any:
+    """Fill in the values that the name in a section gives; raise a fault for an unknown name."""
+    by_name = NAMES[section]
+    given = values.get(by_name.key) if isinstance(values, Mapping) else None
+    if given is None:
+        return values
+    known = data(by_name.table)[by_name.table]
+    if isinstance(given, str) and given in known:
+        return with_named_values(section, values)
+    # The material alone stands for the first of its kinds: "glass" for "glass-soda-lime".
+    forms = {name.partition("-")[0]: name for name in reversed(known)}
+    forms |= {name: name for name in known}
+    words = f"got {quoted(given)}, allowed: {', '.join(known)}"
+    near = difflib.get_close_matches(str(given).casefold().replace(" ", "-"), forms, 1)
+    if near:
+        words += f"; nearest: {forms[near[0]]}"
+    raise fault(words, at=f"{section}.{by_name.key}")
+
+
+def with_named_values(section: str, values: Any) -> Any:
+    """Return a section with the values that its name gives; values that stand beside it win."""
+    name = name_of(section, values)
+    if name is None:
         return values
     given = {key: value for key, value in values.items() if value is not None}
-    table = named_values(section, given[NAMES[section].key])
-    if "thickness_mm" not in given:
-        table.pop("loss_factor", None)
-    if "yield_strength_gpa" in given:
-        table.pop("hardness_gpa", None)
     if section == "surface" and given.setdefault("kind", "gaussian") != "gaussian":
         return values
-    return table | given
+    named = named_values(section, name)
+    if "thickness_mm" not in given:
+        named.pop("loss_factor", None)
+    if "yield_strength_gpa" in given:
+        named.pop("hardness_gpa", None)
+    return named | given
 
 
-def validated(section: str, values: Any) -> Any:
-    """Fill in a section; raise a fault for a name that its table does not have."""
-    name = NAMES[section]
-    given = values.get(name.key) if isinstance(values, Mapping) else None
-    known = data(name.table)[name.table] if given is not None else {}
-    if given is None or (isinstance(given, str) and given in known):
-        return filled(section, values)
-    forms = {other.partition("-")[0]: other for other in reversed(known)} | {x: x for x in known}
-    near = difflib.get_close_matches(str(given).casefold().replace(" ", "-"), forms, 1)
-    like = f"; nearest: {forms[near[0]]}" if near else ""
-    raise fault(
-        f"got {shown(given)}, allowed: {', '.join(known)}{like}", at=f"{section}.{name.key}"
-    )
+def without_replaced_values(data: Mapping[str, Any], key: str, value: Any) -> Mapping[str, Any]:
+    """Return plain values without the values that a change of one key replaces.
 
-
-def freed(data: Mapping[str, Any], key: str, value: Any) -> Mapping[str, Any]:
-    """Return plain values without the values that a change of one key replaces."""
+    They are the values that the old name gave, and those that the first name of a section gives.
+    """
     section, _, last = key.partition(".")
     values = data.get(section)
     if section not in NAMES or not isinstance(values, Mapping) or not last or "." in last:
         return data
-    old, renamed = name_of(section, values), last == NAMES[section].key
-    if (renamed and value is None) or not (renamed or old):
+    old_name = name_of(section, values)
+    is_renamed = last == NAMES[section].key
+    if is_renamed and value is None:
         return data
-    # The values of the old name are filled in anew; a first name replaces all that it gives.
-    table = named_values(section, str(old or value))
-    kept = {k: v for k, v in values.items() if k not in table or (old and v != table[k])}
+    if old_name is not None:
+        given = named_values(section, old_name)
+        kept = {k: v for k, v in values.items() if k not in given or v != given[k]}
+    elif is_renamed:
+        given = named_values(section, str(value))
+        kept = {k: v for k, v in values.items() if k not in given}
+    else:
+        return data
     return {**data, section: kept}
 
 

@@ -14,8 +14,9 @@ from rolling.scene import library
 from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.height_grid import height_grid, refuse_turn
 from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
-from rolling.scene.messages import SceneError, dotted, fault, shown
-from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Section, Sound
+from rolling.scene.messages import SceneError, dotted, fault, quoted
+from rolling.scene.models import Section
+from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
 from rolling.scene.surfaces import BallHeightFile, HeightFile, Surface, turn_nodes
 from rolling.scene.track import Motion, Track, file_track, made_track, rolled
 
@@ -43,7 +44,7 @@ def _name(value: Any) -> Any:
     """Refuse a name that some file system may not take."""
     if isinstance(value, str) and re.fullmatch(PATTERN, value):
         return value
-    raise fault(f"got {shown(value)}, allowed: {NAME}")
+    raise fault(f"got {quoted(value)}, allowed: {NAME}")
 
 
 class SceneQuantities(Section):
@@ -67,7 +68,7 @@ class SceneQuantities(Section):
     @classmethod
     def _of_kind(cls, surface: Any) -> Any:
         """Fill in a surface with a finish, whose kind may be missing."""
-        return library.validated("surface", surface)
+        return library.fill_in("surface", surface)
 
     @property
     def folder(self) -> Path:

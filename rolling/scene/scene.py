@@ -1,25 +1,46 @@
 """Scene: its sections, its sweep, the rules that join them, and its quantities in SI.
 
 `Scene` is built from sections in Python, or from the plain values of a scene file, which `file`
-reads and writes. It is frozen, and `with_` gives a changed copy.
+reads and writes. It is frozen, and `with_` gives a changed copy. A scene is refused with its first
+faults; the runs of its sweep are all checked before any is solved, and the first faulty run is
+named.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
-import pydantic
-from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    ValidationError,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+)
 
 from acoustics.numbers import rounded
-from rolling.scene import library, messages, quantities, sections
+from rolling.scene import library, quantities, sections
 from rolling.scene import sweep as sweeps
 from rolling.scene.bodies import Plate, Sphere
-from rolling.scene.messages import Key, SceneError, fault, plain, plain_number, shown
+from rolling.scene.messages import (
+    Key,
+    SceneError,
+    dotted,
+    fault,
+    first_faults,
+    key_of,
+    plain_number,
+    plain_values,
+    quoted,
+    shortened,
+)
+from rolling.scene.models import Fault, faults_of, full_key
 from rolling.scene.surfaces import HeightFile, MadeSurface, refuse_ball
 from rolling.scene.track import ROUNDING
 
@@ -57,7 +78,7 @@ class Scene(quantities.SceneQuantities):
     Raises
     ------
     SceneError
-        Some values are missing, unknown or not allowed, in any combination of the sweep.
+        Some values are missing, unknown or not allowed, in the scene or in a run of its sweep.
 
     Examples
     --------
@@ -78,22 +99,47 @@ class Scene(quantities.SceneQuantities):
 
     sweep: Annotated[
         dict[str, Any],
-        BeforeValidator(lambda value: sweeps.validated(value, Scene)),
-        WithJsonSchema({"type": "object"}),  # the keys are filled in by `schema`
+        BeforeValidator(sweeps.check_lists),
+        WithJsonSchema({"type": "object"}),
     ] = Field(default={})
 
     # `check` judges the scene before it is run. Its module stands above this one, so
     # `rolling/__init__.py` binds it.
     check: ClassVar[Callable[..., Any]]
 
-    _places: Mapping[Key, str] = pydantic.PrivateAttr(default={(): "scene"})
+    _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
 
-    @field_validator("rolling", "numerics", "dynamics", "sound")
+    # Each rule sees the sections before its own that are valid.
+
+    @field_validator("rolling")
     @classmethod
-    def _goes_together(cls, section: Any, info: pydantic.ValidationInfo) -> Any:
-        for rule in RULES[str(info.field_name)]:
-            section = rule(section, info.data) or section
-        return section
+    def _check_rolling(cls, rolling: sections.Rolling, info: ValidationInfo) -> sections.Rolling:
+        refuse_rolling(rolling, info.data)
+        return rolling
+
+    @field_validator("numerics")
+    @classmethod
+    def _check_numerics(
+        cls, numerics: sections.Numerics, info: ValidationInfo
+    ) -> sections.Numerics:
+        refuse_numerics(numerics, info.data)
+        refuse_memory(numerics, info.data)
+        return numerics
+
+    @field_validator("dynamics")
+    @classmethod
+    def _check_dynamics(
+        cls, dynamics: sections.Dynamics | None, info: ValidationInfo
+    ) -> sections.Dynamics | None:
+        refuse_dynamics(dynamics, info.data)
+        return dynamics
+
+    @field_validator("sound")
+    @classmethod
+    def _check_sound(cls, sound: sections.Sound, info: ValidationInfo) -> sections.Sound:
+        sound = with_source(sound, info.data)
+        refuse_listeners(sound, info.data)
+        return sound
 
     def __repr__(self) -> str:
         load, speed = f"{self.load:.4g} N", self.rolling.speed_m_s
@@ -124,11 +170,10 @@ class Scene(quantities.SceneQuantities):
         data: Mapping[str, Any],
         folder: Path = Path(),
         places: Mapping[Key, str] = MappingProxyType({(): "scene"}),
-        faults: Sequence[str] = (),
     ) -> Self:
         """Build a scene from plain values as `to_dict` gives them.
 
-        All combinations of its sweep must be valid.
+        All runs of its sweep must be valid.
 
         Parameters
         ----------
@@ -138,31 +183,25 @@ class Scene(quantities.SceneQuantities):
             Folder that a relative `surface.path` starts from.
         places : mapping
             File and line of each key, for messages; the key () is needed.
-        faults : sequence of str
-            Faults of the data that are known already.
 
         Raises
         ------
         SceneError
-            The data has faults. The known faults come first.
+            The data, or a run of the sweep, has faults; its first faults are named.
         """
-        data = plain(data, messages.names(cls))
-        scene, errors = sweeps.checked(data, cls)
-        new_faults = [messages.explained(error, data, cls) for error in errors]
-        if "name" not in data:
-            new_faults.insert(0, (("name",), f"missing; {quantities.NAME}"))
-        if not any(key[:1] == ("sweep",) for key, _ in new_faults):
-            new_faults += sweeps.faults_of_runs(data, new_faults, cls)
-        lines = [
-            f"{messages.place(key, places)}: {messages.cut(messages.dotted(key))}: {words}"
-            for key, words in new_faults
-        ]
-        if len(lines) > sections.MAX_FAULTS:
-            more = f"more than {sections.MAX_FAULTS} faults, the others are not listed"
-            lines[sections.MAX_FAULTS :] = [f"{messages.place((), places)}: {more}"]
-        if faults or lines or scene is None:
-            raise SceneError(list(dict.fromkeys([*faults, *lines])))
-        scene._folder, scene._places = folder, dict(places)
+        values = plain_values(data)
+        faults = []
+        if values.get("name") is None:
+            faults.append(Fault(("name",), f"missing; {quantities.NAME}"))
+        try:
+            scene = cls.model_validate(values)
+        except ValidationError as error:
+            faults += faults_of(error, values, cls)
+        if faults:
+            raise _scene_error(faults, places)
+        scene._folder = folder
+        scene._places = dict(places)
+        scene.runs()  # refuses a faulty run
         return scene
 
     def to_dict(self) -> dict[str, Any]:
@@ -170,7 +209,7 @@ class Scene(quantities.SceneQuantities):
 
         The folder and keys without a value are left out.
         """
-        data: dict[str, Any] = plain(self)
+        data: dict[str, Any] = plain_values(self)
         if not self.sweep:
             del data["sweep"]
         if self.sound.source == "vibration":
@@ -201,48 +240,80 @@ class Scene(quantities.SceneQuantities):
         `scene.with_(load_n=20)`, `scene.with_({"plate.poissons_ratio": 0.3})`,
         `scene.with_(sweep={"rolling.load_n": [5, 20]})`
         """
-        data, faults = self.to_dict(), list[str]()
-        if "dynamics" in {*(changes or {}), *keys}:  # the default of the source follows it
-            del data["sound"]["source"]
-        given: set[str] = set()
-        listed = [*(changes or {}).items(), *keys.items()]
-        for short, value in sorted(listed, key=lambda item: library.names_first(item[0])):
-            try:
-                key = messages.full_key(short, type(self))
-                if key in given:
-                    raise SceneError([f"scene: {key}: given twice"])
-            except SceneError as error:
-                faults += error.faults
-                continue
-            given.add(key)
-            data = sweeps.with_value(data, key, plain(value))
-        if faults:
-            raise SceneError(faults)
+        given = {**(changes or {}), **keys}
+        by_key: dict[str, Any] = {}
+        for name, value in given.items():
+            key = full_key(name, type(self))
+            if key in by_key:
+                raise SceneError([f"scene: {key}: given twice"])
+            by_key[key] = plain_values(value)
+        data = self.to_dict()
+        if "dynamics" in by_key:
+            del data["sound"]["source"]  # because its default follows the dynamics
+        for key in sorted(by_key, key=library.names_first):
+            data = sweeps.with_value(data, key, by_key[key])
         return type(self).from_dict(data, self.folder)
 
     def runs(self) -> list[SweepRun]:
         """List the runs of the scene; the last swept key varies fastest.
 
         A scene without a sweep is its own only run.
+
+        Raises
+        ------
+        SceneError
+            A run has faults; those of the first such run are named.
         """
         if not self.sweep:
             return [SweepRun({}, self)]
         data = self.to_dict()
         del data["sweep"]
         places = {key: at for key, at in self._places.items() if key[:1] != ("sweep",)}
-        return [
-            SweepRun(values, Scene.from_dict(sweeps.with_values(data, forms), self.folder, places))
-            for values, forms in sweeps.product(self.sweep)
-        ]
+        runs = []
+        for values, forms in sweeps.product(self.sweep):
+            run_data = sweeps.with_values(data, forms)
+            try:
+                scene = Scene.model_validate(run_data)
+            except ValidationError as error:
+                faults = faults_of(error, run_data, Scene)
+                raise _scene_error(
+                    [self._in_sweep(found, values) for found in faults], self._places
+                ) from error
+            scene._folder = self._folder
+            scene._places = places
+            runs.append(SweepRun(values, scene))
+        return runs
+
+    def _in_sweep(self, found: Fault, values: Mapping[str, sweeps.Value]) -> Fault:
+        """Return a fault of a run at the place of its swept value, or with the name of the run."""
+        place = sweeps.place_in_sweep(found.key, values, self.sweep)
+        if place is not None:
+            return Fault(place, found.message)
+        run = sweeps.run_name(values)
+        return Fault(found.key, f"{found.message} (in the run {run} of the sweep)")
 
     def place(self, name: str) -> str:
         """Return file and line (or --set) of a dotted key, for messages."""
         swept: Key = ("sweep", name)
-        key = swept if swept in self._places else messages.key_of(name)
-        return messages.place(key, self._places)
+        key = swept if swept in self._places else key_of(name)
+        return _place_of(key, self._places)
 
 
-# ---- rules that join sections: each takes the values that are valid so far, by section
+def _place_of(key: Key, places: Mapping[Key, str]) -> str:
+    """Return file and line (or --set) of a key, or of the nearest section around it."""
+    return next(places[key[:n]] for n in range(len(key), -1, -1) if key[:n] in places)
+
+
+def _scene_error(faults: list[Fault], places: Mapping[Key, str]) -> SceneError:
+    """Make the error of a scene from its faults, each with its place."""
+    lines = [
+        f"{_place_of(found.key, places)}: {shortened(dotted(found.key))}: {found.message}"
+        for found in faults
+    ]
+    return SceneError(first_faults(lines, _place_of((), places)))
+
+
+# ---- rules that join sections: each takes the sections that are valid so far, by name
 
 
 EDGE_RADII = 10  # contact radii from the contact to the nearest edge of the plate, at least
@@ -343,7 +414,7 @@ def refuse_memory(numerics: sections.Numerics, values: Values) -> None:
     permanent = "allowed with plate.plasticity: permanent"
     if numerics.edges != "sharp":
         raise fault(
-            f'got {shown(numerics.edges)}, {permanent}: "sharp"; nodes sink as a whole',
+            f'got {quoted(numerics.edges)}, {permanent}: "sharp"; nodes sink as a whole',
             at="numerics.edges",
         )
     if numerics.subcells not in (1, "auto"):
@@ -442,16 +513,7 @@ def refuse_listeners(sound: sections.Sound, values: Values) -> None:
         nearest = x + share * (to_x - x), y + share * (to_y - y), sphere.radius_mm
         if math.dist(at, nearest) <= sphere.radius_mm:
             raise fault(
-                f"got {shown(list(at))}, inside the sphere, allowed: more than its radius from the"
+                f"got {quoted(list(at))}, inside the sphere, allowed: more than its radius from the"
                 " middle of the sphere",
                 at="sound.listener_mm",
             )
-
-
-# Rules of a section, which see the sections before it; one of them may return the section changed.
-RULES: dict[str, tuple[Callable[[Any, Values], Any], ...]] = {
-    "rolling": (refuse_rolling,),
-    "numerics": (refuse_numerics, refuse_memory),
-    "dynamics": (refuse_dynamics,),
-    "sound": (with_source, refuse_listeners),
-}

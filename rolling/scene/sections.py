@@ -1,113 +1,21 @@
-"""Sections of a scene, frozen models with units in the key names, but for bodies and surfaces.
+"""Rolling, numerics, recovery, dynamics and sound: sections with units in the names of their keys.
 
-Lengths are in mm or um and moduli in GPa here; the properties of `Scene` are SI. Sections are built
-in Python as `Sphere(radius_mm=5)`; a value that is not allowed then raises SceneError with the same
-message as in a scene file.
+Lengths are in mm or um and moduli in GPa here; the properties of `Scene` are SI.
 """
 
 from __future__ import annotations
 
-import inspect
 import math
-import re
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, dataclass_transform
+from typing import Annotated, Any, Literal
 
-import numpy as np
 import pydantic
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from acoustics.numbers import rounded
-from rolling.scene import library, messages
-from rolling.scene.messages import fault, is_number, numbers, plain_number, shown
+from rolling.scene import messages
+from rolling.scene.messages import fault, is_number, numbers, plain_number, quoted
+from rolling.scene.models import Section
 from rolling.scene.track import Motion
-
-if TYPE_CHECKING:
-    from pydantic._internal._model_construction import ModelMetaclass
-else:
-    ModelMetaclass = type(BaseModel)
-
-MAX_FAULTS = 100  # maximum number of faults that are named
-# Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
-# maximum.
-_SMALLEST = 1e-15
-
-
-@dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
-class _SceneErrors(ModelMetaclass):
-    """Metaclass of models that raise SceneError instead of the errors of pydantic."""
-
-    def __call__(cls, *positional: Any, **values: Any) -> Any:
-        if positional:
-            name = cls.__name__
-            raise TypeError(f"{name} takes keys by name only, as in {name}(key=value)")
-        return cls.from_values(messages.plain(values))  # type: ignore[attr-defined]
-
-
-class Section(BaseModel, metaclass=_SceneErrors):
-    """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-    SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
-    IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
-    NAMED: ClassVar[str] = ""  # section of `library.NAMES` whose name gives values
-
-    @classmethod
-    def descriptions(cls) -> dict[str, str]:
-        """Return the text of each key from the attributes in the documentation of the model."""
-        texts: dict[str, str] = {}
-        for model in reversed(cls.__mro__):
-            doc = inspect.cleandoc(model.__doc__ or "").partition("Attributes\n----------\n")[2]
-            listed = re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", doc, re.MULTILINE)
-            texts |= {name: " ".join(text.split()) for name, text in listed}
-        return {name: text for name, text in texts.items() if name in cls.model_fields}
-
-    @classmethod
-    def __get_pydantic_json_schema__(cls, core: Any, handler: pydantic.GetJsonSchemaHandler) -> Any:
-        """Describe the model by its first sentence, and each key by its text."""
-        reference = handler(core)
-        schema = handler.resolve_ref_schema(reference)
-        schema["description"] = inspect.cleandoc(cls.__doc__ or "").partition("\n\n")[0]
-        for name, text in cls.descriptions().items():
-            schema["properties"][name]["description"] = text
-        if cls.IN_FILES:
-            schema["properties"][cls.IN_FILES].pop("default", None)
-            schema["required"] = [cls.IN_FILES, *schema.get("required", [])]
-        by_name = library.NAMES.get(cls.NAMED)
-        if by_name and cls.NAMED != "sphere":  # whose named keys are optional anyway
-            given = [key for key in schema["required"] if key in (*by_name.gives, "kind")]
-            schema["required"] = [key for key in schema["required"] if key not in given]
-            schema["anyOf"] = [{"required": [by_name.key]}, {"required": given}]
-        return reference
-
-    @classmethod
-    def from_values(cls, values: Mapping[str, Any]) -> Self:
-        """Validate plain values; raise SceneError with all faults, by their keys in a scene."""
-        try:
-            return cls.model_validate(values)
-        except pydantic.ValidationError as error:
-            section, faults = cls.SECTION or cls.__name__.lower(), []
-            for listed in error.errors(include_url=False)[:MAX_FAULTS]:
-                key, message = messages.explained(listed, values, cls)
-                key = key if key[:1] == (section,) else (section, *key)
-                faults.append(f"scene: {messages.cut(messages.dotted(key))}: {message}")
-            raise messages.SceneError(faults) from error
-
-    @model_validator(mode="before")
-    @classmethod
-    def _of_name(cls, values: Any) -> Any:
-        return library.validated(cls.NAMED, values) if cls.NAMED else values
-
-    @pydantic.field_validator("*")
-    @classmethod
-    def _within_reason(cls, value: Any) -> Any:
-        """Refuse sizes whose powers and quotients overflow or underflow."""
-        for number in np.ravel(value) if isinstance(value, float | tuple) else ():
-            if number and not _SMALLEST <= abs(number) <= 1 / _SMALLEST:
-                sizes = f"a size from {rounded(_SMALLEST)} to {rounded(1 / _SMALLEST)}"
-                raise fault(f"got {shown(float(number))}, allowed: {sizes}")
-        return value
-
 
 # ---- rolling
 
@@ -125,11 +33,11 @@ def _speed(value: Any) -> Any:
         [numbers(pair, 2) for pair in value] if isinstance(value, list | tuple) else []
     )
     if len(pairs) < 2 or None in pairs:
-        raise fault(f"got {shown(value)}, allowed: {SPEED}", at="rolling.speed_m_s")
+        raise fault(f"got {quoted(value)}, allowed: {SPEED}", at="rolling.speed_m_s")
     try:
         Motion.of(pairs)
     except ValueError as error:
-        raise fault(f"got {shown(value)}: {error}", at="rolling.speed_m_s") from error
+        raise fault(f"got {quoted(value)}: {error}", at="rolling.speed_m_s") from error
     return tuple(pairs)
 
 
@@ -160,7 +68,7 @@ def number_or(
                 return float(value)
             if sizes is not None:
                 raise fault(messages.implausible(value, sizes))
-        raise fault(f"got {shown(value)}, allowed: {allowed}")
+        raise fault(f"got {quoted(value)}, allowed: {allowed}")
 
     kinds = [{"type": "number", **limits}, {"type": "string", "const": word}]
     return BeforeValidator(chosen), pydantic.WithJsonSchema({"anyOf": kinds})
@@ -351,10 +259,10 @@ def _listeners(value: Any) -> Any:
     places = [value] if numbers(value, 3) else value if isinstance(value, list | tuple) else []
     valid = [place for place in (numbers(place, 3) for place in places) if place is not None]
     if not 0 < len(places) == len(valid) <= MAX_LISTENERS:
-        got = f"{len(valid)} places" if len(valid) > MAX_LISTENERS else shown(value)
+        got = f"{len(valid)} places" if len(valid) > MAX_LISTENERS else quoted(value)
         raise fault(f"got {got}, allowed: {_PLACES}")
     if any(place[2] == 0 for place in valid):
-        raise fault(f"got {shown(value)}, allowed: z above 0, on the ball's side, or below 0")
+        raise fault(f"got {quoted(value)}, allowed: z above 0, on the ball's side, or below 0")
     return tuple(valid)
 
 

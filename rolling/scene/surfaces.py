@@ -15,7 +15,7 @@ from acoustics.numbers import rounded
 from rolling.scene import library
 from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
-from rolling.scene.messages import TABLES, fault, is_number, plain_number, shown
+from rolling.scene.messages import TABLES, fault, is_number, plain_number, quoted
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 
@@ -223,7 +223,7 @@ class HeightFile(SurfaceKind):
                 )
         elif ending != TRIPLES and self.height_unit != "m":
             raise fault(
-                f"got {shown(self.height_unit)}, but a {ending} file holds its own units",
+                f"got {quoted(self.height_unit)}, but a {ending} file holds its own units",
                 at="surface.height_unit",
             )
         if self.xy_unit is not None and ending != TRIPLES:
@@ -278,7 +278,7 @@ def _grade(value: Any) -> Any:
     """Refuse a grade that is not in the table, with the nearest by its number."""
     if isinstance(value, str) and value in GRADES:
         return value
-    words = f"got {shown(value)}, allowed: {', '.join(GRADES)}"
+    words = f"got {quoted(value)}, allowed: {', '.join(GRADES)}"
     if digits := re.sub(r"[^0-9]", "", str(value))[:9]:
         words += f"; nearest: {min(GRADES, key=lambda name: abs(int(name[1:]) - int(digits)))}"
     raise fault(words)
@@ -288,17 +288,17 @@ def _orders(value: Any) -> Any:
     """Return the amplitudes of the waves of a circumference by their whole orders."""
     if not isinstance(value, dict) or not value:
         form = "amplitudes in um by order, as in {3: 0.05, 7: 0.02}"
-        raise fault(f"got {shown(value)}, allowed: {form}")
+        raise fault(f"got {quoted(value)}, allowed: {form}")
     orders: dict[int, float] = {}
     for name, amplitude in value.items():
         text = str(name).strip()
         if not (text.isdecimal() and len(text) < 10 and int(text) >= 2):
             rule = "order 1 moves the centre of a sphere that stays round"
             words = "whole orders from 2 on, waves around the circumference"
-            raise fault(f"got the order {shown(name)}, allowed: {words}; {rule}")
+            raise fault(f"got the order {quoted(name)}, allowed: {words}; {rule}")
         if not (is_number(amplitude) and 0 < amplitude <= LARGEST_UM):
             words = f"an amplitude > 0 and <= {LARGEST_UM:g} um"
-            raise fault(f"order {text}: got {shown(amplitude)}, allowed: {words}")
+            raise fault(f"order {text}: got {quoted(amplitude)}, allowed: {words}")
         orders[int(text)] = float(amplitude)
     return orders
 

@@ -19,8 +19,9 @@ from rolling.figures.settings import left_out_if_it_fails
 from rolling.run import pools
 from rolling.run.executor import ended_by_signal
 from rolling.scene.height_files import read_regular
+from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import digest, run_name, scene_identity
+from rolling.scene.sweep import run_name
 from rolling.sound.contact_sound import contact_sound
 from rolling.studies import accuracy_variants as variants
 from rolling.studies import work_precision

@@ -11,9 +11,9 @@ import pytest
 from rolling.check import validity
 from rolling.dynamics import of_scene
 from rolling.scene.file import loads, resound
+from rolling.scene.identity import contact_keys
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import contact_keys
 
 TEXT = """\
 name: trial

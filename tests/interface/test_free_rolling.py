@@ -10,9 +10,9 @@ import pytest
 from rolling.check.findings import check_scene
 from rolling.results.verdict import expected
 from rolling.scene.file import loads, resound
+from rolling.scene.identity import contact_keys
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
-from rolling.scene.sweep import contact_keys
 from rolling.sound.contact_sound import middle_speeds
 
 TEXT = """\
@@ -35,7 +35,6 @@ def scene(*changes: str) -> Scene:
     ("changes", "message"),
     [
         (["rolling.load_n=heavy"], 'got "heavy", allowed: greater than 0, or weight'),
-        (["sweep.rolling.load_n=[weigth, 1]"], "allowed: a number or weight"),
         (["rolling.resistance=-1"], "rolling.resistance: got -1, allowed: greater than or equal"),
         (
             ["rolling.resistance=0.01", "rolling.speed_m_s=[[0, 1], [1, 0.5]]"],

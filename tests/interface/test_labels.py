@@ -17,7 +17,7 @@ from scene_text import PLAIN
 from rolling.results import labels
 from rolling.results.labels import LONGEST
 from rolling.results.run_folder import RunFolder
-from rolling.scene import file, messages
+from rolling.scene import file, models
 from rolling.scene.scene import Scene
 
 SCENE = file.loads(PLAIN)
@@ -49,7 +49,7 @@ def of(*cases: Case) -> list[str]:
 
 def test_every_key_of_the_scene_has_words() -> None:
     """Every key has words, except name, description and sweep."""
-    keys = {*messages.keys(Scene)} - {*messages.section_keys(Scene)}
+    keys = {*models.keys(Scene)} - {*models.section_keys(Scene)}
     assert len(keys) > 25
     assert keys <= set(labels.WORDS)
     assert len({word.word for word in labels.WORDS.values()}) == len(labels.WORDS)

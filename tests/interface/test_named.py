@@ -13,8 +13,8 @@ from rolling.results.labels import labels
 from rolling.results.run_folder import RunFolder
 from rolling.scene import library
 from rolling.scene.file import dump, loads, schema
+from rolling.scene.identity import contact_keys, scene_identity
 from rolling.scene.surfaces import Gaussian
-from rolling.scene.sweep import contact_keys, scene_identity
 
 MATERIALS = library.data("materials")["materials"]
 TEXT = """

@@ -29,10 +29,9 @@ FIRST = "allowed: a scene of keys and values, the first being name"
         ("- name: x\n", f'1: got [{{"name": "x"}}], {FIRST}'),
         ("hello", f'1: got "hello", {FIRST}'),
         ("name: x\nsphere: {radius_mm: 5\n", "3: not YAML: expected ',' or '}', but got 'the end'"),
-        ("name: x\nname: y\n", '2: not YAML: found duplicate key "name" with value "y"'),
         (
             PLAIN.replace("ratio: 0.3\n", "ratio: 0.3\n  poissons_ratio: 0.2\n"),
-            '6: not YAML: found duplicate key "poissons_ratio" with value',
+            "6: plate.poissons_ratio: given twice",
         ),
         ("name: x\n---\nname: y\n", "2: not YAML: but found another document"),
         ("name: x\nsphere: \x07\n", "2: not YAML: special characters are not allowed"),
@@ -184,10 +183,10 @@ def test_a_swept_key_that_is_set_is_no_longer_swept() -> None:
         ("=5", 'got "=5", allowed: key=value, as in rolling.load_n=50'),
         ("rolling.load_n=-1", "rolling.load_n: got -1, allowed: greater than 0"),
         ("rolling.load_n=", "rolling.load_n: missing; give it, or sphere.density"),
-        ("numerics.step_nodes=[1", "numerics.step_nodes: not YAML: expected ',' or ']', but got"),
+        ("numerics.step_nodes=[1", "numerics.step_nodes:1: not YAML: expected ',' or ']', but got"),
         ("sound={q: 2}", "sound.q: got 2, allowed: less than or equal to 1"),
         ("recovery.rule=men", 'recovery.rule: got "men", allowed: mean or left_end, nearest: mean'),
-        ("sweep.rolling.load_n=5", "sweep.rolling.load_n: got 5, allowed: a list of numbers, at"),
+        ("sweep.rolling.load_n=5", "sweep.rolling.load_n: got 5, allowed: a list of at least one"),
         (
             "sweep.rolling.load_n=[5, -1]",
             "sweep.rolling.load_n[1]: got -1, allowed: greater",
@@ -222,12 +221,9 @@ def test_resound_refusals() -> None:
     with pytest.raises(SceneError) as error:
         resound(loads(PLAIN), ["rolling.load_n=5", "sound.q=0", "sound.z=1"])
     allowed = ", ".join(RESOUND_KEYS)
-    load, unknown, share = error.value.faults
-    assert load == (
+    assert error.value.faults == [
         f"--set: rolling.load_n: needs a new run; without solving again allowed: {allowed}"
-    )
-    assert unknown.startswith("--set: sound.z: unknown key, allowed: source, ball, distance_m")
-    assert share == "--set: sound.q: got 0, allowed: greater than 0"
+    ]
     with pytest.raises(
         SceneError,
         match=r"^--set: rolling.speed_m_s: the sphere comes to rest after 0.0005 m and never",
@@ -249,7 +245,6 @@ def test_schema_knows_the_keys_of_the_scenes(path: Path) -> None:
     assert root["additionalProperties"] is False and "name" in root["required"]
     for data in (YAML(typ="safe").load(path.read_text()), read_scene(path).to_dict()):
         assert set(data) <= set(root["properties"])
-        assert set(data.get("sweep", {})) <= set(root["properties"]["sweep"]["properties"])
         for section in (value for name, value in data.items() if name != "sweep"):
             if isinstance(section, dict):
                 assert any(

@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pydantic_core import PydanticCustomError
 from scene_text import PLAIN
 
-from rolling.scene import messages, sweep
+from rolling.scene import sweep
 from rolling.scene.file import dump, loads
+from rolling.scene.identity import contact_keys, contains, differences, scene_identity
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene, SweepRun
-from rolling.scene.sweep import (
-    LONGEST_NAME,
-    contact_keys,
-    contains,
-    differences,
-    run_name,
-    scene_identity,
-)
+from rolling.scene.sweep import LONGEST_NAME, run_name
 
 SURFACES = """\
 sweep:
@@ -88,30 +80,20 @@ def test_a_scene_comes_back_from_its_text() -> None:
     assert again == scene and again.runs() == scene.runs()
 
 
-def choices(annotation: Any) -> list[Any]:
-    """List the words and numbers of a Literal inside an annotation."""
-    inner = get_args(annotation)
-    if get_origin(annotation) is Literal:
-        return [*inner]
-    return [word for part in inner for word in choices(part)]
+def test_words_and_labelled_switches_are_swept() -> None:
+    tolerances = [
+        run.scene.tolerance for run in runs_of(PLAIN, "sweep.numerics.tolerance=[auto, 1e-3]")
+    ]
+    assert tolerances[1] == 1e-3 != tolerances[0]
+    events = runs_of(PLAIN, "sweep.recovery.events={with: true, without: false}")
+    assert [run.scene.recovery.events for run in events] == [True, False]
+    with pytest.raises(SceneError, match=r"as in recovery.events: {first: true}"):
+        runs_of(PLAIN, "sweep.recovery.events=[true, false]")
 
 
-KEYS = {name: field.annotation for name, field in messages.keys(Scene).items()}
-CHOICES = {name: listed for name, kind in KEYS.items() if len(listed := choices(kind)) > 1}
-SWITCHES = [name for name, kind in KEYS.items() if bool in (kind, *get_args(kind))]
-
-
-@pytest.mark.parametrize("name", CHOICES)
-def test_a_key_of_choices_sweeps_them_all(name: str) -> None:
-    allowed = sweep.validated({name: CHOICES[name]}, Scene)
-    assert allowed == {name: tuple(CHOICES[name])}
-
-
-@pytest.mark.parametrize("name", SWITCHES)
-def test_a_switch_sweeps_labels_of_true_and_false(name: str) -> None:
-    sweep.validated({name: {"with": True, "without": False}}, Scene)
-    with pytest.raises(PydanticCustomError, match=rf"as in {name}: {{first: true}}"):
-        sweep.validated({name: [True, False]}, Scene)
+def test_a_label_may_stand_for_no_value() -> None:
+    scene = loads(PLAIN, ["sweep.plate.hardness_gpa={elastic: null, yielding: 2.1}"])
+    assert [run.scene.hardness for run in loads(dump(scene)).runs()] == [np.inf, 2.1e9]
 
 
 # ---- names of runs

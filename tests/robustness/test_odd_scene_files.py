@@ -83,13 +83,16 @@ def bomb(letter: str = "*") -> str:
 
 
 def test_aliases_and_their_values_are_limited() -> None:
-    assert faults(bomb()) == ["s.yaml:3: more than 100 aliases"]
+    assert faults(bomb())[0].endswith("more than 100,000 keys and values")
     long = f"rolling.speed_m_s=[&a [{'1, ' * 1999}1], {'*a, ' * 59}*a]"
-    assert faults(PLAIN, long) == ["--set: rolling.speed_m_s: more than 100,000 keys and values"]
+    assert "more than 100,000 keys and values" in faults(PLAIN, long)[0]
     # Merged maps: each holds the two before it.
     merges = "".join(f"m{i}: &m{i} {{k{i}: 1, <<: [*m{i - 1}, *m{i - 2}]}}\n" for i in range(2, 60))
-    assert faults(f"m0: &m0 {{x: 1}}\nm1: &m1 {{y: 1}}\n{merges}")[0].endswith("100 aliases")
-    assert faults("a: &a [1, *a]\n") == ["s.yaml:1: an alias of a value that contains it"]
+    assert faults(f"m0: &m0 {{x: 1}}\nm1: &m1 {{y: 1}}\n{merges}")[0].endswith(
+        "more than 100 sections are merged in"
+    )
+    assert faults("a: &a [1, *a]\n")[0].endswith("nested too deeply")
+    assert faults("a: &a {<<: *a}\n")[0].endswith("more than 100 sections are merged in")
 
 
 def test_stumbles_of_the_reader_are_refusals() -> None:
@@ -98,7 +101,7 @@ def test_stumbles_of_the_reader_are_refusals() -> None:
 
 @pytest.mark.parametrize("opening", ["[", "{a: ", "- ", "? "])
 def test_deep_nesting_is_refused(opening: str) -> None:
-    assert faults(opening * 5_000) == ["s.yaml:1: nested too deeply"]
+    assert faults(opening * 5_000) == ["s.yaml: nested too deeply"]
 
 
 def test_long_whole_numbers_are_refused() -> None:
@@ -106,7 +109,7 @@ def test_long_whole_numbers_are_refused() -> None:
     # be kept.
     for value in ("0x" + "f" * 5000, "1" * 400):
         assert (
-            "a whole number of more than 301 digits"
+            f"surface.seed: got a number of {len(value):,} digits, allowed: at most 300"
             in faults(PLAIN.replace("seed: 1", f"seed: {value}"))[0]
         )
 
@@ -131,14 +134,13 @@ def test_number_of_runs_is_limited_before_any_of_them_is_made(monkeypatch) -> No
     assert faults(text) == ["s.yaml:19: sweep: got 10002 runs, allowed: at most 10000"]
 
 
-def test_faults_of_many_runs_are_named_up_to_a_hundred() -> None:
-    """The words of a fault take longer than its check, and many runs share a fault."""
-    named = faults(swept(2000, "-{}"))
-    assert len(named) == 101
-    assert named[99].startswith("s.yaml:19: sweep.rolling.load_n[99]: got -100")
-    assert named[100] == "s.yaml:1: more than 100 faults, the others are not listed"
+def test_the_first_ten_faults_and_the_first_faulty_run_are_named() -> None:
     keys = "".join(f"key{k}: 1\n" for k in range(2000))
-    assert len(faults(PLAIN + keys)) == 101
+    named = faults(PLAIN + keys)
+    assert len(named) == 11 and named[10] == "s.yaml:1: 1,990 more faults are not listed"
+    assert faults(swept(2000, "-{}")) == [
+        "s.yaml:19: sweep.rolling.load_n[0]: got -1, allowed: greater than 0, or weight"
+    ]
 
 
 def test_words_of_a_value_are_short() -> None:
@@ -156,21 +158,22 @@ LONG_HEX, LONG_DECIMAL = "0x" + "f" * 5000, "1" + "0" * 5000
     ("line", "message"),
     [
         ("[a, b]: 1", "got a list or section as a key, allowed: the name of a key"),
-        ("{a: b}: 1", "got a list or section as a key"),
-        ("? [a, {c: d}]\n: 1", "unhashable"),
-        (f"? {LONG_HEX}\n: 1", "got a very long whole number as a key"),
-        (f"x: {LONG_HEX}", "x: got a whole number of more than 301 digits"),
-        (f"x: [{LONG_HEX}]", "x[0]: got a whole number of more than 301 digits"),
-        (f"x: {LONG_DECIMAL}", "got a whole number of 5,001 digits, allowed: shorter ones"),
-        (f"sweep: {{? {LONG_HEX} : [1]}}", "got a very long whole number as a key"),
+        ("? [a, {c: d}]\n: 1", "got a list or section as a key"),
+        (f"x: {LONG_HEX}", "x: got a number of 5,002 digits, allowed: at most 300"),
+        (f"x: [{LONG_DECIMAL}]", "x[0]: got a number of 5,001 digits"),
     ],
 )
 def test_keys_and_numbers_that_no_scene_has_are_refused_in_words(line: str, message: str) -> None:
     with pytest.raises(SceneError) as error:
         scene_file.loads(f"name: odd\n{line}\n", where="s.yaml")
     (text,) = error.value.faults
-    assert message in text and "set_int_max_str_digits" not in text
-    assert text.startswith("s.yaml:2: ") or message == "unhashable"
+    assert text.startswith("s.yaml:2: ") and message in text
+
+
+def test_a_number_that_is_a_key_is_an_unknown_key() -> None:
+    lines = faults(f"name: odd\n? {LONG_HEX}\n: 1\nsweep: {{? {LONG_HEX} : [1]}}\n")
+    assert sum("unknown key" in line for line in lines) == 2
+    assert all(len(line) < 300 for line in lines)
 
 
 def test_long_numbers_from_python_are_refused_in_words(monkeypatch: pytest.MonkeyPatch) -> None:

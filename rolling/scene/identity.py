@@ -1,0 +1,119 @@
+"""Identities of scenes: the keys that make a march, digests of whole scenes, and differences."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rolling.scene import library
+from rolling.scene.bodies import VIBRATING_PLATE
+from rolling.scene.height_files import file_digest
+from rolling.scene.messages import quoted
+from rolling.scene.scene import Scene
+from rolling.scene.sweep import product, run_name, with_paths, with_values
+
+# The march does not depend on these keys. The number of steps stands for duration, distance and
+# speed. Densities, thickness, edges and loss factors belong to the vibration. A name stands beside
+# its values. Passes count with memory only.
+_NOT_CONTACT = {
+    *("name", "title", "description", "sound", "sweep", "dynamics", "numerics.error_estimate"),
+    *("rolling.speed_m_s", "rolling.duration_s", "rolling.distance_mm", "rolling.resistance"),
+    *("rolling.drop_mm", "rolling.passes", "plate.plasticity", "sphere.density_kg_m3"),
+    *library.NAME_KEYS,
+    *(f"plate.{name}" for name in VIBRATING_PLATE),
+}
+
+
+def contact_keys(scene: Scene) -> dict[str, Any]:
+    """Return the values by dotted key that change the march of a scene without a sweep.
+
+    The digest of a height file stands for its path. Raise SceneError for a missing height file.
+    """
+    track = scene.track
+    keys = {
+        key: value
+        for key, value in _flat(scene.model_dump(mode="json", exclude_none=True)).items()
+        if key not in _NOT_CONTACT and key.partition(".")[0] not in _NOT_CONTACT
+    }
+    keys |= {"numerics.tolerance": scene.tolerance, "rolling.load_n": scene.load}
+    if scene.is_permanent:
+        keys["passes"] = scene.passes
+    for section, path in scene.height_paths.items():
+        del keys[f"{section}.path"]
+        keys[f"{section}.sha256"] = file_digest(path)
+    return keys | {
+        "track.n_along": track.n_along,
+        "track.n_across": track.n_across,
+        "track.solved_steps": track.solved_steps,
+    }
+
+
+def scene_identity(scene: Scene) -> str:
+    """Return the SHA-256 of all values of all runs; height files count with their digests."""
+    return digest(list(_runs(scene)))
+
+
+def differences(old: Scene, new: Scene) -> list[str]:
+    """List the keys where two scenes differ, as "key: got VALUE of new, has VALUE of old"."""
+    before, after = _flat(_numbers(old.to_dict())), _flat(_numbers(new.to_dict()))
+    keys = list(dict.fromkeys([*after, *before]))
+    if before["surface.kind"] != after["surface.kind"]:
+        keys = [key for key in keys if key == "surface.kind" or not key.startswith("surface.")]
+    # A path of a height file stands at the end of a key, or in the swept section.
+    keys = [key for key in keys if not ("surface.path" in key or key.split(".")[-1] == "path")]
+    lines = [
+        f"{key}: got {quoted(after.get(key))}, has {quoted(before.get(key))}"
+        for key in keys
+        if before.get(key) != after.get(key)
+    ]
+    if lines:
+        return lines
+    names, runs = [name for name, _ in _runs(old)], [name for name, _ in _runs(new)]
+    if names != runs:
+        return [f"sweep: got the runs {quoted(runs)}, has {quoted(names)}"]
+    if scene_identity(old) != scene_identity(new):
+        section = next(iter(new.height_paths), "surface")
+        return [f"{section}.path: the heights are others than those of the earlier run"]
+    return []
+
+
+def contains(small: Scene, large: Scene) -> bool:
+    """Tell whether each run of one scene is a run, under the same name, of another scene."""
+    runs = dict(_runs(large))
+    return all(runs.get(name) == values for name, values in _runs(small))
+
+
+def digest(values: Any) -> str:
+    """Return the SHA-256 of plain values as canonical JSON."""
+    text = json.dumps(values, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
+    """Yield name and plain values of each run of a scene."""
+    data = {name: value for name, value in scene.to_dict().items() if name != "sweep"}
+    for values, forms in product(scene.sweep):
+        swept = with_paths(with_values(data, forms), lambda path: file_digest(scene.folder / path))
+        yield run_name(values), _numbers(swept)
+
+
+def _numbers(value: Any) -> Any:
+    """Return plain values whose whole numbers are integers, so that 5 and 5.0 are equal text."""
+    if isinstance(value, dict):
+        return {name: _numbers(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_numbers(item) for item in value]
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+def _flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return values by dotted key; an empty section has the value true."""
+    flat: dict[str, Any] = {}
+    for name, value in data.items():
+        if isinstance(value, Mapping) and value:
+            flat |= _flat(value, f"{prefix}{name}.")
+        else:
+            flat[f"{prefix}{name}"] = True if isinstance(value, Mapping) else value
+    return flat

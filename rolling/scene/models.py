@@ -1,0 +1,360 @@
+"""The model of a section, the keys that sections know, and the faults of pydantic by their keys.
+
+Sections are built in Python as `Sphere(radius_mm=5)`; a value that is not allowed then raises
+SceneError with the same message as in a scene file. `root` is the model of a whole scene or of one
+section.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import types
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    NamedTuple,
+    Self,
+    Union,
+    dataclass_transform,
+    get_args,
+    get_origin,
+)
+
+import numpy as np
+import pydantic
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic.fields import FieldInfo
+
+from acoustics.numbers import rounded
+from rolling.scene import library
+from rolling.scene.messages import (
+    MATERIALS,
+    TABLES,
+    Key,
+    SceneError,
+    dotted,
+    fault,
+    first_faults,
+    implausible,
+    nearest,
+    plain_values,
+    quoted,
+    shortened,
+)
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+# Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
+# maximum.
+_SMALLEST = 1e-15
+
+
+@dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
+class _SceneErrors(ModelMetaclass):
+    """Metaclass of models that raise SceneError instead of the errors of pydantic."""
+
+    def __call__(cls, *positional: Any, **values: Any) -> Any:
+        if positional:
+            name = cls.__name__
+            raise TypeError(f"{name} takes keys by name only, as in {name}(key=value)")
+        return cls.from_values(plain_values(values))  # type: ignore[attr-defined]
+
+
+class Section(BaseModel, metaclass=_SceneErrors):
+    """Section of a scene, frozen and strict: text is no number, and unknown keys are faults."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    SECTION: ClassVar[str] = ""  # its name in a scene; by default that of the class
+    IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
+    NAMED: ClassVar[str] = ""  # section of `library.NAMES` whose name gives values
+
+    @classmethod
+    def descriptions(cls) -> dict[str, str]:
+        """Return the text of each key from the attributes in the documentation of the model."""
+        texts: dict[str, str] = {}
+        for model in reversed(cls.__mro__):
+            doc = inspect.cleandoc(model.__doc__ or "").partition("Attributes\n----------\n")[2]
+            listed = re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", doc, re.MULTILINE)
+            texts |= {name: " ".join(text.split()) for name, text in listed}
+        return {name: text for name, text in texts.items() if name in cls.model_fields}
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core: Any, handler: pydantic.GetJsonSchemaHandler) -> Any:
+        """Describe the model by its first sentence, and each key by its text."""
+        reference = handler(core)
+        schema = handler.resolve_ref_schema(reference)
+        schema["description"] = inspect.cleandoc(cls.__doc__ or "").partition("\n\n")[0]
+        for name, text in cls.descriptions().items():
+            schema["properties"][name]["description"] = text
+        if cls.IN_FILES:
+            schema["properties"][cls.IN_FILES].pop("default", None)
+            schema["required"] = [cls.IN_FILES, *schema.get("required", [])]
+        by_name = library.NAMES.get(cls.NAMED)
+        if by_name and cls.NAMED != "sphere":  # whose named keys are optional anyway
+            given = [key for key in schema["required"] if key in (*by_name.gives, "kind")]
+            schema["required"] = [key for key in schema["required"] if key not in given]
+            schema["anyOf"] = [{"required": [by_name.key]}, {"required": given}]
+        return reference
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any]) -> Self:
+        """Validate plain values; raise SceneError with their first faults by key."""
+        try:
+            return cls.model_validate(values)
+        except ValidationError as error:
+            section = cls.SECTION or cls.__name__.lower()
+            lines = []
+            for found in faults_of(error, values, cls):
+                name = dotted(found.key)
+                if not name.startswith((f"{section}.", f"{section}[")):
+                    name = f"{section}.{name}".removesuffix(".")
+                lines.append(f"scene: {shortened(name)}: {found.message}")
+            raise SceneError(first_faults(lines, "scene")) from error
+
+    @model_validator(mode="before")
+    @classmethod
+    def _complete(cls, values: Any) -> Any:
+        """Leave out known keys without a value, and fill in the values that a name gives."""
+        if isinstance(values, Mapping):
+            values = {
+                key: value
+                for key, value in values.items()
+                if value is not None or key not in cls.model_fields
+            }
+        return library.fill_in(cls.NAMED, values) if cls.NAMED else values
+
+    @pydantic.field_validator("*")
+    @classmethod
+    def _within_reason(cls, value: Any) -> Any:
+        """Refuse sizes whose powers and quotients overflow or underflow."""
+        for number in np.ravel(value) if isinstance(value, float | tuple) else ():
+            if number and not _SMALLEST <= abs(number) <= 1 / _SMALLEST:
+                sizes = f"a size from {rounded(_SMALLEST)} to {rounded(1 / _SMALLEST)}"
+                raise fault(f"got {quoted(float(number))}, allowed: {sizes}")
+        return value
+
+
+# ---- names of keys
+
+
+@cache
+def keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Map every dotted key inside the sections to its field, keys of inner sections last."""
+    outer = _inside(root.model_fields)
+    return outer | _inside(outer)
+
+
+def _inside(fields: Mapping[str, FieldInfo]) -> dict[str, FieldInfo]:
+    """Map the dotted keys inside the sections among some fields to their fields."""
+    return {
+        f"{section}.{name}": field
+        for section, outer in fields.items()
+        for model in _models(outer)
+        for name, field in model.model_fields.items()
+    }
+
+
+@cache
+def section_keys(root: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Map every section to its field."""
+    fields = {**root.model_fields, **keys(root)}
+    return {name: field for name, field in fields.items() if any(_models(field))}
+
+
+@cache
+def sweepable_keys(root: type[BaseModel]) -> list[str]:
+    """List every key and section that a sweep may vary."""
+    return list(dict.fromkeys((*keys(root), *section_keys(root))))
+
+
+@cache
+def all_keys(root: type[BaseModel]) -> list[str]:
+    """List every name that an override can set, including sections and swept keys."""
+    swept = [f"sweep.{key}" for key in sweepable_keys(root)]
+    return [*root.model_fields, *keys(root), *swept]
+
+
+def full_key(name: str, root: type[BaseModel]) -> str:
+    """Return the dotted key for a bare or dotted name; raise SceneError if none or several fit."""
+    if name in all_keys(root):
+        return name
+    fitting = _keys_that_end_in(name, root)
+    if len(fitting) == 1:
+        return fitting[0]
+    raise SceneError([f"scene: {name}: {unknown_name(name, root)}"])
+
+
+def unknown_name(name: str, root: type[BaseModel]) -> str:
+    """Write that a name is unknown or ambiguous, with the nearest names or those it stands for."""
+    fitting = _keys_that_end_in(name, root)
+    if len(fitting) > 1:
+        return f"stands for {' or '.join(fitting)}, give one of these"
+    known = all_keys(root)
+    section = name.rpartition(".")[0]
+    siblings = [key for key in known if section and key.rpartition(".")[0] == section != "sweep"]
+    if not siblings:
+        return f"unknown key{nearest(name, known)}"
+    allowed = ", ".join(key.rpartition(".")[2] for key in siblings)
+    return f"unknown key{nearest(name, siblings)}, allowed: {allowed}"
+
+
+def _keys_that_end_in(name: str, root: type[BaseModel]) -> list[str]:
+    """Return the dotted keys that end in a bare name; keys of outer sections win."""
+    fitting = [key for key in keys(root) if key.rpartition(".")[2] == name]
+    return [key for key in fitting if key.count(".") == fitting[0].count(".")]
+
+
+# ---- faults by their keys
+
+
+class Fault(NamedTuple):
+    """Key of a fault in the scene, and its message."""
+
+    key: Key
+    message: str
+
+
+def faults_of(
+    error: ValidationError, data: Mapping[str, Any], root: type[BaseModel]
+) -> list[Fault]:
+    """Return the faults that pydantic found in plain values, in the words of a scene."""
+    return [_fault_of(listed, data, root) for listed in error.errors(include_url=False)]
+
+
+def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
+    """Return key and message of a single fault of pydantic."""
+    kind = error["type"]
+    context = error.get("ctx", {})
+    located = locate(error["loc"], root)
+    key = located.key
+    if kind == "fault":
+        return Fault(context["at"] or key, context["message"])
+    if kind.startswith("union_tag"):
+        return _fault_of_kind(located, data)
+    if kind == "missing":
+        text = ""
+        if located.model is not None:
+            text = located.model.descriptions().get(str(key[-1]), "")  # type: ignore[attr-defined]
+        return Fault(key, f"missing; {text}" if text else "missing")
+    if kind == "extra_forbidden":
+        return Fault(key, _unknown_key(located, data, root))
+    value = error["input"]
+    if kind in ("greater_than_equal", "less_than_equal") and key[-1] in MATERIALS:
+        return Fault(key, implausible(value, MATERIALS[str(key[-1])]))
+    words = re.sub(r"^\w+ should (be )?|'", "", error["msg"])
+    message = f"got {quoted(value)}, allowed: {TABLES['kinds'].get(kind, words)}"
+    choices = re.findall(r"'([^']*)'", context.get("expected", ""))
+    if choices and isinstance(value, str):
+        message += nearest(value, choices)
+    return Fault(key, message)
+
+
+class Located(NamedTuple):
+    """A place of a scene: its key, its field with the model around it, and the outer field."""
+
+    key: Key
+    model: type[BaseModel] | None
+    field: FieldInfo | None
+    outer: FieldInfo | None
+
+
+def locate(place: Key, root: type[BaseModel]) -> Located:
+    """Find the model of a place, without the kinds of sections that pydantic names in it."""
+    located = Located((), None, None, None)
+    inner = root if place else None
+    parts = iter(place)
+    for part in parts:
+        if isinstance(part, int):  # a place in a list of sections
+            located = located._replace(key=(*located.key, part))
+            inner = next(_listed_models(located.field), None) if located.field else None
+            continue
+        field = inner.model_fields.get(str(part)) if inner else None
+        located = Located((*located.key, part), inner, field, located.field)
+        models = list(_models(field)) if field else []
+        if field and field.discriminator:
+            kind = next(parts, None)
+            models = [model for model in models if kind in (None, _kind_of(model, field))]
+        inner = models[0] if models else None
+    return located
+
+
+def _fault_of_kind(located: Located, data: Mapping[str, Any]) -> Fault:
+    """Return the fault of a section whose kind is missing or unknown."""
+    field = located.field
+    assert field is not None  # as a section of several kinds has a field
+    key = (*located.key, str(field.discriminator))
+    choices = [_kind_of(model, field) for model in _models(field)]
+    value = _value_at(data, key)
+    if value is None:
+        return Fault(key, f"missing, allowed: {', '.join(choices)}")
+    message = f"got {quoted(value)}, allowed: {', '.join(choices)}"
+    if isinstance(value, str):
+        message += nearest(value, choices)
+    return Fault(key, message)
+
+
+def _unknown_key(located: Located, data: Mapping[str, Any], root: type[BaseModel]) -> str:
+    """Write that a section has no such key, the nearest key, and the allowed keys."""
+    key = located.key
+    siblings = list(located.model.model_fields) if located.model else []
+    of_kind = ""
+    if located.outer and located.outer.discriminator:
+        kind = _value_at(data, (*key[:-1], str(located.outer.discriminator)))
+        of_kind = f" of kind {kind}"
+    elsewhere = [*root.model_fields, *keys(root)]
+    if dotted(key) in keys(root):  # a key of another kind of the section is no slip
+        elsewhere = []
+    like = nearest(str(key[-1]), siblings, elsewhere)
+    if str(key[-1]).isdecimal():
+        like += "; a decimal point stands in place of a comma"
+    return f"unknown key{of_kind}{like}, allowed: {', '.join(siblings)}"
+
+
+# ---- annotations of fields
+
+
+def _kind_of(model: type[BaseModel], field: FieldInfo) -> Any:
+    """Return the kind by which a field distinguishes a model."""
+    return model.model_fields[str(field.discriminator)].default
+
+
+def _models(field: FieldInfo) -> Iterator[type[BaseModel]]:
+    """Yield the models of a section, one for each of its kinds, and none for a plain value."""
+    for kind in _types(field.annotation):
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            yield kind
+
+
+def _listed_models(field: FieldInfo) -> Iterator[type[BaseModel]]:
+    """Yield the models of a list of sections."""
+    for kind in _types(field.annotation):
+        if get_origin(kind) is list and issubclass(get_args(kind)[0], BaseModel):
+            yield get_args(kind)[0]
+
+
+def _types(annotation: Any) -> tuple[Any, ...]:
+    """Return the types of an annotation without None."""
+    if get_origin(annotation) is Annotated:
+        return _types(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, types.UnionType):
+        parts = [part for part in get_args(annotation) if part is not type(None)]
+        return tuple(kind for part in parts for kind in _types(part))
+    return (annotation,)
+
+
+def _value_at(data: Any, key: Key) -> Any:
+    """Return the plain value at a key, None where there is none."""
+    for part in key:
+        try:
+            data = data[part]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return data

@@ -1,0 +1,163 @@
+"""YAML text as plain values with the line of every key, within limits of size and depth."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+from rolling.scene import library
+from rolling.scene.height_files import read_regular, reason_of
+from rolling.scene.messages import Key, SceneError, dotted, first_line, quoted, shortened
+
+MAX_BYTES = 1_000_000  # maximum size of a file
+MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
+MAX_NESTING = 7  # maximum depth of values, such as a speed profile in a swept section
+MAX_MERGES = 100  # maximum number of sections that are merged into others
+MAX_DIGITS = 300  # of a number; pydantic and Python fail to write much longer ones
+_TAG = "tag:yaml.org,2002:"
+_NUMBERS = ("int", "float")
+_DATE = "timestamp"
+_PLAIN = ("map", "seq", "str", "bool", "null", _DATE, *_NUMBERS)  # tags of plain values
+
+
+def read_text(path: Path) -> str:
+    """Read a regular file of UTF-8 text of at most MAX_BYTES; raise SceneError where it is none."""
+    try:
+        return read_regular(path, MAX_BYTES).decode("utf-8-sig")
+    except OSError as error:
+        words = reason_of(error)
+        if isinstance(error, FileNotFoundError):
+            words += library.hint(path)
+        elif words.startswith("is larger"):
+            words += ", allowed: a scene file of at most that size"
+        elif words.startswith("is "):
+            words += ", a scene file is needed"
+        raise SceneError([f"{path}: {words}"]) from error
+    except UnicodeDecodeError as error:
+        line, byte = error.object[: error.start].count(b"\n") + 1, error.object[error.start]
+        raise SceneError([f"{path}:{line}: not UTF-8 text (byte {byte:#04x})"]) from error
+
+
+def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
+    """Read plain values and the line of every key; `where` names the text in messages.
+
+    Raises
+    ------
+    SceneError
+        The text is no YAML 1.2 of plain values, or beyond a limit.
+    """
+    if len(text) > MAX_BYTES:
+        raise SceneError([f"{where}: got {len(text):,} letters, allowed: at most {MAX_BYTES:,}"])
+    yaml = YAML(typ="safe", pure=True)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # YAML 1.2 allows anchors that are given twice
+            root = yaml.compose(text)
+    except RecursionError as error:
+        raise SceneError([f"{where}: nested too deeply"]) from error
+    except YAMLError as error:
+        raise SceneError([_not_yaml(error, text, where)]) from error
+    except Exception as error:  # ruamel.yaml raises any kind, as on a directive of YAML 1.164
+        raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error
+    if root is None:
+        return None, {}
+    walk = _Walk(yaml, where)
+    return walk.value(root, ()), walk.lines
+
+
+def _not_yaml(error: YAMLError, text: str, where: str) -> str:
+    """Write the problem that the reader of YAML has with a text, and its line."""
+    problem = getattr(error, "problem", None) or getattr(error, "reason", None)
+    problem = (problem or first_line(error)).replace("<stream end>", "the end").splitlines()[0]
+    mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+    position = getattr(error, "position", None)  # of a letter that YAML does not allow
+    if position is not None:
+        line = text.count("\n", 0, position) + 1
+    elif mark is not None:
+        line = mark.line + 1
+    else:
+        return f"{where}: not YAML: {problem}"
+    return f"{where}:{line}: not YAML: {problem}"
+
+
+class _Walk:
+    """A walk over the nodes of a text, which collects plain values and the lines of their keys."""
+
+    def __init__(self, yaml: YAML, where: str) -> None:
+        self._yaml = yaml
+        self._where = where
+        self._merges = 0
+        self.lines: dict[Key, int] = {(): 1}
+
+    def value(self, node: Node, key: Key) -> Any:
+        """Return the plain value of a node; raise SceneError for any other, or beyond a limit."""
+        if len(key) > MAX_NESTING:
+            raise self._error(key, "nested too deeply")
+        if len(self.lines) > MAX_VALUES:
+            raise self._error(key, f"more than {MAX_VALUES:,} keys and values")
+        kind = str(node.tag).removeprefix(_TAG)
+        if kind not in _PLAIN:
+            raise self._error(key, f"got the tag {shortened(str(node.tag))}, allowed: plain values")
+        if isinstance(node, ScalarNode):
+            return self._scalar(node, kind, key)
+        if isinstance(node, SequenceNode):
+            for i, item in enumerate(node.value):
+                self.lines[(*key, i)] = item.start_mark.line + 1
+            return [self.value(item, (*key, i)) for i, item in enumerate(node.value)]
+        assert isinstance(node, MappingNode)
+        items = self._items(node, key)
+        for name, (_, line) in items.items():
+            self.lines[(*key, name)] = line
+        return {name: self.value(item, (*key, name)) for name, (item, _) in items.items()}
+
+    def _scalar(self, node: ScalarNode, kind: str, key: Key) -> Any:
+        """Return the plain value of a text; a date is text in a scene."""
+        if kind in _NUMBERS and len(node.value) > MAX_DIGITS:
+            words = f"got a number of {len(node.value):,} digits, allowed: at most {MAX_DIGITS}"
+            raise self._error(key, words)
+        if kind == _DATE:
+            return node.value
+        try:
+            return self._yaml.constructor.construct_object(node)
+        except Exception as error:  # ruamel.yaml raises any kind where a tag does not fit the text
+            raise self._error(key, f"got {quoted(node.value)}, allowed: plain values") from error
+
+    def _items(self, node: MappingNode, key: Key) -> dict[str, tuple[Node, int]]:
+        """Return node and line of each key of a section; its own keys win over merged ones (<<).
+
+        Keys are text as they are written. Merged keys have the line of the section.
+        """
+        items: dict[str, tuple[Node, int]] = {}
+        merged: list[Node] = []
+        for name_node, item in node.value:
+            line = name_node.start_mark.line + 1
+            name = name_node.value
+            if not isinstance(name_node, ScalarNode):
+                words = "got a list or section as a key, allowed: the name of a key"
+                raise SceneError([f"{self._where}:{line}: {words}"])
+            if str(name_node.tag) == f"{_TAG}merge":
+                merged += item.value if isinstance(item, SequenceNode) else [item]
+            elif name in items:
+                path = shortened(dotted((*key, name)))
+                raise SceneError([f"{self._where}:{line}: {path}: given twice"])
+            else:
+                items[name] = item, line
+        for section in merged:
+            self._merges += 1
+            if self._merges > MAX_MERGES:
+                raise self._error(key, f"more than {MAX_MERGES} sections are merged in")
+            if not isinstance(section, MappingNode):
+                raise self._error(key, "only a section can be merged in")
+            for name, (item, _) in self._items(section, key).items():
+                items.setdefault(name, (item, self.lines[key]))
+        return items
+
+    def _error(self, key: Key, words: str) -> SceneError:
+        """Make the error of a key."""
+        place = f"{self._where}:{self.lines[key]}"
+        if not key:
+            return SceneError([f"{place}: {words}"])
+        return SceneError([f"{place}: {shortened(dotted(key))}: {words}"])
