@@ -47,7 +47,7 @@ STEP, SAMPLE, STEP_KEPT, SAMPLE_KEPT, TIME_STEP, EVENT = 650.0, 280.0, 60.0, 16.
 EVENTS_PER_NODE = 0.6  # approximate recovery events of a node that the contact passes over
 TIME_STEPS = 40.0  # of a motion in a period of the resonance
 # Bytes on disk: of a run, with 5 s of listen.wav, and per step, sample and event of it.
-RUN_FILES, STEP_FILE, SAMPLE_FILE, EVENT_FILE = 1.7e6, 180.0, 26.0, 41.0
+RUN_FILES, STEP_FILE, SAMPLE_FILE, EVENT_FILE = 1.7e6, 110.0, 20.0, 41.0
 
 
 def cores() -> int:

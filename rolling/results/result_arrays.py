@@ -1,10 +1,10 @@
-"""The arrays of result.h5: their names, dimensions and units, from a run and into a result."""
+"""The arrays of result.h5: the definition of each, and their way from a run and into a result."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,33 +13,169 @@ import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
 from rolling.check.error_cost import DETAIL, LEVELS
-from rolling.marches import observers
-from rolling.marches.observers import PLACES, PressureMap, SlowMotion, Snapshot
+from rolling.marches.observers import (
+    EVENT_COLUMNS,
+    MOVING_SERIES,
+    STATE_SERIES,
+    STEP_SERIES,
+    PressureMap,
+    SlowMotion,
+    Snapshot,
+)
 from rolling.marches.passes import SERIES as PASS_SERIES
 from rolling.marches.passes import Passes
 from rolling.marches.result import ErrorStretches, LoadMarches, MovingRelease, Result, StretchMarch
 from rolling.scene import file as scene_file
-from rolling.scene.messages import table
 from rolling.sound.vibration_sound import Vibration
 
 if TYPE_CHECKING:
     from rolling.results.run_result import Run
 
-FORMAT = 4
+FORMAT = 5
 Arrays = dict[str, NDArray[Any]]
-# Dimensions, unit and type of each variable by its path.
-TABLE: dict[str, tuple[str, str, str]] = table("rolling.results", "arrays")
-Facts = dict[str, Any]
-Group = tuple[Arrays, Facts]  # arrays and attributes of a group
+
+
+# ---- definition
+
+
+class Variable(NamedTuple):
+    """Definition of an array of result.h5.
+
+    name : str. Name in its group.
+    dimensions : str. Names of its dimensions, separated by spaces.
+    unit : str. SI unit, "1" for a pure number, "position" or "step" for a place along the track.
+    dtype : str. Type in the file. Whole numbers are stored as such.
+    long_name : str. Meaning, for readers of netCDF.
+    """
+
+    name: str
+    dimensions: str
+    unit: str
+    dtype: str
+    long_name: str
+
+
+# Entry i of a step series belongs to the step from position i to the next.
+_SERIES = (
+    Variable("step", "step", "m", "f8", "distance along the track at the middle of each step"),
+    Variable("position", "position", "m", "f8", "distance along the track at each position"),
+    Variable("time", "step", "s", "f8", "time at the middle of each step"),
+    Variable("position_time", "position", "s", "f8", "time at each position"),
+    Variable("release_energy", "step", "J", "f8", "elastic energy released in each step"),
+    Variable("loading_energy", "step", "J", "f8", "elastic energy loaded in each step"),
+    Variable("energy_defect", "step", "J", "f8", "defect of the energy balance of each step"),
+    Variable("speed", "step", "m/s", "f8", "speed of the sphere"),
+    Variable("release_power", "step", "W", "f8", "elastic energy released per time"),
+    Variable("loading_power", "step", "W", "f8", "elastic energy loaded per time"),
+    Variable("release_per_metre", "step", "J/m", "f8", "elastic energy released per length"),
+    Variable("loading_per_metre", "step", "J/m", "f8", "elastic energy loaded per length"),
+    Variable("approach", "position", "m", "f8", "approach of sphere and plate"),
+    Variable("contact_area", "position", "m2", "f8", "area in contact"),
+    Variable("plastic_area", "position", "m2", "f8", "area at the hardness"),
+    Variable("max_pressure", "position", "Pa", "f8", "maximum contact pressure"),
+    Variable("max_deflection", "position", "m", "f8", "maximum deflection"),
+    Variable("stored_energy", "position", "J", "f8", "stored elastic energy"),
+    Variable("residual", "position", "1", "f8", "KKT residual of the solver"),
+    Variable("iterations", "position", "1", "u4", "iterations of the solver"),
+    Variable("convolutions", "position", "1", "u4", "convolutions of the solver"),
+)
+_SNAPSHOT = (
+    Variable("along", "along", "m", "f8", "plate coordinate along the track"),
+    Variable("across", "across", "m", "f8", "plate coordinate across the track"),
+    Variable("pressure", "along across", "Pa", "f8", "contact pressure"),
+    Variable("deflection", "along across", "m", "f8", "deflection"),
+)
+_MAPS = (
+    Variable("position", "map", "1", "u4", "number of the position of each map"),
+    Variable("distance", "map", "m", "f8", "distance along the track"),
+    Variable("along", "map", "m", "f8", "plate coordinate of the first cell's corner, along"),
+    Variable("across", "map", "m", "f8", "plate coordinate of the first cell's corner, across"),
+    Variable("cell", "map", "m", "f8", "side of a square cell"),
+    Variable("rows", "map", "1", "u4", "rows of each map"),
+    Variable("columns", "map", "1", "u4", "columns of each map"),
+    Variable("pressure", "map row column", "Pa", "f4", "mean pressure of cells, NaN outside a map"),
+)
+_EVENTS = (
+    Variable("node", "event axis", "1", "i4", "node of the plate, along and across"),
+    Variable("first", "event", "position", "u4", "position from which the deflection falls"),
+    Variable("last", "event", "position", "u4", "position up to which the deflection falls"),
+    Variable("energy", "event", "J", "f8", "energy released by the event"),
+    Variable("peak", "event", "J per step", "f8", "maximum energy released in a step"),
+)
+_STRETCHES = (
+    Variable("first", "stretch", "position", "u4", "first position of each stretch"),
+    Variable("release_energy", "stretch level stretch_step", "J", "f8", "energy released per step"),
+    Variable("approach", "stretch level stretch_place", "m", "f8", "approach at each position"),
+    Variable("plastic_area", "stretch level", "m2", "f8", "mean area at the hardness"),
+)
+_FILM = (
+    Variable("map_position", "map_position", "1", "u4", "number of the position of each map"),
+    Variable("along", "along", "m", "f8", "plate coordinate of the cells along the track"),
+    Variable("across", "across", "m", "f8", "plate coordinate of the cells across the track"),
+    Variable("pressure", "map_position along across", "Pa", "u1", "mean pressure of cells"),
+    Variable("release", "map_position along across", "J", "u2", "energy released since last map"),
+)
+_LAW = (
+    Variable("load", "load", "N", "f8", "load of each march"),
+    Variable("place", "place", "m", "f8", "distance along the track"),
+    Variable("approach", "load place", "m", "f8", "approach under each load"),
+    Variable("judging_load", "judging_load", "N", "f8", "load of the marches that judge the law"),
+    Variable("judging_approach", "judging_load judging_place", "m", "f8", "approach of each"),
+)
+_MOVING = (
+    Variable("place", "place", "m", "f8", "distance along the track"),
+    Variable("force", "place", "N", "f8", "contact force that moves the load"),
+    Variable("approach", "place", "m", "f8", "approach of the march"),
+    Variable("motion_approach", "place", "m", "f8", "approach of the motion"),
+    Variable("release_energy", "place_step", "J", "f8", "elastic energy released in each step"),
+    Variable("loading_energy", "place_step", "J", "f8", "elastic energy loaded in each step"),
+    Variable("energy_defect", "place_step", "J", "f8", "defect of the energy balance of each step"),
+)
+_PASSES = (
+    Variable("release_energy", "pass place_step", "J", "f8", "elastic energy released per step"),
+    Variable("plastic_work", "pass place_step", "J", "f8", "plastic work in each step"),
+    Variable("approach", "pass place", "m", "f8", "approach of sphere and plate"),
+    Variable("depth", "pass", "m", "f8", "maximum depth below the virgin surface after each pass"),
+    Variable("sunk", "node_along node_across", "m", "f8", "depth of each node after the last pass"),
+)
+_FORCE = (
+    Variable("force_time", "force_time", "s", "f8", "time"),
+    Variable("force", "force_time", "N", "f8", "contact force"),
+    Variable("band", "band", "Hz", "f8", "mid-frequency of the third octave"),
+    Variable("band_rms", "band", "N", "f8", "rms of the contact force in the third octave"),
+)
+_SOUND = (
+    Variable("sound_time", "sound_time", "s", "f8", "time"),
+    Variable("pressure", "sound_time", "Pa", "f8", "sound pressure, at the left of two listeners"),
+    Variable("pressure_right", "sound_time", "Pa", "f8", "sound pressure at the right listener"),
+)
+
+
+def _by_name(*variables: Variable) -> dict[str, Variable]:
+    """Return variables by their names."""
+    return {variable.name: variable for variable in variables}
+
+
+# All arrays by group and name. The group without a name is the root.
+DEFINITION: dict[str, dict[str, Variable]] = {
+    "": _by_name(*_SERIES),
+    "snapshot": _by_name(*_SNAPSHOT),
+    "pressure_maps": _by_name(*_MAPS),
+    "events": _by_name(*_EVENTS),
+    "error_estimate": _by_name(*_STRETCHES),
+    "slow_motion": _by_name(*_FILM),
+    "force_law": _by_name(*_LAW),
+    "moving_release": _by_name(*_MOVING),
+    "passes": _by_name(*_PASSES),
+    "contact_force": _by_name(*_FORCE),
+    "sound": _by_name(*_SOUND),
+}
+COORDINATES = ("time", "position_time")  # beside the arrays that are named as their dimension
 
 
 def fixed_lengths(result: Result) -> dict[str, int]:
     """Return the lengths of the dimensions that the scene of a result fixes."""
-    lengths = {}
-    if result.passes is not None:
-        shape = len(result.passes.depth), *result.passes.sunk.shape
-        lengths = dict(zip(("pass", "node_along", "node_across"), shape, strict=True))
-    return lengths | {
+    lengths = {
         "step": result.steps,
         "position": result.steps + 1,
         "place": result.solved_steps + 1,
@@ -48,18 +184,92 @@ def fixed_lengths(result: Result) -> dict[str, int]:
         "level": len(_LEVELS),
         "band": len(MID_HZ),
     }
+    if result.passes is not None:
+        lengths["pass"] = len(result.passes.depth)
+        lengths["node_along"], lengths["node_across"] = result.passes.sunk.shape
+    return lengths
 
 
-# ---- from a run
+@dataclass(frozen=True)
+class FileGroup:
+    """Content of a group of result.h5.
+
+    arrays : dict. Arrays by name.
+    attributes : dict. Texts and numbers by name.
+    scale_factors : dict. Units of arrays that are stored as whole numbers of a unit, by name.
+    """
+
+    arrays: Arrays
+    attributes: dict[str, Any] = field(default_factory=dict)
+    scale_factors: dict[str, float] = field(default_factory=dict)
 
 
-def groups_of(run: Run) -> dict[str, Group]:
+# ---- all groups
+
+
+def groups_of(run: Run) -> dict[str, FileGroup]:
     """Return the groups of the file of a run by name; the root, with the series, has none."""
-    result, sound = run.result, run.sound
-    arrays = {name: values for name, values in run.series.items() if name in TABLE}
-    arrays |= {"step": run.distance, "position": run.position}
-    arrays |= {"time": run.time, "position_time": run.position_time}
-    facts = {
+    result = run.result
+    groups = {"": _series_group(run)}
+    if result.snapshot is not None:
+        groups["snapshot"] = _snapshot_group(result.snapshot, run.scene.spacing)
+    if result.maps:
+        groups["pressure_maps"] = _maps_group(result.maps)
+    if run.events is not None:
+        groups["events"] = FileGroup(run.events)
+    if result.stretches is not None:
+        groups["error_estimate"] = _stretches_group(result.stretches)
+    if result.slow_motion is not None:
+        groups["slow_motion"] = _film_group(result.slow_motion)
+    if result.load_marches is not None:
+        groups["force_law"] = _law_group(result.load_marches, run)
+    if result.moving is not None:
+        groups["moving_release"] = _moving_group(result.moving, run)
+    if result.passes is not None:
+        groups["passes"] = _passes_group(result.passes)
+    if run.vibration is not None:
+        groups["contact_force"] = _force_group(run.vibration)
+    groups["sound"] = _sound_group(run)
+    return groups
+
+
+def fill_result(result: Result, groups: dict[str, FileGroup]) -> None:
+    """Fill an empty result with the groups of its file."""
+    _read_series(groups[""], result)
+    if "snapshot" in groups:
+        result.snapshot = _read_snapshot(groups["snapshot"])
+    if "pressure_maps" in groups:
+        result.maps = _read_maps(groups["pressure_maps"])
+    if "events" in groups:
+        result.event_pieces = {0: _read_events(groups["events"])}
+    if "error_estimate" in groups:
+        result.stretches = _read_stretches(groups["error_estimate"])
+    if "slow_motion" in groups:
+        result.slow_motion = _read_film(groups["slow_motion"])
+    if "force_law" in groups:
+        result.load_marches = _read_law(groups["force_law"], result.solved_steps)
+    if "moving_release" in groups:
+        result.moving = _read_moving(groups["moving_release"], result.solved_steps)
+    if "passes" in groups:
+        result.passes = _read_passes(groups["passes"])
+
+
+# ---- series
+
+
+def _series_group(run: Run) -> FileGroup:
+    """Return the series of a whole run, and the facts of its scene."""
+    result = run.result
+    arrays = {
+        "step": run.distance,
+        "position": run.position,
+        "time": run.time,
+        "position_time": run.position_time,
+    }
+    for name in DEFINITION[""]:
+        if name not in arrays:
+            arrays[name] = run.series[name]
+    attributes = {
         "title": f"rolling contact noise: {run.scene.name}",
         "format": FORMAT,
         "program": rolling.__version__,
@@ -71,214 +281,286 @@ def groups_of(run: Run) -> dict[str, Group]:
         "step_m": result.step,
         "start_m": result.start,
     }
-    groups: dict[str, Group] = {"": (arrays, facts)}
-    for name, (field, write, _) in _GROUPS.items():
-        if content := getattr(result, field):
-            groups[name] = write(content, run)
-    if run.vibration is not None:
-        groups["contact_force"] = _contact_force(run.vibration)
-    samples = np.arange(len(sound.pressure)) / sound.sample_rate
-    of_sound: dict[str, Any] = {"sample_rate_hz": sound.sample_rate, "closed": int(sound.closed)}
-    if sound.factor is not None:
-        of_sound["factor_pa_per_w_m2"] = sound.factor
-    groups["sound"] = {"sound_time": samples, "pressure": sound.pressure}, of_sound
-    if sound.right is not None:
-        groups["sound"][0]["pressure_right"] = sound.right
-    return groups
+    return FileGroup(arrays, attributes)
 
 
-def fill(result: Result, groups: dict[str, Group]) -> None:
-    """Fill an empty result with the arrays of the groups of its file."""
-    series, _ = groups[""]
-    for name in (*observers.STEP_SERIES, *observers.STATE_SERIES):
-        if name in TABLE:
-            result.series[name] = series[name][: len(result.series[name])].copy()
-    for name, (field, _, read) in _GROUPS.items():
-        if name in groups:
-            setattr(result, field, read(*groups[name], result))
+def _read_series(group: FileGroup, result: Result) -> None:
+    """Read the series of the solved lap, all as floating-point numbers; times are not stored."""
+    for name in (*STEP_SERIES, *STATE_SERIES):
+        if name in DEFINITION[""]:
+            count = len(result.series[name])
+            result.series[name] = group.arrays[name][:count].astype(np.float64)
 
 
-# ---- groups of a result, each written and read
+# ---- contact: snapshot, maps, events
 
 
-def _write_snapshot(snapshot: Snapshot, run: Run) -> Group:
+def _snapshot_group(snapshot: Snapshot, spacing: float) -> FileGroup:
     """Return pressure [Pa] and deflection [m] with the places [m] of their cells."""
-    rows, columns = (np.arange(count) * run.scene.spacing for count in snapshot.pressure.shape)
-    return {
-        "along": snapshot.along + rows,
-        "across": snapshot.across + columns,
+    rows, columns = snapshot.pressure.shape
+    arrays = {
+        "along": snapshot.along + np.arange(rows) * spacing,
+        "across": snapshot.across + np.arange(columns) * spacing,
         "pressure": snapshot.pressure,
         "deflection": snapshot.deflection,
-    }, {"distance_m": snapshot.distance}
+    }
+    return FileGroup(arrays, {"distance_m": snapshot.distance})
 
 
-def _read_snapshot(arrays: Arrays, facts: Facts, result: Result) -> Snapshot:
+def _read_snapshot(group: FileGroup) -> Snapshot:
     """Return the snapshot of a group."""
-    along, across = float(arrays["along"][0]), float(arrays["across"][0])
-    return Snapshot(facts["distance_m"], along, across, arrays["pressure"], arrays["deflection"])
+    return Snapshot(
+        distance=group.attributes["distance_m"],
+        along=float(group.arrays["along"][0]),
+        across=float(group.arrays["across"][0]),
+        pressure=group.arrays["pressure"],
+        deflection=group.arrays["deflection"],
+    )
 
 
-def _write_maps(maps: dict[int, PressureMap], run: Run) -> Group:
+def _maps_group(maps: dict[int, PressureMap]) -> FileGroup:
     """Return the maps [Pa], padded with NaN to a common shape, and their places [m]."""
     ordered = [maps[position] for position in sorted(maps)]
-    shapes = np.array([drawn.pressure.shape for drawn in ordered])
-    padded = np.full((len(maps), *shapes.max(axis=0)), np.nan, dtype=np.float32)
-    for block, drawn, (rows, columns) in zip(padded, ordered, shapes, strict=True):
-        block[:rows, :columns] = drawn.pressure
-    arrays = {name: np.array([getattr(drawn, name) for drawn in ordered]) for name in PLACES}
-    return arrays | {"rows": shapes[:, 0], "columns": shapes[:, 1], "pressure": padded}, {}
+    rows = np.array([pressure_map.pressure.shape[0] for pressure_map in ordered])
+    columns = np.array([pressure_map.pressure.shape[1] for pressure_map in ordered])
+    padded = np.full((len(maps), rows.max(), columns.max()), np.nan, dtype=np.float32)
+    for k, pressure_map in enumerate(ordered):
+        padded[k, : rows[k], : columns[k]] = pressure_map.pressure
+    arrays = {
+        "position": np.array([pressure_map.position for pressure_map in ordered]),
+        "distance": np.array([pressure_map.distance for pressure_map in ordered]),
+        "along": np.array([pressure_map.along for pressure_map in ordered]),
+        "across": np.array([pressure_map.across for pressure_map in ordered]),
+        "cell": np.array([pressure_map.cell for pressure_map in ordered]),
+        "rows": rows,
+        "columns": columns,
+        "pressure": padded,
+    }
+    return FileGroup(arrays)
 
 
-def _read_maps(arrays: Arrays, facts: Facts, result: Result) -> dict[int, PressureMap]:
+def _read_maps(group: FileGroup) -> dict[int, PressureMap]:
     """Return the maps of a group by position, without their padding."""
-    maps, shapes = {}, zip(arrays["rows"].tolist(), arrays["columns"].tolist(), strict=True)
-    places = zip(*(arrays[name].tolist() for name in PLACES), strict=True)
-    for place, (rows, columns), padded in zip(places, shapes, arrays["pressure"], strict=True):
-        fields = dict(zip(PLACES, place, strict=True))
-        maps[place[0]] = PressureMap(**fields, pressure=padded[:rows, :columns].copy())
+    arrays = group.arrays
+    maps = {}
+    for k, position in enumerate(arrays["position"].tolist()):
+        rows = arrays["rows"][k]
+        columns = arrays["columns"][k]
+        maps[position] = PressureMap(
+            position=position,
+            distance=float(arrays["distance"][k]),
+            along=float(arrays["along"][k]),
+            across=float(arrays["across"][k]),
+            cell=float(arrays["cell"][k]),
+            pressure=arrays["pressure"][k, :rows, :columns].copy(),
+        )
     return maps
 
 
+def _read_events(group: FileGroup) -> Arrays:
+    """Return the table of recovery events of a group."""
+    table = {name: group.arrays[name] for name in EVENT_COLUMNS}
+    table["first"] = table["first"].astype(np.int64)
+    table["last"] = table["last"].astype(np.int64)
+    return table
+
+
+# ---- error estimate and film
+
 _LEVELS = (*LEVELS, DETAIL)  # that of detail is NaN where a stretch is not marched on it
-_STRETCH = {"release_energy": "release", "approach": "approach", "plastic_area": "plastic_area"}
 
 
-def _write_stretches(stretches: ErrorStretches, run: Run) -> Group:
+def _stretches_group(stretches: ErrorStretches) -> FileGroup:
     """Return the marches by stretch and level, and the reasons of those that failed."""
     firsts = sorted({first for first, _ in stretches.marches})
     none = StretchMarch.none(stretches.steps)
     marches = [[stretches.marches.get((k, level), none) for level in _LEVELS] for k in firsts]
     arrays = {
-        name: np.array([[getattr(march, field) for march in row] for row in marches])
-        for name, field in _STRETCH.items()
+        "first": np.array(firsts),
+        "release_energy": np.array([[march.release for march in row] for row in marches]),
+        "approach": np.array([[march.approach for march in row] for row in marches]),
+        "plastic_area": np.array([[march.plastic_area for march in row] for row in marches]),
     }
     faults = [[march.fault for march in row] for row in marches]
-    return {"first": np.array(firsts)} | arrays, {"faults": json.dumps(faults)}
+    return FileGroup(arrays, {"faults": json.dumps(faults)})
 
 
-def _read_stretches(arrays: Arrays, facts: Facts, result: Result) -> ErrorStretches:
+def _read_stretches(group: FileGroup) -> ErrorStretches:
     """Return the marches of stretches, whose time is not stored."""
-    release, approach, areas = (arrays[name] for name in _STRETCH)
-    stretches, faults = ErrorStretches(release.shape[2]), json.loads(facts["faults"])
+    arrays = group.arrays
+    faults = json.loads(group.attributes["faults"])
+    stretches = ErrorStretches(steps=arrays["release_energy"].shape[2])
     for row, first in enumerate(arrays["first"].tolist()):
         for column, level in enumerate(_LEVELS):
-            at, fault = (row, column), faults[row][column]
-            if level == DETAIL and not fault and np.isnan(areas[at]):
-                continue
-            march = StretchMarch(release[at], approach[at], float(areas[at]), 0.0, fault)
-            stretches.marches[first, level] = march
+            area = float(arrays["plastic_area"][row, column])
+            fault = faults[row][column]
+            if level == DETAIL and not fault and np.isnan(area):
+                continue  # this stretch is not marched with detail
+            stretches.marches[first, level] = StretchMarch(
+                release=arrays["release_energy"][row, column],
+                approach=arrays["approach"][row, column],
+                plastic_area=area,
+                seconds=0.0,
+                fault=fault,
+            )
     return stretches
 
 
-_FILM = ("first", "stride", "along", "across", "cell", "pressure_unit", "release_unit")
-
-
-def _write_film(film: SlowMotion, run: Run) -> Group:
+def _film_group(film: SlowMotion) -> FileGroup:
     """Return the film; it has no arrays where its stretch could not be solved again."""
-    facts = {name: getattr(film, name) for name in _FILM}
-    rows, columns = ((np.arange(count) + 0.5) * film.cell for count in film.pressure.shape[1:])
+    attributes = {
+        "first": film.first,
+        "stride": film.stride,
+        "along": film.along,
+        "across": film.across,
+        "cell": film.cell,
+        "pressure_unit": film.pressure_unit,
+        "release_unit": film.release_unit,
+    }
+    if not film.pressure.size:
+        return FileGroup({}, attributes)
+    _, rows, columns = film.pressure.shape
     arrays = {
         "map_position": film.positions,
-        "along": film.along + rows,
-        "across": film.across + columns,
+        "along": film.along + (np.arange(rows) + 0.5) * film.cell,
+        "across": film.across + (np.arange(columns) + 0.5) * film.cell,
         "pressure": film.pressure,
         "release": film.release,
     }
-    return arrays if film.pressure.size else {}, facts
+    units = {"pressure": film.pressure_unit, "release": film.release_unit}
+    return FileGroup(arrays, attributes, scale_factors=units)
 
 
-def _read_film(arrays: Arrays, facts: Facts, result: Result) -> SlowMotion:
+def _read_film(group: FileGroup) -> SlowMotion:
     """Return the film of a group."""
-    if not arrays:
+    if not group.arrays:
         return SlowMotion.none()
-    fields = {name: facts[name] for name in _FILM}
-    return SlowMotion(**fields, pressure=arrays["pressure"], release=arrays["release"])
+    return SlowMotion(
+        first=group.attributes["first"],
+        stride=group.attributes["stride"],
+        along=group.attributes["along"],
+        across=group.attributes["across"],
+        cell=group.attributes["cell"],
+        pressure_unit=group.attributes["pressure_unit"],
+        release_unit=group.attributes["release_unit"],
+        pressure=group.arrays["pressure"],
+        release=group.arrays["release"],
+    )
 
 
-def _write_law(marches: LoadMarches, run: Run) -> Group:
+# ---- marches beside the track
+
+
+def _law_group(marches: LoadMarches, run: Run) -> FileGroup:
     """Return the approach at each load, the scene's own included."""
-    by_load = marches.approach | {run.scene.load: run.result.series["approach"]}
-    loads, between = sorted(by_load), sorted(marches.judging)
+    approach = marches.approach | {run.scene.load: run.result.series["approach"]}
+    loads = sorted(approach)
     arrays = {
         "load": np.array(loads),
         "place": run.position[: run.result.solved_steps + 1],
-        "approach": np.array([by_load[load] for load in loads]),
+        "approach": np.array([approach[load] for load in loads]),
     }
-    if between:
-        arrays["judging_load"] = np.array(between)
-        arrays["judging_approach"] = np.array([marches.judging[load] for load in between])
+    judging_loads = sorted(marches.judging)
+    if judging_loads:
+        arrays["judging_load"] = np.array(judging_loads)
+        arrays["judging_approach"] = np.array([marches.judging[load] for load in judging_loads])
     faults = {repr(load): marches.faults[load] for load in sorted(marches.faults)}
-    return arrays, {"own_load_n": run.scene.load, "faults": json.dumps(faults)}
+    return FileGroup(arrays, {"own_load_n": run.scene.load, "faults": json.dumps(faults)})
 
 
-def _read_law(arrays: Arrays, facts: Facts, result: Result) -> LoadMarches:
+def _read_law(group: FileGroup, solved_steps: int) -> LoadMarches:
     """Return the marches at other loads, without the run's own."""
-    marches = LoadMarches(result.solved_steps)
-    marches.approach = dict(zip(arrays["load"].tolist(), arrays["approach"], strict=True))
-    del marches.approach[facts["own_load_n"]]
+    arrays = group.arrays
+    marches = LoadMarches(solved_steps)
+    for load, approach in zip(arrays["load"].tolist(), arrays["approach"], strict=True):
+        marches.approach[load] = approach
+    del marches.approach[group.attributes["own_load_n"]]
     if "judging_load" in arrays:
-        judging = zip(arrays["judging_load"].tolist(), arrays["judging_approach"], strict=True)
-        marches.judging = dict(judging)
-    marches.faults = {float(load): text for load, text in json.loads(facts["faults"]).items()}
+        loads = arrays["judging_load"].tolist()
+        for load, approach in zip(loads, arrays["judging_approach"], strict=True):
+            marches.judging[load] = approach
+    for load_text, fault in json.loads(group.attributes["faults"]).items():
+        marches.faults[float(load_text)] = fault
     return marches
 
 
-def _write_moving(moving: MovingRelease, run: Run) -> Group:
+def _moving_group(moving: MovingRelease, run: Run) -> FileGroup:
     """Return force [N], approach [m] and energies [J] under the moving load, or its fault."""
-    facts = {"key": moving.key, "fault": moving.fault}
-    arrays = {"place": run.position[: len(moving.force)], "force": moving.force}
-    arrays |= {"approach": moving.approach, "motion_approach": moving.motion_approach}
-    arrays |= moving.steps
-    return {} if moving.fault else arrays, facts
+    attributes = {"key": moving.key, "fault": moving.fault}
+    if moving.fault:
+        return FileGroup({}, attributes)
+    arrays = {
+        "place": run.position[: len(moving.force)],
+        "force": moving.force,
+        "approach": moving.approach,
+        "motion_approach": moving.motion_approach,
+        **moving.steps,
+    }
+    return FileGroup(arrays, attributes)
 
 
-def _read_moving(arrays: Arrays, facts: Facts, result: Result) -> MovingRelease:
+def _read_moving(group: FileGroup, solved_steps: int) -> MovingRelease:
     """Return the march under the moving load, or its fault."""
-    if facts["fault"]:
-        return MovingRelease.impossible(facts["key"], result.solved_steps, facts["fault"])
-    force, motion = arrays["force"], arrays["motion_approach"]
-    steps = {name: arrays[name] for name in observers.MOVING_SERIES}
-    return MovingRelease(facts["key"], force, motion, arrays["approach"], steps)
+    key = group.attributes["key"]
+    fault = group.attributes["fault"]
+    if fault:
+        return MovingRelease.impossible(key, solved_steps, fault)
+    return MovingRelease(
+        key=key,
+        force=group.arrays["force"],
+        motion_approach=group.arrays["motion_approach"],
+        approach=group.arrays["approach"],
+        steps={name: group.arrays[name] for name in MOVING_SERIES},
+    )
 
 
-def _write_passes(passes: Passes, run: Run) -> Group:
+def _passes_group(passes: Passes) -> FileGroup:
     """Return the series of all passes, and the depth [m] of the plate after the last."""
-    return passes.series | {"depth": passes.depth, "sunk": passes.sunk}, {}
+    return FileGroup({**passes.series, "depth": passes.depth, "sunk": passes.sunk})
 
 
-def _read_passes(arrays: Arrays, facts: Facts, result: Result) -> Passes:
+def _read_passes(group: FileGroup) -> Passes:
     """Return the passes of a group, without the surface before the last."""
-    return Passes({name: arrays[name] for name in PASS_SERIES}, arrays["depth"], arrays["sunk"])
+    return Passes(
+        series={name: group.arrays[name] for name in PASS_SERIES},
+        depth=group.arrays["depth"],
+        sunk=group.arrays["sunk"],
+    )
 
 
-def _contact_force(vibration: Vibration) -> Group:
+# ---- force and sound, which are made again from the marches and not read
+
+
+def _force_group(vibration: Vibration) -> FileGroup:
     """Return the contact force at the samples of the sound, and its bands."""
-    force = vibration.motion.force_n
-    return {
+    arrays = {
         "force_time": np.arange(len(vibration.force)) / wav.SAMPLE_RATE_HZ,
         "force": vibration.load + vibration.force,
         "band": np.array(MID_HZ),
         "band_rms": vibration.force_bands,
-    }, {
+    }
+    attributes = {
         "closed": int(vibration.closed),
-        "minimum_n": float(force.min()),
-        "maximum_n": float(force.max()),
+        "minimum_n": float(vibration.motion.force_n.min()),
+        "maximum_n": float(vibration.motion.force_n.max()),
         "time_step_s": vibration.motion.time_step_s,
     }
+    return FileGroup(arrays, attributes)
 
 
-# Name of the group, field of the result, writer and reader.
-_GROUPS: dict[str, tuple[str, Callable[[Any, Run], Group], Callable[..., Any]]] = {
-    "snapshot": ("snapshot", _write_snapshot, _read_snapshot),
-    "pressure_maps": ("maps", _write_maps, _read_maps),
-    "events": (  # as those of a single piece
-        "event_pieces",
-        lambda pieces, run: (dict(run.events or {}), {}),
-        lambda arrays, facts, result: {0: {name: arrays[name] for name in observers.EVENT_COLUMNS}},
-    ),
-    "error_estimate": ("stretches", _write_stretches, _read_stretches),
-    "slow_motion": ("slow_motion", _write_film, _read_film),
-    "force_law": ("load_marches", _write_law, _read_law),
-    "moving_release": ("moving", _write_moving, _read_moving),
-    "passes": ("passes", _write_passes, _read_passes),
-}
+def _sound_group(run: Run) -> FileGroup:
+    """Return the sound pressure [Pa] at one listener or two."""
+    sound = run.sound
+    arrays = {
+        "sound_time": np.arange(len(sound.pressure)) / sound.sample_rate,
+        "pressure": sound.pressure,
+    }
+    if sound.right is not None:
+        arrays["pressure_right"] = sound.right
+    attributes: dict[str, Any] = {
+        "sample_rate_hz": sound.sample_rate,
+        "closed": int(sound.closed),
+    }
+    if sound.factor is not None:
+        attributes["factor_pa_per_w_m2"] = sound.factor
+    return FileGroup(arrays, attributes)

@@ -2,8 +2,8 @@
 
 HDF5 does not look beyond its own end, so its readers do not notice the last line, a SHA-256 of all
 bytes before it. A damaged file is refused before the HDF5 library, which damage could crash, opens
-it. A digest is no signature: names, types and shapes are compared with the scene before any array
-is read.
+it. A digest is no signature: names, types and shapes are compared with the definition and with the
+scene before any array is read.
 """
 
 from __future__ import annotations
@@ -12,15 +12,22 @@ import hashlib
 import io
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import h5py
 import numpy as np
 
 from rolling.check import cost
 from rolling.marches.result import Result
-from rolling.results import result_arrays
-from rolling.results.result_arrays import FORMAT, TABLE, Facts, Group
+from rolling.results.result_arrays import (
+    COORDINATES,
+    DEFINITION,
+    FORMAT,
+    FileGroup,
+    fill_result,
+    fixed_lengths,
+    groups_of,
+)
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.terminal.files import FolderError
@@ -32,39 +39,61 @@ if TYPE_CHECKING:
 
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
-_LARGEST = 200  # bytes of all arrays per byte of a file: maps compress well, series hardly
-_MAX_TIMES, _MAX_BESIDE = 3, 100_000_000  # bytes of a file: the estimate for its scene and more
-_COORDINATES = ("time", "position_time")  # beside the values of the dimensions
+_MIN_COMPRESSED = 10_000  # bytes of an array; the index of the chunks of a smaller one is too large
+# The file, and all its arrays together, take at most so many times the disk that is estimated for
+# the scene, and so many bytes more.
+_MAX_TIMES, _MAX_BESIDE = 5, 100_000_000
+_DIMENSIONS = {
+    dimension
+    for variables in DEFINITION.values()
+    for variable in variables.values()
+    for dimension in variable.dimensions.split()
+}
+
+
+# ---- write
 
 
 def write_result(run: Run) -> bytes:
     """Return the bytes of result.h5, which are equal for equal runs."""
     import xarray  # slow to import, for whole runs only
 
-    nodes = {}
-    for group, (arrays, facts) in result_arrays.groups_of(run).items():
-        variables = {}
-        for name, values in arrays.items():
-            dimensions, unit, kind = TABLE[f"{group}/{name}".lstrip("/")]
-            encoding: dict[str, Any] = {"_FillValue": None}
-            if values.size and kind != "f8":  # maps and whole numbers
-                encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
-            attributes = {"units": unit}
-            if kind[0] == "u":  # whole numbers of a unit
-                attributes["scale_factor"] = facts[f"{name}_unit"]
-            stored = values.astype(kind)
-            variables[name] = xarray.Variable(dimensions.split(), stored, attributes, encoding)
-        beside = [name for name in _COORDINATES if name in variables]
-        nodes[f"/{group}"] = xarray.Dataset(variables, attrs=facts).set_coords(beside)
+    nodes = {f"/{name}": _dataset(name, group) for name, group in groups_of(run).items()}
     content = bytes(xarray.DataTree.from_dict(nodes).to_netcdf(engine="h5netcdf"))
     return content + _seal(content)
 
 
-def tree(run: Run) -> xarray.DataTree:
+def result_tree(run: Run) -> xarray.DataTree:
     """Return the content of result.h5 as a tree of named arrays with units."""
     import xarray
 
     return xarray.open_datatree(io.BytesIO(write_result(run)), engine="h5netcdf").load()
+
+
+def _dataset(name: str, group: FileGroup) -> xarray.Dataset:
+    """Return the arrays of a group with their definitions and with the way they are stored."""
+    import xarray
+
+    variables = {}
+    for array_name, values in group.arrays.items():
+        definition = DEFINITION[name][array_name]
+        attributes: dict[str, Any] = {
+            "units": definition.unit,
+            "long_name": definition.long_name,
+        }
+        if array_name in group.scale_factors:
+            attributes["scale_factor"] = group.scale_factors[array_name]
+        stored = values.astype(definition.dtype)
+        encoding: dict[str, Any] = {"_FillValue": None}
+        if stored.nbytes >= _MIN_COMPRESSED:
+            encoding |= {"zlib": True, "complevel": 1, "shuffle": True}
+        dimensions = definition.dimensions.split()
+        variables[array_name] = xarray.Variable(dimensions, stored, attributes, encoding)
+    coordinates = [array_name for array_name in COORDINATES if array_name in variables]
+    return xarray.Dataset(variables, attrs=group.attributes).set_coords(coordinates)
+
+
+# ---- read
 
 
 def read_result(path: Path, scene: Scene) -> Result:
@@ -76,21 +105,16 @@ def read_result(path: Path, scene: Scene) -> Result:
         holds the result of another scene or surface.
     """
     result = Result.empty(scene)
-    content = _sealed(path, scene)
+    most_bytes = round(_MAX_TIMES * cost.disk([scene]) + _MAX_BESIDE)
+    content = _sealed_content(path, most_bytes)
     try:
         with h5py.File(io.BytesIO(content), "r") as file:
-            _refuse_version(path, file)
-            if _facts(file).get("identity") != result.identity:
+            root_attributes = _attributes(file)
+            _refuse_format(path, root_attributes)
+            if root_attributes.get("identity") != result.identity:
                 raise FolderError(f"{path}: solved for another scene or surface")
-            arrays = _arrays(file)
-            _refuse_shapes(arrays, result, len(content))
-            nodes = {name: node for name, node in file.items() if name not in arrays}
-            nodes |= {"": file}
-            groups: dict[str, Group] = {name: ({}, _facts(node)) for name, node in nodes.items()}
-            for place in arrays.keys() & TABLE.keys():
-                group, _, name = place.rpartition("/")
-                groups[group][0][name] = arrays[place][()]
-        result_arrays.fill(result, groups)
+            groups = _bounded_groups(file, fixed_lengths(result), most_bytes)
+        fill_result(result, groups)
     except FolderError:
         raise
     except Exception as error:  # h5py raises errors of any kind on hostile files
@@ -99,102 +123,143 @@ def read_result(path: Path, scene: Scene) -> Result:
     return result
 
 
-def _facts(group: h5py.Group) -> Facts:
-    """Read the attributes of a group, each a text or a number."""
-    facts = {}
-    for name in group.attrs:
-        if math.prod(group.attrs.get_id(name).shape) != 1:  # a bomb of texts that share their bytes
-            raise ValueError(f"{group.name}: attribute {name}: not one text or number")
-        value = group.attrs[name]
-        facts[name] = value if isinstance(value, str) else np.asarray(value).item()
-    return facts
-
-
-# ---- refusals
-
-
 def _seal(content: bytes | memoryview) -> bytes:
     """Return the last line of a file."""
     return _SEAL + hashlib.sha256(content).hexdigest().encode() + b"\n"
 
 
-def _sealed(path: Path, scene: Scene) -> bytes:
-    """Read the bytes of a file whose digest holds, and whose size suits its scene."""
+def _sealed_content(path: Path, most_bytes: int) -> bytes:
+    """Read the bytes of a file whose digest holds, and that is not larger than allowed."""
     try:
-        content = read_regular(path, round(_MAX_TIMES * cost.disk([scene]) + _MAX_BESIDE))
+        content = read_regular(path, most_bytes)
     except OSError as error:
         raise FolderError(f"{path}: not readable ({error.strerror or error})") from error
     if content[-_SEAL_LENGTH:] != _seal(memoryview(content)[:-_SEAL_LENGTH]):
-        words = "damaged, or of version 0.1.0: its SHA-256 does not hold"
-        advice = "delete the file, and the same command solves it again"
-        raise FolderError(f"{path}: {words} ({advice})")
+        raise FolderError(
+            f"{path}: damaged, or of version 0.1.0: its SHA-256 does not hold"
+            " (delete the file, and the same command solves it again)"
+        )
     return content
 
 
-def _refuse_version(path: Path, file: h5py.File) -> None:
+def _refuse_format(path: Path, attributes: dict[str, Any]) -> None:
     """Refuse a file of another format."""
-    facts = _facts(file)
-    own = facts.get("format", 1)
+    own = attributes.get("format", 1)
     if own != FORMAT:
-        program = facts.get("program", "0.1.0")
-        reader = f"which version {program} of the program reads"
-        raise FolderError(f"{path}: format {own}, {reader}; this version reads format {FORMAT}")
+        program = attributes.get("program", "0.1.0")
+        raise FolderError(
+            f"{path}: format {own}, which version {program} of the program reads;"
+            f" this version reads format {FORMAT}"
+        )
 
 
-def _refuse_shapes(arrays: dict[str, h5py.Dataset], result: Result, size: int) -> None:
-    """Refuse arrays that the table or the scene does not know, or that are too large for a file.
+# ---- read an HDF5 file of somebody else: nothing is allocated that the scene does not allow
+
+
+def _bounded_groups(
+    file: h5py.File, fixed: dict[str, int], most_bytes: int
+) -> dict[str, FileGroup]:
+    """Return the groups of a file, whose arrays are read after all declarations are judged.
 
     Raises
     ------
     ValueError : the first fault, with its path.
     """
-    fixed = result_arrays.fixed_lengths(result)
-    lengths = {("", name): length for name, length in fixed.items()}
-    total = 0
-    for path, data in arrays.items():
-        group, _, name = path.rpartition("/")
-        dimensions, _, kind = TABLE.get(path, (name, "", "f4"))  # a dimension without values
-        if data.dtype.str[1:] != kind or not _is_own(data):
-            raise ValueError(f"{path}: got {data.dtype} or another storage, allowed: {kind}")
-        for dimension, length in zip(dimensions.split(), data.shape, strict=True):
-            key = ("" if dimension in fixed else group, dimension)
-            if lengths.setdefault(key, length) != length:
-                raise ValueError(f"{path}: got {length} along {dimension}, allowed: {lengths[key]}")
-        total += math.prod(data.shape) * data.dtype.itemsize
-    if total > _LARGEST * size:
-        raise ValueError(f"arrays of {total} bytes in a file of {size} bytes")
+    nodes = _known_nodes(file)
+    _refuse_declarations(nodes, fixed, most_bytes)
+    groups = {}
+    for group_name, node in nodes.items():
+        arrays = {}
+        for name, data in node.arrays.items():
+            if name in DEFINITION[group_name]:
+                arrays[name] = data[()]
+        groups[group_name] = FileGroup(arrays, _attributes(node.group))
+    return groups
 
 
-def _is_own(data: h5py.Dataset) -> bool:
-    """Return whether an array is stored as this program stores it."""
-    creation, chunks = data.id.get_create_plist(), data.chunks or data.shape
-    filters = [creation.get_filter(k)[0] for k in range(creation.get_nfilters())]
-    return (
-        not (data.is_virtual or data.external)
-        and {*filters} <= {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}
-        and (not data.size or np.less_equal(chunks, data.shape).all())
-    )
+class _Node(NamedTuple):
+    """A group of an HDF5 file, and its arrays by name, which are not read yet."""
+
+    group: h5py.Group
+    arrays: dict[str, h5py.Dataset]
 
 
-def _arrays(file: h5py.File) -> dict[str, h5py.Dataset]:
-    """Return all arrays of a file by path; its groups hold nothing but arrays of the table.
+def _known_nodes(file: h5py.File) -> dict[str, _Node]:
+    """Return the root and the groups of a file by name, with their arrays.
 
     Raises
     ------
-    ValueError : a link leads elsewhere, or an array or a group is unknown.
+    ValueError : a link leads elsewhere, or an array or a group is not in the definition.
     """
-    known = {name for dimensions, _, _ in TABLE.values() for name in dimensions.split()}
-    groups = {path.rpartition("/")[0] for path in TABLE}
-    arrays, nodes = {}, [("", file)]
-    for group, node in nodes:  # the list grows
-        for name in node:
-            path = f"{group}/{name}".lstrip("/")
-            linked = isinstance(node.get(name, getlink=True), h5py.HardLink)
-            inner = node[name] if linked else None
-            if isinstance(inner, h5py.Group) and not group and name in groups:
-                nodes.append((name, inner))
-            elif isinstance(inner, h5py.Dataset) and (path in TABLE or name in known):
-                arrays[path] = inner
-            else:
+    nodes = {"": _Node(file, {})}
+    for name in file:
+        inner = _linked_object(file, name)
+        if isinstance(inner, h5py.Group) and name in DEFINITION:
+            nodes[name] = _Node(inner, {})
+    for group_name, node in nodes.items():
+        for name in node.group:
+            if not group_name and name in nodes:
+                continue
+            inner = _linked_object(node.group, name)
+            is_known = name in DEFINITION[group_name] or name in _DIMENSIONS
+            if not isinstance(inner, h5py.Dataset) or not is_known:
+                path = f"{group_name}/{name}".lstrip("/")
                 raise ValueError(f"{path}: neither a known array nor a group of arrays")
-    return arrays
+            node.arrays[name] = inner
+    return nodes
+
+
+def _linked_object(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset | None:
+    """Return the object that lies in a group itself; None for a link to another place or file."""
+    if isinstance(group.get(name, getlink=True), h5py.HardLink):
+        return group[name]
+    return None
+
+
+def _refuse_declarations(nodes: dict[str, _Node], fixed: dict[str, int], most_bytes: int) -> None:
+    """Refuse types, storages and lengths that definition and scene do not know, and too many bytes.
+
+    `fixed` are lengths of dimensions that the scene fixes. Other dimensions have one length within
+    a group.
+    """
+    total = 0
+    for group_name, node in nodes.items():
+        lengths = dict(fixed)
+        for name, data in node.arrays.items():
+            path = f"{group_name}/{name}".lstrip("/")
+            definition = DEFINITION[group_name].get(name)
+            dtype = definition.dtype if definition else "f4"  # of a dimension without values
+            dimensions = definition.dimensions.split() if definition else [name]
+            if data.dtype.str[1:] != dtype or not _is_stored_by_this_program(data):
+                raise ValueError(f"{path}: got {data.dtype} or another storage, allowed: {dtype}")
+            for dimension, length in zip(dimensions, data.shape, strict=True):
+                allowed = lengths.setdefault(dimension, length)
+                if length != allowed:
+                    raise ValueError(f"{path}: got {length} along {dimension}, allowed: {allowed}")
+            total += math.prod(data.shape) * data.dtype.itemsize
+    if total > most_bytes:
+        raise ValueError(f"arrays of {total} bytes, allowed for this scene: {most_bytes}")
+
+
+def _is_stored_by_this_program(data: h5py.Dataset) -> bool:
+    """Return whether an array lies in the file, in chunks no larger than it, by known filters."""
+    creation = data.id.get_create_plist()
+    filters = {creation.get_filter(k)[0] for k in range(creation.get_nfilters())}
+    chunks = data.chunks or data.shape
+    return (
+        not data.is_virtual
+        and not data.external
+        and filters <= {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}
+        and (not data.size or bool(np.less_equal(chunks, data.shape).all()))
+    )
+
+
+def _attributes(group: h5py.Group) -> dict[str, Any]:
+    """Read the attributes of a group, each a text or a number."""
+    attributes = {}
+    for name in group.attrs:
+        if math.prod(group.attrs.get_id(name).shape) != 1:  # a bomb of texts that share their bytes
+            raise ValueError(f"{group.name}: attribute {name}: not one text or number")
+        value = group.attrs[name]
+        attributes[name] = value if isinstance(value, str) else np.asarray(value).item()
+    return attributes

@@ -26,7 +26,7 @@ from rolling.marches.observers import STATE_SERIES, STEP_SERIES
 from rolling.marches.result import Result
 from rolling.results import labels, listening, result_file, runs_table
 from rolling.results.listening import listen, reason_against, released
-from rolling.results.result_arrays import TABLE
+from rolling.results.result_arrays import DEFINITION
 from rolling.results.run_folder import RESULT, SUMMARY, RunFolder, read_summary
 from rolling.results.summary import pass_numbers, provenance, record_scatter, summarize
 from rolling.scene.scene import Scene
@@ -277,24 +277,27 @@ class Run(RunFolder):
         """
         import pandas as pd  # slow to import, for tables only
 
+        definition = DEFINITION[""]
         series = {"position_time": self.position_time, **self.series}
-        columns = {name: pd.Series(x) for name, x in series.items() if name in TABLE}
+        columns = {name: pd.Series(x) for name, x in series.items() if name in definition}
         table = pd.DataFrame(columns).set_index(pd.Index(self.position, name="position"))
-        table.attrs = {name: TABLE[name][1] for name in ("position", *table)}
+        table.attrs = {name: definition[name].unit for name in ("position", *table)}
         return table
 
     def to_xarray(self) -> xarray.DataTree:
         """Return the content of result.h5 as a tree.
 
         The root holds the series. The groups are snapshot, pressure_maps, events, error_estimate,
-        slow_motion, force_law, moving_release, contact_force and sound, as far as the run has them.
+        slow_motion, force_law, moving_release, passes, contact_force and sound, as far as the run
+        has them.
 
         Returns
         -------
         tree : xarray.DataTree
-            Every variable has its unit in `attrs`.
+            Every variable has `units` and `long_name` in `attrs`. Whole numbers, such as
+            iterations, are integers.
         """
-        return result_file.tree(self)
+        return result_file.result_tree(self)
 
     def __repr__(self) -> str:
         level = runs_table.level_text(self.summary, runs_table.level_key(self.summary))

@@ -90,7 +90,8 @@ def test_readers_of_netcdf_find_names_units_and_places(whole: Run) -> None:
     with xr.open_datatree(path, engine="h5netcdf") as tree:
         assert set(tree.children) == {"snapshot", "pressure_maps", "events", "sound"}
         for node in tree.subtree:
-            assert all(variable.attrs["units"] for variable in node.dataset.data_vars.values())
+            for variable in node.dataset.data_vars.values():
+                assert variable.attrs["units"] and variable.attrs["long_name"]
         release = tree["release_power"]
         assert set(release.coords) == {"step", "time"} and release.attrs["units"] == "W"
         assert set(tree["approach"].coords) == {"position", "position_time"}
@@ -104,7 +105,7 @@ def test_readers_of_netcdf_find_names_units_and_places(whole: Run) -> None:
             assert np.array_equal(block[:rows, :columns], pressure_map.pressure)
             assert np.isnan(block[rows:]).all() and np.isnan(block[:, columns:]).all()
         assert file.loads(tree.attrs["scene"]) == scene and tree.attrs["load_n"] == 0.3
-        assert tree.attrs["identity"] == result.identity and tree.attrs["format"] == 4
+        assert tree.attrs["identity"] == result.identity and tree.attrs["format"] == 5
     with xr.open_dataset(path) as data:  # the engine is found by itself
         assert data["release_power"].sizes == {"step": result.steps}
 
