@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -17,60 +17,72 @@ from matplotlib.patches import Patch, Rectangle, StepPatch
 from matplotlib.ticker import FixedLocator
 
 from acoustics.arrays import Array
-from rolling.figures.picture import Picture
+from rolling.figures.picture import Picture, caption_of
 from rolling.figures.settings import own_settings
 from rolling.report import maps
 
 COLUMNS = 1500  # across a chart; each keeps its minimum and maximum
 _DIGITS = 4  # of numbers, and more where they differ by little
-Part = dict[str, Any]
+_WHITE = "#ffffff"
+Part = dict[str, Any]  # of a chart, as the page reads it; entries of None are left out
+Curve = dict[str, Any]  # name, colour, dash and marker of a curve in the legend
 
 
 @own_settings()
 def chart_of(picture: Picture) -> dict[str, Any]:
-    """Read a drawn figure as axes, curves and the parts that draw them, in the order of drawing."""
+    """Read a drawn figure as axes, curves and the parts that draw them, in the order of drawing.
+
+    Thus the page shows the numbers of the figure itself, whatever function draws it.
+    """
     ax, *others = picture.figure.axes
-    sides = [ax, *(other for other in others if other.get_shared_x_axes().joined(ax, other))]
-    title, note = str(ax.get_label()).split("\n")
-    handles, names = ax.get_legend_handles_labels()
-    curves = [{"name": name} | _look(handle) for handle, name in zip(handles, names, strict=True)]
-    parts, xs = list[Part](), list[list[float | None]]()
-    for right, side in enumerate(sides):
-        for artist, label, part in sorted(_parts(side), key=lambda drawn: drawn[0].get_zorder()):
-            if "png" not in part:
-                look = _look(artist)
-                part["of"] = number = _curve_of(label, look, curves)
-                pale = number is not None and curves[number]["colour"] != look["colour"]
-                part["pale"] = pale or None
-            part["right"] = bool(right) or None
-            if "x" in part:  # curves share their places along x
-                xs += [part["x"]] if part["x"] not in xs else []
-                part["x"] = xs.index(part["x"])
+    sides = [ax]  # the second has its y axis at the right
+    sides += [other for other in others if other.get_shared_x_axes().joined(ax, other)]
+    caption = caption_of(ax)
+    curves = _named_curves(ax)
+    parts = list[Part]()
+    places = list[list[float | None]]()  # along x, which curves share
+    for side in sides:
+        for drawn in sorted(_drawn_parts(side), key=lambda drawn: drawn.artist.get_zorder()):
+            part = drawn.part
+            if part["kind"] != "image":
+                style = _style_of(drawn.artist)
+                number = _number_of_curve(drawn.label, style, curves)
+                part["of"] = number
+                if number is not None and curves[number]["colour"] != style["colour"]:
+                    part["pale"] = True
+            if side is not ax:
+                part["right"] = True
+            if "x" in part:
+                if part["x"] not in places:
+                    places.append(part["x"])
+                part["x"] = places.index(part["x"])
             parts.append({key: value for key, value in part.items() if value is not None})
-    aspect, ground = ax.get_aspect(), to_hex(ax.get_facecolor())
+    aspect = ax.get_aspect()
+    ground = to_hex(ax.get_facecolor())
     return {
         "name": picture.name,
-        "title": title,
-        "note": note,
+        "title": caption.title,
+        "note": caption.note,
         "x": _axis(ax.xaxis, ax.get_xlim()),
         "y": [_axis(side.yaxis, side.get_ylim()) for side in sides],
-        "xs": xs,
+        "xs": places,
         "curves": curves,
         "parts": parts,
         "texts": [text.get_text() for text in ax.texts],
         "aspect": None if aspect == "auto" else aspect,
-        "ground": None if ground == "#ffffff" else ground,
+        "ground": None if ground == _WHITE else ground,
     }
 
 
-# ---- axes, numbers and looks
+# ---- axes, numbers and styles
 
 
 def _axis(axis: Axis, limits: tuple[float, float]) -> dict[str, Any]:
     """Return label, unit, scale, limits and named ticks of an axis."""
     label, _, unit = " ".join(axis.get_label_text().split()).partition(" [")
-    fixed = isinstance(axis.get_major_locator(), FixedLocator)
-    places = [float(place) for place in axis.get_majorticklocs()] if fixed else []
+    places = list[float]()
+    if isinstance(axis.get_major_locator(), FixedLocator):
+        places = [float(place) for place in axis.get_majorticklocs()]
     names = axis.get_major_formatter().format_ticks(places)
     return {
         "label": label,
@@ -85,17 +97,33 @@ def numbers(values: Any) -> list[float | None]:
     """Return numbers for JSON with four digits of their differences; None is not finite."""
     values = np.asarray(np.ma.filled(values, np.nan), dtype=float)
     finite = values[np.isfinite(values)]
-    span = float(np.ptp(finite)) if len(finite) else 0.0
-    extra = math.log10(float(np.abs(finite).max()) / span) if span > 0.0 else 0.0
-    digits = min(_DIGITS + math.ceil(max(0.0, extra)), 15)
-    rounded = (float(f"{value:.{digits}g}") for value in values)
-    return [
-        (int(x) if x.is_integer() and abs(x) < 1e9 else x) if math.isfinite(x) else None
-        for x in rounded
-    ]
+    digits = _DIGITS
+    if len(finite) and np.ptp(finite) > 0.0:
+        over_span = float(np.abs(finite).max()) / float(np.ptp(finite))
+        digits += math.ceil(max(0.0, math.log10(over_span)))
+    digits = min(digits, 15)
+    written = list[float | None]()
+    for value in values:
+        number = float(f"{value:.{digits}g}")
+        if not math.isfinite(number):
+            written.append(None)
+        elif number.is_integer() and abs(number) < 1e9:
+            written.append(int(number))
+        else:
+            written.append(number)
+    return written
 
 
-def _look(artist: Any) -> dict[str, Any]:
+def _named_curves(ax: Axes) -> list[Curve]:
+    """Return the curves in the legend of axes."""
+    handles, names = ax.get_legend_handles_labels()
+    curves = []
+    for handle, name in zip(handles, names, strict=True):
+        curves.append({"name": name} | _style_of(handle))
+    return curves
+
+
+def _style_of(artist: Any) -> dict[str, Any]:
     """Return colour, line style and marker of an artist or of the first one of a container."""
     if isinstance(artist, ErrorbarContainer):
         data, _, bars = artist.lines
@@ -103,98 +131,155 @@ def _look(artist: Any) -> dict[str, Any]:
     elif isinstance(artist, BarContainer):
         artist = artist.patches[0]
     if isinstance(artist, Line2D):
-        colour, marker = artist.get_color(), artist.get_marker()
-        return {"colour": to_hex(colour), "dash": artist.get_linestyle(), "marker": marker}
+        return {
+            "colour": to_hex(artist.get_color()),
+            "dash": artist.get_linestyle(),
+            "marker": artist.get_marker(),
+        }
     if isinstance(artist, Patch):
-        hollow = to_rgba(artist.get_facecolor())[3] == 0.0
-        style = artist.get_linestyle()
-        colour = artist.get_edgecolor() if hollow else artist.get_facecolor()
-        return {"colour": to_hex(colour), "dash": style if isinstance(style, str) else "--"}
-    faces, edges = artist.get_facecolor(), artist.get_edgecolor()
-    return {"colour": to_hex((faces if len(faces) else edges)[0])}
+        is_hollow = to_rgba(artist.get_facecolor())[3] == 0.0
+        colour = artist.get_edgecolor() if is_hollow else artist.get_facecolor()
+        dash = artist.get_linestyle()
+        return {"colour": to_hex(colour), "dash": dash if isinstance(dash, str) else "--"}
+    colours = artist.get_facecolor()
+    if not len(colours):
+        colours = artist.get_edgecolor()
+    return {"colour": to_hex(colours[0])}
 
 
-def _curve_of(label: str, look: dict[str, Any], curves: list[dict[str, Any]]) -> int | None:
+def _number_of_curve(label: str, style: dict[str, Any], curves: list[Curve]) -> int | None:
     """Return the number of the curve of a part, by its label, then by its colour; None: of none.
 
     A label that begins with _ is not in the legend. A part of a new colour is a curve of its own,
-    unless it is grey.
+    which is added to the curves, unless it is grey.
     """
-    name, colour = label.removeprefix("_"), look["colour"]
-    grey = len({colour[1:3], colour[3:5], colour[5:7]}) == 1
+    name = label.removeprefix("_")
+    colour = style["colour"]
+    is_grey = colour[1:3] == colour[3:5] == colour[5:7]
     named = [k for k, curve in enumerate(curves) if curve["name"] == name]
-    among = named or [*range(len(curves))]
-    same = [k for k in among if curves[k]["colour"] == colour]
-    if same or (grey and named):
-        return (same or named)[0]
-    if grey:
-        return None
-    curves.append({"name": name if named else ""} | look)
+    for k in named or range(len(curves)):
+        if curves[k]["colour"] == colour:
+            return k
+    if is_grey:
+        return named[0] if named else None
+    curves.append({"name": name if named else ""} | style)
     return len(curves) - 1
 
 
 # ---- parts
 
 
-def _parts(ax: Axes) -> Iterator[tuple[Artist, str, Part]]:
-    """Yield artist, label and numbers of all that is drawn on axes."""
-    labels, caps = dict[Artist, str](), set[Artist]()
+class _Drawn(NamedTuple):
+    """An artist of axes with its label and the numbers of a part."""
+
+    artist: Artist
+    label: str
+    part: Part
+
+
+def _drawn_parts(ax: Axes) -> Iterator[_Drawn]:
+    """Yield all that is drawn on axes."""
+    labels = dict[Artist, str]()  # of containers, which their artists lack
+    caps = set[Artist]()  # of error bars, which the page draws itself
     for container in ax.containers:
         members: list[Artist] = list(getattr(container, "patches", []))
         if isinstance(container, ErrorbarContainer):
             data, ends, bars = container.lines
-            members, caps = [data, *bars], caps | {*ends}
-        labels |= dict.fromkeys(members, str(container.get_label()))
+            members = [data, *bars]
+            caps.update(ends)
+        for member in members:
+            labels[member] = str(container.get_label())
     for artist in (*ax.images, *ax.patches, *ax.collections, *ax.lines):
         if artist not in caps:
             label = labels.get(artist, str(artist.get_label()))
-            yield from ((artist, label, part) for part in _numbers_of(ax, artist))
+            for part in _parts_of(ax, artist):
+                yield _Drawn(artist, label, part)
 
 
-def _numbers_of(ax: Axes, artist: Any) -> Iterator[Part]:
-    """Yield the numbers of an artist: none of an empty one, several of one in several pieces."""
-    along, across = artist.get_transform().contains_branch_seperately(ax.transData)
+def _parts_of(ax: Axes, artist: Any) -> list[Part]:
+    """Return the numbers of an artist: none of an empty one, several of one in several pieces."""
     if isinstance(artist, AxesImage):
-        yield {"kind": "image", **_image(artist)}
-    elif isinstance(artist, Line2D):
-        x, y = (np.asarray(np.ma.filled(v, np.nan), dtype=float) for v in artist.get_data())
-        if not (along and across):
-            yield {"kind": "rule", "along": along, "at": numbers(x if along else y)[0]}
-        elif len(x):
-            look = {"alpha": artist.get_alpha(), "width": artist.get_linewidth()}
-            look["width"] = None if artist.get_linestyle() == "None" else look["width"]
-            look["size"] = None if artist.get_marker() == "None" else artist.get_markersize()
-            look["open"] = str(artist.get_markerfacecolor()) in ("none", "white") or None
-            yield {"kind": "line", **_thinned(ax, x, y=y), **look}
-    elif isinstance(artist, StepPatch):
-        heights, edges, base = artist.get_data()
-        part = {"kind": "steps", "x": numbers(edges), "y": numbers(heights)}
-        yield part | {"base": None if base is None else float(np.ravel(base)[0])}
-    elif isinstance(artist, Rectangle):
-        left, low = artist.get_xy()
-        corners = [left, left + artist.get_width(), low, low + artist.get_height()]
-        part = {"kind": "bar" if along and across else "span", "ends": numbers(corners)}
-        yield part | {"alpha": artist.get_alpha(), "hatch": bool(artist.get_hatch()) or None}
-    elif isinstance(artist, LineCollection):
-        bars = np.array([segment for segment in artist.get_segments() if len(segment) == 2])
-        if len(bars):
-            ends = {"low": bars[:, 0, 1], "high": bars[:, 1, 1]}
-            yield {"kind": "errors", **_thinned(ax, bars[:, 0, 0], **ends)}
-    elif isinstance(artist, PolyCollection):
-        for path in artist.get_paths():
-            band = _band(ax, np.asarray(path.vertices))
-            yield {"kind": "band", **band, "alpha": artist.get_alpha()}
+        return [_image(artist)]
+    if isinstance(artist, Line2D):
+        return _line(ax, artist)
+    if isinstance(artist, StepPatch):
+        return [_steps(artist)]
+    if isinstance(artist, Rectangle):
+        return [_bar(ax, artist)]
+    if isinstance(artist, LineCollection):
+        return _error_bars(ax, artist)
+    if isinstance(artist, PolyCollection):
+        return [
+            _band(ax, np.asarray(path.vertices)) | {"alpha": artist.get_alpha()}
+            for path in artist.get_paths()
+        ]
+    return []
+
+
+def _is_in_data(ax: Axes, artist: Artist) -> tuple[bool, bool]:
+    """Tell along x and along y whether an artist has places in data, not in parts of the axes."""
+    along, across = artist.get_transform().contains_branch_seperately(ax.transData)
+    return along, across
+
+
+def _line(ax: Axes, line: Line2D) -> list[Part]:
+    """Return a line, or a rule across the axes."""
+    x, y = (np.asarray(np.ma.filled(data, np.nan), dtype=float) for data in line.get_data())
+    along, across = _is_in_data(ax, line)
+    if not (along and across):
+        return [{"kind": "rule", "along": along, "at": numbers(x if along else y)[0]}]
+    if not len(x):
+        return []
+    part = {"kind": "line", **_thinned(ax, x, y=y), "alpha": line.get_alpha()}
+    if line.get_linestyle() != "None":
+        part["width"] = line.get_linewidth()
+    if line.get_marker() != "None":
+        part["size"] = line.get_markersize()
+    if str(line.get_markerfacecolor()) in ("none", "white"):
+        part["open"] = True
+    return [part]
+
+
+def _steps(steps: StepPatch) -> Part:
+    """Return steps between edges."""
+    heights, edges, base = steps.get_data()
+    part: Part = {"kind": "steps", "x": numbers(edges), "y": numbers(heights)}
+    if base is not None:
+        part["base"] = float(np.ravel(base)[0])
+    return part
+
+
+def _bar(ax: Axes, bar: Rectangle) -> Part:
+    """Return a bar, or a span across the axes."""
+    left, low = bar.get_xy()
+    ends = [left, left + bar.get_width(), low, low + bar.get_height()]
+    kind = "bar" if all(_is_in_data(ax, bar)) else "span"
+    part: Part = {"kind": kind, "ends": numbers(ends), "alpha": bar.get_alpha()}
+    if bar.get_hatch():
+        part["hatch"] = True
+    return part
+
+
+def _error_bars(ax: Axes, bars: LineCollection) -> list[Part]:
+    """Return upright error bars."""
+    ends = np.array([segment for segment in bars.get_segments() if len(segment) == 2])
+    if not len(ends):
+        return []
+    return [
+        {"kind": "errors", **_thinned(ax, ends[:, 0, 0], low=ends[:, 0, 1], high=ends[:, 1, 1])}
+    ]
 
 
 def _band(ax: Axes, outline: Array) -> Part:
     """Return the numbers of a filled band of which `fill_between` drew the outline."""
     count = (len(outline) - 3) // 2
-    (x, low), high = outline[1 : count + 1].T, outline[count + 2 : 2 * count + 2][::-1, 1]
-    # steps hold each pair of values until the next place
-    steps = count > 1 and all(np.array_equal(y[:-1:2], y[1::2]) for y in (low, high))
-    stride = 2 if steps else 1
-    part = _thinned(ax, x[::stride], low=low[::stride], high=high[::stride])
-    return part | {"step": steps or None}
+    x, low = outline[1 : count + 1].T
+    high = outline[count + 2 : 2 * count + 2][::-1, 1]
+    # Steps hold each pair of values until the next place.
+    if count > 1 and all(np.array_equal(y[:-1:2], y[1::2]) for y in (low, high)):
+        part = _thinned(ax, x[::2], low=low[::2], high=high[::2])
+        return {"kind": "band", **part, "step": True}
+    return {"kind": "band", **_thinned(ax, x, low=low, high=high)}
 
 
 def _thinned(ax: Axes, x: Array, **series: Array) -> Part:
@@ -204,8 +289,11 @@ def _thinned(ax: Axes, x: Array, **series: Array) -> Part:
         share = (place - place[0]) / np.ptp(place)
         column = np.minimum(COLUMNS * share, COLUMNS - 1).astype(int)
         starts = np.flatnonzero(np.diff(column, prepend=-1))
-        x, ends = np.repeat(x[starts], 2), (np.fmin.reduceat, np.fmax.reduceat)
-        series = {k: np.ravel([end(y, starts) for end in ends], "F") for k, y in series.items()}
+        x = np.repeat(x[starts], 2)
+        for name, values in series.items():
+            minima = np.fmin.reduceat(values, starts)
+            maxima = np.fmax.reduceat(values, starts)
+            series[name] = np.column_stack((minima, maxima)).ravel()
     return {"x": numbers(x)} | {key: numbers(y) for key, y in series.items()}
 
 
@@ -217,12 +305,16 @@ def _image(image: AxesImage) -> Part:
     empty = np.array(image.cmap(np.ma.masked, bytes=True))
     shade = np.clip(np.ma.filled(image.norm(values), 0.0) * count, 0, count - 1).astype(np.uint8)
     pixels = np.where(np.ma.getmaskarray(values), 0, 1 + shade).astype(np.uint8)
-    upright = pixels[::-1] if image.origin == "lower" else pixels
+    if image.origin == "lower":
+        pixels = pixels[::-1]
     palette = np.vstack([empty[:3], colours]).astype(np.uint8)
-    label = image.colorbar.ax.yaxis if image.colorbar else None
+    scale = None
+    if image.colorbar:
+        scale = _axis(image.colorbar.ax.yaxis, image.get_clim())
     return {
+        "kind": "image",
         "ends": numbers(image.get_extent()),
-        "png": maps.png(upright, palette, None if empty[3] else 0),
+        "png": maps.png(pixels, palette, None if empty[3] else 0),
         "colours": [f"#{bytes(colour).hex()}" for colour in colours],
-        "scale": label and _axis(label, image.get_clim()),
+        "scale": scale,
     }

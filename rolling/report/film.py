@@ -13,17 +13,20 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, unit_prefix
 from rolling.dynamics.smooth_contact import semi_axes
-from rolling.figures.picture import Picture
+from rolling.figures.picture import Caption, Picture, set_caption
 from rolling.figures.settings import own_settings
 from rolling.marches.observers import SlowMotion
-from rolling.report import charts, maps
+from rolling.report import maps
+from rolling.report.charts import chart_of
 from rolling.results.run_result import Run
+from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import weighted_lines
 from rolling.surface.scene_surface import scene_surface
 
 LIT = np.tile(np.array((0, 225, 255), np.uint8), (256, 1))  # colour of releases, by their opacity
 BRIGHTEST = 0.999  # share of the releases that are less than fully lit
-DIMMED, VEIL = 0.7, 225  # brightness of pressures, and their opacity above the surface, of 255
+DIMMED = 0.7  # brightness of pressures above the surface
+VEIL = 225  # opacity of pressures above the surface, of 255
 SPREAD = 4.0  # standard deviations of the heights from grey to black and to white
 CURVES_PX = 130  # height of the curves, so that the picture stays in sight above them
 RATES = (20, 50, 100, 200, 1000, 2000)  # by which the film is slowed
@@ -51,34 +54,44 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     slow = slow_motion(run)
     if slow is None:
         return None
-    times, side = run.position_time[slow.positions], slow.cell * 1e6
-    ends = flights(run, times)
-    flown = [next((b - a for a, b in ends if a <= time <= b), 0.0) for time in times]
-    pressed = maps.shades(slow.pressure * slow.pressure_unit, max_gpa * 1e9)
-    centres, (along, across) = _centres(run, slow), slow.pressure.shape[1:]
-    pixels = _ground(run, slow)
-    cell = side * along / pixels.shape[1]  # the surface has finer ones
-    ground = {
-        "png": maps.png(pixels),
-        "tiles": [(0, 0, *pixels.shape[::-1])] * len(times),
-        "boxes": [maps.rounded_box(-x * side, y * side, cell) for x, y in centres],
-    }
+    times = run.position_time[slow.positions]
+    flight_times = _flight_times(run, times)
+    centres = _centres(run, slow)
+    cell_um = slow.cell * 1e6
+    cells_along, cells_across = slow.pressure.shape[1:]
+    pressures = maps.shades(slow.pressure * slow.pressure_unit, max_gpa * 1e9)
     veil = bytes([0]) + bytes([VEIL]) * maps.SHADES
-    heard = heard_shares(run)
+    shares = heard_shares(run)
+    audible = [rate for rate in AUDIBLE_RATES if shares[rate] >= MOSTLY]
     return {
         "sheets": [
-            ground,
-            _sheet(pressed, _dimmed(), veil, centres, side),
-            _sheet(glow(slow.release), LIT, bytes(range(256)), centres, side),
+            _ground_sheet(run, slow, centres),
+            _sheet(pressures, _dimmed(), veil, centres, cell_um),
+            _sheet(glow(slow.release), LIT, bytes(range(256)), centres, cell_um),
         ],
-        "size_um": [along * side, across * side],
+        "size_um": [cells_along * cell_um, cells_across * cell_um],
         "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
         "times": np.round(times, 8).tolist(),
-        "said": _said(run, slow, flown),
-        "flight_s": np.round(flown, 9).tolist(),
+        "said": _descriptions(run, slow, flight_times),
+        "flight_s": np.round(flight_times, 9).tolist(),
         "loudest": loudest(run, slow),
-        "heard": {rate: round(share, 3) for rate, share in heard.items()},
-        "rate": max((x for x in AUDIBLE_RATES if heard[x] >= MOSTLY), default=AUDIBLE_RATES[0]),
+        "heard": {rate: round(share, 3) for rate, share in shares.items()},
+        "rate": max(audible, default=AUDIBLE_RATES[0]),
+    }
+
+
+def _ground_sheet(
+    run: Run, slow: SlowMotion, centres: Sequence[tuple[float, float]]
+) -> dict[str, Any]:
+    """Return the surface below all maps as a sheet, in which each map has the whole picture."""
+    pixels = _ground(run, slow)
+    height, width = pixels.shape
+    cell_um = slow.cell * 1e6
+    pixel_um = cell_um * slow.pressure.shape[1] / width  # finer than a cell
+    return {
+        "png": maps.png(pixels),
+        "tiles": [(0, 0, width, height)] * len(centres),
+        "boxes": [maps.rounded_box(-x * cell_um, y * cell_um, pixel_um) for x, y in centres],
     }
 
 
@@ -109,8 +122,10 @@ def _dimmed() -> maps.Pixels:
 
 def glow(release: NDArray[np.uint16]) -> maps.Pixels:
     """Return the opacity of cells that release energy, linear up to nearly the maximum."""
-    lit = release[release > 0]
-    most = float(np.quantile(lit, BRIGHTEST)) if lit.size else 1.0
+    released = release[release > 0]
+    most = 1.0
+    if released.size:
+        most = float(np.quantile(released, BRIGHTEST))
     return np.asarray(np.rint(255 * np.minimum(release / most, 1.0)), dtype=np.uint8)
 
 
@@ -118,19 +133,21 @@ def _centres(run: Run, slow: SlowMotion) -> list[tuple[float, float]]:
     """Return the centre of the sphere in each map [cells]."""
     along = run.result.start + slow.positions * run.result.step
     middle = (run.scene.track.n_across - 1) / 2 * run.scene.spacing
-    down = slow.pressure.shape[2] - (middle - slow.across) / slow.cell
-    return [(round(float(x), 3), round(down, 3)) for x in (along - slow.along) / slow.cell]
+    y = slow.pressure.shape[2] - (middle - slow.across) / slow.cell
+    return [(round(float(x), 3), round(y, 3)) for x in (along - slow.along) / slow.cell]
 
 
 def _ground(run: Run, slow: SlowMotion) -> maps.Pixels:
     """Draw the heights of the part of the plate that the slow motion shows, white is high."""
-    spacing, part = run.scene.spacing, scene_surface(run.scene).heights
+    spacing = run.scene.spacing
+    heights = scene_surface(run.scene).heights
     nodes = round(slow.cell / spacing)  # along the side of a cell
     for axis, corner in enumerate((slow.along, slow.across)):
+        first = round(corner / spacing + 0.5)
         shown = np.arange(slow.pressure.shape[1 + axis] * nodes)
-        part = part.take(round(corner / spacing + 0.5) + shown, axis, mode="wrap")
-    spread = SPREAD * float(part.std()) or 1.0
-    share = np.clip(0.5 + 0.5 * (part - part.mean()) / spread, 0.0, 1.0)
+        heights = heights.take(first + shown, axis, mode="wrap")
+    spread = SPREAD * float(heights.std()) or 1.0
+    share = np.clip(0.5 + 0.5 * (heights - heights.mean()) / spread, 0.0, 1.0)
     return maps.upright(np.rint(255 * share).astype(np.uint8))
 
 
@@ -145,17 +162,25 @@ def still(run: Run) -> dict[str, Any] | None:
     slow = slow_motion(run)
     if slow is None:
         return maps.middle_map(run)
-    at = loudest(run, slow)
+    number = loudest(run, slow)
     picture = Image.fromarray(_ground(run, slow)).convert("RGB")
-    shade = maps.shades(slow.pressure[at], float(slow.pressure.max()) or 1.0)
-    lit = glow(slow.release)[at]
-    layers = (_dimmed()[shade], VEIL * (shade > 0)), (LIT[lit], lit)
-    for colours, opacity in layers:
-        cells = (Image.fromarray(maps.upright(x.astype(np.uint8))) for x in (colours, opacity))
-        layer, mask = (image.resize(picture.size, Image.Resampling.NEAREST) for image in cells)
-        picture.paste(layer, mask=mask)
-    place = 100 * _centres(run, slow)[at][0] / slow.pressure.shape[1]
-    return {"png": maps.png(np.asarray(picture)), "at": round(place)}
+    shades = maps.shades(slow.pressure[number], float(slow.pressure.max()) or 1.0)
+    lit = glow(slow.release)[number]
+    _paste(picture, colours=_dimmed()[shades], opacity=VEIL * (shades > 0))
+    _paste(picture, colours=LIT[lit], opacity=lit)
+    middle, _ = _centres(run, slow)[number]
+    return {
+        "png": maps.png(np.asarray(picture)),
+        "at": round(100 * middle / slow.pressure.shape[1]),
+    }
+
+
+def _paste(picture: Image.Image, *, colours: NDArray[Any], opacity: NDArray[Any]) -> None:
+    """Paste cells (along, across) over a whole picture."""
+    layer = Image.fromarray(maps.upright(colours.astype(np.uint8)))
+    mask = Image.fromarray(maps.upright(opacity.astype(np.uint8)))
+    nearest = Image.Resampling.NEAREST
+    picture.paste(layer.resize(picture.size, nearest), mask=mask.resize(picture.size, nearest))
 
 
 def _sheet(
@@ -163,15 +188,16 @@ def _sheet(
     colours: maps.Pixels,
     opacity: bytes,
     centres: Sequence[tuple[float, float]],
-    side: float,
+    cell_um: float,
 ) -> dict[str, Any]:
-    """Cut each map to its part that is not empty, and arrange the parts, cells of a side [um]."""
-    parts, boxes = [], []
+    """Cut each map to its part that is not empty, and arrange the parts in one picture."""
+    parts = []
+    boxes = []
     for layer, (x, y) in zip(shown, centres, strict=True):
         picture = maps.upright(layer)
         left, top, right, bottom = Image.fromarray(picture).getbbox() or (0, 0, 1, 1)
         parts.append(picture[top:bottom, left:right])
-        boxes.append(maps.rounded_box((left - x) * side, (y - top) * side, side))
+        boxes.append(maps.rounded_box((left - x) * cell_um, (y - top) * cell_um, cell_um))
     return maps.packed(parts, colours, opacity) | {"boxes": boxes}
 
 
@@ -193,23 +219,22 @@ def _power(run: Run, slow: SlowMotion) -> Array:
     return np.concatenate([[0.0], np.diff(energy[slow.positions]) / steps])
 
 
-def _said(run: Run, slow: SlowMotion, flown: Sequence[float]) -> list[str]:
+def _descriptions(run: Run, slow: SlowMotion, flight_times: Sequence[float]) -> list[str]:
     """Describe each map: time, release power and, where it is known, the motion of the ball."""
-    times, power = run.position_time[slow.positions], _power(run, slow)
-    texts = [f"{t * 1e3:.3f} ms, {_quantity(p, 'W')}" for t, p in zip(times, power, strict=True)]
+    times = run.position_time[slow.positions]
+    texts = [
+        f"{time * 1e3:.3f} ms, {_quantity(power, 'W')}"
+        for time, power in zip(times, _power(run, slow), strict=True)
+    ]
     if run.vibration is None:
         return texts
     motion = run.vibration.motion
     heights = np.interp(times, motion.time_s, motion.displacement_m.mean() - motion.displacement_m)
     forces = np.interp(times, motion.time_s, motion.force_n)
-    presses = [
-        "flies" if flight > 0 else f"presses with {_quantity(force, 'N')}"
-        for flight, force in zip(flown, forces, strict=True)
-    ]
-    return [
-        f"{text}; the ball is {_quantity(height, 'm')} high and {does}"
-        for text, height, does in zip(texts, heights, presses, strict=True)
-    ]
+    for k, flight_time in enumerate(flight_times):
+        verb = "flies" if flight_time > 0 else f"presses with {_quantity(forces[k], 'N')}"
+        texts[k] += f"; the ball is {_quantity(heights[k], 'm')} high and {verb}"
+    return texts
 
 
 def _quantity(value: float, unit: str) -> str:
@@ -224,37 +249,66 @@ def curves(run: Run) -> list[dict[str, Any]]:
     slow = slow_motion(run)
     if slow is None:
         return []
+    charts = [_power_chart(run, slow)]
+    if run.vibration is not None:
+        charts.append(_motion_chart(run, slow, run.vibration))
+    return charts
+
+
+def _power_chart(run: Run, slow: SlowMotion) -> dict[str, Any]:
+    """Draw the release power of a film."""
     times = run.position_time[slow.positions]
-    figures = {"film_power": Figure(), "film_motion": Figure()}
-    ax = _axes(figures["film_power"], "Release power", run, times)
+    ax = _axes_over_time("Release power", run, times)
     ax.plot(1e3 * times[1:], 1e6 * _power(run, slow)[1:], color=COLOURS[0], linewidth=1)
     ax.set_ylabel("release power [µW]")
-    if vibration := run.vibration:
-        ax = _axes(figures["film_motion"], "Motion of the ball", run, times)
-        right, motion = ax.twinx(), vibration.motion
-        first, last = np.searchsorted(motion.time_s, times[[0, -1]])
-        shown, mean = slice(max(0, first - 1), last + 1), motion.displacement_m.mean()
-        ms, height = 1e3 * motion.time_s[shown], 1e9 * (mean - motion.displacement_m[shown])
-        for k, (start, end) in enumerate(flights(run, times)):
-            ax.axvspan(1e3 * start, 1e3 * end, color="0.93", label=f"{'_' * (k > 0)}flight")
-        ax.plot(ms, height, color=COLOURS[0], linewidth=1, label="height")
-        right.plot(ms, motion.force_n[shown], color=COLOURS[1], linewidth=1)
-        right.axhline(vibration.load, color=COLOURS[1])
-        ax.plot([], [], color=COLOURS[1], label="contact force; dotted: load")
-        ax.set_ylabel("height [nm]")
-        right.set_ylabel("contact force [N]")
-    return [
-        charts.chart_of(Picture(name, figure, None)) | {"second": 1e-3, "high": CURVES_PX}
-        for name, figure in figures.items()
-        if figure.axes
-    ]
+    return _chart("film_power", ax)
 
 
-def _axes(figure: Figure, title: str, run: Run, times: Array) -> Axes:
-    """Return axes over the time of a film [ms]."""
-    ax = figure.add_subplot(xlim=(1e3 * times[0], 1e3 * times[-1]), xlabel="time [ms]")
-    ax.set_label(f"{title}\n{run.label}")
+def _motion_chart(run: Run, slow: SlowMotion, vibration: Vibration) -> dict[str, Any]:
+    """Draw height and contact force of the ball in a film, and its flights."""
+    times = run.position_time[slow.positions]
+    motion = vibration.motion
+    first, last = np.searchsorted(motion.time_s, times[[0, -1]])
+    shown = slice(max(0, first - 1), last + 1)
+    time_ms = 1e3 * motion.time_s[shown]
+    height_nm = 1e9 * (motion.displacement_m.mean() - motion.displacement_m[shown])
+    ax = _axes_over_time("Motion of the ball", run, times)
+    right = ax.twinx()
+    for k, (start, end) in enumerate(flights(run, times)):
+        label = "flight" if k == 0 else "_flight"  # one of them is in the legend
+        ax.axvspan(1e3 * start, 1e3 * end, color="0.93", label=label)
+    ax.plot(time_ms, height_nm, color=COLOURS[0], linewidth=1, label="height")
+    right.plot(time_ms, motion.force_n[shown], color=COLOURS[1], linewidth=1)
+    right.axhline(vibration.load, color=COLOURS[1])
+    ax.plot([], [], color=COLOURS[1], label="contact force; dotted: load")
+    ax.set_ylabel("height [nm]")
+    right.set_ylabel("contact force [N]")
+    return _chart("film_motion", ax)
+
+
+def _axes_over_time(title: str, run: Run, times: Array) -> Axes:
+    """Return axes over the time of a film [ms], in a figure of their own."""
+    ax = Figure().add_subplot(xlim=(1e3 * times[0], 1e3 * times[-1]), xlabel="time [ms]")
+    set_caption(ax, Caption(title, run.label))
     return ax
+
+
+def _chart(name: str, ax: Axes) -> dict[str, Any]:
+    """Return axes as a chart beside a film."""
+    figure = ax.figure
+    assert isinstance(figure, Figure)
+    chart = chart_of(Picture(name, figure, None))
+    return chart | {"second": 1e-3, "high": CURVES_PX}
+
+
+def _flight_times(run: Run, times: Array) -> list[float]:
+    """Return the duration [s] of the flight in which each time of a film lies, or 0."""
+    durations = []
+    spans = flights(run, times)
+    for time in times:
+        inside = [end - start for start, end in spans if start <= time <= end]
+        durations.append(inside[0] if inside else 0.0)
+    return durations
 
 
 def flights(run: Run, times: Array) -> list[tuple[float, float]]:
@@ -264,5 +318,6 @@ def flights(run: Run, times: Array) -> list[tuple[float, float]]:
     motion = run.vibration.motion
     edges = np.append(motion.time_s, motion.time_s[-1] + motion.time_step_s)
     edges = np.clip(edges - motion.time_step_s / 2, times[0], times[-1])
-    turns = np.flatnonzero(np.diff(np.concatenate([[0], motion.force_n == 0, [0]])))
-    return [(start, end) for start, end in edges[turns].reshape(-1, 2).tolist() if start < end]
+    is_free = np.concatenate([[False], motion.force_n == 0, [False]])
+    changes = np.flatnonzero(is_free[1:] != is_free[:-1])
+    return [(start, end) for start, end in edges[changes].reshape(-1, 2).tolist() if start < end]
