@@ -57,28 +57,19 @@ MOST_EDGE_M = 3.0  # highest length of an edge
 
 def live_of(run: Run) -> Data | None:
     """Return the data of a run for the engine of the page, or None for a track of few steps."""
-    scene, vibration = run.scene, run.vibration if run.sound.source == "vibration" else None
+    scene = run.scene
     if run.result.solved_steps < MIN_ROWS:
         return None
-    settings = _settings(run)
-    limits = {}
-    for slider in SLIDERS:
-        if _changes_the_sound(slider.name, settings, vibration is not None):
-            value = settings[slider.name]
-            limits[slider.name] = [min(slider.least, value), max(slider.most, value)]
-    limits["distance"][0] = min(settings["distance"], max(0.1, 2 * scene.radius))
+    vibration = run.vibration if run.sound.source == "vibration" else None
     ends = list[list[float]]()
     if vibration is not None:  # a release is heard at a distance, whatever the edges
         ends = [[1e-3 * x for x in end] for end in scene.plate.contact_ends_mm.values()]
-    if vibration is not None and settings["length"] is not None:
-        for axis, name in enumerate(("length", "width")):
-            least = LEAST_EDGE * max(end[axis] for end in ends)
-            limits[name] = [min(least, settings[name]), max(MOST_EDGE_M, settings[name])]
+    settings = _settings(run)
     peak = float(np.abs(run.sound.channels).max())
     data: Data = {
         "label": run.label,
         "settings": settings,
-        "limits": limits,
+        "limits": _limits(scene, settings, vibration is not None, ends),
         "fixed": _fixed(scene),
         "contact": ends[0] if ends else None,
         "middle": [*np.mean(ends, axis=0).tolist(), 0.0] if ends else None,
@@ -88,8 +79,31 @@ def live_of(run: Run) -> Data | None:
         "fullScale": peak / PEAK or 1.0,
         "level": run.record_laeq_db,
     }
-    data = _with_release(run, data) if vibration is None else _with_vibration(run, data, vibration)
-    return data | {"remarks": _remarks(run, data.get("law") or data["energy"])}
+    if vibration is None:
+        data = _with_release(run, data)
+        track = data["energy"]
+    else:
+        data = _with_vibration(run, data, vibration)
+        track = data["law"]
+    data["remarks"] = _remarks(run, track)
+    return data
+
+
+def _limits(
+    scene: Scene, settings: Data, vibrates: bool, ends: list[list[float]]
+) -> dict[str, list[float]]:
+    """Return lowest and highest value of the settings with a slider; `ends` of the contact [m]."""
+    limits = {}
+    for slider in SLIDERS:
+        if _changes_the_sound(slider.name, settings, vibrates):
+            value = settings[slider.name]
+            limits[slider.name] = [min(slider.least, value), max(slider.most, value)]
+    limits["distance"][0] = min(settings["distance"], max(0.1, 2 * scene.radius))
+    if vibrates and settings["length"] is not None:
+        for axis, name in enumerate(("length", "width")):
+            least = LEAST_EDGE * max(end[axis] for end in ends)
+            limits[name] = [min(least, settings[name]), max(MOST_EDGE_M, settings[name])]
+    return limits
 
 
 def _changes_the_sound(name: str, settings: Data, vibrates: bool) -> bool:
@@ -105,16 +119,21 @@ def _changes_the_sound(name: str, settings: Data, vibrates: bool) -> bool:
 
 def _settings(run: Run) -> Data:
     """Return the settings of a run that the page changes, in SI units."""
-    scene, plate = run.scene, run.scene.plate
-    edges = plate.edges_mm if plate.thickness_mm else None
+    scene = run.scene
+    plate = scene.plate
+    thickness = length = width = None
+    if plate.thickness_mm:
+        thickness = 1e-3 * plate.thickness_mm
+        if plate.edges_mm:
+            length, width = (1e-3 * edge for edge in plate.edges_mm)
     return {
         "speed": float(scene.motion.fastest(run.sound.duration)),
         "load": scene.load,
         "ballDensity": scene.sphere.density_kg_m3,
         "plateDensity": plate.density_kg_m3,
-        "thickness": plate.thickness_mm and 1e-3 * plate.thickness_mm,
-        "length": edges and 1e-3 * edges[0],
-        "width": edges and 1e-3 * edges[1],
+        "thickness": thickness,
+        "length": length,
+        "width": width,
         "lossFactor": plate.loss_factor,
         "contactLossFactor": plate.contact_loss_factor or 0.0,
         "distance": scene.listener_distance_m,
@@ -167,16 +186,17 @@ def _fixed(scene: Scene) -> Data:
     }
 
 
-def _remarks(run: Run, rows: Data) -> list[str]:
+def _remarks(run: Run, track: Data) -> list[str]:
     """Return sentences on the differences between the run and its play at a constant speed."""
-    scene, remarks = run.scene, list[str]()
+    scene = run.scene
+    remarks = list[str]()
     if not scene.motion.is_constant(run.sound.duration):
         remarks.append("The speed of the run changes; the ball begins here at the highest one.")
     if len(scene.plate.contact_ends_mm) > 1:
         remarks.append("The contact stays at the beginning of its path.")
-    if rows["part"] < 1:
-        remarks.append(f"The page holds {100 * rows['part']:.0f} % of the track.")
-    if not rows["closed"]:
+    if track["part"] < 1:
+        remarks.append(f"The page holds {100 * track['part']:.0f} % of the track.")
+    if not track["closed"]:
         remarks.append("The end of the track is cross-faded with its beginning.")
     return remarks
 
@@ -186,7 +206,8 @@ def _remarks(run: Run, rows: Data) -> list[str]:
 
 def _with_vibration(run: Run, data: Data, vibration: Vibration) -> Data:
     """Add the force law of a run, and the limits that it sets."""
-    scene, law = run.scene, vibration.law
+    scene = run.scene
+    law = vibration.law
     wave = shortest_wave(law.approach(law.position_m, scene.load), law.spacing_m)
     # Time steps resolve the shortest waves of the contact up to the highest speed. The grid limits
     # the frequency of slow motions alone, to v / (2 spacing).
@@ -221,12 +242,16 @@ def stored_law(law: ForceLaw, load_n: float, closes: bool = True) -> Data:
     A track that takes too many bytes is resampled to fewer rows, as long as the force keeps to
     0.1 % of its fluctuation, and halved otherwise.
     """
-    table, values = law.table, law.table.values[: len(law.position_m)]
-    varying = int(np.sum(np.ptp(values, axis=0) > 0))
-    most, part = int(LARGEST * 3 / 4 / (2 * varying + 4)), len(values)
+    table = law.table
+    values = table.values[: len(law.position_m)]
+    varying = int(np.sum(np.ptp(values, axis=0) > 0))  # columns
+    most = int(LARGEST * 3 / 4 / (2 * varying + 4))  # rows that fit
+    part = len(values)
     while True:
-        rows = values if closes and part == len(values) else _closed(values[:part])
-        seam, count = (part - len(rows)) * table.spacing, min(len(rows), most)
+        is_whole = part == len(values)
+        rows = values if closes and is_whole else _closed(values[:part])
+        seam = (part - len(rows)) * table.spacing
+        count = min(len(rows), most)
         data, stored = _stored_table(table, load_n, table.start + seam, rows, count)
         if count == len(rows) or law_error(law, load_n, stored, seam) <= FAITHFUL:
             return data | {"closed": closes, "seam": seam, "part": part / len(values)}
@@ -273,14 +298,17 @@ def _stored_table(
 
 def packed(values: Array, kind: str) -> tuple[Data, Array]:
     """Return values in base64, a single value if all are equal, and the values that they become."""
-    low, high = float(values.min()), float(values.max())
-    offset, scale = (low + high) / 2, 1.0
+    low = float(values.min())
+    high = float(values.max())
+    offset = (low + high) / 2
     if low == high:
         values = values[:1]
     if kind == "int16":
         scale = (high - low) / 65_000 or 1.0
-    stored = (values - offset) / scale
-    stored = np.rint(stored).astype("<i2") if kind == "int16" else stored.astype("<f4")
+        stored = np.rint((values - offset) / scale).astype("<i2")
+    else:
+        scale = 1.0
+        stored = (values - offset).astype("<f4")
     text = base64.b64encode(stored.tobytes()).decode()
     data = {"type": kind, "base64": text, "scale": scale, "offset": offset}
     return data, offset + scale * stored.astype(float)
@@ -292,11 +320,13 @@ def law_error(law: ForceLaw, load_n: float, table: LawTable, seam: float = 0.0) 
     x = law.position_m[(law.position_m >= table.start) & (law.position_m < table.start + length)]
     level = law.approach(x, load_n)
     fluctuation = np.std(law.force(x, level.mean()))
-    force, errors = np.empty((len(x), 2)), []
+    force = np.empty((len(x), 2))  # with its slope
+    errors = []
     for load in law.load_n:
         _motion_kernels.evaluate(x, law.approach(x, float(load)), table, force)
+        rms_error = np.sqrt(np.mean(np.square(force[:, 0] - load)))
         departure = np.hypot(fluctuation, load - load_n)
-        errors.append(np.sqrt(np.mean(np.square(force[:, 0] - load))) / (departure or load_n))
+        errors.append(rms_error / (departure or load_n))
     return float(max(errors))
 
 
@@ -305,19 +335,25 @@ def law_error(law: ForceLaw, load_n: float, table: LawTable, seam: float = 0.0) 
 
 def _with_release(run: Run, data: Data) -> Data:
     """Add the energy that each step of a lap releases."""
-    result, scene = run.result, run.scene
+    result = run.result
+    scene = run.scene
     energy = released(scene, result)[0][: result.solved_steps]
     closes = scene.track.lap_steps <= result.solved_steps and not run.sound.has_seam
-    most, length = LARGEST * 3 // 16, len(energy)
-    rows = energy[:most, None]
-    if not closes or length > most:
+    most = LARGEST * 3 // 16  # steps that fit
+    count = min(len(energy), most)
+    rows = energy[:count, None]
+    if not closes or count < len(energy):
         rows = _closed(rows)
-    start = result.start + (min(length, most) - len(rows) + 0.5) * result.step
     data["limits"]["speed"] = [0.0, max(10.0, data["settings"]["speed"])]
     data["fixed"]["silent"] = not run.sound.pressure.any()
-    part = {"start": start, "closed": closes, "part": min(most / length, 1.0)}
-    stored = release_lines(rows[:, 0], result.step) | {"gain": scene.sound.gain_pa_per_w_m2}
-    return data | {"kind": "release", "energy": part | stored}
+    stored = {
+        "start": result.start + (count - len(rows) + 0.5) * result.step,
+        "closed": closes,
+        "part": min(most / len(energy), 1.0),
+        **release_lines(rows[:, 0], result.step),
+        "gain": scene.sound.gain_pa_per_w_m2,
+    }
+    return data | {"kind": "release", "energy": stored}
 
 
 def release_lines(energy: Array, step: float) -> Data:
@@ -327,5 +363,6 @@ def release_lines(energy: Array, step: float) -> Data:
     lines[0] = 0.0  # only the fluctuation sounds
     if count % 2 == 0:
         lines[-1] = 0.0
-    re, im = (packed(part, "float32")[0] for part in (lines.real, lines.imag))
-    return {"re": re, "im": im, "length": count * step}
+    real, _ = packed(lines.real, "float32")
+    imaginary, _ = packed(lines.imag, "float32")
+    return {"re": real, "im": imaginary, "length": count * step}

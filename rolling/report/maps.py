@@ -4,7 +4,7 @@ import base64
 import io
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
@@ -29,6 +29,14 @@ Pixels = NDArray[np.uint8]
 Tile = tuple[int, int, int, int]  # left, top, width and height of a map in its picture [pixels]
 
 
+class Box(NamedTuple):
+    """Left and top of a map from the sphere's centre, across upwards, and side of a cell [um]."""
+
+    left: float
+    top: float
+    cell: float
+
+
 # ---- pictures of many maps
 
 
@@ -51,14 +59,18 @@ def upright(pixels: Pixels) -> Pixels:
 
 def packed(parts: Sequence[Pixels], colours: Pixels, opacity: bytes | int) -> dict[str, Any]:
     """Arrange pictures (rows, columns) in one PNG that is about square, with their `tiles`."""
-    height, width = np.max([part.shape for part in parts], axis=0).tolist()
-    abreast = max(1, round(math.sqrt(len(parts) * height / width)))
-    pixels = np.zeros((-(-len(parts) // abreast) * height, abreast * width), np.uint8)
+    tile_height, tile_width = np.max([part.shape for part in parts], axis=0).tolist()
+    columns = max(1, round(math.sqrt(len(parts) * tile_height / tile_width)))
+    rows = math.ceil(len(parts) / columns)
+    pixels = np.zeros((rows * tile_height, columns * tile_width), np.uint8)
     tiles = list[Tile]()
     for index, part in enumerate(parts):
-        top, left = (index // abreast) * height, (index % abreast) * width
-        pixels[top : top + part.shape[0], left : left + part.shape[1]] = part
-        tiles.append((left, top, part.shape[1], part.shape[0]))
+        row, column = divmod(index, columns)
+        top = row * tile_height
+        left = column * tile_width
+        height, width = part.shape
+        pixels[top : top + height, left : left + width] = part
+        tiles.append((left, top, width, height))
     return {"png": png(pixels, colours, opacity), "tiles": tiles}
 
 
@@ -91,20 +103,30 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
     mapped = [run for run in runs if run.result.maps]
     if not mapped:
         return None
-    hardness = max(run.scene.hardness for run in mapped)
-    computed = max(float(shown.pressure.max()) for run in mapped for shown in sounding_maps(run))
-    yields = bool(np.isfinite(hardness)) and computed >= REACHED * hardness
-    reach = [1e6 * max(semi_axes(run.scene)) for run in mapped]
+    maxima = []
+    reaches_um = []
     for run in mapped:
+        reaches_um.append(1e6 * max(semi_axes(run.scene)))
         for shown in sounding_maps(run):
-            left, top, cell = _box(shown, run)
+            maxima.append(float(shown.pressure.max()))
+            box = _box(shown, run)
             along, across = shown.pressure.shape
-            reach += [-left, left + along * cell, top, across * cell - top]
+            reaches_um += [
+                -box.left,
+                box.left + along * box.cell,
+                box.top,
+                across * box.cell - box.top,
+            ]
+    last_colour = max(maxima)
+    hardness = max(run.scene.hardness for run in mapped)
+    ends_at_hardness = bool(np.isfinite(hardness)) and last_colour >= REACHED * hardness
+    if ends_at_hardness:
+        last_colour = hardness
     return {
-        "half_um": 1.05 * max(reach),
-        "max_gpa": 1e-9 * (hardness if yields else computed),
-        "hardness": yields,
-        "colours": [f"rgb({r},{g},{b})" for r, g, b in palette()[1::2]],
+        "half_um": 1.05 * max(reaches_um),
+        "max_gpa": 1e-9 * last_colour,
+        "hardness": ends_at_hardness,
+        "colours": [f"rgb({red},{green},{blue})" for red, green, blue in palette()[1::2]],
     }
 
 
@@ -119,36 +141,43 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
     """
     if not run.result.maps:
         return None
-    result, maps = run.result, sounding_maps(run)
+    result = run.result
+    maps = sounding_maps(run)
     pictures = [upright(shades(shown.pressure, max_gpa * 1e9)) for shown in maps]
-    sheet = packed(pictures, palette(), 0)
     positions = np.array([shown.position for shown in maps])
-    lap, rolled = result.solved_steps * result.step, result.steps * result.step
-    closes, motion = run.scene.track.closed, run.scene.motion
-    begins, order = showing(positions * result.step, lap, rolled, closes, motion)
-
-    def series(name: str, factor: float, unit: str) -> list[str]:
-        values = result.series[name][positions] * factor
-        return [f"{value:.4g} {unit}" if np.isfinite(value) else "-" for value in values]
-
-    places = [float(f"{shown.distance * 1e3:.6g}") for shown in maps]
+    begins, order = showing(
+        positions * result.step,
+        lap=result.solved_steps * result.step,
+        rolled=result.steps * result.step,
+        closes=run.scene.track.closed,
+        motion=run.scene.motion,
+    )
+    boxes = [_box(shown, run) for shown in maps]
+    sheet = packed(pictures, palette(), 0)
+    sheet["boxes"] = [rounded_box(*box) for box in boxes]
+    places_mm = [float(f"{shown.distance * 1e3:.6g}") for shown in maps]
     return {
-        "sheets": [sheet | {"boxes": [rounded_box(*_box(shown, run)) for shown in maps]}],
-        "lens": [lens(shown.pressure, _box(shown, run)) for shown in maps],
+        "sheets": [sheet],
+        "lens": [lens(shown.pressure, box) for shown, box in zip(maps, boxes, strict=True)],
         "begins": np.round(begins, 7).tolist(),
         "order": order.tolist(),
         "instead": _instead(run, begins),
         "hertz_um": [1e6 * axis for axis in semi_axes(run.scene)],
-        "position_mm": places,
+        "position_mm": places_mm,
         "readings": {
             "number": [f"map {k + 1} of {len(maps)}" for k in range(len(maps))],
-            "position": [f"{place:.4g} mm" for place in places],
+            "position": [f"{place:.4g} mm" for place in places_mm],
             "load": [f"{run.scene.load:g} N"] * len(maps),
-            "pressure": series("max_pressure", 1e-9, "GPa"),
-            "area": series("contact_area", 1e12, "µm²"),
-            "plastic": series("plastic_area", 1e12, "µm²"),
+            "pressure": _read(1e-9 * result.series["max_pressure"][positions], "GPa"),
+            "area": _read(1e12 * result.series["contact_area"][positions], "µm²"),
+            "plastic": _read(1e12 * result.series["plastic_area"][positions], "µm²"),
         },
     }
+
+
+def _read(values: Array, unit: str) -> list[str]:
+    """Write values with their unit; - for one that does not exist."""
+    return [f"{value:.4g} {unit}" if np.isfinite(value) else "-" for value in values]
 
 
 def lens(pressure: NDArray[Any], box: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -162,19 +191,21 @@ def lens(pressure: NDArray[Any], box: tuple[float, float, float]) -> tuple[float
     loaded = np.argwhere(pressure > 0)
     if not len(loaded):
         loaded = np.array([[0, 0], np.array(pressure.shape) - 1])
-    ends = np.array([loaded.min(axis=0), loaded.max(axis=0)])
-    rows, columns = ends[1] - ends[0] + 1
-    diagonal = float(np.hypot(rows, columns))
-    middle = ends.mean(axis=0)
+    low = loaded.min(axis=0)
+    high = loaded.max(axis=0)
+    diagonal = float(np.hypot(*(high - low + 1)))
+    middle = np.mean([low, high], axis=0)
     width = _stepped(max(diagonal, LENS_CELLS) * cell)
-    peak = np.array(np.unravel_index(np.argmax(pressure), pressure.shape))
+    peak = np.unravel_index(np.argmax(pressure), pressure.shape)
     while width / 2**0.5 >= LENS_CELLS * cell:
-        away = loaded - middle
-        inside = np.hypot(away[:, 0], away[:, 1]) <= width / cell / 2
+        from_middle = loaded - middle
+        inside = np.hypot(from_middle[:, 0], from_middle[:, 1]) <= width / cell / 2
         if inside.sum() * cell**2 >= LENS_SHARE * np.pi / 4 * width**2:
             break
-        width, middle = width / 2**0.5, peak
-    x, y = left + (middle[0] + 0.5) * cell, top - (pressure.shape[1] - middle[1] - 0.5) * cell
+        width = width / 2**0.5
+        middle = np.array(peak)
+    x = left + (middle[0] + 0.5) * cell
+    y = top - (pressure.shape[1] - middle[1] - 0.5) * cell
     return round(float(x), 4), round(float(y), 4), round(width, 4)
 
 
@@ -192,20 +223,24 @@ def _instead(run: Run, begins: Array) -> list[str | None]:
     """
     if run.vibration is None:
         return [None] * len(begins)
-    motion, load, sentences = run.vibration.motion, run.vibration.load, list[str | None]()
-    falls, count = run.scene.rolling.drop_mm is not None, len(motion.force_n)
+    motion = run.vibration.motion
+    load = run.vibration.load
+    falls = run.scene.rolling.drop_mm is not None
     ends = np.append(begins[1:], run.sound.duration)
+    sentences = list[str | None]()
     for begin, end in zip(begins, ends, strict=True):
         first = round(begin / motion.time_step_s)
         last = max(first + 1, round(end / motion.time_step_s))
-        force = motion.force_n[np.arange(first, last) % count]  # a settled motion repeats
-        rests = force.min() > load / AT_REST and force.max() < AT_REST * load
+        # A settled motion repeats.
+        force = motion.force_n[np.arange(first, last) % len(motion.force_n)]
+        is_at_rest = force.min() > load / AT_REST and force.max() < AT_REST * load
         if np.mean(force == 0) > 0.5:
             sentences.append("the ball flies: nothing touches")
-        elif falls and not rests:
-            most = si(float(force.max()), "N")
-            known = f"the contact is computed under the load of {si(load, 'N')} alone"
-            sentences.append(f"the ball bounces with up to {most}; {known}")
+        elif falls and not is_at_rest:
+            sentences.append(
+                f"the ball bounces with up to {si(float(force.max()), 'N')}; the contact is"
+                f" computed under the load of {si(load, 'N')} alone"
+            )
         else:
             sentences.append(None)
     return sentences
@@ -228,16 +263,20 @@ def sounding_maps(run: Run) -> list[PressureMap]:
     return [maps[position] for position in sorted(maps) if position <= run.result.steps]
 
 
-def _box(shown: PressureMap, run: Run) -> tuple[float, float, float]:
-    """Return left and top of a map from the sphere's centre, and the side of a cell [um]."""
+def _box(shown: PressureMap, run: Run) -> Box:
+    """Return the place of a map from the sphere's centre."""
     middle = (run.scene.track.n_across - 1) / 2 * run.scene.spacing
     top = shown.across + shown.pressure.shape[1] * shown.cell - middle
-    return (shown.along - shown.distance) * 1e6, top * 1e6, shown.cell * 1e6
+    return Box(
+        left=(shown.along - shown.distance) * 1e6,
+        top=top * 1e6,
+        cell=shown.cell * 1e6,
+    )
 
 
-def rounded_box(left: float, top: float, cell: float) -> tuple[float, float, float]:
+def rounded_box(left: float, top: float, cell: float) -> Box:
     """Round a box [um] to a ten thousandth."""
-    return round(left, 4), round(top, 4), round(cell, 6)
+    return Box(round(left, 4), round(top, 4), round(cell, 6))
 
 
 def showing(
@@ -257,9 +296,10 @@ def showing(
     laps = math.ceil(rolled / lap * (1 - 1e-9))
     places = (distances + lap * np.arange(laps)[:, None]).ravel()
     maps = np.tile(np.arange(len(distances)), laps)
-    # the lap ends at the first map
     if (closes or laps > 1) and laps * lap <= rolled * (1 + 1e-9):
-        places, maps = np.append(places, laps * lap + distances[0]), np.append(maps, 0)
+        # The last lap ends at the first map.
+        places = np.append(places, laps * lap + distances[0])
+        maps = np.append(maps, 0)
     borders = np.append(0.0, (places[1:] + places[:-1]) / 2)
     inside = borders < rolled
     return np.asarray(motion.time(borders[inside]), dtype=float), maps[inside]

@@ -31,12 +31,16 @@ def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
     The first record is heard. `solved` is the time [s] in it at which the solved track ends.
     """
     longs = [listening.recorded(run) for run in runs]
-    heard = [long or run.sound for run, long in zip(runs, longs, strict=True)]
-    levels = [
-        long.numbers["laeq_db"] if long else run.record_laeq_db
-        for run, long in zip(runs, longs, strict=True)
-    ]
-    playbacks = gains([float(np.abs(record.channels).max()) for record in heard], levels)
+    peaks_pa = []
+    levels_db = []
+    for run, long in zip(runs, longs, strict=True):
+        if long is None:
+            peaks_pa.append(float(np.abs(run.sound.channels).max()))
+            levels_db.append(run.record_laeq_db)
+        else:
+            peaks_pa.append(float(np.abs(long.channels).max()))
+            levels_db.append(long.numbers["laeq_db"])
+    playbacks = gains(peaks_pa, levels_db)
     return [
         {
             "number": number,
@@ -51,19 +55,21 @@ def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
 
 def _records(run: Run, long: Listening | None) -> list[dict[str, str]]:
     """Return name, sound and description of the records of a run, the one that is heard first."""
-    made, scale = [], "full scale is {:.4g} Pa"
+    records = []
     if long is not None:
-        full = full_scale(float(np.abs(long.channels).max()))
-        text = f"long record: {listening.sentence(run, long)}; {scale.format(full)}"
-        made.append({"name": "long", "text": text, "src": compressed(long.channels / full)})
-    full = full_scale(float(np.abs(run.sound.channels).max()))
-    text = f"computed record of {run.sound.duration:.4g} s; {scale.format(full)}"
-    made.append({"name": "run", "text": text, "src": lossless(run.sound.channels / full)})
+        full_pa = full_scale(float(np.abs(long.channels).max()))
+        sentence = listening.sentence(run, long)
+        text = f"long record: {sentence}; full scale is {full_pa:.4g} Pa"
+        records.append({"name": "long", "text": text, "src": compressed(long.channels / full_pa)})
+    full_pa = full_scale(float(np.abs(run.sound.channels).max()))
+    text = f"computed record of {run.sound.duration:.4g} s; full scale is {full_pa:.4g} Pa"
+    records.append({"name": "run", "text": text, "src": lossless(run.sound.channels / full_pa)})
     if run.result.passes is not None:
-        content, text = listening.passes_wav(run, 16)
-        samples = soundfile.read(io.BytesIO(content))[0]
-        made.append({"name": "passes", "text": f"pass by pass: {text}", "src": compressed(samples)})
-    return made
+        content, sentence = listening.passes_wav(run, 16)
+        samples, _ = soundfile.read(io.BytesIO(content))
+        text = f"pass by pass: {sentence}"
+        records.append({"name": "passes", "text": text, "src": compressed(samples)})
+    return records
 
 
 def lossless(samples: Array) -> str:
@@ -88,9 +94,9 @@ def _embedded(samples: Any, form: str, kind: str, **options: Any) -> str:
 
 def lap(sound: ContactSound, long: Listening | None = None) -> dict[str, float]:
     """Return the lap to which the end of the record that is heard leads back."""
-    heard = long or sound
     if sound.once:
-        return asdict(Lap(0, len(heard.pressure)))
+        record = sound.pressure if long is None else long.pressure
+        return asdict(Lap(0, len(record)))
     if long is None:
         return asdict(sound.lap)
     ends = fade_length(len(long.pressure), len(long.pressure) / long.sample_rate)
@@ -99,10 +105,11 @@ def lap(sound: ContactSound, long: Listening | None = None) -> dict[str, float]:
 
 def solved(sound: ContactSound, long: Listening | None) -> float:
     """Return the time [s] in the record that is heard at which the solved track ends."""
-    own = len(sound.pressure) / sound.sample_rate
+    own_s = len(sound.pressure) / sound.sample_rate
     if long is None:
-        return own
-    return min(own, len(long.pressure) / long.sample_rate * float(long.numbers["solved_share"]))
+        return own_s
+    long_s = len(long.pressure) / long.sample_rate
+    return min(own_s, long_s * float(long.numbers["solved_share"]))
 
 
 # ---- gains
@@ -126,20 +133,32 @@ def gains(
         scale, `calibrated_pa` [Pa], and for a common LAeq; `equal_db` [dB] is the gain of the
         second over the first. A silent record has factors of 0 and nothing else.
     """
-    records = [*zip([full_scale(peak) for peak in peaks_pa], peaks_pa, laeq_db, strict=True)]
-    common = max((scale for scale, peak, _ in records if peak > 0), default=1.0)
-    # Each record is loudest with its peak at the limit. All records can reach the minimum of these
-    # levels.
-    loudest = [level - _db(scale) for scale, _, level in records if level is not None]
+    scales = [full_scale(peak) for peak in peaks_pa]
+    sounding = []
+    loudest = []  # level of each record with its peak at the limit, less a constant
+    for scale, peak, level in zip(scales, peaks_pa, laeq_db, strict=True):
+        if peak > 0:
+            sounding.append(scale)
+        if level is not None:
+            loudest.append(level - _db(scale))
+    common = max(sounding, default=1.0)
+    # All records can reach the minimum of the loudest levels.
     target = min(loudest, default=0.0)
     computed = []
-    for scale, peak, level in records:
-        gain: dict[str, float | None] = {"full_scale_pa": scale, "calibrated": 0.0, "equal": 0.0}
-        gain |= {"calibrated_pa": None, "equal_db": None}
+    for scale, peak, level in zip(scales, peaks_pa, laeq_db, strict=True):
+        gain: dict[str, float | None] = {
+            "full_scale_pa": scale,
+            "calibrated": 0.0,
+            "equal": 0.0,
+            "calibrated_pa": None,
+            "equal_db": None,
+        }
         if peak > 0:
-            equal = common if level is None else 10.0 ** ((level - target) / 20.0)
-            gain |= {"calibrated": scale / common, "equal": scale / equal}
-            gain |= {"calibrated_pa": common, "equal_db": _db(common / equal)}
+            equal_pa = common if level is None else 10.0 ** ((level - target) / 20.0)
+            gain["calibrated"] = scale / common
+            gain["equal"] = scale / equal_pa
+            gain["calibrated_pa"] = common
+            gain["equal_db"] = _db(common / equal_pa)
         computed.append(gain)
     return computed
 
