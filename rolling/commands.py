@@ -321,13 +321,14 @@ def compare(
     with progress.step("reading the run, making its sound"):
         (run,) = open_runs([stored])
     with progress.step("comparing it with the recording"):
-        table, notes, both = recordings.compare(run, recording, calibration, background)
-        content = recordings.page(run, table, notes, both)
+        comparison = recordings.compare(run, recording, calibration, background)
+        content = recordings.page(run, comparison)
     page = folder / f"compare-{slug(recording.name)[:80]}.html"
-    files.write_bytes(page.with_suffix(".csv"), csv_bytes(table))
+    files.write_bytes(page.with_suffix(".csv"), csv_bytes(comparison.table))
     files.write_bytes(page, content)
     if not progress.is_quiet():
-        print(recordings.words(table).to_string(index=False), "", *notes, "", sep="\n")
+        print(recordings.words(comparison.table).to_string(index=False))
+        print("", *comparison.notes, "", sep="\n")
     return [page]
 
 

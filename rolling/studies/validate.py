@@ -499,7 +499,7 @@ def _compared(run: Run, sound: Array, rng: np.random.Generator) -> pd.DataFrame:
         background = Path(folder, "background.wav")
         soundfile.write(heard, (sound + noise[0]) / full_scale, RATE_HZ, "PCM_24")
         soundfile.write(background, noise[1] / full_scale, RATE_HZ, "PCM_24")
-        return recording.compare(run, heard, f"{full_scale:.9g}", background)[0]
+        return recording.compare(run, heard, f"{full_scale:.9g}", background).table
 
 
 def _played(pressure: Array) -> Array:
