@@ -14,34 +14,43 @@ from rolling.scene.sections import WEIGHT
 
 def assumptions(run: Run) -> dict[str, str]:
     """Return the assumptions of a run by their names."""
+    return _source(run) | _record(run) | _bodies(run) | _contact(run)
+
+
+def _record(run: Run) -> dict[str, str]:
+    """Return length, ends and highest frequency of the record."""
     sound = run.sound
     ends = "closes on itself" if sound.loops else sound.ends
-    slower = "" if sound.constant_speed else " at the maximum speed, less while it is slower"
-    khz = rounded(min(sound.highest, sound.sample_rate / 2) / 1e3, 4)
-    record = {"record": f"{rounded(sound.duration, 4)} s, {ends}"}
-    record["resolved up to"] = f"{khz} kHz{slower}"
-    return _source(run) | record | _bodies(run) | _contact(run)
+    highest = f"{rounded(min(sound.highest, sound.sample_rate / 2) / 1e3, 4)} kHz"
+    if not sound.constant_speed:
+        highest += " at the maximum speed, less while it is slower"
+    return {
+        "record": f"{rounded(sound.duration, 4)} s, {ends}",
+        "resolved up to": highest,
+    }
 
 
 def _source(run: Run) -> dict[str, str]:
     """Return the assumptions about the source of the sound and its conversion."""
-    scene, factor = run.scene, run.sound.factor
+    scene = run.scene
     if run.sound.source == "vibration":
         ball = "plate and sphere" if scene.sound.ball else "plate"
         if scene.plate.edges_mm is not None:
-            words = (bracketed(place["at_mm"]) for place in run.summary["listeners"])
+            places = [bracketed(listener["at_mm"]) for listener in run.summary["listeners"]]
             return {
                 "source": f"vibration of {ball}, the plate in an infinite rigid baffle",
-                "listener [mm] from the corner of the plate": "; ".join(words),
+                "listener [mm] from the corner of the plate": "; ".join(places),
                 "distance from the contact to the listener": f"{scene.listener_distance_m:.3g} m",
             }
         return {
             "source": f"vibration of {ball}, the pressure on the axis through the contact",
             "distance": f"{scene.sound.distance_m:g} m",
         }
+    factor = run.sound.factor
     pressure = f"{rounded(factor, 4)} Pa per W/m²" if factor else "none: silent"
-    rule = "mean p² over the impedance is the rms of the intensity's fluctuation"
-    if scene.sound.gain_pa_per_w_m2 is not None:
+    if scene.sound.gain_pa_per_w_m2 is None:
+        rule = "mean p² over the impedance is the rms of the intensity's fluctuation"
+    else:
         rule = "fixed by the scene"
     return {
         "radiated share q": f"{scene.sound.q:g}",
@@ -56,25 +65,22 @@ def _bodies(run: Run) -> dict[str, str]:
     """Return the assumptions about the vibration; none without dynamics."""
     if run.vibration is None:
         return {}
-    scene, plate, summary = run.scene, run.scene.plate, run.summary
-    bending = "half-space"
-    if plate.thickness_mm is not None:
-        critical = rounded(summary["critical_hz"], 4)
-        size = "infinite plate" if plate.edges_mm is None else "plate of {:g} mm x {:g} mm"
-        size = size.format(*plate.edges_mm or ())
-        bending = f"{size} {plate.thickness_mm:g} mm thick, coincidence at {critical} Hz"
-    quality, error = summary["resonance_q"], summary["force_law_error_n"]
+    scene = run.scene
+    plate = scene.plate
+    summary = run.summary
+    grams = rounded(1e3 * summary["ball_mass_kg"], 3)
+    ball = f"sphere of {grams} g ({scene.sphere.density_kg_m3:g} kg/m³)"
+    quality = summary["resonance_q"]
     damping = "undamped" if quality is None else f"Q {rounded(quality, 3)}"
-    loads = rounded(summary["force_law_min_n"], 3), rounded(summary["force_law_max_n"], 3)
-    law = f"{summary['force_law_loads']} loads from {loads[0]} to {loads[1]} N"
+    least = rounded(summary["force_law_min_n"], 3)
+    most = rounded(summary["force_law_max_n"], 3)
+    law = f"{summary['force_law_loads']} loads from {least} to {most} N"
+    error = summary["force_law_error_n"]
     if error is not None:
         law += f", rms error {rounded(error)} N between them"
-    grams = rounded(1e3 * summary["ball_mass_kg"], 3)
-    bodies = f"sphere of {grams} g ({scene.sphere.density_kg_m3:g} kg/m³), "
-    bodies += f"{bending}, {plate.density_kg_m3:g} kg/m³"
     loss = plate.loss_factor
     return {
-        "vibrating bodies": bodies,
+        "vibrating bodies": f"{ball}, {_bending(run)}, {plate.density_kg_m3:g} kg/m³",
         "resonance of the sphere on its contact": (
             f"{rounded(summary['resonance_hz'], 4)} Hz, {damping}"
         ),
@@ -83,26 +89,45 @@ def _bodies(run: Run) -> dict[str, str]:
     }
 
 
+def _bending(run: Run) -> str:
+    """Describe the bending of the plate."""
+    plate = run.scene.plate
+    if plate.thickness_mm is None:
+        return "half-space"
+    size = "infinite plate"
+    if plate.edges_mm is not None:
+        length, width = plate.edges_mm
+        size = f"plate of {length:g} mm x {width:g} mm"
+    critical_hz = rounded(run.summary["critical_hz"], 4)
+    return f"{size} {plate.thickness_mm:g} mm thick, coincidence at {critical_hz} Hz"
+
+
 def _contact(run: Run) -> dict[str, str]:
     """Return the assumptions about bodies, motion and solver."""
-    scene, sound = run.scene, run.sound
-    plate, sphere, duration = scene.plate, scene.sphere, sound.duration
-    elastic, hardness, memory = "rigid", "no hardness: purely elastic", "without memory"
+    scene = run.scene
+    plate = scene.plate
+    sphere = scene.sphere
+    radius = f"{sphere.radius_mm:g}"
+    if sphere.radius_across_mm:
+        radius += f" x {sphere.radius_across_mm:g}"
+    elastic = "rigid"
     if sphere.youngs_modulus_gpa and sphere.poissons_ratio is not None:
         elastic = _elastic(sphere.youngs_modulus_gpa, sphere.poissons_ratio)
+    hardness = "no hardness: purely elastic"
     if math.isfinite(plate.cap_gpa):
         hardness = f"hardness {plate.cap_gpa:g} GPa"
+    memory = "without memory"
     if scene.is_permanent:
         memory = f"permanent indentation, {scene.passes} passes"
     bends = _elastic(plate.youngs_modulus_gpa, plate.poissons_ratio)
     load = "the weight of the sphere" if scene.rolling.load_n == WEIGHT else "constant"
-    across = f" x {sphere.radius_across_mm:g}" if sphere.radius_across_mm else ""
-    ends = scene.motion.slowest(duration), scene.motion.fastest(duration)
-    speeds = " to ".join(dict.fromkeys(rounded(speed, 4) for speed in ends))
+    slowest = rounded(scene.motion.slowest(run.sound.duration), 4)
+    fastest = rounded(scene.motion.fastest(run.sound.duration), 4)
+    speeds = slowest if slowest == fastest else f"{slowest} to {fastest}"
     return {
         "load": f"{rounded(scene.load, 6)} N, {load}",
         "speed": f"{speeds} m/s",
-        "sphere": f"R {sphere.radius_mm:g}{across} mm, {_of(sphere.material)}{elastic}",
+        "sphere": f"R {radius} mm, {_of(sphere.material)}{elastic}",
         "plate": f"{_of(plate.material)}{bends}, {hardness}, {memory}",
         "surface": surface_words(scene),
         "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
@@ -125,32 +150,40 @@ def _of(material: str | None) -> str:
 
 def surface_words(scene: Scene) -> str:
     """Describe the surface of a scene."""
+    text = _words(scene.surface)
     ball = scene.sphere.surface
     if ball is None:
-        return _words(scene.surface)
-    turn = scene.track.turn_nodes * scene.spacing
-    rolled = f"{rounded(turn * 1e3, 6)} mm, {rounded(scene.track.turns, 3)} turns rolled"
-    return f"{_words(scene.surface)}; the sphere: {_words(ball)}, once round in {rolled}"
+        return text
+    turn_mm = rounded(scene.track.turn_nodes * scene.spacing * 1e3, 6)
+    turns = rounded(scene.track.turns, 3)
+    return f"{text}; the sphere: {_words(ball)}, once round in {turn_mm} mm, {turns} turns rolled"
 
 
 def _words(surface: surfaces.Surface | surfaces.BallSurface) -> str:
     """Describe the surface of plate or sphere."""
-    faults = sum(fault.count or 1 for fault in surface.faults or ())
     text = _kind_words(surface)
     if isinstance(surface, surfaces.RoundSurface) and surface.waviness:
-        orders = ", ".join(f"{k} ({a:g} µm)" for k, a in surface.waviness.items())
-        text += f", waves of order {orders}"
-    return f"{text}, {faults} fault{'s' * (faults > 1)}" if faults else text
+        waves = [f"{order} ({height:g} µm)" for order, height in surface.waviness.items()]
+        text += f", waves of order {', '.join(waves)}"
+    faults = sum(fault.count or 1 for fault in surface.faults or ())
+    if faults == 1:
+        text += ", 1 fault"
+    elif faults > 1:
+        text += f", {faults} faults"
+    return text
 
 
 def _kind_words(surface: surfaces.Surface | surfaces.BallSurface) -> str:
     """Describe a surface without waviness and faults."""
     if isinstance(surface, surfaces.HeightFile | surfaces.BallHeightFile):
-        profile = ", a profile that is the same all across"
-        laid = isinstance(surface, surfaces.HeightFile) and surface.width_um is not None
-        return f"heights of {printable(surface.path)}{profile * laid}"
+        text = f"heights of {printable(surface.path)}"
+        if isinstance(surface, surfaces.HeightFile) and surface.width_um is not None:
+            text += ", a profile that is the same all across"
+        return text
     if isinstance(surface, surfaces.GradedBall):
-        deviation = f"{surfaces.GRADES[surface.grade].deviation_um:g} µm from spherical form"
+        deviation_um = surfaces.GRADES[surface.grade].deviation_um
+        deviation = f"{deviation_um:g} µm from spherical form"
         return f"of grade {surface.grade}, {deviation}, {surface.law.words}"
-    finish = _of(getattr(surface, "finish", None))
-    return "smooth" if surface.law is None else f"{finish}{surface.law.words}"
+    if surface.law is None:
+        return "smooth"
+    return f"{_of(getattr(surface, 'finish', None))}{surface.law.words}"

@@ -4,7 +4,7 @@ import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
-from operator import itemgetter
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -70,26 +70,33 @@ def sentence(runs: Sequence[Run]) -> str:
     """State the result in one sentence, or in one each for steady sounds and single events."""
     sounding = [run for run in runs if main_level(run) is not None]
     if not sounding:
-        return f"No sound: {'; '.join(dict.fromkeys(map(silence, runs)))}."
-    kinds = dict.fromkeys(level_key(run.summary) for run in sounding)
-    sentences = [_range([run for run in sounding if level_key(run.summary) == x]) for x in kinds]
-    if silent := len(runs) - len(sounding):
+        reasons = dict.fromkeys(silence(run) for run in runs)
+        return f"No sound: {'; '.join(reasons)}."
+    sentences = []
+    for key in dict.fromkeys(level_key(run.summary) for run in sounding):
+        sentences.append(_range([run for run in sounding if level_key(run.summary) == key]))
+    silent = len(runs) - len(sounding)
+    if silent > 0:
         sentences.append(f"{silent} of {len(runs)} runs are silent.")
     return " ".join(sentences)
 
 
 def _range(sounding: Sequence[Run]) -> str:
     """State between which levels runs of one kind lie."""
-    levels = ((db, run) for run in sounding if (db := main_level(run)) is not None)
-    ordered = sorted(levels, key=itemgetter(0))
-    (low_db, quietest), (high_db, loudest) = ordered[0], ordered[-1]
-    distances = {run.scene.listener_place for run in sounding}
-    at = f" at {distances.pop()}" if len(distances) == 1 else ""
+    ordered = sorted(sounding, key=_level_or_zero)
+    quietest = ordered[0]
+    loudest = ordered[-1]
+    at = ""
+    places = {run.scene.listener_place for run in sounding}
+    if len(places) == 1:
+        at = f" at {places.pop()}"
     name = level_head(sounding)
     if len(sounding) == 1:
         level = level_text(quietest.summary, level_key(quietest.summary))
         return f"{quietest.label}: {name} {level} dB(A) re 20 µPa{at}."
-    name = name[0].upper() + name[1:]
+    name = _capitalized(name)
+    low_db = _level_or_zero(quietest)
+    high_db = _level_or_zero(loudest)
     if high_db - low_db < 0.05:
         return f"{name}{at} is {low_db:.1f} dB(A) in all {len(sounding)} runs that sound."
     ends = f"{low_db:.1f} dB(A) ({quietest.label}) and {high_db:.1f} dB(A) ({loudest.label})"
@@ -102,6 +109,11 @@ def main_level(run: Run) -> float | None:
         return None
     level = run.summary.get(level_key(run.summary))
     return None if level is None else float(level)
+
+
+def _level_or_zero(run: Run) -> float:
+    """Return the level of a run that is read first [dB], by which runs are sorted."""
+    return main_level(run) or 0.0
 
 
 def silence(run: Run) -> str:
@@ -122,39 +134,48 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
     A level without sound is `silent`, and one that was not computed or says nothing `-`. LAE and
     LAFmax of single events come first.
     """
-    events = [bool(run.summary.get("single_event")) for run in runs]
-    first = ["lae_db", "laf_max_db"] if any(events) else []
-    hidden = {"lae_db"} if not any(events) else set[str]()
-    if all(events):
-        hidden |= OF_LENGTH
-    columns = {
-        key: COLUMNS[key]
-        for key in dict.fromkeys([*first, *COLUMNS])
-        if key not in hidden
-        and (COLUMNS[key].always or any(run.summary.get(key) is not None for run in runs))
-    }
-    names = {key: column.head for key, column in columns.items()}
-    for key in ("lae_db", "laeq_db"):
-        if key in names:
-            names[key] = level_head([run for run in runs if level_key(run.summary) == key])
-    if all(events):
-        names |= {key: f"LAE (re 1 s), {columns[key].head}" for key in MEANS if key in columns}
-    units = (f" [{column.unit}]" if column.unit else "" for column in columns.values())
-    heads = [name + unit for name, unit in zip(names.values(), units, strict=True)]
+    are_events = [bool(run.summary.get("single_event")) for run in runs]
+    columns = _shown_columns(runs, are_events)
+    heads = []
+    for key, column in columns.items():
+        head = column.head
+        if key in ("lae_db", "laeq_db"):
+            head = level_head([run for run in runs if level_key(run.summary) == key])
+        elif all(are_events) and key in MEANS:
+            head = f"LAE (re 1 s), {column.head}"
+        heads.append(f"{head} [{column.unit}]" if column.unit else head)
     rows = []
     for run in runs:
-        cells = [_cell(run, key, column, all(events)) for key, column in columns.items()]
+        cells = [_cell(run, key, column, all(are_events)) for key, column in columns.items()]
         rows.append((run.label, cells))
     return heads, rows
+
+
+def _shown_columns(runs: Sequence[Run], are_events: Sequence[bool]) -> dict[str, Column]:
+    """Return the columns that say something of the runs, those of single events first."""
+    keys = [*COLUMNS]
+    if any(are_events):
+        keys = [*dict.fromkeys(["lae_db", "laf_max_db", *COLUMNS])]
+    else:
+        keys.remove("lae_db")
+    if all(are_events):
+        keys = [key for key in keys if key not in OF_LENGTH]
+    return {
+        key: COLUMNS[key]
+        for key in keys
+        if COLUMNS[key].always or any(run.summary.get(key) is not None for run in runs)
+    }
 
 
 def _cell(run: Run, key: str, column: Column, only_events: bool) -> str:
     """Write a number of a run for a table, which may have runs of events only."""
     if key in LEVELS:
         return level_text(run.summary, key) if key in shown_levels(run.summary) else NOTHING
-    event = run.summary.get("single_event")
-    if event and (key in OF_LENGTH or (key in MEANS and not only_events)):
-        return NOTHING
+    if run.summary.get("single_event"):
+        if key in OF_LENGTH:
+            return NOTHING
+        if key in MEANS and not only_events:
+            return NOTHING
     value = level_beside(run.summary, key) if key in MEANS else run.summary.get(key)
     if value is None:
         return NOTHING
@@ -172,8 +193,10 @@ def facts(runs: Sequence[Run], records: Sequence[Mapping[str, str]]) -> list[Fac
         labels_by_value: dict[str, list[str]] = {}
         for run, record in zip(runs, records, strict=True):
             labels_by_value.setdefault(record.get(name, NOTHING), []).append(run.label)
-        several = len(labels_by_value) > 1
-        values = [("; ".join(names * several), x) for x, names in labels_by_value.items()]
+        if len(labels_by_value) == 1:
+            values = [("", value) for value in labels_by_value]
+        else:
+            values = [("; ".join(labels), value) for value, labels in labels_by_value.items()]
         merged.append((name, values))
     return merged
 
@@ -184,14 +207,19 @@ def recipes(runs: Sequence[Run]) -> list[dict[str, str]]:
     for run in runs:
         members.setdefault(run.home, []).append(run)
     written = []
-    for home, (first, *others) in members.items():
-        name, path = f"{first.scene.name}.yaml", home / "scene.yaml"
+    for home, siblings in members.items():
+        first = siblings[0]
+        path = home / "scene.yaml"
         # The folder of a run in memory is the working directory, whose scene.yaml is a stranger's.
         is_stored = "provenance" in first.summary and path.is_file()
-        scene = path.read_text("utf-8") if is_stored else file.dump(first.scene)
-        names = "; ".join(run.label for run in (first, *others))
-        command = f"rolling run {name}"
-        written.append({"labels": names, "file": name, "scene": scene, "command": command})
+        name = f"{first.scene.name}.yaml"
+        recipe = {
+            "labels": "; ".join(run.label for run in siblings),
+            "file": name,
+            "scene": path.read_text("utf-8") if is_stored else file.dump(first.scene),
+            "command": f"rolling run {name}",
+        }
+        written.append(recipe)
     return written
 
 
@@ -201,9 +229,14 @@ def provenance(runs: Sequence[Run]) -> list[Fact]:
     for run in runs:
         stored = dict(run.summary.get("provenance", {}))
         stored.pop("label", None)
-        if packages := stored.pop("packages", None):
-            stored["packages"] = ", ".join(f"{name} {v}" for name, v in packages.items())
-        records.append({name: NOTHING if x is None else str(x) for name, x in stored.items()})
+        packages = stored.pop("packages", None)
+        if packages:
+            versions = [f"{name} {version}" for name, version in packages.items()]
+            stored["packages"] = ", ".join(versions)
+        record = {}
+        for name, value in stored.items():
+            record[name] = NOTHING if value is None else str(value)
+        records.append(record)
     return facts(runs, records)
 
 
@@ -216,18 +249,26 @@ MAINLY = 0.5  # share of the sound that is called most
 DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
 
 
-def colour(run: Run) -> tuple[float, float, float] | None:
-    """Return the mean of the A-weighted log frequency and the ends of its inner 80 % [Hz].
+class Colour(NamedTuple):
+    """Mean of the A-weighted log frequency of a sound, and the ends of its inner 80 % [Hz]."""
 
-    The result is None for a silent run.
-    """
+    mean_hz: float
+    low_hz: float
+    high_hz: float
+
+
+def colour(run: Run) -> Colour | None:
+    """Return the colour of the sound of a run; None if it is silent."""
     if run.sound.levels.laeq_db is None:
         return None
     frequency, _, power = weighted_lines(run.sound)
     share = np.cumsum(power) / power.sum()
     outside = (1.0 - MAIN) / 2.0
-    low, high = (float(frequency[np.searchsorted(share, at)]) for at in (outside, 1.0 - outside))
-    return math.exp(float(np.average(np.log(frequency), weights=power))), low, high
+    return Colour(
+        mean_hz=math.exp(float(np.average(np.log(frequency), weights=power))),
+        low_hz=float(frequency[np.searchsorted(share, outside)]),
+        high_hz=float(frequency[np.searchsorted(share, 1.0 - outside)]),
+    )
 
 
 def headline(runs: Sequence[Run]) -> str:
@@ -239,49 +280,62 @@ def headline(runs: Sequence[Run]) -> str:
     sounding = _by_level(runs)
     if not sounding:
         return sentence(runs)
-    loud, (bright_hz, low_hz, high_hz) = sounding[-1]
-    source = loud.sound.source
-    quiet, (dull_hz, _, _) = next(pair for pair in sounding if _alike(pair[0], loud))
+    loud, loud_colour = sounding[-1]
+    quiet, quiet_colour = next(pair for pair in sounding if _are_comparable(pair[0], loud))
     if loud is quiet:
         label = f"{loud.label}: " if len(runs) > 1 else ""
-        if source == "vibration":
-            return label + _shaken(loud)[:2][-1]  # its fall, or its flights, or its ringing
-        return f"{label}{100 * MAIN:.0f} % of the sound lies between {_khz(low_hz, high_hz)}."
+        if loud.sound.source == "vibration":
+            return label + _motion_sentences(loud)[:2][-1]  # its fall, its flights, or its ringing
+        return f"{label}{100 * MAIN:.0f} % of the sound lies between {_khz(loud_colour)}."
     key = level_key(loud.summary)
-    by = loud.summary[key] - quiet.summary[key]
-    parts = [run.summary["uncertainty_db"]["laeq"] or 0.0 for run in (loud, quiet)]
-    level = f"{by:.{0 if by >= 10 else 1}f} dB louder than {quiet.label}"
-    if by < DIFFERS * math.hypot(*parts):
+    louder_db = loud.summary[key] - quiet.summary[key]
+    spread_db = math.hypot(
+        loud.summary["uncertainty_db"]["laeq"] or 0.0,
+        quiet.summary["uncertainty_db"]["laeq"] or 0.0,
+    )
+    if louder_db < DIFFERS * spread_db:
         level = f"as loud as {quiet.label} within the uncertainty"
-    pitch = "of the same colour"
-    if abs(bright_hz / dull_hz - 1.0) > ALIKE:
-        pitch = "brighter" if bright_hz > dull_hz else "darker"
+    elif louder_db < 10:
+        level = f"{louder_db:.1f} dB louder than {quiet.label}"
+    else:
+        level = f"{louder_db:.0f} dB louder than {quiet.label}"
+    if abs(loud_colour.mean_hz / quiet_colour.mean_hz - 1.0) <= ALIKE:
+        pitch = "of the same colour"
+    elif loud_colour.mean_hz > quiet_colour.mean_hz:
+        pitch = "brighter"
+    else:
+        pitch = "darker"
     return _capitalized(f"{loud.label} is {level} and {pitch}.")
 
 
 def reason(runs: Sequence[Run]) -> str:
     """Explain the frequencies of the loudest run; empty if all are silent."""
-    if not (sounding := _by_level(runs)):
+    sounding = _by_level(runs)
+    if not sounding:
         return ""
-    run, (_, low_hz, high_hz) = sounding[-1]
+    run, its_colour = sounding[-1]
     return _capitalized(
         f"{run.label}: {100 * MAIN:.0f} % of the A-weighted power lies between "
-        f"{_khz(low_hz, high_hz)}. {_reason(run)}"
+        f"{_khz(its_colour)}. {_reason(run)}"
     )
 
 
-def _khz(low_hz: float, high_hz: float) -> str:
-    """Write the ends of a band in kHz."""
-    return f"{rounded(low_hz / 1e3)} kHz and {rounded(high_hz / 1e3)} kHz"
+def _khz(its_colour: Colour) -> str:
+    """Write the ends of a colour in kHz."""
+    return f"{rounded(its_colour.low_hz / 1e3)} kHz and {rounded(its_colour.high_hz / 1e3)} kHz"
 
 
-def _by_level(runs: Sequence[Run]) -> list[tuple[Run, tuple[float, float, float]]]:
+def _by_level(runs: Sequence[Run]) -> list[tuple[Run, Colour]]:
     """Return the runs that sound with their colours, the quietest first."""
-    sounding = [(run, heard) for run in runs if (heard := colour(run))]
-    return sorted(sounding, key=lambda pair: main_level(pair[0]) or 0.0)
+    sounding = []
+    for run in sorted(runs, key=_level_or_zero):
+        its_colour = colour(run)
+        if its_colour is not None:
+            sounding.append((run, its_colour))
+    return sounding
 
 
-def _alike(run: Run, other: Run) -> bool:
+def _are_comparable(run: Run, other: Run) -> bool:
     """Tell whether the levels of two runs can be compared: of one source, and both of an event."""
     same_source = run.sound.source == other.sound.source
     return same_source and level_key(run.summary) == level_key(other.summary)
@@ -298,10 +352,11 @@ def _reason(run: Run) -> str:
     width = 2 * semi_axes(scene)[0]
     width_words = f"The sphere rolls over its own contact width, {_rate(width, speed)}"
     if run.sound.source == "vibration":
-        return " ".join([f"{width_words}.", *_shaken(run)])
+        return " ".join([f"{width_words}.", *_motion_sentences(run)])
     if not scene.laws:
         return f"{width_words}."
-    length = 1e-6 * max(scene.laws, key=lambda law: law.rq_m).lengths_um[0]  # of the rougher
+    rougher = max(scene.laws, key=attrgetter("rq_m"))
+    length = 1e-6 * rougher.lengths_um[0]
     frequency, _, power = weighted_lines(run.sound)
     within = (frequency >= speed / width) & (frequency <= speed / length)
     share = float(power[within].sum() / power.sum())
@@ -320,7 +375,7 @@ def _reason(run: Run) -> str:
     return f"{width_words}, and {length_words}. {reason}"
 
 
-def _shaken(run: Run) -> list[str]:
+def _motion_sentences(run: Run) -> list[str]:
     """State the frequency at which the ball rings on its contact, its fall, and its flights."""
     summary = run.summary
     khz = rounded(summary["resonance_hz"] / 1e3)
@@ -335,7 +390,8 @@ def _shaken(run: Run) -> list[str]:
             percent = 100 * summary["restitution"]
             fall += f", and its first impact leaves {percent:.0f} % of its speed"
         sentences.append(f"{fall}.")
-    if (share := summary["flight_share"]) > 0:
+    share = summary["flight_share"]
+    if share > 0:
         impacts = summary["impacts"]
         times = "1 time" if impacts == 1 else f"{impacts} times"
         sentences.append(
@@ -346,20 +402,30 @@ def _shaken(run: Run) -> list[str]:
 
 def _rate(length: float, speed: float) -> str:
     """Write a length [m] with the time to pass it and the rate."""
-    ms, khz = rounded(length / speed * 1e3), rounded(speed / length / 1e3)
+    ms = rounded(length / speed * 1e3)
+    khz = rounded(speed / length / 1e3)
     return f"{rounded(length * 1e6, 3)} µm, once in {ms} ms ({khz} kHz)"
 
 
 def explanations(runs: Sequence[Run]) -> list[tuple[str, str]]:
     """Explain the words of the table of levels at which a stranger stumbles."""
-    levels = [(run.record_laeq_db, run.summary["level_db"]) for run in runs]
-    raised = any(a is not None and z is not None and a > z for a, z in levels)
-    special = {
-        "a_above_z": raised,
-        "event": any(run.summary.get("single_event") for run in runs),
-    }
-    return [
-        (words["word"], words["meaning"])
-        for key, words in tomllib.loads(asset("words.toml")).items()
-        if special.get(key) or any(run.summary.get(key) is not None for run in runs)
-    ]
+    is_event = any(run.summary.get("single_event") for run in runs)
+    is_raised = any(_is_raised_by_a_weighting(run) for run in runs)
+    explained = []
+    for key, words in tomllib.loads(asset("words.toml")).items():
+        if key == "event":
+            is_shown = is_event
+        elif key == "a_above_z":
+            is_shown = is_raised
+        else:
+            is_shown = any(run.summary.get(key) is not None for run in runs)
+        if is_shown:
+            explained.append((words["word"], words["meaning"]))
+    return explained
+
+
+def _is_raised_by_a_weighting(run: Run) -> bool:
+    """Tell whether the A-weighted level of a run lies above that without weighting."""
+    a_weighted = run.record_laeq_db
+    unweighted = run.summary["level_db"]
+    return a_weighted is not None and unweighted is not None and a_weighted > unweighted
