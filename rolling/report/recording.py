@@ -96,7 +96,7 @@ class Bands(NamedTuple):
         return Bands(*(np.where(known, numbers, np.nan) for numbers in self))
 
 
-class Comparison(NamedTuple):
+class RecordingComparison(NamedTuple):
     """Table of levels and differences, sentences on them, and both records by their names.
 
     Differences are the run less the recording.
@@ -198,7 +198,7 @@ def _tone_rms(tone: Recording) -> float:
 
 def compare(
     run: Run, path: Path, calibration: str | None = None, background: Path | None = None
-) -> Comparison:
+) -> RecordingComparison:
     """Compare a run with a recording; raise FolderError where nothing can be compared.
 
     Without a calibration the LAeq is made equal.
@@ -257,7 +257,7 @@ def compare(
     ]
     if recording.is_clipped:
         notes.append("the recording is clipped: repeat it with less gain")
-    return Comparison(
+    return RecordingComparison(
         table=table.dropna(subset="difference_db"),
         notes=notes,
         records={"run": own, "recording": recording},
@@ -356,7 +356,7 @@ def words(table: pd.DataFrame) -> pd.DataFrame:
     return frame.replace({"Hz": {"nan": ""}})
 
 
-def page(run: Run, comparison: Comparison) -> bytes:
+def page(run: Run, comparison: RecordingComparison) -> bytes:
     """Write a page with the third octaves, all numbers, and both sounds at equal loudness."""
     drawn = None
     with left_out_if_it_fails("of the third octaves"):
@@ -380,7 +380,7 @@ def page(run: Run, comparison: Comparison) -> bytes:
     ).encode()
 
 
-def _third_octaves(run: Run, comparison: Comparison, ax: Axes) -> Axes:
+def _third_octaves(run: Run, comparison: RecordingComparison, ax: Axes) -> Axes:
     """Plot the third octaves of a run and of a recording."""
     bands = comparison.table.query("quantity == 'third octave'").set_index("frequency_hz")
     bands = bands.reindex(NOMINAL_HZ).set_axis(BAND_NAMES)
