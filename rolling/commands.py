@@ -17,6 +17,7 @@ import numpy as np
 
 from acoustics.texts import printable
 from rolling.results import labels, listening, runs_table
+from rolling.results.long_record import ListeningError
 from rolling.results.run_folder import PAGE, SUMMARY, RunFolder
 from rolling.results.run_result import PASSES, Run
 from rolling.run import folder as folders
@@ -287,10 +288,10 @@ def listen(
         (run,) = open_runs([stored])
     try:
         long = run.listen(seconds, speed, seed)
-    except listening.ListeningError as error:
+    except ListeningError as error:
         raise FolderError(f"{folder}: {error}") from error
     path = listening.write_long(run, long)
-    progress.line(listening.sentence(run, long))
+    progress.line(listening.describe_long_record(run, long))
     for text in long.numbers["limits"]:
         progress.line(f"warning: {text}")
     return [path]

@@ -364,3 +364,17 @@ def _lacking(values: Array, failed: Container[int]) -> list[tuple[int, int]]:
 def _fill_states(whole: Array, piece: Piece, values: Array) -> None:
     """Fill in the states of a piece up to its last position."""
     whole[piece.last + 1 - len(values) : piece.last + 1] = values
+
+
+def released_energy(scene: Scene, result: Result) -> tuple[Array, bool]:
+    """Return the energy [J] released in each step of a run, and whether the steps are closed.
+
+    The energy is that under the moving load where the scene asks for it and the march has it.
+    """
+    is_closed = scene.track.closed and result.steps % result.solved_steps == 0
+    moving = result.moving
+    if not scene.moves_release or moving is None or moving.fault:
+        return result.whole("release_energy"), is_closed
+    lap = moving.steps["release_energy"]
+    energy = lap[np.arange(result.steps) % result.solved_steps]
+    return energy, is_closed and moving.repeats

@@ -16,7 +16,7 @@ from rolling.dynamics._motion_kernels import LawTable
 from rolling.dynamics.bodies import half_space_mobility
 from rolling.dynamics.force_law import ForceLaw, law_table, slope_weights
 from rolling.dynamics.smooth_contact import equivalent_radius
-from rolling.results.listening import released
+from rolling.marches.result import released_energy
 from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
 from rolling.scene.scene import MAX_MODES, Scene
@@ -337,7 +337,8 @@ def _with_release(run: Run, data: Data) -> Data:
     """Add the energy that each step of a lap releases."""
     result = run.result
     scene = run.scene
-    energy = released(scene, result)[0][: result.solved_steps]
+    energy, _ = released_energy(scene, result)
+    energy = energy[: result.solved_steps]
     closes = scene.track.lap_steps <= result.solved_steps and not run.sound.has_seam
     most = LARGEST * 3 // 16  # steps that fit
     count = min(len(energy), most)

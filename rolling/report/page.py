@@ -29,7 +29,7 @@ from rolling.figures.picture import Picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import assumed, charts, film, live, maps, records, text
 from rolling.results import caveats, runs_table
-from rolling.results.listening import heard
+from rolling.results.listening import record_for_ear
 from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run
 from rolling.terminal import defaults
@@ -345,7 +345,7 @@ def _link(page: Path, folder: Path) -> str | None:
 def _excerpt(run: Run, seconds: float) -> Array:
     """Return the beginning of the record for the ear [Pa], with a fade at its end."""
     rate = run.sound.sample_rate
-    part = np.array(heard(run)[0][: round(seconds * rate)], dtype=float)
+    part = np.array(record_for_ear(run).pressure[: round(seconds * rate)], dtype=float)
     fade = min(len(part), round(FADE_S * rate))
     part[len(part) - fade :] *= np.linspace(1, 0, fade).reshape(-1, *[1] * (part.ndim - 1))
     return np.asarray(part)

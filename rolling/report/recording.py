@@ -149,7 +149,7 @@ def _is_clipped(channel: Array) -> bool:
 def of_run(run: Run) -> Recording:
     """Return the long record of a run if its scene asks for one, otherwise its signal."""
     is_drop = run.scene.rolling.drop_mm is not None
-    long = listening.recorded(run)
+    long = listening.long_record_of(run)
     if long is not None:
         return Recording(
             name="long record",

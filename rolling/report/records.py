@@ -30,7 +30,7 @@ def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
 
     The first record is heard. `solved` is the time [s] in it at which the solved track ends.
     """
-    longs = [listening.recorded(run) for run in runs]
+    longs = [listening.long_record_of(run) for run in runs]
     peaks_pa = []
     levels_db = []
     for run, long in zip(runs, longs, strict=True):
@@ -58,7 +58,7 @@ def _records(run: Run, long: Listening | None) -> list[dict[str, str]]:
     records = []
     if long is not None:
         full_pa = full_scale(float(np.abs(long.channels).max()))
-        sentence = listening.sentence(run, long)
+        sentence = listening.describe_long_record(run, long)
         text = f"long record: {sentence}; full scale is {full_pa:.4g} Pa"
         records.append({"name": "long", "text": text, "src": compressed(long.channels / full_pa)})
     full_pa = full_scale(float(np.abs(run.sound.channels).max()))

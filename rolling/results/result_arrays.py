@@ -25,11 +25,12 @@ from rolling.marches.observers import (
 from rolling.marches.passes import SERIES as PASS_SERIES
 from rolling.marches.passes import Passes
 from rolling.marches.result import ErrorStretches, LoadMarches, MovingRelease, Result, StretchMarch
+from rolling.results.solved_run import SolvedRun
 from rolling.scene import file as scene_file
 from rolling.sound.vibration_sound import Vibration
 
 if TYPE_CHECKING:
-    from rolling.results.run_result import Run
+    import pandas as pd
 
 FORMAT = 5
 Arrays = dict[str, NDArray[Any]]
@@ -207,7 +208,7 @@ class FileGroup:
 # ---- all groups
 
 
-def groups_of(run: Run) -> dict[str, FileGroup]:
+def groups_of(run: SolvedRun) -> dict[str, FileGroup]:
     """Return the groups of the file of a run by name; the root, with the series, has none."""
     result = run.result
     groups = {"": _series_group(run)}
@@ -257,7 +258,7 @@ def fill_result(result: Result, groups: dict[str, FileGroup]) -> None:
 # ---- series
 
 
-def _series_group(run: Run) -> FileGroup:
+def _series_group(run: SolvedRun) -> FileGroup:
     """Return the series of a whole run, and the facts of its scene."""
     result = run.result
     arrays = {
@@ -451,7 +452,7 @@ def _read_film(group: FileGroup) -> SlowMotion:
 # ---- marches beside the track
 
 
-def _law_group(marches: LoadMarches, run: Run) -> FileGroup:
+def _law_group(marches: LoadMarches, run: SolvedRun) -> FileGroup:
     """Return the approach at each load, the scene's own included."""
     approach = marches.approach | {run.scene.load: run.result.series["approach"]}
     loads = sorted(approach)
@@ -484,7 +485,7 @@ def _read_law(group: FileGroup, solved_steps: int) -> LoadMarches:
     return marches
 
 
-def _moving_group(moving: MovingRelease, run: Run) -> FileGroup:
+def _moving_group(moving: MovingRelease, run: SolvedRun) -> FileGroup:
     """Return force [N], approach [m] and energies [J] under the moving load, or its fault."""
     attributes = {"key": moving.key, "fault": moving.fault}
     if moving.fault:
@@ -548,7 +549,7 @@ def _force_group(vibration: Vibration) -> FileGroup:
     return FileGroup(arrays, attributes)
 
 
-def _sound_group(run: Run) -> FileGroup:
+def _sound_group(run: SolvedRun) -> FileGroup:
     """Return the sound pressure [Pa] at one listener or two."""
     sound = run.sound
     arrays = {
@@ -564,3 +565,19 @@ def _sound_group(run: Run) -> FileGroup:
     if sound.factor is not None:
         attributes["factor_pa_per_w_m2"] = sound.factor
     return FileGroup(arrays, attributes)
+
+
+# ---- table
+
+
+def series_frame(run: SolvedRun) -> pd.DataFrame:
+    """Return the series of a run as a table, one row per position, with units in `attrs`."""
+    import pandas as pd  # slow to import, for tables only
+
+    columns = {"position_time": pd.Series(run.position_time)}
+    for name, values in run.series.items():
+        if name in DEFINITION[""]:
+            columns[name] = pd.Series(values)
+    table = pd.DataFrame(columns).set_index(pd.Index(run.position, name="position"))
+    table.attrs = {name: DEFINITION[""][name].unit for name in ("position", *table)}
+    return table

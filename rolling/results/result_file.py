@@ -28,14 +28,13 @@ from rolling.results.result_arrays import (
     fixed_lengths,
     groups_of,
 )
+from rolling.results.solved_run import SolvedRun
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.terminal.files import FolderError
 
 if TYPE_CHECKING:
     import xarray
-
-    from rolling.results.run_result import Run
 
 _SEAL = b"\nrolling-contact-noise result.h5, SHA-256 of all bytes before this line: "
 _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
@@ -54,7 +53,7 @@ _DIMENSIONS = {
 # ---- write
 
 
-def write_result(run: Run) -> bytes:
+def write_result(run: SolvedRun) -> bytes:
     """Return the bytes of result.h5, which are equal for equal runs."""
     import xarray  # slow to import, for whole runs only
 
@@ -63,7 +62,7 @@ def write_result(run: Run) -> bytes:
     return content + _seal(content)
 
 
-def result_tree(run: Run) -> xarray.DataTree:
+def result_tree(run: SolvedRun) -> xarray.DataTree:
     """Return the content of result.h5 as a tree of named arrays with units."""
     import xarray
 

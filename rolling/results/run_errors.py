@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,20 +18,18 @@ from acoustics.numbers import rounded
 from rolling.check import error_cost
 from rolling.marches import error_stretches
 from rolling.marches.result import Result
+from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene
 from rolling.sound import error_estimate
 from rolling.sound.contact_sound import ContactSound
 from rolling.sound.vibration_sound import Vibration
-
-if TYPE_CHECKING:
-    from rolling.results.run_result import Run
 
 LINEAR = 0.3  # rms of the contact force over the load up to which sphere and plate are linear
 _NAN = np.full(len(BAND_NAMES) + 1, math.nan)
 _UNKNOWN = error_estimate.LevelErrors(math.nan, False, _NAN, _NAN, _NAN, *[math.nan] * 3)
 
 
-def error_numbers(run: Run, spreads: Mapping[str, float | None]) -> dict[str, Any]:
+def error_numbers(run: SolvedRun, spreads: Mapping[str, float | None]) -> dict[str, Any]:
     """Return the errors of a run for summary.json; none unless the scene asks for them.
 
     `spreads` are uncertainties of LAeq [dB] by their origin: the record and, of a vibration, more.
@@ -91,7 +89,7 @@ def known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _estimate(run: Run) -> tuple[error_estimate.LevelErrors, Array, dict[str, Any]]:
+def _estimate(run: SolvedRun) -> tuple[error_estimate.LevelErrors, Array, dict[str, Any]]:
     """Return errors of levels, errors from missing detail, and the facts of the estimate."""
     scene, result, sound = run.scene, run.result, run.sound
     powers = error_stretches.stretch_powers(scene, result)

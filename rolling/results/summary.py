@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,11 +27,11 @@ from rolling.dynamics.motion import BodyMotion
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.marches import force_law, stiffness
 from rolling.marches.observers import STATE_SERIES
-from rolling.marches.result import MovingRelease, Result
+from rolling.marches.result import MovingRelease, Result, released_energy
 from rolling.results import verdict
 from rolling.results.caveats import TURNS, caveats
-from rolling.results.listening import released
 from rolling.results.run_errors import error_numbers, known, known_bands
+from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
 from rolling.sound.contact_sound import ContactSound
@@ -41,15 +41,12 @@ from rolling.surface.levelling import Levelling
 from rolling.surface.scene_surface import SceneSurface, scene_surface
 from rolling.terminal import program
 
-if TYPE_CHECKING:
-    from rolling.results.run_result import Run
-
 STEADY_S = 1.0  # [s] of a record that does not close, from which on its loudness is that of a tone
 _ROUNDING_DB = 1e-6
 _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
 
 
-def summarize(run: Run, release: ContactSound) -> dict[str, Any]:
+def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
     """Collect the numbers of a run, with the sound of its release; levels of silence are None."""
     scene, result, sound, vibration = run.scene, run.result, run.sound, run.vibration
     surface, times = scene_surface(scene), result.series["step_time"]
@@ -213,10 +210,10 @@ def _loudness(
     return numbers
 
 
-def _band(run: Run) -> MissingBand | None:
+def _band(run: SolvedRun) -> MissingBand | None:
     """Return the part of the sound that the Nyquist frequency of the steps cuts off."""
     result, vibration = run.result, None
-    lap, _ = released(run.scene, result)
+    lap, _ = released_energy(run.scene, result)
     if run.sound.source == "vibration":
         lap, vibration = result.series["approach"], run.vibration
     lap = lap[: result.solved_steps]
@@ -346,7 +343,7 @@ def _moving(result: Result, moving: MovingRelease) -> dict[str, Any]:
     }
 
 
-def _law(run: Run) -> dict[str, Any]:
+def _law(run: SolvedRun) -> dict[str, Any]:
     """Return the loads of the force law, its error, and the time of its marches."""
     vibration, marches = run.vibration, run.result.load_marches
     if vibration is None or marches is None:
@@ -514,7 +511,7 @@ def _total(power: Array) -> float | None:
     return level_db(float(finite.sum()), P_REF_W) if len(finite) else None
 
 
-def pass_numbers(run: Run) -> Iterator[dict[str, Any]]:
+def pass_numbers(run: SolvedRun) -> Iterator[dict[str, Any]]:
     """Yield levels, release power, plastic work and maximum depth of each pass.
 
     The level of the vibration is an estimate from the approach, for scenes without dynamics.

@@ -12,7 +12,7 @@ from rolling.marches.piece import contact_identity
 from rolling.marches.result import Result
 from rolling.results import labels, result_file
 from rolling.results.run_folder import FAILED, RESULT, RunFolder
-from rolling.results.run_result import LISTEN, Run, read_run, with_sound
+from rolling.results.run_result import LISTEN, Run, make_run, read_run
 from rolling.run import folder as folders
 from rolling.run import worker
 from rolling.run.executor import RunLoop
@@ -38,7 +38,7 @@ def simulated(
     names, heard = labels.labels(runs), dict[int, Run]()
 
     def finish(number: int, result: Result) -> None:
-        heard[number] = with_sound(runs[number], names[number], result)
+        heard[number] = make_run(runs[number], names[number], result)
 
     scenes = [run.scene for run in runs]
     silence = progress.begin(progress.Level.QUIET) if shown is False else nullcontext()

@@ -101,9 +101,9 @@ def read_piece(path: Path) -> Arrays | None:
 @ignoring_underflow
 def finish_run(run: RunFolder, label: str, result: Result) -> None:
     """Make the sound of a complete run and write the files of its folder."""
-    from rolling.results.run_result import with_sound, write_run
+    from rolling.results.run_result import make_run, write_run
 
-    write_run(with_sound(run, label, result))
+    write_run(make_run(run, label, result))
 
 
 def act(task: bytes, program: Program) -> Any:

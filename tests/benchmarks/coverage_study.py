@@ -36,10 +36,9 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import march_piece
-from rolling.marches.result import Result
-from rolling.results.listening import released
+from rolling.marches.result import Result, released_energy
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import Run, with_sound
+from rolling.results.run_result import Run, make_run
 from rolling.sound.contact_sound import contact_sound
 from rolling.sound.vibration_sound import Vibration, vibrate
 from rolling.studies.accuracy_variants import Variant, variant_contact
@@ -147,9 +146,9 @@ class Levels(NamedTuple):
 def levels_of(scene: rc.Scene) -> dict[str, Levels]:
     """Return the levels of a run by source."""
     result = solved(scene)
-    energy, closed = released(scene, result)
+    energy, closed = released_energy(scene, result)
     release = contact_sound(scene, energy, result.step, closed, result.solved_steps)
-    run = with_sound(RunFolder({}, scene, Path()), "", result, {})
+    run = make_run(RunFolder({}, scene, Path()), "", result, {})
     assert run.vibration is not None  # scenes of the study have dynamics
     return {
         "release": Levels(release.levels, release.uncertainty, release.levels.laeq_db, False),
@@ -209,11 +208,11 @@ def of_grid(number: int, seed: int) -> Iterator[Difference]:
     changes = {"numerics.error_estimate": True}
     scene = scene_of(number, seed, GRID_STEPS, **changes)
     result, place = solved(scene), RunFolder({}, scene, Path())
-    vibrating = with_sound(place, "", result)
+    vibrating = make_run(place, "", result)
     released_scene = scene.with_({"sound.source": "release"})
     runs = {
         "vibration": vibrating,
-        "release": with_sound(RunFolder({}, released_scene, Path()), "", result),
+        "release": make_run(RunFolder({}, released_scene, Path()), "", result),
     }
     assert vibrating.vibration is not None  # scenes of the study have dynamics
     known = {source: run for source, run in runs.items() if _has_estimate(run)}

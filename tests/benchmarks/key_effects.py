@@ -23,7 +23,7 @@ from scipy import stats
 
 from rolling.marches.result import Result
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import with_sound
+from rolling.results.run_result import make_run
 from rolling.run.executor import RunLoop
 from rolling.run.pools import local_pool
 from rolling.scene.file import dump, loads
@@ -155,7 +155,7 @@ def measured(scenes: Sequence[Scene], workers: int) -> list[dict[str, float]]:
     numbers = dict[int, dict[str, float]]()
 
     def finish(number: int, result: Result) -> None:
-        run = with_sound(RunFolder({}, scenes[number], Path()), "", result)
+        run = make_run(RunFolder({}, scenes[number], Path()), "", result)
         pressure, rate = run.sound.pressure, run.sound.sample_rate
         names = "laeq_db", "release_laeq_db"
         levels = {name: run.summary.get(name, run.summary["laeq_db"]) for name in names}

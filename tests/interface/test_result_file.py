@@ -16,7 +16,7 @@ from rolling.marches.observers import SlowMotion
 from rolling.marches.result import MovingRelease
 from rolling.results.result_file import read_result, write_result
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import Run, read_run, with_sound, write_run
+from rolling.results.run_result import Run, make_run, read_run, write_run
 from rolling.scene import file
 
 SCENE = f"""\
@@ -137,7 +137,7 @@ def test_long_scenes_large_seeds_and_empty_tables_are_kept(tmp_path: Path) -> No
     run = run_of(scene)
     result = run.result
     result.event_pieces = {0: {name: column[:0] for name, column in (run.events or {}).items()}}
-    short = with_sound(RunFolder({}, scene, tmp_path), "run", result)
+    short = make_run(RunFolder({}, scene, tmp_path), "run", result)
     write_run(short)
     again = read_result(tmp_path / "result.h5", scene)
     assert again.event_pieces[0]["node"].shape == (0, 2)

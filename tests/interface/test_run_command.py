@@ -19,7 +19,7 @@ from acoustics import wav
 from rolling import cli, open_run, read_scene
 from rolling.contact import closed_forms
 from rolling.marches.piece import contact_identity
-from rolling.results.listening import recorded, sentence
+from rolling.results.listening import describe_long_record, long_record_of
 from rolling.run import folder as folders
 from rolling.terminal import defaults
 
@@ -430,9 +430,11 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
     assert len(samples) == 1.5 * rate and "of which the first 0.2 mm" in comment
     assert "0.2 mm (0.044 % of the time) are solved" in summary(out)["listen"]["content"]
     opened = open_run(out)
-    heard, made = recorded(opened), opened.long  # from the file of 24 bits, and made anew
+    heard, made = long_record_of(opened), opened.long  # from the file of 24 bits, and made anew
     assert (
-        heard is not None and heard is not made and "1.5 s over 450 mm" in sentence(opened, heard)
+        heard is not None
+        and heard is not made
+        and "1.5 s over 450 mm" in describe_long_record(opened, heard)
     )
     full_scale = summary(out)["listen"]["pascal_per_full_scale"]
     assert np.abs(heard.pressure - made.pressure).max() <= full_scale * 2**-23
@@ -456,4 +458,4 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
     assert {path.name for path in out.iterdir()} - before == {"long.wav"}
     (out / "listen.wav").unlink()
     os.mkfifo(out / "listen.wav")  # a pipe in its place is not waited for: the record is made anew
-    assert recorded(opened) is made
+    assert long_record_of(opened) is made

@@ -17,7 +17,7 @@ from rolling.commands import write_table
 from rolling.figures.picture import csv_bytes
 from rolling.results.labels import labels
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import with_sound, write_run
+from rolling.results.run_result import make_run, write_run
 from rolling.results.runs_table import (
     error_line,
     level_text,
@@ -63,7 +63,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> list[RunFolder]:
         for number, (values, scene) in enumerate(file.loads(SWEEP).runs())
     ]
     for run in stored[:-1]:
-        write_run(with_sound(run, "run", run_of(run.scene).result))
+        write_run(make_run(run, "run", run_of(run.scene).result))
     return stored
 
 
@@ -169,7 +169,7 @@ def test_the_terminal_shows_levels_with_uncertainty_and_each_caveat_once(
 
 def test_a_level_of_a_fixed_gain_is_none_of_a_share_q(tmp_path: Path) -> None:
     scene = file.loads(TINY, ("sound.gain_pa_per_w_m2=2",))
-    run = with_sound(RunFolder({}, scene, tmp_path / "gain"), "run", run_of(scene).result)
+    run = make_run(RunFolder({}, scene, tmp_path / "gain"), "run", run_of(scene).result)
     write_run(run)
     text = levels_table([run])
     assert run.summary["q"] is None and "fixed gain" in text.splitlines()[0]

@@ -17,7 +17,7 @@ from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import Run, read_run, with_sound, write_run
+from rolling.results.run_result import Run, make_run, read_run, write_run
 from rolling.scene.file import loads
 
 
@@ -183,7 +183,7 @@ def test_impacts_that_yield_are_marked() -> None:
     assert run.summary["impacts"] > 0 and run.summary["impacts_yield"] is False
     # The same motion over a plate whose hardness lies below the pressure of the impacts.
     soft = run.scene.with_({"plate.hardness_gpa": 0.8})
-    soft_run = with_sound(RunFolder({}, soft, run.folder), "soft", run.result)
+    soft_run = make_run(RunFolder({}, soft, run.folder), "soft", run.result)
     assert soft_run.summary["impacts_yield"] is True
 
 

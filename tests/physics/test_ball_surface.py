@@ -15,7 +15,7 @@ from rolling.check import cost
 from rolling.check.validity import force_rms
 from rolling.marches.piece import contact_identity
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import with_sound
+from rolling.results.run_result import make_run
 from rolling.scene.surfaces import GRADES
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import ball_heights, heights, rolled_together, scene_surface
@@ -119,7 +119,7 @@ def test_a_pit_of_the_ball_ticks_once_per_turn() -> None:
     law = {**ROUGH, "roughness_ra_um": 0.002, "spacing_um": 2, "width_um": 32}
     scene = small_ball("rolling.distance_mm=3.14", kind="smooth", faults=[pit])
     scene = scene.with_(surface=law)
-    run = with_sound(RunFolder({}, scene, scene.folder), "pit", march_all(scene))
+    run = make_run(RunFolder({}, scene, scene.folder), "pit", march_all(scene))
     assert run.summary["turns"] == pytest.approx(5)
     turn_hz = run.summary["turn_hz"]
     assert turn_hz == pytest.approx(0.03 / 0.628e-3)
@@ -132,7 +132,7 @@ def test_a_pit_of_the_ball_ticks_once_per_turn() -> None:
     assert run.summary["turn_prominence"] == spectrum.prominence(turn_hz) > 10
     assert run.summary["turn_reason"] is None
     alone = scene.with_({"sphere.surface.faults": None})
-    plain = with_sound(RunFolder({}, alone, alone.folder), "round", march_all(alone))
+    plain = make_run(RunFolder({}, alone, alone.folder), "round", march_all(alone))
     assert plain.summary["turn_prominence"] < 5
 
 
@@ -143,7 +143,7 @@ def test_a_pit_is_heard_from_two_turns_on(turns: float) -> None:
     law = {**ROUGH, "roughness_ra_um": 0.002, "spacing_um": 2, "width_um": 32}
     ball = {"kind": "smooth", "faults": [pit]}
     scene = small_ball(f"rolling.distance_mm={turns * 0.628:.3f}", **ball).with_(surface=law)
-    run = with_sound(RunFolder({}, scene, scene.folder), "pit", march_all(scene))
+    run = make_run(RunFolder({}, scene, scene.folder), "pit", march_all(scene))
     assert run.summary["turns"] == pytest.approx(turns)
     if turns < 2:
         assert run.summary["turn_prominence"] is run.summary["turn_band_hz"] is None

@@ -13,7 +13,7 @@ from helpers import march_all
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import march_piece
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import Run, with_sound
+from rolling.results.run_result import Run, make_run
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 
@@ -42,7 +42,7 @@ def marched(
 
 def run_of(scene: Scene, folder: Path = Path(), film: bool = False) -> Run:
     """Return the run of a scene, marched in this process."""
-    return with_sound(RunFolder({}, scene, folder), "run", march_all(scene, film))
+    return make_run(RunFolder({}, scene, folder), "run", march_all(scene, film))
 
 
 def caveat_texts(run: Run) -> dict[str, str]:
@@ -68,4 +68,4 @@ def heard_again(run: Run, scene: Scene) -> Run:
     while pieces := next_pieces(scene, result):
         for piece in pieces:
             result.add(piece, march_piece(piece))
-    return with_sound(RunFolder({}, scene, run.folder), "again", result)
+    return make_run(RunFolder({}, scene, run.folder), "again", result)

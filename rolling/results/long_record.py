@@ -1,0 +1,135 @@
+"""Long records of a run: the solved track, then its random continuation, in motion."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from acoustics.numbers import rounded
+from rolling.marches.result import Result, released_energy
+from rolling.scene.scene import Scene
+from rolling.sound import long_listening
+from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.long_listening import Listening, with_speed
+from rolling.sound.vibration_sound import Vibration
+from rolling.terminal import defaults
+
+Speed = float | tuple[float, float]  # [m/s], constant or from start to end
+
+MIN_POSITIONS = 64  # of a solved track; fewer have no spectrum
+COARSE_HZ = 10e3  # highest frequency of the steps below which the sound is dull
+OFTEN = 0.1  # of a record's duration, in which forces beyond the marched loads are named
+LONG_WAVES_HZ = 500.0  # lowest frequency of the solved track above which its long waves are named
+
+
+class ListeningError(ValueError):
+    """Reason why a run has no long listening."""
+
+
+def reason_against_long_record(scene: Scene, result: Result, sound: ContactSound) -> str:
+    """Return the reason why a run has no long record; empty if it has one."""
+    steps = result.solved_steps
+    if steps < MIN_POSITIONS:
+        return f"its solved track has {steps} steps, and a continuation needs {MIN_POSITIONS}"
+    if not sound.pressure.any():
+        return "its record is silent"
+    if sound.source == "vibration":
+        return ""
+    if not sound.constant_speed:
+        steady = with_speed(scene, scene.motion.fastest(sound.duration), sound.duration)
+        energy, is_closed = released_energy(scene, result)
+        sound = contact_sound(steady, energy, result.step, is_closed, steps, sound.has_seam)
+    if not sound.unlike_noise:
+        return ""
+    return f"{sound.unlike_noise}: a random continuation would not sound like it"
+
+
+def make_long_record(
+    scene: Scene,
+    result: Result,
+    sound: ContactSound,
+    vibration: Vibration | None,
+    *,
+    seconds: float,
+    speed: Speed | None = None,
+    seed: int = 0,
+) -> Listening:
+    """Make a long record of a run that has no reason against it, at its own speed or another.
+
+    Raises
+    ------
+    ListeningError : the sphere passes too many positions.
+    """
+    moved = scene if speed is None else with_speed(scene, speed, seconds)
+    positions = float(moved.motion.distance(seconds)) / result.step
+    most = defaults.MAX_LISTENED_POSITIONS
+    if positions > most:
+        raise ListeningError(
+            f"speed: the sphere passes {positions:.2g} positions, allowed is up to {most:.2g}, "
+            "which take ten minutes"
+        )
+    if vibration is not None and sound.source == "vibration":
+        record = long_listening.listen_to_vibration(moved, vibration.law, seconds, seed)
+    else:
+        lap = result.solved_steps
+        energy, _ = released_energy(scene, result)
+        is_closed = scene.track.lap_steps <= lap and not sound.has_seam
+        record = long_listening.listen_to_release(
+            moved, energy[:lap], result.step, is_closed, seconds, seed
+        )
+    record.numbers["seed"] = seed
+    record.numbers["limits"] = _limits(record.numbers)
+    return record
+
+
+def refuse_long_record(seconds: float, speed: Speed | None, seed: int) -> None:
+    """Refuse a length [s], a speed [m/s] and a seed that are not possible.
+
+    Raises
+    ------
+    ListeningError : the first of them that is not allowed.
+    """
+    if type(seed) is not int or seed < 0:
+        raise ListeningError(f"seed: got {seed!r}, allowed: a whole number >= 0")
+    least, most = defaults.MIN_LISTENED_SECONDS, defaults.MAX_LISTENED_SECONDS
+    if not least <= seconds <= most:
+        raise ListeningError(
+            f"seconds: got {seconds:g}, allowed is {least:g} to {most:g}, for which memory suffices"
+        )
+    if speed is None:
+        return
+    speeds = np.asarray(speed, dtype=float)
+    is_one_or_two = speeds.shape in ((), (2,))
+    if not is_one_or_two or not (speeds.min() >= 0 and 0 < speeds.max() < math.inf):
+        got = ":".join(f"{value:g}" for value in speeds.ravel())
+        raise ListeningError(f"speed: got {got}, allowed: at least 0 m/s, and not only 0")
+
+
+def _limits(numbers: dict[str, Any]) -> list[str]:
+    """List the limits of a long record."""
+    lowest_hz, highest_hz = numbers["lowest_frequency_hz"], numbers["highest_frequency_hz"]
+    turn_mm = numbers["turn_mm"]
+    outside = numbers.get("force_outside_share", 0.0)
+    found = []
+    if highest_hz < COARSE_HZ:
+        found.append(
+            f"the steps of the track resolve sound up to {rounded(highest_hz)} Hz at this speed; "
+            "the rest is missing"
+        )
+    if turn_mm is not None and numbers["solved_mm"] < turn_mm:
+        found.append(
+            f"the solved track is shorter than a turn of the ball ({rounded(turn_mm, 3)} mm): it "
+            "is put in as solved once per turn, and the rest of the turn is random"
+        )
+    if outside > OFTEN:
+        found.append(
+            f"the force lies beyond the marched loads for {100 * outside:.0f} % of the time"
+        )
+    if lowest_hz > LONG_WAVES_HZ:
+        found.append(
+            f"waves longer than the solved track sound below {rounded(lowest_hz)} Hz, where the "
+            "density is that of the longest solved wave"
+        )
+    return found

@@ -1,0 +1,208 @@
+"""A solved run: its marches and its sound, and what follows from them without being stored."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from acoustics.arrays import Array
+from acoustics.traps import ignoring_underflow
+from rolling.contact.recovery import EventStatistics, event_statistics
+from rolling.marches.observers import STATE_SERIES, STEP_SERIES
+from rolling.marches.result import Result, released_energy
+from rolling.results import labels, long_record
+from rolling.results.long_record import ListeningError
+from rolling.results.run_folder import RunFolder
+from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
+from rolling.sound.long_listening import Listening
+from rolling.sound.vibration_sound import Vibration
+from rolling.sound.wavelengths import WavelengthOctave, wavelength_octaves
+from rolling.surface.scene_surface import scene_surface
+
+
+@ignoring_underflow
+@dataclass(frozen=True, eq=False, repr=False)
+class SolvedRun(RunFolder):
+    """Data of a run with its sound. It equals no other run, so it can be the key of a dictionary.
+
+    Its fields are described at `Run`, which adds player, tables and texts. Modules that write or
+    tabulate a run read it by this class.
+    """
+
+    label: str
+    result: Result
+    sound: ContactSound
+    summary: dict[str, Any]
+    vibration: Vibration | None = None
+
+    @cached_property  # joining the pieces of the track takes time
+    def events(self) -> dict[str, NDArray[Any]] | None:
+        """The table of recovery events, or None if none were requested."""
+        return self.result.events()
+
+    @cached_property
+    def event_statistics(self) -> EventStatistics | None:
+        """Statistics of the recovery events on the solved track, or None without events."""
+        length = self.result.solved_steps * self.result.step
+        return event_statistics(self.events, length) if self.events else None
+
+    @cached_property
+    def pass_sounds(self) -> list[ContactSound]:
+        """Sound of the release of each pass; empty for a plate without memory."""
+        result = self.result
+        if result.passes is None:
+            return []
+        _, is_closed = released_energy(self.scene, result)
+        has_seam = scene_surface(self.scene).has_seam
+        steps = np.arange(result.steps) % result.solved_steps
+        sounds = []
+        for lap in result.passes.series["release_energy"]:
+            sound = contact_sound(
+                self.scene, lap[steps], result.step, is_closed, result.solved_steps, has_seam
+            )
+            sounds.append(sound)
+        return sounds
+
+    @property
+    def title(self) -> str:
+        """The scene and the label."""
+        return labels.title(self.scene.name, self.label)
+
+    @cached_property
+    def wavelength_octaves(self) -> list[WavelengthOctave]:
+        """Octaves of roughness wavelength with their parts of the sound; none for a silent run."""
+        heights = None
+        if self.vibration:
+            heights = self.result.left_by_passes(scene_surface(self.scene).heights)
+        approach = self.result.series["approach"]
+        return wavelength_octaves(self.scene, self.sound, heights, approach)
+
+    @property
+    def laps(self) -> float:
+        """Number of times that the record holds the solved track, at least 1."""
+        return max(1.0, self.result.steps / self.result.solved_steps)
+
+    @property
+    def record_laeq_db(self) -> float | None:
+        """LAeq of the record itself [dB].
+
+        It differs from the LAeq that is stated where this is the mean over a comb.
+        """
+        if self.vibration is not None and self.sound.source == "vibration":
+            return self.vibration.levels.laeq_db
+        return self.sound.levels.laeq_db
+
+    @cached_property
+    def no_long(self) -> str:
+        """Reason why a run has no long record; empty if it has one."""
+        return long_record.reason_against_long_record(self.scene, self.result, self.sound)
+
+    @cached_property
+    def long(self) -> Listening | None:
+        """The record of `sound.listen_s` seconds; None where there is none, or a reason against."""
+        seconds = self.scene.sound.listen_s
+        if seconds is None or self.no_long:
+            return None
+        return self.listen(seconds)
+
+    def listen(
+        self, seconds: float = 20.0, speed: float | tuple[float, float] | None = None, seed: int = 0
+    ) -> Listening:
+        """Let the ball roll on beyond the solved track, and return the long record.
+
+        The solved track comes first. Its random continuation has the spectra and cross-spectra of
+        the force law along the track, or of the release for a run without dynamics, and the motion
+        over it is computed as on the track.
+
+        Parameters
+        ----------
+        seconds : float, s
+            Length of the record, up to 120. Default: 20.
+        speed : float or pair of float, m/s
+            Speed, or speeds at start and end, which change evenly. Default: the scene's, which goes
+            on at its last speed.
+        seed : int
+            Number of the random continuation. Default: 0.
+
+        Returns
+        -------
+        listening : Listening
+            Pressure [Pa] at `sample_rate`, and `numbers`, such as `laeq_db`.
+
+        Raises
+        ------
+        ListeningError
+            A number is not allowed, the run is silent, its solved track too short, or its release
+            unlike noise. It is a ValueError.
+
+        Examples
+        --------
+        >>> import rolling
+        >>> words = ["rolling.load_n=1", "rolling.duration_s=0.01"]
+        >>> scene = rolling.read_scene("quickstart", words)
+        >>> long = rolling.simulate(scene, workers=1, progress=False).listen(2, speed=(0.05, 0.1))
+        >>> f"{long.numbers['seconds']:g} s, {long.numbers['solved_share']:.1%} of it solved"
+        '2 s, 1.0% of it solved'
+        """
+        long_record.refuse_long_record(seconds, speed, seed)
+        if self.no_long:
+            raise ListeningError(self.no_long)
+        return long_record.make_long_record(
+            self.scene,
+            self.result,
+            self.sound,
+            self.vibration,
+            seconds=seconds,
+            speed=speed,
+            seed=seed,
+        )
+
+    @cached_property
+    def series(self) -> Mapping[str, Array]:
+        """All series of the whole run by name, in SI units.
+
+        Energies, powers, `speed` and `step_time` have the shape (steps,) and stand at `distance`
+        and `time`. States, such as `contact_area`, have the shape (steps + 1,) and stand at
+        `position` and `position_time`. `step_time` is NaN in a run that was opened.
+        """
+        step = self.result.step
+        _, speed = middle_speeds(self.scene.motion, self.result.steps, step)
+        series = {name: self.result.whole(name) for name in STEP_SERIES} | {"speed": speed}
+        for kind in ("release", "loading"):
+            series[f"{kind}_per_metre"] = series[f"{kind}_energy"] * (1 / step)
+            series[f"{kind}_power"] = series[f"{kind}_energy"] * (speed / step)
+        return MappingProxyType(series | {name: self.result.whole(name) for name in STATE_SERIES})
+
+    @property
+    def release_power(self) -> Array:
+        """(steps,) W. Elastic energy released per time, at `distance` and `time`."""
+        return self.series["release_power"]
+
+    @cached_property
+    def distance(self) -> Array:
+        """(steps,) m. Distance along the track at the middle of each step."""
+        middles = (np.arange(self.result.steps) + 0.5) * self.result.step
+        return np.asarray(self.result.start + middles, dtype=float)
+
+    @cached_property
+    def time(self) -> Array:
+        """(steps,) s. Time at the middle of each step."""
+        return middle_speeds(self.scene.motion, self.result.steps, self.result.step)[0]
+
+    @cached_property
+    def position(self) -> Array:
+        """(steps + 1,) m. Distance along the track at each position; a step joins two positions."""
+        ends = np.arange(self.result.steps + 1) * self.result.step
+        return np.asarray(self.result.start + ends, dtype=float)
+
+    @cached_property
+    def position_time(self) -> Array:
+        """(steps + 1,) s. Time at each position."""
+        ends, motion = np.arange(self.result.steps + 1) * self.result.step, self.scene.motion
+        return np.asarray(motion.time(np.minimum(ends, motion.final_distance)), dtype=float)
