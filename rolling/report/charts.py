@@ -25,11 +25,12 @@ COLUMNS = 1500  # across a chart; each keeps its minimum and maximum
 _DIGITS = 4  # of numbers, and more where they differ by little
 _WHITE = "#ffffff"
 Part = dict[str, Any]  # of a chart, as the page reads it; entries of None are left out
+Chart = dict[str, Any]  # as the page reads it
 Curve = dict[str, Any]  # name, colour, dash and marker of a curve in the legend
 
 
 @own_settings()
-def chart_of(picture: Picture) -> dict[str, Any]:
+def chart_of(picture: Picture) -> Chart:
     """Read a drawn figure as axes, curves and the parts that draw them, in the order of drawing.
 
     Thus the page shows the numbers of the figure itself, whatever function draws it.

@@ -17,7 +17,7 @@ from rolling.figures.picture import Caption, Picture, set_caption
 from rolling.figures.settings import own_settings
 from rolling.marches.observers import SlowMotion
 from rolling.report import maps
-from rolling.report.charts import chart_of
+from rolling.report.charts import Chart, chart_of
 from rolling.results.run_result import Run
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import weighted_lines
@@ -244,7 +244,7 @@ def _quantity(value: float, unit: str) -> str:
 
 
 @own_settings()
-def curves(run: Run) -> list[dict[str, Any]]:
+def curves(run: Run) -> list[Chart]:
     """Draw the release power of a film and, with dynamics, the motion of the ball as charts."""
     slow = slow_motion(run)
     if slow is None:
@@ -255,7 +255,7 @@ def curves(run: Run) -> list[dict[str, Any]]:
     return charts
 
 
-def _power_chart(run: Run, slow: SlowMotion) -> dict[str, Any]:
+def _power_chart(run: Run, slow: SlowMotion) -> Chart:
     """Draw the release power of a film."""
     times = run.position_time[slow.positions]
     ax = _axes_over_time("Release power", run, times)
@@ -264,7 +264,7 @@ def _power_chart(run: Run, slow: SlowMotion) -> dict[str, Any]:
     return _chart("film_power", ax)
 
 
-def _motion_chart(run: Run, slow: SlowMotion, vibration: Vibration) -> dict[str, Any]:
+def _motion_chart(run: Run, slow: SlowMotion, vibration: Vibration) -> Chart:
     """Draw height and contact force of the ball in a film, and its flights."""
     times = run.position_time[slow.positions]
     motion = vibration.motion
@@ -293,7 +293,7 @@ def _axes_over_time(title: str, run: Run, times: Array) -> Axes:
     return ax
 
 
-def _chart(name: str, ax: Axes) -> dict[str, Any]:
+def _chart(name: str, ax: Axes) -> Chart:
     """Return axes as a chart beside a film."""
     figure = ax.figure
     assert isinstance(figure, Figure)

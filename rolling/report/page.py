@@ -8,7 +8,7 @@ level and a sentence.
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -27,7 +27,8 @@ from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
 from rolling.figures.settings import left_out_if_it_fails
-from rolling.report import assumed, charts, film, live, maps, records, text
+from rolling.report import assumed, film, live, maps, records, text
+from rolling.report.charts import Chart, chart_of
 from rolling.results import caveats, runs_table
 from rolling.results.listening import record_for_ear
 from rolling.results.run_folder import PAGE
@@ -60,13 +61,12 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
     scale = maps.map_scale(shown)
     views = _views(shown)
     players = [_player(view, scale) for view in views]
-    data: dict[str, Any] = {"runs": players, "view": scale, "bands": BAND_NAMES}
-    data["charts"] = shown_charts = list[dict[str, Any]]()
+    charts = PageCharts(views)
+    data = {"runs": players, "view": scale, "bands": BAND_NAMES, "charts": charts.shown}
     templates = environment()
-    templates.globals["numbered"] = partial(_number, shown_charts)
-    # Runs of equal bodies have equal curves, which the page shows once.
-    templates.globals["is_known"] = lambda chart: any(_is_same(chart, x) for x in shown_charts)
-    templates.globals["sharing"] = partial(_sharing, views)
+    templates.globals["numbered"] = charts.add
+    templates.globals["is_known"] = charts.is_known
+    templates.globals["sharing"] = charts.sharing
     templates.globals["crowded"] = len(views) > MAX_BESIDE
     template = templates.get_template("report.html")
     return template.render(
@@ -84,16 +84,16 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         views=views,
         unsolved=list(unsolved),
         lengths={round(run.sound.duration, 4) for run in runs},
-        short=any(c["key"] == "short_loop" for view in views for c in view["repeats"]),
+        short=any(c["key"] == "short_loop" for view in views for c in view.repeats),
         map_scale=scale,
         map_flies=any(any(player["maps"]["instead"]) for player in players if player["maps"]),
         stills=any(player["maps"] and not player["falls"] for player in players),
         filmed=any(player["film"] for player in players),
-        moved=any(len(view["curves"]) > 1 for view in views),
+        moved=any(len(view.curves) > 1 for view in views),
         curves=_comparing_exhibits(runs),
         surfaces=_surfaces(shown),
-        vibration=[name for name in VIBRATION if any(name in x["pictures"] for x in views)],
-        css=Markup("".join(map(text.asset, ("report.css", "play.css", "chart.css")))),
+        vibration=[name for name in VIBRATION if any(name in view.pictures for view in views)],
+        css=Markup(text.asset("report.css") + text.asset("play.css") + text.asset("chart.css")),
         js=Markup(joined("page/begin.js" if shown else "page/chart.js")),
         engine=Markup(joined("engine/worklet.js")),
         data=data,
@@ -123,7 +123,12 @@ def environment() -> jinja2.Environment:
 
 def css_text(title: str) -> Markup:
     """Write any text as the inside of a string of CSS, all but letters and digits as numbers."""
-    letters = (x if x.isascii() and x.isalnum() else f"\\{ord(x):06x}" for x in title)
+    letters = []
+    for letter in title:
+        if letter.isascii() and letter.isalnum():
+            letters.append(letter)
+        else:
+            letters.append(f"\\{ord(letter):06x}")
     return Markup("".join(letters))
 
 
@@ -132,12 +137,14 @@ def joined(entry: str) -> str:
 
     The modules then share a scope, so no two of them may declare the same name at their top level.
     """
-    seen, parts = set[str](), list[str]()
+    seen = set[str]()
+    parts = list[str]()
 
     def gather(name: str) -> None:
         """Add the text of a module behind the texts of the modules that it imports."""
         seen.add(name)
-        script, room = text.asset(name), name.rpartition("/")[0]
+        script = text.asset(name)
+        room = name.rpartition("/")[0]
         for above, imported in _IMPORT.findall(script):
             path = f"{room}/{imported}" if above == "./" else imported
             if path not in seen:
@@ -157,40 +164,102 @@ def _descriptions(runs: Sequence[Run]) -> list[str]:
 # ---- runs
 
 
-def _views(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    """Return label, sound, notes on repetition and pictures of each run."""
+@dataclass(frozen=True)
+class RunView:
+    """A run as the page shows it, for the templates.
+
+    Parameters
+    ----------
+    label : str
+    run : Run
+    number : int. Place of the run on the page.
+    playback : dict. Gains, as `records.gains` returns them.
+    records : list of dict. Name, sound and description of its records; the first is heard.
+    lap : dict. Lap to which the end of that record leads back.
+    solved : float, s. Time in that record at which the solved track ends.
+    repeats : list. Notes on the repetition of that record.
+    pictures : dict. Charts of the run by their names.
+    live : dict. Data for the engine, or None.
+    curves : list of dict. Charts of its slow motion.
+    """
+
+    label: str
+    run: Run
+    number: int
+    playback: dict[str, float | None]
+    records: list[dict[str, str]]
+    lap: dict[str, float]
+    solved: float
+    repeats: list[Any]
+    pictures: dict[str, Chart]
+    live: dict[str, Any] | None
+    curves: list[Chart]
+
+
+def _views(runs: Sequence[Run]) -> list[RunView]:
+    """Return the runs as the page shows them."""
     views = []
-    for number, (run, sound) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
-        # The page has maps that move, and each surface once.
-        left_out = {"surface", "contact_pressure" if run.result.maps else ""}
-        if run.scene.rolling.drop_mm is not None:  # it does not roll at that time
-            left_out.add("release_power")
-        pictures = dict[str, dict[str, Any]]()
-        for name in SINGLE:
-            if name in left_out:
-                continue
-            picture = single_picture(name, run, runs)
-            with left_out_if_it_fails(f"{name} of {run.label}"):
-                if picture is not None:
-                    pictures[name] = _exhibit(picture, number)
+    for number, (run, record) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
         repeating = [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS]
-        repeats = repeating if sound["records"][0]["name"] == "run" else []  # a long record goes on
-        curves = list[dict[str, Any]]()
-        with left_out_if_it_fails(f"of the curves of the slow motion of {run.label}"):
-            curves = [curve | {"run": number} for curve in film.curves(run)]
-        view = {"label": run.label, "run": run, "repeats": repeats, "pictures": pictures}
-        views.append(view | sound | {"live": live.live_of(run), "curves": curves})
+        repeats = repeating if record.records[0]["name"] == "run" else []  # a long record goes on
+        view = RunView(
+            label=run.label,
+            run=run,
+            number=number,
+            playback=record.playback,
+            records=record.records,
+            lap=record.lap,
+            solved=record.solved,
+            repeats=repeats,
+            pictures=_pictures(run, number, runs),
+            live=live.live_of(run),
+            curves=_film_curves(run, number),
+        )
+        views.append(view)
     return views
 
 
-def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any]:
+def _pictures(run: Run, number: int, runs: Sequence[Run]) -> dict[str, Chart]:
+    """Return the charts of a run by their names, but those that the page shows otherwise."""
+    left_out = {"surface"}  # which the page has once for all its runs
+    if run.result.maps:
+        left_out.add("contact_pressure")  # the page has maps that move
+    if run.scene.rolling.drop_mm is not None:
+        left_out.add("release_power")  # it does not roll at that time
+    pictures = {}
+    for name in SINGLE:
+        if name in left_out:
+            continue
+        picture = single_picture(name, run, runs)
+        with left_out_if_it_fails(f"{name} of {run.label}"):
+            if picture is not None:
+                pictures[name] = _exhibit(picture) | {"run": number}
+    return pictures
+
+
+def _film_curves(run: Run, number: int) -> list[Chart]:
+    """Return the charts of the slow motion of a run."""
+    with left_out_if_it_fails(f"of the curves of the slow motion of {run.label}"):
+        return [curve | {"run": number} for curve in film.curves(run)]
+    return []
+
+
+def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
     """Return the numbers of a run for the script of the page."""
-    run, slow_motion = view["run"], None
-    with left_out_if_it_fails(f"of the slow motion of {run.label}"):
-        slow_motion = film.film_of(run, scale["max_gpa"]) if scale else None
-    return {name: view[name] for name in ("label", "lap", "solved", "playback", "live")} | {
+    run = view.run
+    run_maps = slow_motion = None
+    if scale is not None:
+        run_maps = maps.run_maps(run, scale["max_gpa"])
+        with left_out_if_it_fails(f"of the slow motion of {run.label}"):
+            slow_motion = film.film_of(run, scale["max_gpa"])
+    return {
+        "label": view.label,
+        "lap": view.lap,
+        "solved": view.solved,
+        "playback": view.playback,
+        "live": view.live,
         "falls": run.scene.rolling.drop_mm is not None,
-        "maps": maps.run_maps(run, scale["max_gpa"]) if scale else None,
+        "maps": run_maps,
         "film": slow_motion,
         "bands": _rounded(run.sound.levels.third_octave_db),
         "spreads": _rounded(run.summary["third_octave_uncertainty_db"]),
@@ -199,20 +268,53 @@ def _player(view: dict[str, Any], scale: dict[str, Any] | None) -> dict[str, Any
 
 def _rounded(levels: Mapping[str, float | None]) -> list[float | None]:
     """Return levels by band [dB], with three decimals."""
-    return [None if (level := levels[name]) is None else round(level, 3) for name in BAND_NAMES]
+    by_band = [levels[name] for name in BAND_NAMES]
+    return [None if level is None else round(level, 3) for level in by_band]
 
 
 # ---- pictures
 
 
-def _exhibit(picture: Picture, run: int | None = None) -> dict[str, Any]:
-    """Read a picture, of one run by its number or of several, as a chart with its table."""
-    chart, table = charts.chart_of(picture), picture.file("csv")
+class PageCharts:
+    """The charts of a page in the order in which its templates show them."""
+
+    def __init__(self, views: Sequence[RunView]) -> None:
+        self.shown = list[Chart]()
+        self._views = views
+
+    def add(self, chart: Chart) -> int:
+        """Show a chart and return its number."""
+        self.shown.append(chart)
+        return len(self.shown) - 1
+
+    def is_known(self, chart: Chart) -> bool:
+        """Tell whether equal curves are shown already, as runs of equal bodies have them."""
+        return any(_is_same(chart, other) for other in self.shown)
+
+    def sharing(self, chart: Chart) -> str:
+        """Return the numbers of the runs that have the chart of a run."""
+        numbers = []
+        for view in self._views:
+            own = view.pictures.get(chart["name"])
+            if view.number == chart["run"] or (own is not None and _is_same(chart, own)):
+                numbers.append(str(view.number))
+        return " ".join(numbers)
+
+
+def _is_same(chart: Chart, other: Chart) -> bool:
+    """Tell whether two charts have the same curves."""
+    return bool(chart["xs"] == other["xs"] and chart["parts"] == other["parts"])
+
+
+def _exhibit(picture: Picture) -> Chart:
+    """Read a picture as a chart with its table."""
+    chart = chart_of(picture)
+    table = picture.file("csv")
     if table is not None and len(table) <= LARGEST_CSV:
         chart["csv"] = table.decode()
     if picture.name in TIMELINES:
         chart["second"] = seconds(chart["x"]["unit"])
-    return chart if run is None else chart | {"run": run}
+    return chart
 
 
 def _comparing_exhibits(runs: Sequence[Run]) -> list[dict[str, Any]]:
@@ -224,53 +326,51 @@ def _comparing_exhibits(runs: Sequence[Run]) -> list[dict[str, Any]]:
     return exhibits
 
 
-def _number(charts: list[dict[str, Any]], chart: dict[str, Any]) -> int:
-    """Append a chart to those of the page and return its number."""
-    charts.append(chart)
-    return len(charts) - 1
-
-
-def _is_same(chart: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Tell whether two charts have the same curves."""
-    return bool(chart["xs"] == other["xs"] and chart["parts"] == other["parts"])
-
-
-def _sharing(views: Sequence[dict[str, Any]], chart: dict[str, Any]) -> str:
-    """Return the numbers of the runs that have the chart of a run."""
-    others = [view["pictures"].get(chart["name"], {"xs": None}) for view in views]
-    numbers = [k for k, x in enumerate(others) if k == chart["run"] or _is_same(chart, x)]
-    return " ".join(map(str, numbers))
-
-
 def seconds(unit: str) -> float:
     """Return the seconds of a unit of time with its prefix."""
-    return next(1000.0**power for power, sign in PREFIXES.items() if f"{sign}s" == unit)
+    for power, prefix in PREFIXES.items():
+        if f"{prefix}s" == unit:
+            return 1000.0**power
+    raise ValueError(f"{unit}: no unit of time")
 
 
 def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
     """Return the different surfaces, each with the labels of its runs."""
-    sharing: dict[str, list[Run]] = {}
+    groups: dict[str, list[Run]] = {}
     for run in runs:
-        scene, track = run.scene, run.scene.track
-        ball = scene.sphere.surface and (scene.sphere.surface, track.turn_nodes)
-        places = scene.height_path, track.n_along, track.n_across
-        sharing.setdefault(f"{scene.surface.model_dump_json()} {ball} {places}", []).append(run)
+        groups.setdefault(_surface_key(run), []).append(run)
     surfaces = []
-    for members in sharing.values():
-        picture, exhibit = single_picture("surface", members[0]), None
-        with left_out_if_it_fails(f"surface of {members[0].label}"):
+    for members in groups.values():
+        first = members[0]
+        picture = single_picture("surface", first)
+        exhibit = None
+        with left_out_if_it_fails(f"surface of {first.label}"):
             if picture is not None:
                 exhibit = _exhibit(picture)
         surface = {
             "labels": [run.label for run in members],
             "numbers": [number for number, run in enumerate(runs) if run in members],
-            "words": assumed.surface_words(members[0].scene),
-            "statistics": members[0].summary["surface"],
-            "parts": runs_table.surface_parts(members[0].summary),
+            "words": assumed.surface_words(first.scene),
+            "statistics": first.summary["surface"],
+            "parts": runs_table.surface_parts(first.summary),
             "picture": exhibit,
         }
         surfaces.append(surface)
     return surfaces
+
+
+def _surface_key(run: Run) -> str:
+    """Return a text that is the same for runs over the same heights."""
+    scene = run.scene
+    parts: list[Any] = [
+        scene.surface.model_dump_json(),
+        scene.height_path,
+        scene.track.n_along,
+        scene.track.n_across,
+    ]
+    if scene.sphere.surface:
+        parts += [scene.sphere.surface, scene.track.turn_nodes]
+    return repr(parts)
 
 
 # ---- gallery
@@ -278,7 +378,9 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
 
 MAX_CARDS = 200
 # All sounds together weigh about 5 MB: an MP3 of a rough contact takes up to 25 kB per second.
-SECONDS, ALL_SECONDS, MIN_SECONDS = 8.0, 150.0, 1.0
+SECONDS = 8.0  # of a run at most
+MIN_SECONDS = 1.0  # of a run at least
+ALL_SECONDS = 150.0  # of all runs together
 FADE_S = 0.02
 
 
@@ -302,7 +404,7 @@ def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[st
     """
     seconds = min(SECONDS, max(MIN_SECONDS, ALL_SECONDS / count))
     cards = [_card(run, seconds, folder) for run in runs]
-    gains = records.gains(*zip(*(card["loudness"] for card in cards), strict=True))
+    gains = records.gains([card["peak"] for card in cards], [card["level_db"] for card in cards])
     template = environment().get_template("gallery.html")
     return template.render(
         version=__version__,
@@ -316,11 +418,12 @@ def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[st
 
 def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
     """Return title, picture, sound, level and sentence of a run, and the link to its page."""
-    sound, still = _excerpt(run, seconds), None
+    sound = _excerpt(run, seconds)
+    peak = float(np.abs(sound).max())
+    listening = run.summary.get("listening") or {}
+    still = None
     with left_out_if_it_fails(f"of the contact of {run.label}"):
         still = film.still(run)
-    peak = float(np.abs(sound).max())
-    level = (run.summary.get("listening") or {}).get("laeq_db", run.summary["laeq_db"])
     return {
         "title": text.titles([run]),
         "label": run.label,
@@ -330,7 +433,8 @@ def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
         "sentence": _sentence(run),
         "picture": still,
         "sound": records.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
-        "loudness": (peak, level),
+        "peak": peak,
+        "level_db": listening.get("laeq_db", run.summary["laeq_db"]),
         "report": _link(run.home / PAGE, folder),
     }
 
@@ -347,8 +451,8 @@ def _excerpt(run: Run, seconds: float) -> Array:
     rate = run.sound.sample_rate
     part = np.array(record_for_ear(run).pressure[: round(seconds * rate)], dtype=float)
     fade = min(len(part), round(FADE_S * rate))
-    part[len(part) - fade :] *= np.linspace(1, 0, fade).reshape(-1, *[1] * (part.ndim - 1))
-    return np.asarray(part)
+    part.T[..., len(part) - fade :] *= np.linspace(1, 0, fade)  # of all channels
+    return part
 
 
 def _sentence(run: Run) -> str:

@@ -8,7 +8,7 @@ import io
 import math
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import soundfile
@@ -25,11 +25,21 @@ from rolling.sound.long_listening import Listening
 _FULL = 2**15  # steps of full scale
 
 
-def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    """Return gains, laps and records of runs: the long one if there is one, computed, by passes.
+class RunRecords(NamedTuple):
+    """Records of a run for the page, the first of which is heard: long, computed, by passes.
 
-    The first record is heard. `solved` is the time [s] in it at which the solved track ends.
+    `playback` are the gains of the first record, `lap` is the part of it to which its end leads
+    back, and `solved` the time [s] in it at which the solved track ends.
     """
+
+    records: list[dict[str, str]]
+    playback: dict[str, float | None]
+    lap: dict[str, float]
+    solved: float
+
+
+def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
+    """Return the records of runs that are compared on a page."""
     longs = [listening.long_record_of(run) for run in runs]
     peaks_pa = []
     levels_db = []
@@ -42,14 +52,13 @@ def of_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
             levels_db.append(long.numbers["laeq_db"])
     playbacks = gains(peaks_pa, levels_db)
     return [
-        {
-            "number": number,
-            "playback": playback,
-            "records": _records(run, long),
-            "lap": lap(run.sound, long),
-            "solved": solved(run.sound, long),
-        }
-        for number, (run, long, playback) in enumerate(zip(runs, longs, playbacks, strict=True))
+        RunRecords(
+            records=_records(run, long),
+            playback=playback,
+            lap=lap(run.sound, long),
+            solved=solved(run.sound, long),
+        )
+        for run, long, playback in zip(runs, longs, playbacks, strict=True)
     ]
 
 
