@@ -139,22 +139,19 @@ def _check(given: argparse.Namespace) -> int:
     """Check a scene, estimate its cost, and tell by the exit code whether it runs."""
     scene = _read_scene(given)
     with progress.step(LOADING):
-        from rolling.check.findings import check_scene
+        from rolling.check.findings import check_scene, conclusion
     findings = check_scene(scene, solve=not given.fast)
-    from rolling.results import verdict
-
     if progress.is_quiet():
         for warning in findings.warnings:
             print(f"warning: {warning}")
     else:
         print(findings)
-        print(f"\n{streams.wrapped(verdict.conclusion(scene, findings), '')}")
-    refusal = verdict.refusal(findings)
-    if refusal is not None and refusal.key not in ("memory", "disk"):
-        return FAILED  # a contact has no solution, as a run would find
-    if refusal is not None or findings.excess:
+        print(f"\n{streams.wrapped(conclusion(scene, findings), '')}")
+    if findings.refusal is None:
+        return OK
+    if findings.refusal.key in ("memory", "disk"):
         return BAD_INPUT
-    return OK
+    return FAILED  # a contact has no solution, as a run would find
 
 
 def _status(given: argparse.Namespace) -> int:

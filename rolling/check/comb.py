@@ -14,8 +14,7 @@ from acoustics.arrays import Array
 from acoustics.numbers import rounded, si
 from acoustics.radiation import Body, axis_transfer
 from acoustics.weighting import a_weighting_db
-from rolling.check import refusals
-from rolling.check.finding import Finding
+from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.check.validity import contact_axes, mean_heights
 from rolling.dynamics import of_scene
 from rolling.dynamics.bodies import Chain
@@ -38,7 +37,7 @@ _WAVES = 300  # at which the density of a law is computed
 _NAME = "comb of the lap"
 
 
-def findings(scene: Scene) -> Iterator[Finding]:
+def rules(scene: Scene) -> Iterator[Finding | Doubt]:
     """Warn of a track that is so short that one undamped resonance decides the level."""
     if not _repeats(scene):
         return
@@ -50,15 +49,15 @@ def findings(scene: Scene) -> Iterator[Finding]:
         return
     near = f"{100 * of_scene.NEAR_SPEEDS:g} %"
     value = f"LAeq spreads by about {rounded(spread)} dB over speeds within {near}"
-    if spread <= COMB_MOST_DB:
-        yield Finding(KEY, _NAME, value)
-        return
-    warning = (
-        "the track is so short that one undamped resonance decides the level, so LAeq will be "
-        f"given as the mean over speeds within {near}: "
-        f"{_advice(scene, chain, lap_m, speed)}"
-    )
-    yield Finding(KEY, _NAME, value, warning)
+    yield Finding(KEY, _NAME, value)
+    if spread > COMB_MOST_DB:
+        yield Doubt(
+            KEY,
+            f"{_NAME}: the track is so short that one undamped resonance decides the level, so "
+            f"LAeq will be given as the mean over speeds within {near}",
+            Severity.DO_NOT_QUOTE,
+            advice=_advice(scene, chain, lap_m, speed),
+        )
 
 
 def _lap_m(scene: Scene) -> float:
@@ -83,7 +82,6 @@ def _repeats(scene: Scene) -> bool:
         and len(scene.plate.contact_ends_mm) < 2
         and not scene.is_smooth
         and scene.track.lap_steps >= _FEWEST_STEPS
-        and not refusals.excess([scene], 1, None)
     )
 
 

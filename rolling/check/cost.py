@@ -4,6 +4,7 @@ import math
 import os
 from collections.abc import Sequence
 
+from acoustics.numbers import clock
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.smooth_contact import equivalent_radius, semi_axes
@@ -53,6 +54,13 @@ RUN_FILES, STEP_FILE, SAMPLE_FILE, EVENT_FILE = 1.7e6, 110.0, 20.0, 41.0
 def cores() -> int:
     """Return the number of cores that this process may use, the default number of workers."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def computing(core_seconds: float) -> str:
+    """Write the time that a computation of one core [s] takes on all cores."""
+    count = cores()
+    noun = "core" if count == 1 else "cores"
+    return f"about {clock(core_seconds / count)} on {count} {noun}"
 
 
 # ---- window and time

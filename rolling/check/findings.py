@@ -1,17 +1,17 @@
 """Check of a scene before it is run: its cost, and whether its result can be believed.
 
-`findings` judges one run, `check_scene` all runs of a scene.
+`check_run` judges one run, `check_scene` all runs of a scene.
 """
 
 from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from html import escape
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from acoustics.numbers import byte_size, rounded, si
 from acoustics.traps import ignoring_underflow
@@ -21,14 +21,14 @@ from rolling.check import (
     error_cost,
     forecast,
     heights,
+    level,
     refusals,
     resolution,
     validity,
 )
-from rolling.check.finding import SURFACE, Finding, computing, judged, surface_time
+from rolling.check.doubt import Doubt, Finding, Severity, verdict_of
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.scene.identity import contact_keys, digest
-from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import run_name
@@ -39,10 +39,19 @@ from rolling.terminal.streams import columns, wrapped
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
 
-# Keys of the findings of marches whose time follows that of the track.
+# Keys of the rows of marches whose time follows that of the track.
 OTHER_MARCHES = ("error_estimate", "force_law", validity.OWN_MARCH)
+# Keys of doubts that stand beside every level, and are no warnings.
+BESIDE_LEVELS = (*level.SOURCES, resolution.LEVEL_KEY)
 RUNS_ABREAST = 5  # columns of the table
 MIN_HERTZ_NODES = 10  # across the Hertz radius
+
+
+class RunCheck(NamedTuple):
+    """Rows of one run in the order of the table, and the doubts about its numbers."""
+
+    findings: list[Finding]
+    doubts: list[Doubt]
 
 
 @ignoring_underflow
@@ -54,10 +63,12 @@ class Findings(Sequence[Finding]):
     ----------
     runs : dict of str to list of Finding
         Findings by run; its name is its swept values, or the name of the scene.
+    doubts : dict of str to list of Doubt
+        Doubts about the numbers of each run: `key`, `text`, `severity`, `decibels` and `advice`.
     of_all : tuple of (str, str)
         Time of everything, and memory and disk of all runs together.
-    excess : tuple of str
-        Warnings where all runs together need too much memory or disk.
+    excess : tuple of Doubt
+        Memory and disk that all runs together need too much of.
     seconds : float, s
         Time of all runs with start, files and page, on all cores times their number.
 
@@ -70,25 +81,35 @@ class Findings(Sequence[Finding]):
     """
 
     runs: dict[str, list[Finding]]
+    doubts: dict[str, list[Doubt]] = field(default_factory=dict)
     of_all: tuple[tuple[str, str], ...] = ()
-    excess: tuple[str, ...] = ()
+    excess: tuple[Doubt, ...] = ()
     seconds: float = 0.0
 
     @property
     def warnings(self) -> list[str]:
         """Warnings in words, each once with the runs that it concerns unless it concerns all."""
         names = defaultdict[str, list[str]](list)
-        for name, of_run in self.runs.items():
-            for finding in of_run:
-                if finding.warning:
-                    names[f"{finding.quantity}: {finding.warning}"].append(name)
-        lines = list(self.excess)
-        for warning, runs in names.items():
-            few = len(runs) <= RUNS_ABREAST
-            listed = runs if few else [*runs[:RUNS_ABREAST], f"{len(runs)} runs in all"]
-            every = len(runs) == len(self.runs)
-            lines.append(warning if every else f"{warning} ({', '.join(listed)})")
+        for name, doubts in self.doubts.items():
+            for doubt in doubts:
+                if doubt.key not in BESIDE_LEVELS:
+                    names[doubt.line].append(name)
+        lines = [doubt.line for doubt in self.excess]
+        for line, runs in names.items():
+            if len(runs) == len(self.runs):
+                lines.append(line)
+                continue
+            listed = runs[:RUNS_ABREAST]
+            if len(runs) > RUNS_ABREAST:
+                listed.append(f"{len(runs)} runs in all")
+            lines.append(f"{line} ({', '.join(listed)})")
         return lines
+
+    @property
+    def refusal(self) -> Doubt | None:
+        """The first doubt for which a run would be refused or have no solution; None without."""
+        doubts = [*chain.from_iterable(self.doubts.values()), *self.excess]
+        return next((doubt for doubt in doubts if doubt.severity is Severity.REFUSED), None)
 
     def __len__(self) -> int:
         return sum(map(len, self.runs.values()))
@@ -121,9 +142,11 @@ class Findings(Sequence[Finding]):
     def _rows(self) -> tuple[list[list[str]], list[list[str]]]:
         """Return the rows that all runs share, and the rows with a column per run and a header."""
         cells = {finding.quantity: [""] * len(self.runs) for finding in self}
-        for k, of_run in enumerate(self.runs.values()):
+        for k, (name, of_run) in enumerate(self.runs.items()):
+            doubtful = {doubt.key for doubt in self.doubts.get(name, ())}
             for finding in of_run:
-                cells[finding.quantity][k] = finding.value + " !" * bool(finding.warning)
+                mark = " !" if finding.key in doubtful else ""
+                cells[finding.quantity][k] = finding.value + mark
         shared = [[name, row[0]] for name, row in cells.items() if len({*row}) == 1]
         by_run = [[name, *row] for name, row in cells.items() if len({*row}) > 1]
         return shared + [list(row) for row in self.of_all], [["", *self.runs], *by_run]
@@ -143,7 +166,7 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     Returns
     -------
     Findings
-        Quantities, values and warnings of each run; printed, they are a table.
+        Quantities and values of each run, and doubts about them; printed, they are a table.
 
     Raises
     ------
@@ -161,40 +184,46 @@ def check_scene(scene: Scene, solve: bool = True) -> Findings:
     resolution.refuse_long_steps(scene)
     runs = scene.runs()
     scenes = [run.scene for run in runs]
-    for run in scenes:  # a file is judged by its header before it is read
-        if run.height_paths and (faults := refusals.excess([run], 1, None)):
-            section = next(iter(run.height_paths))
-            raise SceneError([f"{section}.path: {fault}" for fault in faults.values()])
+    refusals.refuse_large_files(scenes)
     probes: Sequence[Probe | None] = [None] * len(runs)
     if solve:
         with progress.step("loading the solver"):
             from rolling.check import probe  # its compiled functions are slow to import
         probes = probe.probes(scenes)
+    rows: dict[str, list[Finding]] = {}
+    doubts: dict[str, list[Doubt]] = {}
     with progress.step("judging the numbers of the scene"):
-        by_run = {
-            run_name(run.values) or scene.name: findings(run.scene, probe)
-            for run, probe in zip(runs, probes, strict=True)
-        }
-    times: dict[tuple[str, object], float] = {}  # by finding and surface, march or run
-    for number, (run, of_run) in enumerate(zip(scenes, by_run.values(), strict=True)):
-        own = {validity.OWN_MARCH: number, SURFACE: scene_surface.identity(run)}
-        march = digest(contact_keys(run))
-        slow = _slowness(run, of_run)
-        for finding in of_run:
-            factor = slow if finding.key in OTHER_MARCHES else 1.0
-            key = finding.key, own.get(finding.key, march)
-            times.setdefault(key, factor * finding.seconds)
-    seconds = sum(times.values()) + forecast.beside_seconds(scenes, cost.cores())
+        for run, solved in zip(runs, probes, strict=True):
+            name = run_name(run.values) or scene.name
+            rows[name], doubts[name] = check_run(run.scene, solved)
+    seconds = _core_seconds(scenes, [*rows.values()])
     whole = f"{forecast.takes(seconds)}, with start, files and page"
     if len(runs) == 1:
-        return Findings(by_run, (("time of the whole run", whole),), seconds=seconds)
+        return Findings(rows, doubts, (("time of the whole run", whole),), seconds=seconds)
     of_all = (
         ("expected time of all", f"{whole}, {len(runs)} runs"),
         ("memory of all", refusals.memory_text(cost.memory(scenes, cost.cores()))),
         ("disk of all", f"about {byte_size(cost.disk(scenes))}"),
     )
-    excess = tuple(f"{key} of all: {fault}" for key, fault in _excess(scenes).items())
-    return Findings(by_run, of_all, excess, seconds)
+    excess = refusals.excess(scenes, cost.cores(), refusals.OUTPUTS, of=" of all")
+    return Findings(rows, doubts, of_all, tuple(excess), seconds)
+
+
+def _core_seconds(scenes: Sequence[Scene], rows: Sequence[Sequence[Finding]]) -> float:
+    """Return the time of all runs with start, files and page, on all cores times their number.
+
+    Runs that share a surface or a march count it once.
+    """
+    times: dict[tuple[str, object], float] = {}  # by row and surface, march or run
+    for number, (scene, of_run) in enumerate(zip(scenes, rows, strict=True)):
+        own = {validity.OWN_MARCH: number, forecast.SURFACE: scene_surface.identity(scene)}
+        march = digest(contact_keys(scene))
+        slow = _slowness(scene, of_run)
+        for finding in of_run:
+            factor = slow if finding.key in OTHER_MARCHES else 1.0
+            key = finding.key, own.get(finding.key, march)
+            times.setdefault(key, factor * finding.seconds)
+    return sum(times.values()) + forecast.beside_seconds(scenes, cost.cores())
 
 
 def _slowness(scene: Scene, of_run: Sequence[Finding]) -> float:
@@ -209,20 +238,51 @@ def _slowness(scene: Scene, of_run: Sequence[Finding]) -> float:
     return measured / expected if measured > 0 and expected > 0 else 1.0
 
 
-def _excess(scenes: Sequence[Scene]) -> dict[str, str]:
-    return refusals.excess(scenes, cost.cores(), refusals.OUTPUTS)
+def conclusion(scene: Scene, findings: Findings) -> str:
+    """State in one sentence whether a scene runs, how long, and with which verdict at best."""
+    if findings.refusal is not None:
+        return f"It does not run: {findings.refusal.text}."
+    time = forecast.takes(findings.seconds)
+    scenes = (run.scene for run in scene.runs())
+    if all(part.is_smooth and part.rolling.drop_mm is None for part in scenes):
+        return f"It runs, in {time}; a smooth surface is silent."
+    verdicts = [verdict_of(doubts) for doubts in findings.doubts.values()]
+    worst = max(verdicts, key=lambda doubt: doubt.severity)
+    place = "" if len(verdicts) == 1 else " of the worst run"
+    word = worst.severity.word
+    if worst.severity < Severity.DO_NOT_QUOTE:
+        word = f"at best {word}"
+    return f"It runs, in {time}; the expected verdict{place} is {word}: {worst.text}."
 
 
-def findings(scene: Scene, solved: Probe | None = None) -> list[Finding]:
+def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
     """Judge one run; solved positions replace the numbers of closed forms.
 
     Raise SceneError for a height file that cannot be used.
     """
-    by_key = {finding.key: finding for rule in _RULES for finding in rule(scene)}
-    for finding in solved.findings(scene) if solved else ():
-        before = by_key.get(finding.key, finding)
-        by_key[finding.key] = replace(finding, warning=finding.warning or before.warning)
-    return list(by_key.values())
+    found: list[Finding | Doubt] = [*scene_rules(scene), *level.rules(scene)]
+    if solved is not None:
+        found += solved.findings(scene)
+    # A later rule replaces the row of an earlier rule with the same key.
+    rows = {x.key: x for x in found if isinstance(x, Finding)}
+    doubts = {x.key: x for x in found if isinstance(x, Doubt)}
+    return RunCheck([*rows.values()], [*doubts.values()])
+
+
+def scene_rules(scene: Scene) -> Iterator[Finding | Doubt]:
+    """Yield rows and doubts of one run from its scene, in the order of the table."""
+    fits = not refusals.excess([scene], 1, None)
+    yield from _track(scene)
+    yield from _march(scene)
+    yield from _memory(scene)
+    yield from _smooth_contact(scene)
+    yield from resolution.rules(scene)
+    if fits:
+        yield from heights.rules(scene)
+    yield from validity.rules(scene)
+    if fits:
+        yield from comb.rules(scene)
+    yield from resolution.record(scene)
 
 
 # ---- size and cost
@@ -258,82 +318,105 @@ def _turns(scene: Scene) -> Finding:
     return Finding("turns", "turns of the sphere", value)
 
 
-def _march(scene: Scene) -> Iterator[Finding]:
+def _march(scene: Scene) -> Iterator[Finding | Doubt]:
     """State window, time, tolerance and the cost of the error estimate."""
     rq = cost.roughness(scene)[0]
     step_ms, seconds = cost.step_ms(scene), cost.expected_seconds(scene)
-    time = computing(seconds) + f" for {scene.passes} passes" * scene.is_permanent
-    rule = " (auto)" if scene.numerics.tolerance == "auto" else ""
-    yield _window(scene, rq)
+    time = cost.computing(seconds)
+    if scene.is_permanent:
+        time += f" for {scene.passes} passes"
+    tolerance = rounded(scene.tolerance, 6)
+    if scene.numerics.tolerance == "auto":
+        tolerance += " (auto)"
+    yield from _window(scene, rq)
     yield Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core")
-    yield Finding("expected_time", "time of the march", time, None, seconds)
-    yield Finding("tolerance", "tolerance", f"{rounded(scene.tolerance, 6)}{rule}")
-    yield from surface_time(scene)
+    yield Finding("expected_time", "time of the march", time, seconds)
+    yield Finding("tolerance", "tolerance", tolerance)
+    yield from forecast.surface_time(scene)
     if scene.numerics.error_estimate:
         seconds = error_cost.seconds(scene)
         reason = error_cost.too_short(scene) or "a smooth surface makes no sound"
-        value = computing(seconds) if seconds else f"none: {reason}"
-        yield Finding("error_estimate", "error estimate", value, None, seconds)
+        value = cost.computing(seconds) if seconds else f"none: {reason}"
+        yield Finding("error_estimate", "error estimate", value, seconds)
 
 
-def _window(scene: Scene, rq: float) -> Finding:
+def _window(scene: Scene, rq: float) -> Iterator[Finding | Doubt]:
     """Estimate the nodes of the window, and warn of a surface that is narrower than the contact."""
     track = scene.track
-    lengths = 2 * cost.overlap_width(scene, rq), 2 * cost.overlap_radius(scene, rq)
-    periods = track.n_across * scene.spacing, track.n_along * scene.spacing
-    side = "width" if lengths[0] / periods[0] >= lengths[1] / periods[1] else "length"
-    across, period = (lengths[0], periods[0]) if side == "width" else (lengths[1], periods[1])
-    key = "duration_s" if scene.rolling.distance_mm is None else "distance_mm"
-    key = "surface.width_um" if side == "width" else f"rolling.{key}"
+    width, length = 2 * cost.overlap_width(scene, rq), 2 * cost.overlap_radius(scene, rq)
+    ahead = max(1.0, scene.numerics.step_nodes)
+    rows, columns = (reach / scene.spacing + ahead for reach in (length, width))
+    yield Finding("window", "window", f"about {rows:.0f} x {columns:.0f} nodes")
+    across, period = width, track.n_across * scene.spacing
+    side, key = "width", "surface.width_um"
+    if length / (track.n_along * scene.spacing) > width / period:
+        across, period = length, track.n_along * scene.spacing
+        side = "length"
+        key = "rolling.duration_s"
+        if scene.rolling.distance_mm is not None:
+            key = "rolling.distance_mm"
     if isinstance(scene.surface, HeightFile) and not (side == "width" and scene.surface.width_um):
         key = "height file"
-    numbers = {"across": across, "side": side, "period": period, "key": key, "least": 1e6 * across}
-    ahead = max(1.0, scene.numerics.step_nodes)
-    columns, rows = (length / scene.spacing + ahead for length in lengths)
-    return judged("window", f"about {rows:.0f} x {columns:.0f} nodes", across > period, **numbers)
+    if across > period:
+        yield Doubt(
+            "window",
+            f"window: the contact is about {si(across, 'm')} across, the surface has a {side} of "
+            f"{si(period, 'm')}",
+            Severity.INDICATIVE,
+            advice=f"choose a larger {key}, at least {1e6 * across:.0f} um of surface",
+        )
 
 
-def _memory(scene: Scene) -> Iterator[Finding]:
-    needs = refusals.memory_text(cost.memory([scene], cost.cores())), cost.disk([scene])
-    excess = {key: f"{fault}; the run will be refused" for key, fault in _excess([scene]).items()}
-    yield Finding("memory", "memory", needs[0], excess.get("memory"))
-    yield Finding("disk", "disk", f"about {byte_size(needs[1])}", excess.get("disk"))
+def _memory(scene: Scene) -> Iterator[Finding | Doubt]:
+    """State memory and disk, and tell where the run does not fit."""
+    workers = cost.cores()
+    yield Finding("memory", "memory", refusals.memory_text(cost.memory([scene], workers)))
+    yield Finding("disk", "disk", f"about {byte_size(cost.disk([scene]))}")
+    for need in refusals.excess([scene], workers, refusals.OUTPUTS):
+        yield replace(need, text=f"{need.text}; the run will be refused")
 
 
 # ---- contact of a smooth sphere
 
 
-def _smooth_contact(scene: Scene) -> Iterator[Finding]:
+def _smooth_contact(scene: Scene) -> Iterator[Finding | Doubt]:
     """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
     (length, width), pressure = semi_axes(scene), maximum_pressure(scene)
     radius, shape = min(length, width), si(length, "m")
     if length != width:
         shape += f" along, {si(width, 'm')} across"
-    nodes, coarse = radius / scene.spacing, radius / MIN_HERTZ_NODES * 1e6
-    few = nodes < MIN_HERTZ_NODES
-    numbers = {"nodes": nodes, "least": MIN_HERTZ_NODES}
-    finer = resolution.finer(scene, coarse)
     yield Finding("hertz_radius", "Hertz radius", shape)
     yield Finding("hertz_pressure", "Hertz pressure", si(pressure, "Pa"))
     yield from _hardness(scene, pressure)
-    yield judged("hertz_nodes", rounded(nodes, 3), few, finer=finer, **numbers)
+    nodes = radius / scene.spacing
+    yield Finding("hertz_nodes", "nodes per Hertz radius", rounded(nodes, 3))
+    if nodes < MIN_HERTZ_NODES:
+        coarsest_um = radius / MIN_HERTZ_NODES * 1e6
+        yield Doubt(
+            "hertz_nodes",
+            f"nodes per Hertz radius: {rounded(nodes)} nodes across the Hertz radius, "
+            f"{MIN_HERTZ_NODES} are wanted",
+            Severity.INDICATIVE,
+            advice=f"choose {resolution.finer(scene, coarsest_um)}",
+        )
 
 
-def _hardness(scene: Scene, pressure: float) -> Iterator[Finding]:
+def _hardness(scene: Scene, pressure: float) -> Iterator[Finding | Doubt]:
     """Compare the hardness with the Hertz pressure [Pa], and the load with the capacity."""
     if not math.isfinite(scene.hardness):
         yield Finding("hardness", "hardness", "none, purely elastic")
         return
-    gentle = "above the Hertz pressure of a smooth sphere; asperities may yield"
-    says = "yields" if pressure > scene.hardness else gentle
-    capacity = scene.hardness * scene.track.n_along * scene.track.n_across * scene.track.spacing**2
-    numbers = {"load": scene.load, "capacity": capacity}
+    says = "above the Hertz pressure of a smooth sphere; asperities may yield"
+    if pressure > scene.hardness:
+        says = "yields"
     yield Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}")
-    yield judged("capacity", si(capacity, "N"), scene.load >= capacity, **numbers)
-
-
-# In the order of the table. A rule replaces the finding of an earlier rule with the same key.
-_RULES: tuple[Callable[[Scene], Iterable[Finding]], ...] = (
-    *(_track, _march, _memory, _smooth_contact),
-    *(resolution.findings, heights.findings, validity.findings, comb.findings, resolution.record),
-)
+    capacity = scene.hardness * scene.track.n_along * scene.track.n_across * scene.track.spacing**2
+    yield Finding("capacity", "capacity", si(capacity, "N"))
+    if scene.load >= capacity:
+        yield Doubt(
+            "capacity",
+            f"capacity: the load is {rounded(scene.load, 6)} N, hardness times one period of the "
+            f"surface is {si(capacity, 'N')}",
+            Severity.REFUSED,
+            advice="the run will be refused; lower rolling.load_n or enlarge the surface",
+        )

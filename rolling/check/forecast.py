@@ -8,7 +8,7 @@ runs.
 from collections.abc import Sequence
 
 from rolling.check import cost, error_cost
-from rolling.check.finding import computing
+from rolling.check.doubt import Finding
 from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 
@@ -24,6 +24,8 @@ MOTIONS = 3  # of a run: over the first loads, over all loads, and with longer t
 RUN_IN_DECAYS, RUN_IN_LAPS = 12.0, 400.0  # of a motion on a closed track
 JUDGED_STEPS = 200  # of the stretch at loads between those of a force law
 MAX_RUNS_ON_PAGE = 24  # with players; more runs have their figures only
+SURFACE = "surface_time"  # key of the row whose time runs with the same surface share
+MIN_SECONDS = 1.0  # shorter times for making a surface are not listed
 
 
 def law_seconds(scene: Scene) -> tuple[int, float]:
@@ -79,4 +81,16 @@ def takes(core_seconds: float) -> str:
     """Write the time of a whole run: a few seconds, or so long on all cores."""
     if core_seconds / cost.cores() < SHORT:
         return "a few seconds"
-    return computing(core_seconds)
+    return cost.computing(core_seconds)
+
+
+def surface_time(scene: Scene, slow: float = 1.0) -> list[Finding]:
+    """State the time to make a random surface, which every process does; nothing if it is short.
+
+    `slow` is the time that this machine took over the expected one.
+    """
+    seconds = slow * cost.cores() * sum(cost.surface_seconds(scene))
+    if seconds < MIN_SECONDS:
+        return []
+    value = f"{cost.computing(seconds)}, each of which makes it"
+    return [Finding(SURFACE, "making of the surface", value, seconds)]

@@ -1,16 +1,16 @@
 """Heights: resolution, tilt, seam and form of a file; moments, spectrum and waves of made ones."""
 
 import math
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
-from acoustics.numbers import rounded, si
-from rolling.check import cost, refusals, resolution
-from rolling.check.finding import Finding, judged, sentence
+from acoustics.numbers import rounded, rounded_down, si
+from rolling.check import cost, resolution
+from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.scene.height_files import is_instrument
 from rolling.scene.height_grid import read
-from rolling.scene.laws import SelfAffineLaw
+from rolling.scene.laws import HeightLaw, SelfAffineLaw
 from rolling.scene.messages import TABLES
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
@@ -28,10 +28,13 @@ OFF = 0.005  # difference of skewness or kurtosis that is named
 ROLLOFF_WAVES = 4.0  # of the roll-off that a period should hold
 
 
-def findings(scene: Scene) -> Iterator[Finding]:
+def rules(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge the heights of files, and made heights that are self-affine or not Gaussian."""
     if scene.height_paths and (suspicions := scene_surface(scene).suspicions):
-        yield Finding("doubtful_heights", "heights of the file", "doubtful", "; ".join(suspicions))
+        name = "heights of the file"
+        yield Finding("doubtful_heights", name, "doubtful")
+        text = f"{name}: {'; '.join(suspicions)}"
+        yield Doubt("doubtful_heights", text, Severity.INDICATIVE)
     if not isinstance(scene.surface, HeightFile):
         yield from _made(scene)
         return
@@ -41,12 +44,12 @@ def findings(scene: Scene) -> Iterator[Finding]:
     yield from _file(path, scene.surface)
     for step in surface.preparation:
         name = TABLES["steps"].get(step.step, step.step)
-        yield Finding(step.step, name, step.text, step.warning)
+        yield Finding(step.step, name, step.text)
+        if step.warning:
+            yield Doubt(step.step, f"{name}: {step.warning}", Severity.TRUST)
     yield Finding("level", "tilt", tilt_text(surface.levelling))
-    yield _seam(scene, surface.levelling)
-    share = form_share(surface.heights)
-    form = f"{rounded(100 * share)} % of the variance"
-    yield judged("form", form, share > MAX_FORM, percent=100 * share)
+    yield from _seam(scene, surface.levelling)
+    yield from _form(surface)
 
 
 def tilt_text(levelling: Levelling) -> str:
@@ -66,6 +69,21 @@ def tilt_text(levelling: Levelling) -> str:
     return f"{order}: {plane}; Ra {before} before, {after} after"
 
 
+def _form(surface: SceneSurface) -> Iterator[Finding | Doubt]:
+    """Judge the form that may pass for roughness."""
+    share = form_share(surface.heights)
+    name = "plane and parabola"
+    yield Finding("form", name, f"{rounded(100 * share)} % of the variance")
+    if share > MAX_FORM:
+        yield Doubt(
+            "form",
+            f"{name}: a plane and a parabola make up {100 * share:.0f} % of the variance of the "
+            "heights and pass for roughness",
+            Severity.INDICATIVE,
+            advice="remove them with surface.level quadratic",
+        )
+
+
 def _file(path: Path, surface: HeightFile) -> Iterator[Finding]:
     """State channel, nodes and spacing of the file of an instrument."""
     if not is_instrument(path):
@@ -79,35 +97,67 @@ def _file(path: Path, surface: HeightFile) -> Iterator[Finding]:
     yield Finding("file", "measurement", value)
 
 
-def _resolution(surface: SceneSurface) -> Iterator[Finding]:
+def _resolution(surface: SceneSurface) -> Iterator[Finding | Doubt]:
     """Count the nodes per correlation length, and judge them and the noise."""
     along, across = (correlation(surface.heights, surface.spacing, axis) for axis in (0, 1))
     length, noise = min(along.length, across.length), max(along.noise, across.noise)
     if not math.isfinite(length):
         return
-    nodes, kinds = length / surface.spacing, list[str]()
+    name, nodes = "nodes per correlation length", length / surface.spacing
+    yield Finding("correlation_nodes", name, rounded(nodes, 3))
+    of_file = "1/e of the autocorrelation"
+    wrong, advice = list[str](), list[str]()
     if nodes < 1:
-        kinds.append("none")
+        wrong.append(
+            f"less than 1 node per correlation length ({of_file}), {MIN_CORRELATION_NODES:g} are "
+            "wanted"
+        )
+        advice.append("a finer measurement is needed, or noise must be filtered out")
     elif round(nodes, 1) < MIN_CORRELATION_NODES:
-        kinds.append("few")
+        spacing_um = length / MIN_CORRELATION_NODES * 1e6
+        wrong.append(
+            f"{rounded(nodes)} nodes per correlation length ({si(length, 'm')}, {of_file}), "
+            f"{MIN_CORRELATION_NODES:g} are wanted"
+        )
+        advice.append(
+            "a finer measurement is needed, with a spacing of at most "
+            f"{rounded_down(spacing_um)} um"
+        )
     if noise > MAX_NOISE and nodes >= 1:
-        kinds.append("noise")
-    key, spacing_um = "correlation_nodes", length / MIN_CORRELATION_NODES * 1e6
-    numbers = {"nodes": nodes, "least": MIN_CORRELATION_NODES, "length": length}
-    numbers |= {"spacing_um": spacing_um, "percent": 100 * noise}
-    warning = "; ".join(sentence(key, kind, **numbers) for kind in kinds)
-    yield replace(judged(key, rounded(nodes, 3), False), warning=warning or None)
+        wrong.append(
+            f"{rounded(100 * noise)} % of the variance of the heights changes from each node to "
+            "the next"
+        )
+        advice.append("filter noise out, or take a finer measurement")
+    if wrong:
+        yield Doubt(
+            "correlation_nodes",
+            f"{name}: {'; '.join(wrong)}",
+            Severity.INDICATIVE,
+            advice="; ".join(advice),
+        )
 
 
-def _seam(scene: Scene, levelling: Levelling) -> Finding:
+def _seam(scene: Scene, levelling: Levelling) -> Iterator[Finding | Doubt]:
     """Judge the step from the last row to the first and the time of contact on it."""
-    seam = levelling.seams[0]
+    seam, name = levelling.seams[0], "step across the seam"
     sizes = f"{si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between neighbouring rows"
     if not seam.stands_out:
-        return judged("seam", sizes, False)
+        yield Finding("seam", name, sizes)
+        return
+    yield Finding("seam", name, f"{sizes}, stands out")
     share, record = _share_on_seam(scene, resolution.contact_radius(scene)), scene.duration
-    numbers = {"on_seam": share * record, "record": record, "percent": 100 * share}
-    return judged("seam", f"{sizes}, stands out", share > 0, **numbers)
+    if share > 0:
+        yield Doubt(
+            "seam",
+            f"{name}: the file is no period of a surface. The contact is on that step for "
+            f"{si(share * record, 's')} of the record's {si(record, 's')} "
+            f"({rounded(100 * share)} %); the sound of that time belongs to the cut, and the "
+            "record does not loop",
+            Severity.INDICATIVE,
+            advice="roll over the middle of the file only (rolling.start_um, rolling.duration_s), "
+            "or set surface.periodic to blend",
+        )
 
 
 def _share_on_seam(scene: Scene, radius: float) -> float:
@@ -126,25 +176,51 @@ def _share_on_seam(scene: Scene, radius: float) -> float:
 # ---- made heights
 
 
-def _made(scene: Scene) -> Iterator[Finding]:
+def _made(scene: Scene) -> Iterator[Finding | Doubt]:
     """Make heights that are self-affine or not Gaussian, and judge them."""
     laws = [law for law in scene.laws if is_described(law)]
-    if not laws or refusals.excess([scene], 1, None):
+    if not laws:
         return
     for law, (key, heights) in zip(laws, scene_surface(scene).made.items(), strict=True):
-        of = "sphere " * key.startswith("ball")
+        of = "sphere " if key.startswith("ball") else ""
         if not law.is_gaussian:
-            skewness, kurtosis = heights["skewness"], heights["kurtosis"]
-            wanted = {"wanted_skewness": law.moments[0], "wanted_kurtosis": law.moments[1]}
-            got = {"skewness": skewness, "kurtosis": kurtosis}
-            value = sentence("surface_made", "value", **got, **wanted)
-            off = max(abs(skewness - law.moments[0]), abs(kurtosis - law.moments[1])) > OFF
-            yield replace(judged("surface_made", value, off, of=of, value=value), key=key)
+            yield from _moments(law, key, f"{of}skewness and kurtosis", heights)
+        name = f"{of}spectrum against its law, by octave"
         errors, chances = heights["spectrum_error_db"], heights["spectrum_chance_db"]
         octave = max(errors, key=lambda name: abs(errors[name]) / max(chances[name], 0.1))
-        numbers = {"octave": octave, "error": errors[octave], "chance": chances[octave]}
-        value = sentence("surface_spectrum", "value", **numbers)
+        yield Finding(
+            f"{key}_spectrum",
+            name,
+            f"largest {errors[octave]:+.1f} dB at {octave} um, where chance alone makes "
+            f"{chances[octave]:.1f} dB",
+        )
         least_um = ROLLOFF_WAVES * law.rolloff_um if isinstance(law, SelfAffineLaw) else 0.0
-        few = cost.shortest_period(scene) * 1e6 < least_um
-        words = {"of": of, "waves": ROLLOFF_WAVES, "least_um": least_um}
-        yield replace(judged("surface_spectrum", value, few, **words), key=f"{key}_spectrum")
+        if cost.shortest_period(scene) * 1e6 < least_um:
+            yield Doubt(
+                f"{key}_spectrum",
+                f"{name}: the plateau of the spectrum needs {ROLLOFF_WAVES:g} waves of the "
+                "roll-off",
+                Severity.TRUST,
+                advice=f"choose a surface.width_um and a track of at least {least_um:g} um",
+            )
+
+
+def _moments(
+    law: HeightLaw, key: str, name: str, heights: Mapping[str, Any]
+) -> Iterator[Finding | Doubt]:
+    """Compare skewness and kurtosis of made heights with those of their law."""
+    skewness, kurtosis = heights["skewness"], heights["kurtosis"]
+    wanted_skewness, wanted_kurtosis = law.moments
+    value = (
+        f"{rounded(skewness, 4)} and {rounded(kurtosis, 4)}, requested "
+        f"{rounded(wanted_skewness, 4)} and {rounded(wanted_kurtosis, 4)}"
+    )
+    yield Finding(key, name, value)
+    if max(abs(skewness - wanted_skewness), abs(kurtosis - wanted_kurtosis)) > OFF:
+        yield Doubt(
+            key,
+            f"{name}: {value}",
+            Severity.TRUST,
+            advice="the spectrum of the law allows no nearer pair; choose another pair, or a "
+            "longer or wider surface with more asperities",
+        )

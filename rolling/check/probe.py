@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array
 from acoustics.numbers import clock, rounded, si
 from rolling.check import cost
+from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.check.error_cost import COLD_STEPS
-from rolling.check.finding import Finding, computing, sentence, surface_time
+from rolling.check.forecast import surface_time
 from rolling.contact import compiling
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
@@ -71,14 +72,18 @@ class Probe:
     left_out: str = ""
     surface_s: float = 0.0
 
-    def findings(self, scene: Scene) -> Iterator[Finding]:
+    def findings(self, scene: Scene) -> Iterator[Finding | Doubt]:
         """State the numbers of the solved positions, in place of closed forms and cost model."""
-        solved, count, failed = self.solved, len(self.solved), None
-        if self.failures:
-            numbers = {"failed": len(self.failures), "tried": self.tried}
-            failed = sentence("positions", "failed", reason=self.failures[0], **numbers)
+        solved, count = self.solved, len(self.solved)
         value = f"none: {self.left_out}" if self.left_out else f"{count} of {self.tried}"
-        yield Finding("positions", "positions solved", value, failed)
+        yield Finding("positions", "positions solved", value)
+        if self.failures:
+            yield Doubt(
+                "positions",
+                f"positions solved: {len(self.failures)} of {self.tried} positions fail, and so "
+                f"will the run: {self.failures[0]}",
+                Severity.REFUSED,
+            )
         if not count:
             return
         slow = float(solved["step_ms"].mean()) / cost.step_ms(scene)
@@ -89,12 +94,14 @@ class Probe:
             f"{statistic(rows):.0f} x {statistic(columns):.0f}"
             for statistic in (np.mean, np.min, np.max)
         )
-        window = f"{mean} nodes" + (f" ({least} to {most})" if least != most else "")
+        window = f"{mean} nodes"
+        if least != most:
+            window += f" ({least} to {most})"
         if making := cost.surface_seconds(scene)[0]:
             yield from surface_time(scene, max(1.0, self.surface_s / making))
         yield Finding("window", "window", window)
         yield Finding("step_time", "time of a step", f"{step} on 1 core")
-        yield Finding("expected_time", "time of the march", computing(seconds), None, seconds)
+        yield Finding("expected_time", "time of the march", cost.computing(seconds), seconds)
         yield Finding("contact_area", "contact area", _ranged(solved["contact_area"], _area))
         if math.isfinite(scene.hardness):
             plastic_area, contact_area = solved["plastic_area"], solved["contact_area"]
@@ -112,7 +119,8 @@ class Probe:
 def _ranged(values: Array, text: Callable[[float], str]) -> str:
     """Write mean and range: 2.1 ms (1.9 to 2.3 ms)."""
     least, most = text(float(values.min())), text(float(values.max()))
-    return text(float(values.mean())) + (f" ({least} to {most})" if least != most else "")
+    mean = text(float(values.mean()))
+    return mean if least == most else f"{mean} ({least} to {most})"
 
 
 def _area(value: float) -> str:
@@ -191,15 +199,21 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
         solving = POSITIONS * (1 + COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
         reason = ""
         if nodes > MAX_NODES:
-            reason = sentence("positions", "nodes", nodes=nodes / 1e6, most=MAX_NODES / 1e6)
+            reason = (
+                f"making {rounded(nodes / 1e6, 3)} million nodes would take long, the limit is "
+                f"{rounded(MAX_NODES / 1e6)} million"
+            )
         elif solving > MAX_SECONDS:
             reason = f"it would take about {clock(solving)}, the limit is {clock(MAX_SECONDS)}"
         else:
             key = scene_surface.identity(scene)
-            seconds += solving + cost.surface_seconds(scene)[0] * (key not in made)
+            seconds += solving
+            if key not in made:
+                seconds += cost.surface_seconds(scene)[0]
             made.add(key)
         reasons.append(reason)
     if len(scenes) <= MAX_RUNS and seconds <= MAX_SECONDS:
         return reasons
-    only, ends = f"first and last of {len(scenes)} runs only", (0, len(scenes) - 1)
-    return [reason or ("" if k in ends else only) for k, reason in enumerate(reasons)]
+    for k in range(1, len(scenes) - 1):
+        reasons[k] = reasons[k] or f"first and last of {len(scenes)} runs only"
+    return reasons

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from acoustics.numbers import byte_size
 from rolling.check import cost, resolution
-from rolling.check.finding import sentence
+from rolling.check.doubt import Doubt, Severity
 from rolling.scene.messages import SceneError, plain_number
 from rolling.scene.scene import Scene
 
@@ -20,6 +20,16 @@ ADDRESSES = Path("/proc/self/statm")
 # and pictures, stacks of threads. A run with a page was seen to take 380 MB, and 464 MB where it
 # compiled, from 524 to 594 MB on.
 REST_OF_PROGRAM = 540e6
+# Advice for the largest part of a memory that does not suffice; less of a record needs less disk.
+ADVICE = {
+    "program": "give fewer --workers",
+    "surface": "choose a smaller surface, a larger surface.spacing_um, or fewer --workers",
+    "window": "choose a larger surface.spacing_um, or fewer --workers",
+    "record": (
+        "shorten rolling.duration_s or rolling.distance_mm, lower rolling.speed_m_s, or give"
+        " sweep fewer values"
+    ),
+}
 GROUPS_OF_PROCESS, GROUPS = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
 
 
@@ -44,9 +54,9 @@ def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
     runs = [run for _, run in scene.runs()]
     for run in runs:
         _refuse_interleaved(run)
-    faults = excess(runs, workers or cost.cores(), folder)
-    if faults:
-        raise SceneError([f"{key}: {fault}" for key, fault in faults.items()])
+    needs = excess(runs, workers or cost.cores(), folder)
+    if needs:
+        raise SceneError([need.line for need in needs])
 
 
 def _refuse_interleaved(scene: Scene) -> None:
@@ -56,31 +66,68 @@ def _refuse_interleaved(scene: Scene) -> None:
     """
     track, step = scene.track, scene.numerics.step_nodes
     if scene.is_permanent and track.solved_steps * step > track.n_along * (1 + 1e-9):
-        words = sentence("refused", "interleaved", step=plain_number(step), nodes=track.n_along)
-        raise SceneError([f"{scene.place('numerics.step_nodes')}: {words}"])
+        place = scene.place("numerics.step_nodes")
+        raise SceneError(
+            [
+                f"{place}: numerics.step_nodes: got {plain_number(step)}, allowed with "
+                f"plate.plasticity: permanent: a divisor of the {track.n_along} nodes of the "
+                "height file"
+            ]
+        )
 
 
 def refuse_unavailable(scene: Scene) -> None:
     """Raise SceneError where a scene asks for loudness and the package for it is missing."""
     if scene.sound.loudness and find_spec("mosqito") is None:
-        words = sentence("refused", "loudness")
-        raise SceneError([f"{scene.place('sound.loudness')}: {words}"])
+        place = scene.place("sound.loudness")
+        raise SceneError(
+            [
+                f"{place}: sound.loudness: needs the package mosqito, which is not installed; "
+                'pip install "rolling-contact-noise[loudness]", or set it to false'
+            ]
+        )
 
 
-def excess(scenes: Sequence[Scene], workers: int, folder: Path | None) -> dict[str, str]:
-    """Write by "memory" and "disk" why runs do not fit: need, limit and advice."""
-    parts, faults = cost.memory(scenes, workers), dict[str, str]()
-    largest = max(parts, key=parts.__getitem__)
-    limit = memory_limit()
+def excess(scenes: Sequence[Scene], workers: int, folder: Path | None, of: str = "") -> list[Doubt]:
+    """Return the doubts "memory" and "disk" where runs do not fit: need, limit and advice.
+
+    Counts of nodes and steps decide, so that no surface is made and no height file is read. The
+    words `of` name the runs.
+    """
+    needs = []
+    parts, limit = cost.memory(scenes, workers), memory_limit()
     if sum(parts.values()) > SHARE * limit:
-        numbers = {"need": memory_text(parts), "share": _share(limit)}
-        advice = sentence("refused", largest)
-        faults["memory"] = sentence("refused", "memory", advice=advice, **numbers)
-    if folder is not None and (disk := cost.disk(scenes)) > SHARE * free_disk(folder):
-        numbers = {"need": byte_size(disk), "share": _share(free_disk(folder))}
-        advice = sentence("refused", "record")
-        faults["disk"] = sentence("refused", "disk", folder=folder, advice=advice, **numbers)
-    return faults
+        largest = max(parts, key=parts.__getitem__)
+        needs.append(
+            Doubt(
+                "memory",
+                f"memory{of}: needs {memory_text(parts)}, allowed: {_share(limit)} this machine "
+                f"allows; {ADVICE[largest]}",
+                Severity.REFUSED,
+            )
+        )
+    if folder is None:
+        return needs
+    disk, free = cost.disk(scenes), free_disk(folder)
+    if disk > SHARE * free:
+        needs.append(
+            Doubt(
+                "disk",
+                f"disk{of}: needs about {byte_size(disk)}, allowed: {_share(free)} free where "
+                f"{folder} is; {ADVICE['record']}",
+                Severity.REFUSED,
+            )
+        )
+    return needs
+
+
+def refuse_large_files(scenes: Sequence[Scene]) -> None:
+    """Refuse height files that memory does not hold; their headers tell it before they are read."""
+    for scene in scenes:
+        needs = excess([scene], 1, None) if scene.height_paths else []
+        if needs:
+            section = next(iter(scene.height_paths))
+            raise SceneError([f"{section}.path: {need.line}" for need in needs])
 
 
 def memory_text(parts: dict[str, float]) -> str:

@@ -15,9 +15,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from acoustics import bands
-from acoustics.numbers import rounded, si
+from acoustics.numbers import micrometres, rounded, rounded_down, rounded_up, si
 from rolling.check import cost
-from rolling.check.finding import Finding, judged, sentence, written
+from rolling.check.doubt import Doubt, Finding, Severity, sized
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
@@ -26,7 +26,10 @@ from rolling.scene.surfaces import MadeSurface
 from rolling.scene.sweep import run_name
 from rolling.surface import refined
 
-KEY = "resolution"
+KEY = "resolution"  # of the error of the release
+LEVEL_KEY = "grid"  # of what it leaves of the level
+# Keys of rules of thumb for the grid, which say nothing more once its error is measured.
+GRID_RULES = (KEY, "hertz_nodes", "resonance_wave")
 WANTED_DB = -20.0  # rms error of the release over its rms fluctuation
 # The rule warns a little earlier: it then finds every scene above -18 dB.
 MARGIN_DB = 1.0
@@ -58,12 +61,11 @@ _LOST = (0.0, 0.0045, 0.0167, 0.0368, 0.0644, 0.1393, 0.2347, 0.3344, 0.4177, 0.
 LEVEL_ERROR_DB = 3.0
 
 
-def findings(scene: Scene) -> Iterator[Finding]:
+def rules(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge the step against hearing and contact, and the spacing against the heights."""
-    yield _nyquist(scene)
-    yield _step_length(scene)
-    if scene.numerics.step_nodes < 1:
-        yield _grid_tone(scene)
+    yield from _nyquist(scene)
+    yield from _step_length(scene)
+    yield from _grid_tone(scene)
     yield from _spacing(scene)
 
 
@@ -100,54 +102,88 @@ def grid_signal_db(scene: Scene) -> float | None:
     return error
 
 
-def _spacing(scene: Scene) -> Iterator[Finding]:
+def grid_of_level(scene: Scene, why_unknown: str = "without numerics.error_estimate") -> Doubt:
+    """Return the doubt about a level whose error of the grid is not measured.
+
+    The rule for the release holds for the level of a release; of a vibration nothing is known.
+    """
+    error = None
+    if scene.sound.source != "vibration":
+        error = grid_signal_db(scene)
+    if error is not None and error > WANTED_DB:
+        decibels = 20 * math.log10(1 + 10 ** (error / 20))
+        text = f"the grid may leave {rounded(decibels)} dB, by a rule"
+        return sized(LEVEL_KEY, text, decibels, least=Severity.INDICATIVE)
+    text = f"the error of the grid is unknown, {why_unknown}"
+    return Doubt(LEVEL_KEY, text, Severity.INDICATIVE)
+
+
+def _spacing(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge the spacing of a random surface by the error that it leaves."""
     error = grid_signal_db(scene)
     if error is None:
         return
     shortest = min(min(law.lengths_um) for law in scene.laws)
     nodes = shortest / scene.spacing_um
+    yield Finding("correlation_nodes", "nodes per correlation length", rounded(nodes, 3))
     value = f"about {error:.0f} dB of the fluctuation"
-    warning = too_coarse(scene, error, "by a rule that is off by some 4 dB")
-    if warning is None and error > BANDS_DB:
+    if WANTED_DB - MARGIN_DB >= error > BANDS_DB:
         fine = spacing(scene, error, BANDS_DB)
         value += f"; third octaves within 1 dB up to 16 kHz take {fine:g} um"
-    yield Finding("correlation_nodes", "nodes per correlation length", rounded(nodes, 3))
-    yield Finding(KEY, "error of the grid", value, warning)
+    yield Finding(KEY, "error of the grid", value)
+    yield from too_coarse(scene, error, "by a rule that is off by some 4 dB", grid_of_level(scene))
 
 
-def too_coarse(scene: Scene, error: float, source: str) -> str | None:
-    """Warn of an error of the grid [dB] by its source; None where it is small enough.
+def too_coarse(scene: Scene, error: float, source: str, of_level: Doubt) -> Iterator[Doubt]:
+    """Warn of an error of the release from the grid [dB] by its source, unless it is small.
 
-    Check and run share this limit and its advice.
+    It is as severe as the doubt that the grid leaves about the level. Check and run share this
+    limit and its advice.
     """
     if error <= WANTED_DB - MARGIN_DB:
-        return None
-    numbers = {"error": error, "wanted": WANTED_DB, "margin": MARGIN_DB}
-    words = {"source": source, "advice": advice(scene, error + MARGIN_DB)}
-    return sentence(KEY, "warning", **numbers, **words)
+        return
+    yield Doubt(
+        KEY,
+        f"error of the grid: the grid leaves an error of the release of about {error:.0f} dB of "
+        f"its fluctuation (rms, {source}), {WANTED_DB:g} dB and a margin of {MARGIN_DB:g} dB are "
+        "wanted",
+        of_level.severity,
+        of_level.decibels,
+        _finer_grid(scene, error + MARGIN_DB),
+    )
 
 
-def advice(scene: Scene, error: float) -> str:
+def _finer_grid(scene: Scene, error: float) -> str:
     """Name the spacing that brings an error of the grid [dB] down to the wanted error.
 
     A file cannot choose its spacing: it needs a finer measurement.
     """
-    wanted, bands = (spacing(scene, error, goal) for goal in (WANTED_DB, BANDS_DB))
-    blended = ""
+    wanted_um = spacing(scene, error, WANTED_DB)
+    advice = f"{finer(scene, wanted_um)} is needed"
+    if isinstance(scene.surface, MadeSurface):
+        bands_um = spacing(scene, error, BANDS_DB)
+        advice = (
+            f"choose a surface.spacing_um of at most {wanted_um:g}, or {bands_um:g} for third "
+            "octaves within 1 dB up to 16 kHz"
+        )
     may_blend = math.isfinite(scene.hardness) and not scene.is_permanent
     if may_blend and scene.numerics.edges == "sharp":
-        blended = "choose numerics.edges: blended, or "
-    kind = "made" if isinstance(scene.surface, MadeSurface) else "measured"
-    return blended + sentence(KEY, kind, wanted=wanted, bands=bands)
+        advice = f"choose numerics.edges: blended, or {advice}"
+    return advice
 
 
-def finer(scene: Scene, spacing_um: float) -> str:
-    """Name the spacing [um] that is needed: of made heights a key, of a file a measurement."""
-    most = written("{spacing_um:down}", spacing_um=spacing_um)
+def finer(scene: Scene, at_most_um: float | None = None) -> str:
+    """Name what makes a grid finer, down to a spacing [um] where it is known.
+
+    Made heights have a key for it, and a file needs a finer measurement.
+    """
     if isinstance(scene.surface, MadeSurface):
-        return f"a surface.spacing_um of at most {most}"
-    return f"a measurement with a spacing of at most {most} um"
+        if at_most_um is None:
+            return "a smaller surface.spacing_um"
+        return f"a surface.spacing_um of at most {rounded_down(at_most_um)}"
+    if at_most_um is None:
+        return "a finer measurement"
+    return f"a measurement with a spacing of at most {rounded_down(at_most_um)} um"
 
 
 def spacing(scene: Scene, error: float, goal: float) -> float:
@@ -173,25 +209,42 @@ def fitting_spacing(scene: Scene, spacing_um: float) -> float:
 # ---- steps and record
 
 
-def _nyquist(scene: Scene) -> Finding:
+def _nyquist(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge the Nyquist frequency of the steps against the end of hearing.
 
     At a varying speed the share of the record with a short band counts.
     """
     motion, duration, step = scene.motion, scene.duration, scene.track.step
     slowest, fastest = motion.slowest(duration), motion.fastest(duration)
-    low, high = slowest / (2 * step), fastest / (2 * step)
-    wanted = 2 * HEARING[1] * step
+    low_hz, high_hz = slowest / (2 * step), fastest / (2 * step)
+    name, hearing = "simulated Nyquist", si(HEARING[1], "Hz")
+    wanted_speed = 2 * HEARING[1] * step
     step_um = _usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6
-    numbers = {"hearing": HEARING[1], "step_um": step_um, "wanted": wanted}
     if motion.is_constant(duration):
-        numbers |= {"end": high, "speed": fastest}
-        return judged("nyquist", si(high, "Hz"), fastest < wanted, **numbers)
-    seconds = motion.time_below(wanted, duration)
-    numbers |= {"percent": 100 * seconds / duration, "slow": seconds, "end": low}
-    doubt = "varying" if seconds >= MIN_SHARE * duration else ""
-    value, share = f"{si(low, 'Hz')} to {si(high, 'Hz')}", 100 - 100 * MIN_SHARE
-    return judged("nyquist", value, doubt, share=share, **numbers)
+        yield Finding("nyquist", name, si(high_hz, "Hz"))
+        if fastest < wanted_speed:
+            yield Doubt(
+                "nyquist",
+                f"{name}: the simulated band ends at {si(high_hz, 'Hz')} at {fastest:g} m/s, "
+                f"hearing at {hearing}",
+                Severity.INDICATIVE,
+                advice=f"choose a step of at most {rounded_down(step_um)} um or a speed of at "
+                f"least {rounded_up(wanted_speed)} m/s",
+            )
+        return
+    yield Finding("nyquist", name, f"{si(low_hz, 'Hz')} to {si(high_hz, 'Hz')}")
+    seconds = motion.time_below(wanted_speed, duration)
+    if seconds >= MIN_SHARE * duration:
+        yield Doubt(
+            "nyquist",
+            f"{name}: for {rounded(100 * seconds / duration, 3)} % of the record "
+            f"({si(seconds, 's')}) the simulated band ends below {hearing}, at "
+            f"{si(low_hz, 'Hz')} at the slowest",
+            Severity.INDICATIVE,
+            advice="the bands above hold the sound of the faster stretches alone; choose a step of "
+            f"at most {rounded_down(step_um)} um or a speed of at least "
+            f"{rounded_up(wanted_speed)} m/s for {100 - 100 * MIN_SHARE:g} % of the record",
+        )
 
 
 def _usual_speed(scene: Scene, duration: float) -> float:
@@ -207,15 +260,23 @@ def _usual_speed(scene: Scene, duration: float) -> float:
     return low or high
 
 
-def _grid_tone(scene: Scene) -> Finding:
+def _grid_tone(scene: Scene) -> Iterator[Finding | Doubt]:
     """Name the tone of the grid that steps below a node make audible."""
+    if scene.numerics.step_nodes >= 1:
+        return
     motion, duration = scene.motion, scene.duration
-    ends = motion.slowest(duration), motion.fastest(duration)
-    low, high = (speed / scene.spacing for speed in ends)
-    tone = si(low, "Hz") if motion.is_constant(duration) else f"{si(low, 'Hz')} to {si(high, 'Hz')}"
-    audible = motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration
-    spacing_um = _usual_speed(scene, duration) / HEARING[1] * 1e6
-    return judged("grid_tone", tone, audible, tone=tone, finer=finer(scene, spacing_um))
+    tone = si(motion.slowest(duration) / scene.spacing, "Hz")
+    if not motion.is_constant(duration):
+        tone = f"{tone} to {si(motion.fastest(duration) / scene.spacing, 'Hz')}"
+    yield Finding("grid_tone", "tone of the grid", tone)
+    if motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration:
+        spacing_um = _usual_speed(scene, duration) / HEARING[1] * 1e6
+        yield Doubt(
+            "grid_tone",
+            f"tone of the grid: steps below one node sound a tone of the grid at {tone}",
+            Severity.INDICATIVE,
+            advice=f"choose numerics.step_nodes 1 or {finer(scene, spacing_um)}",
+        )
 
 
 def contact_radius(scene: Scene) -> float:
@@ -237,7 +298,8 @@ def refuse_long_steps(scene: Scene) -> None:
         radius = contact_radius(run)
         if run.step > MAX_RADII * radius:
             which = f" (in the run {run_name(values)} of the sweep)" if values else ""
-            faults.append(f"{scene.place('numerics.step_nodes')}: {_fault(run, radius)}{which}")
+            place = scene.place("numerics.step_nodes")
+            faults.append(f"{place}: numerics.step_nodes: {_fault(run, radius)}{which}")
     if faults:
         raise SceneError(faults)
 
@@ -247,29 +309,42 @@ def _fault(scene: Scene, radius: float) -> str:
     longest = MAX_RADII * radius
     fitting = [nodes for nodes in STEP_NODES if nodes * scene.spacing <= longest]
     is_made = isinstance(scene.surface, MadeSurface)
-    advice = f"a measurement with a spacing of at most {rounded(longest * 1e6, 3)} um"
-    if is_made:
-        advice = sentence("refused", "spacing", longest_um=longest * 1e6)
-    if fitting:
-        advice = (
-            sentence("refused", "nodes", nodes=max(fitting)) if is_made else f"{max(fitting):g}"
-        )
-    numbers = {"nodes": scene.numerics.step_nodes, "step": scene.step, "longest": longest}
-    numbers |= {"radii": scene.step / radius, "radius_um": radius * 1e6, "most": MAX_RADII}
-    return sentence("refused", "long_steps", advice=advice, **numbers)
+    if fitting and is_made:
+        advice = f"{max(fitting):g}, or {finer(scene)}"
+    elif fitting:
+        advice = f"{max(fitting):g}"
+    elif is_made:
+        advice = f"{finer(scene)}, {rounded(longest * 1e6, 3)} at steps of one node"
+    else:
+        advice = finer(scene, longest * 1e6)
+    return (
+        f"got {scene.numerics.step_nodes:g}, steps of {micrometres(scene.step)} um, "
+        f"{rounded(scene.step / radius, 3)} times the contact radius of "
+        f"{rounded(radius * 1e6, 3)} um; allowed: steps of at most {MAX_RADII:g} times the "
+        f"radius, {micrometres(longest)} um here; nearest: {advice}"
+    )
 
 
-def _step_length(scene: Scene) -> Finding:
+def _step_length(scene: Scene) -> Iterator[Finding | Doubt]:
     """Compare the step with the contact, and state the error of a long step."""
     radius = contact_radius(scene)
     radii = scene.track.step / radius
-    numbers = {"radii": radii, "radius": radius, "most": DOUBTFUL_RADII}
-    numbers |= {"percent": 100 * lost_release(radii), "level_db": LEVEL_ERROR_DB * radii}
-    numbers |= {"step_um": DOUBTFUL_RADII * radius * 1e6}
-    return judged("step_length", rounded(radii), radii > DOUBTFUL_RADII, **numbers)
+    name = "step / contact radius"
+    yield Finding("step_length", name, rounded(radii))
+    if radii > DOUBTFUL_RADII:
+        level_db = LEVEL_ERROR_DB * radii
+        yield sized(
+            "step_length",
+            f"{name}: a step is {rounded(radii)} contact radii of {si(radius, 'm')}, at most "
+            f"{DOUBTFUL_RADII:g} are wanted",
+            level_db,
+            f"the mean release is up to about {rounded(100 * lost_release(radii))} % low, levels "
+            f"are off by up to {rounded(level_db)} dB; choose a step of at most "
+            f"{rounded_down(DOUBTFUL_RADII * radius * 1e6)} um",
+        )
 
 
-def record(scene: Scene) -> Iterator[Finding]:
+def record(scene: Scene) -> Iterator[Finding | Doubt]:
     """Count the third octaves whose level the length of the record makes certain within 2 dB."""
     certain = bands.reliable(scene.duration)
     value = f"{certain.sum()} of {len(certain)}"

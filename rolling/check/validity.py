@@ -9,15 +9,14 @@ compares the estimate with runs.
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from acoustics.arrays import Array
-from acoustics.numbers import rounded, si
+from acoustics.numbers import rounded, rounded_down, rounded_up, si
 from acoustics.rectangular_plate import MODES_HZ
 from rolling.check import cost, forecast, resolution
-from rolling.check.finding import Finding, computing, judged, sentence, written
+from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import library
@@ -59,23 +58,13 @@ _SPEEDS = 61  # number of speeds, as a sharp resonance needs them
 _WAVES, _ACROSS, _LINES = 160, 160, 40_000  # points along, across, and over the resonance
 
 
-def findings(scene: Scene) -> Iterator[Finding]:
+def rules(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge whether the model and its materials hold for a scene; a height file is read."""
     yield from _materials(scene)
     yield from _half_space(scene)
-    distance, least = scene.listener_distance_m, NEAR * scene.radius
-    if distance < least and scene.is_listener_placed:
-        warning = (
-            f"the listener is {si(distance, 'm')} from the contact, within {NEAR:g} radii of the"
-            " sphere, where the levels of a small source do not hold: place sound.listener_mm at"
-            f" least {math.ceil(1e3 * least)} mm from the contact"
-        )
-        yield Finding("listener", "listener", si(distance, "m"), warning)
-    elif distance < least:
-        numbers = {"distance": distance, "radii": NEAR, "least": least}
-        yield judged("listener", si(distance, "m"), True, **numbers)
+    yield from _listener(scene)
     if scene.dynamics is None:
-        yield _bouncing(scene)
+        yield from _bouncing(scene)
         return
     yield from _vibration(scene)
     yield from _modes(scene)
@@ -83,19 +72,61 @@ def findings(scene: Scene) -> Iterator[Finding]:
         yield from _fall(scene)
 
 
-def _half_space(scene: Scene) -> Iterator[Finding]:
+def _listener(scene: Scene) -> Iterator[Finding | Doubt]:
+    """Warn of a listener so near that the sphere is no small source."""
+    distance, least = scene.listener_distance_m, NEAR * scene.radius
+    if distance >= least:
+        return
+    yield Finding("listener", "listener", si(distance, "m"))
+    if scene.is_listener_placed:
+        text = (
+            f"listener: the listener is {si(distance, 'm')} from the contact, within {NEAR:g} "
+            "radii of the sphere, where the levels of a small source do not hold"
+        )
+        advice = f"place sound.listener_mm at least {math.ceil(1e3 * least)} mm from the contact"
+    else:
+        text = (
+            f"listener: the listener is {rounded(distance, 3)} m away, within {NEAR:g} radii of "
+            "the sphere, where the levels of a small source do not hold"
+        )
+        advice = f"choose a sound.distance_m of at least {rounded_up(least)}"
+    yield Doubt("listener", text, Severity.TRUST, advice=advice)
+
+
+def _half_space(scene: Scene) -> Iterator[Finding | Doubt]:
     """Compare slope and contact radius with the limits of a half-space."""
     slope = cost.roughness(scene)[1]
+    yield Finding("slope", "rms slope", rounded(slope))
+    if slope > MAX_SLOPE:
+        yield Doubt(
+            "slope",
+            f"rms slope: the rms slope is {rounded(slope)}, a half-space holds up to {MAX_SLOPE:g}",
+            Severity.DO_NOT_QUOTE,
+            advice=_gentler(scene),
+        )
     along, across = resolution.contact_radius(scene), semi_axes(scene)[1]
     share = max(along / scene.radius, across / scene.radius_across)
-    steep = {"slope": slope, "most": MAX_SLOPE, "advice": _gentler(scene)}
-    wide = {"share": share, "most": MAX_CONTACT}
-    yield judged("slope", rounded(slope), slope > MAX_SLOPE, **steep)
-    yield judged("contact_radius", rounded(share), share > MAX_CONTACT, **wide)
-    if scene.faults:
-        slope = max(fault.steepest for fault in scene.faults)
-        sharp = {"slope": slope, "most": MAX_SLOPE}
-        yield judged("fault_slope", rounded(slope), slope > MAX_SLOPE, **sharp)
+    yield Finding("contact_radius", "contact radius / radius", rounded(share))
+    if share > MAX_CONTACT:
+        yield Doubt(
+            "contact_radius",
+            f"contact radius / radius: the contact radius is {rounded(share)} of the sphere's, a "
+            f"half-space holds up to {MAX_CONTACT:g}",
+            Severity.DO_NOT_QUOTE,
+            advice="lower rolling.load_n or enlarge sphere.radius_mm",
+        )
+    if not scene.faults:
+        return
+    steepest = max(fault.steepest for fault in scene.faults)
+    yield Finding("fault_slope", "steepest fault", rounded(steepest))
+    if steepest > MAX_SLOPE:
+        yield Doubt(
+            "fault_slope",
+            f"steepest fault: the steepest fault has a slope of {rounded(steepest)}, a half-space "
+            f"holds up to {MAX_SLOPE:g}",
+            Severity.TRUST,
+            advice="lower its depth_um or enlarge its size_um",
+        )
 
 
 def _gentler(scene: Scene) -> str:
@@ -119,47 +150,85 @@ def _gentler(scene: Scene) -> str:
     return "; ".join(advice) or "make the faults gentler"
 
 
-def _bouncing(scene: Scene) -> Finding:
+def _bouncing(scene: Scene) -> Iterator[Finding | Doubt]:
     """Name the frequency at which the ball bounces, and weigh its part of the sound.
 
     The maximum speed decides, where the record holds the frequency.
     """
     frequency, speed = cost.bounce_hz(scene), scene.motion.fastest(scene.duration)
+    yield Finding("resonance", "contact resonance", si(frequency, "Hz"))
     highest = min(resolution.HEARING[1], speed / (2 * scene.track.step))
     if not resolution.HEARING[0] < frequency < highest:
-        return judged("resonance", si(frequency, "Hz"), False)
+        return
     density, correlation = scene.sphere.density_kg_m3, 0.0
-    steel = f"as if of steel, {STEEL_DENSITY:g} kg/m3 (sphere.density_kg_m3)"
-    ball = steel if density is None else f"of {density:g} kg/m3"
+    ball = f"as if of steel, {STEEL_DENSITY:g} kg/m3 (sphere.density_kg_m3)"
+    if density is not None:
+        ball = f"of {density:g} kg/m3"
     if scene.laws:
         correlation = 1e-6 * min(law.lengths_um[0] for law in scene.laws)
     wave = speed / frequency / (semi_axes(scene)[0] + correlation)
-    weight = "quiet" if wave < FELT else "felt" if wave < DOMINANT else "dominant"
-    part = sentence("resonance", weight)
-    numbers = {"ball": ball, "frequency": frequency, "speed": speed, "part": part}
-    return judged("resonance", si(frequency, "Hz"), True, **numbers)
+    if wave < FELT:
+        part = "its part is some 30 dB or more below the release"
+    elif wave < DOMINANT:
+        part = "its part is heard: do not trust the bands about that frequency"
+    else:
+        part = (
+            "it is a large part of the sound or most of it: do not trust levels, nor bands from a "
+            "half of that frequency up, or choose a lower rolling.speed_m_s"
+        )
+    yield Doubt(
+        "resonance",
+        f"contact resonance: a free ball {ball} would bounce on its contact at "
+        f"{si(frequency, 'Hz')}, inside hearing and the simulated band, and the load is held "
+        "constant here",
+        Severity.TRUST,
+        advice=f"at {rounded(speed, 3)} m/s {part}; `dynamics: {{}}`, with both densities, lets "
+        "the sphere bounce",
+    )
 
 
 # ---- materials by name
 
 
-def _materials(scene: Scene) -> Iterator[Finding]:
+def _materials(scene: Scene) -> Iterator[Finding | Doubt]:
     """State the materials of plate and sphere; warn where the model does not hold for them."""
     if scene.is_permanent and scene.dynamics is not None:  # which the passes alone decide
         value = f"{scene.passes} passes; the run is refused after them if the last still yields"
         yield Finding("running_in", "running-in before dynamics", value)
     for body in ("plate", "sphere"):
-        section = getattr(scene, body)
-        if (name := section.material) is not None:
-            value, reason = name, library.data("materials")["materials"][name].get("sound_only")
-            for key, usual in library.named_values(body, name).items():
-                if (own := getattr(section, key)) not in (None, usual):
-                    value += f", own {key} {own}"
-            yield judged(f"{body}_material", value, bool(reason), material=name, reason=reason)
+        if getattr(scene, body).material is not None:
+            yield from _material(scene, body)
     material = scene.sphere.material
     hardness = material and library.named_values("plate", material)["hardness_gpa"]
     if isinstance(hardness, float) and 1e9 * hardness < scene.hardness:
-        yield judged("sphere_yields", si(1e9 * hardness, "Pa"), True, pressure=1e9 * hardness)
+        pressure = si(1e9 * hardness, "Pa")
+        yield Finding("sphere_yields", "hardness of the sphere", pressure)
+        yield Doubt(
+            "sphere_yields",
+            f"hardness of the sphere: the sphere would yield at {pressure}, before the plate, but "
+            "the program keeps it elastic",
+            Severity.INDICATIVE,
+            advice="lower plate.hardness_gpa, or take a harder sphere",
+        )
+
+
+def _material(scene: Scene, body: str) -> Iterator[Finding | Doubt]:
+    """State the material of a body and its own values; warn where the model does not hold."""
+    section = getattr(scene, body)
+    material = value = section.material
+    for key, usual in library.named_values(body, material).items():
+        own = getattr(section, key)
+        if own not in (None, usual):
+            value += f", own {key} {own}"
+    yield Finding(f"{body}_material", f"material of the {body}", value)
+    reason = library.data("materials")["materials"][material].get("sound_only")
+    if reason:
+        yield Doubt(
+            f"{body}_material",
+            f"material of the {body}: levels with {material} do not hold, because {reason}; the "
+            "program computes isotropic bodies without grains, cracks or viscosity",
+            Severity.DO_NOT_QUOTE,
+        )
 
 
 # ---- modes of the sphere within hearing, and its fall
@@ -176,58 +245,120 @@ def lowest_mode_hz(scene: Scene) -> float:
     return LOWEST_MODE * shear_speed / (2 * scene.radius)
 
 
-def _modes(scene: Scene) -> Iterator[Finding]:
+def _modes(scene: Scene) -> Iterator[Finding | Doubt]:
     """Warn of a mode of the sphere within hearing."""
     frequency = lowest_mode_hz(scene)
-    if frequency < resolution.HEARING[1]:
-        steel = ", as if of steel" * (scene.sphere.youngs_modulus_gpa is None)
-        most = scene.sphere.radius_mm * frequency / resolution.HEARING[1]
-        yield judged("ball_modes", si(frequency, "Hz"), True, steel=steel, most=most)
+    if frequency >= resolution.HEARING[1]:
+        return
+    name = "lowest mode of the sphere"
+    if scene.sphere.youngs_modulus_gpa is None:
+        name += ", as if of steel"
+    most_mm = scene.sphere.radius_mm * frequency / resolution.HEARING[1]
+    yield Finding("ball_modes", name, si(frequency, "Hz"))
+    yield Doubt(
+        "ball_modes",
+        f"{name}: within hearing, and the sphere is taken as a body without modes",
+        Severity.INDICATIVE,
+        advice="do not trust the bands above, or choose a sphere.radius_mm of at most "
+        f"{rounded_down(most_mm)}",
+    )
 
 
-def _fall(scene: Scene) -> Iterator[Finding]:
+def _fall(scene: Scene) -> Iterator[Finding | Doubt]:
     """State the first impact on a rigid plate, and compare it with surface, sphere and hardness."""
     fall, duration = drop.fall_s(scene), scene.duration
     force, contact_time = drop.largest_force_n(scene), drop.impact_s(scene)
-    value = f"{si(drop.speed_m_s(scene), 'm/s')} after {si(fall, 's')}, up to"
-    value += f" {si(force, 'N')} for {si(contact_time, 's')}"
-    yield judged("drop", value, fall >= duration, duration=duration, fall=fall)
-    radius = max(semi_axes(scene, force))
-    period, thickness, doubt = cost.shortest_period(scene), scene.plate.thickness_mm, ""
-    if 2 * radius > period:
-        doubt = "surface"
-    elif radius > MAX_CONTACT * scene.radius:
-        doubt = "sphere"
-    elif thickness is not None and 1e3 * radius > THICK * thickness:
-        doubt = "thickness"
-    width_um = written("{width_um:up}", width_um=2e6 * radius)
-    larger = f"measure a surface of at least {width_um} um each way"
-    if isinstance(scene.surface, MadeSurface):
-        larger = f"choose a surface.width_um of at least {width_um}, and a track as long"
-    numbers = {"period": period, "larger": larger, "share": radius / scene.radius}
-    numbers |= {"most": MAX_CONTACT, "thick": THICK, "thickness": 1e3 * radius / THICK}
-    yield judged("drop_width", f"radius {si(radius, 'm')}", doubt, **numbers)
+    yield Finding(
+        "drop",
+        "first impact, by Hertz",
+        f"{si(drop.speed_m_s(scene), 'm/s')} after {si(fall, 's')}, up to {si(force, 'N')} for "
+        f"{si(contact_time, 's')}",
+    )
+    if fall >= duration:
+        yield Doubt(
+            "drop",
+            f"first impact, by Hertz: the record ends after {si(duration, 's')}, before the "
+            "sphere hits the plate",
+            Severity.INDICATIVE,
+            advice=f"choose a record of more than {rounded_up(fall)} s",
+        )
+    yield from _impact_width(scene, max(semi_axes(scene, force)))
     if math.isfinite(scene.hardness):
-        height = 1e3 * drop.elastic_height_m(scene)
-        yields = 1e3 * drop.height_m(scene) > height
-        yield judged("impacts_yield", f"up to {rounded(height)} mm", yields, most=height)
+        height_mm = 1e3 * drop.elastic_height_m(scene)
+        yield Finding("impacts_yield", "elastic drop", f"up to {rounded(height_mm)} mm")
+        if 1e3 * drop.height_m(scene) > height_mm:
+            yield Doubt(
+                "impacts_yield",
+                "elastic drop: the impact would yield, and the force law gives its work back, so "
+                "that the sphere bounces too high",
+                Severity.DO_NOT_QUOTE,
+                advice=f"choose a rolling.drop_mm of at most {rounded_down(height_mm)}, or "
+                "plate.hardness_gpa: none",
+            )
+
+
+def _impact_width(scene: Scene, radius: float) -> Iterator[Finding | Doubt]:
+    """Compare the contact of the first impact [m] with the surface, the sphere and the plate."""
+    key, name = "drop_width", "contact of the first impact"
+    yield Finding(key, name, f"radius {si(radius, 'm')}")
+    period, thickness = cost.shortest_period(scene), scene.plate.thickness_mm
+    if 2 * radius > period:
+        width_um = rounded_up(2e6 * radius)
+        larger = f"measure a surface of at least {width_um} um each way"
+        if isinstance(scene.surface, MadeSurface):
+            larger = f"choose a surface.width_um of at least {width_um}, and a track as long"
+        yield Doubt(
+            key,
+            f"{name}: the surface has {si(period, 'm')}",
+            Severity.INDICATIVE,
+            advice=f"harder impacts than that holds are extrapolated by Hertz; {larger}",
+        )
+    elif radius > MAX_CONTACT * scene.radius:
+        yield Doubt(
+            key,
+            f"{name}: it is {rounded(radius / scene.radius)} of the sphere's radius, a half-space "
+            f"holds up to {MAX_CONTACT:g}",
+            Severity.INDICATIVE,
+            advice="choose a lower rolling.drop_mm",
+        )
+    elif thickness is not None and 1e3 * radius > THICK * thickness:
+        yield Doubt(
+            key,
+            f"{name}: more than {THICK:g} of the plate's thickness, and the contact is that of a "
+            "half-space",
+            Severity.INDICATIVE,
+            advice=f"choose a plate.thickness_mm of at least {rounded_up(1e3 * radius / THICK)}",
+        )
 
 
 # ---- scenes with dynamics
 
 
-def _vibration(scene: Scene) -> Iterator[Finding]:
+def _vibration(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge the vibration of a scene with dynamics."""
     yield _resonance(scene)
-    yield _force(scene)
-    yield _waves(scene)
+    yield from _force(scene)
+    yield from _waves(scene)
     if of_scene.plate(scene) is None:
-        lowest = HALF_SPACE_HZ_M / scene.sound.distance_m
-        yield judged("half_space_sound", si(lowest, "Hz"), lowest > resolution.HEARING[0])
+        yield from _half_space_sound(scene)
     else:
         yield from _bending(scene)
     yield from _edges(scene)
     yield from _marches(scene)
+
+
+def _half_space_sound(scene: Scene) -> Iterator[Finding | Doubt]:
+    """Name the frequency from which the pressure of a half-space holds at the listener."""
+    lowest = HALF_SPACE_HZ_M / scene.sound.distance_m
+    yield Finding("half_space_sound", "sound of a half-space from", si(lowest, "Hz"))
+    if lowest > resolution.HEARING[0]:
+        yield Doubt(
+            "half_space_sound",
+            "sound of a half-space from: below, the pressure is too high, by 14 dB at 100 Hz and "
+            "1 m",
+            Severity.INDICATIVE,
+            advice="give plate.thickness_mm, or a larger sound.distance_m",
+        )
 
 
 def _resonance(scene: Scene) -> Finding:
@@ -240,12 +371,14 @@ def _resonance(scene: Scene) -> Finding:
 # ---- contact force
 
 
-def _force(scene: Scene) -> Finding:
+def _force(scene: Scene) -> Iterator[Finding | Doubt]:
     """Estimate the fluctuation of the contact force over the load, and its extremes."""
+    key, name = "force_ratio", "contact force over load"
     rms = force_rms(scene)
     if rms is None or scene.dynamics is None:
         reason = "for a height file" if scene.height_paths else "for faults and waviness alone"
-        return Finding("force_ratio", "contact force over load", f"not estimated {reason}")
+        yield Finding(key, name, f"not estimated {reason}")
+        return
     ratio = rms / scene.load
     low, high = 1 - PEAKS * ratio, 1 + PEAKS * ratio
     extremes = f"{rounded(max(low, 0), 3)} to {rounded(high, 3)}"
@@ -255,8 +388,21 @@ def _force(scene: Scene) -> Finding:
     wave = scene.motion.fastest(scene.duration) / cost.bounce_hz(scene)
     if wave < 2 * semi_axes(scene)[0]:
         value += "; short waves may multiply it"
-    or_load = " or a higher rolling.load_n" * (scene.rolling.load_n != WEIGHT)
-    return judged("force_ratio", value, low < 0, ratio=ratio, or_load=or_load)
+    yield Finding(key, name, value)
+    if low < 0:
+        advice = (
+            "impacts need a small step, and more loads are marched; choose a lower "
+            "rolling.speed_m_s"
+        )
+        if scene.rolling.load_n != WEIGHT:
+            advice += " or a higher rolling.load_n"
+        yield Doubt(
+            key,
+            f"{name}: it fluctuates by about {rounded(ratio)} of the load, and the sphere loses "
+            "contact",
+            Severity.INDICATIVE,
+            advice=advice,
+        )
 
 
 def force_rms(scene: Scene) -> float | None:
@@ -313,42 +459,78 @@ def mean_heights(scene: Scene, law: HeightLaw, along: Array) -> Array:
     return density
 
 
-def _waves(scene: Scene) -> Finding:
+def _waves(scene: Scene) -> Iterator[Finding | Doubt]:
     """Compare the waves that feed the resonance with the correlation length.
 
     Shorter waves belong to the grid more than to the surface.
     """
     speed, frequency = scene.motion.fastest(scene.duration), cost.bounce_hz(scene)
-    wave = speed / frequency
+    wave, name = speed / frequency, "waves that feed the resonance"
     length = 1e-6 * min((law.lengths_um[0] for law in scene.laws), default=0.0)
-    numbers = {"speed": speed, "length": length, "least": length * frequency}
-    finer = "a finer measurement"
-    if isinstance(scene.surface, MadeSurface):
-        finer = "a smaller surface.spacing_um"
-    return judged("resonance_wave", si(wave, "m"), wave < length, finer=finer, **numbers)
+    yield Finding("resonance_wave", name, si(wave, "m"))
+    if wave < length:
+        yield Doubt(
+            "resonance_wave",
+            f"{name}: at {rounded(speed, 3)} m/s they are shorter than the correlation length of "
+            f"{si(length, 'm')}, and the grid decides how much of them there is",
+            Severity.INDICATIVE,
+            advice=f"compare {resolution.finer(scene)}, or choose a rolling.speed_m_s of at least "
+            f"{rounded_up(length * frequency)}",
+        )
 
 
 # ---- plate
 
 
-def _bending(scene: Scene) -> Iterator[Finding]:
+def _bending(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge thickness, bending theory and distance of the listener of a plate that bends."""
     plate, distance = of_scene.plate(scene), scene.sound.distance_m
     assert plate is not None  # asked for by the caller
     radius, thickness = max(semi_axes(scene)), of_scene.thickness_m(scene)
-    share, limit = radius / thickness, of_scene.bending_limit_hz(scene)
-    near, air = FAR * plate.nearest_m, plate.lowest_hz
-    too_close = distance < near and scene.plate.edges_mm is None
-    thin, thick = 1e3 * thickness * limit / resolution.HEARING[1], 1e3 * radius / THICK
-    least, thicknesses = 1e3 * thickness * air / LOADED_HZ, of_scene.MIN_THICKNESSES
-    doubt, critical = limit < resolution.HEARING[1], si(plate.critical_hz, "Hz")
-    yield judged("air_load", si(air, "Hz"), air > LOADED_HZ, least=least)
-    yield judged("contact_thickness", rounded(share), share > THICK, most=THICK, least=thick)
-    yield judged("bending", si(limit, "Hz"), doubt, thicknesses=thicknesses, most=thin)
-    yield judged("coincidence", critical, too_close, near=near)
+    yield Finding("air_load", "air loads the plate below", si(plate.lowest_hz, "Hz"))
+    if plate.lowest_hz > LOADED_HZ:
+        least_mm = 1e3 * thickness * plate.lowest_hz / LOADED_HZ
+        yield Doubt(
+            "air_load",
+            "air loads the plate below: the load of the air is left out, and levels there are too "
+            "high",
+            Severity.TRUST,
+            advice="choose a denser plate or a plate.thickness_mm of at least "
+            f"{rounded_up(least_mm)}",
+        )
+    share, name = radius / thickness, "contact radius / thickness"
+    yield Finding("contact_thickness", name, rounded(share))
+    if share > THICK:
+        yield Doubt(
+            "contact_thickness",
+            f"{name}: the contact is that of a half-space, which holds up to {THICK:g}",
+            Severity.DO_NOT_QUOTE,
+            advice=f"choose a plate.thickness_mm of at least {rounded_up(1e3 * radius / THICK)}",
+        )
+    limit, name = of_scene.bending_limit_hz(scene), "thin-plate theory up to"
+    yield Finding("bending", name, si(limit, "Hz"))
+    if limit < resolution.HEARING[1]:
+        most_mm = 1e3 * thickness * limit / resolution.HEARING[1]
+        yield Doubt(
+            "bending",
+            f"{name}: bending waves above are shorter than {of_scene.MIN_THICKNESSES:g} "
+            "thicknesses",
+            Severity.INDICATIVE,
+            advice="do not trust the bands above, or choose a plate.thickness_mm of at most "
+            f"{rounded_down(most_mm)}",
+        )
+    near, name = FAR * plate.nearest_m, "coincidence of the plate"
+    yield Finding("coincidence", name, si(plate.critical_hz, "Hz"))
+    if distance < near and scene.plate.edges_mm is None:
+        yield Doubt(
+            "coincidence",
+            f"{name}: the pressure on the axis holds from about {rounded(near)} m for this plate",
+            Severity.INDICATIVE,
+            advice=f"choose a sound.distance_m of at least {rounded_up(near)}",
+        )
 
 
-def _edges(scene: Scene) -> Iterator[Finding]:
+def _edges(scene: Scene) -> Iterator[Finding | Doubt]:
     """State modes, contact point and limits of a plate with edges."""
     plate = of_scene.rectangular_plate(scene)
     if plate is None:
@@ -360,35 +542,56 @@ def _edges(scene: Scene) -> Iterator[Finding]:
         modes = f"{len(plate.orders)} up to 30 kHz from {si(lowest, 'Hz')}"
         if overlap < MODES_HZ:
             modes += f", separate below {si(overlap, 'Hz')}"
+    yield Finding("plate_modes", "modes of the plate", modes)
+    if not count:
+        yield Doubt(
+            "plate_modes",
+            "modes of the plate: bending waves in hearing are longer than the plate, which moves "
+            "as a stiff block",
+            Severity.INDICATIVE,
+            advice="choose a larger plate.length_mm and plate.width_mm, or no plate.thickness_mm",
+        )
     modal = of_scene.smooth_chain(scene).modes
     assert modal is not None  # as there is a plate with edges
-    sag, most = scene.load * modal.compliance_m_n, of_scene.BENT
-    bends = sag > most * 1e-3 * (scene.plate.thickness_mm or 0.0)
+    sag, name = scene.load * modal.compliance_m_n, "plate sinks under the load by"
+    yield Finding("plate_sag", name, si(sag, "m"))
+    if sag > of_scene.BENT * 1e-3 * (scene.plate.thickness_mm or 0.0):
+        yield Doubt(
+            "plate_sag",
+            f"{name}: thin-plate theory wants at most {of_scene.BENT:g} of the thickness",
+            Severity.INDICATIVE,
+            advice="choose a lower rolling.load_n, or a thicker or smaller plate",
+        )
     points = scene.plate.contact_ends_mm.values()
     ends = [f"[{rounded(x, 4)}, {rounded(y, 4)}] mm" for x, y in points]
     contact = f"fixed at {ends[0]}: seen from the plate the sphere rolls on the spot"
     if len(ends) > 1:
         contact = f"to-and-fro from {ends[0]} to {ends[1]}; its record does not loop"
-    yield judged("plate_modes", modes, not count)
-    yield judged("plate_sag", si(sag, "m"), bends, most=most)
     yield Finding("plate_contact", "contact on the plate", contact)
 
 
 # ---- cost
 
 
-def _marches(scene: Scene) -> Iterator[Finding]:
+def _marches(scene: Scene) -> Iterator[Finding | Doubt]:
     """State the cost of the marches at other loads and of the release under the moving load."""
     assert scene.dynamics is not None  # asked for by the caller
     (count, total), seconds = forecast.law_seconds(scene), cost.lap_seconds(scene)
-    value = f"{count} more marches, {computing(total)}, and more where the force leaves"
-    yield Finding("force_law", "force law", f"{value} them", None, total)
+    value = f"{count} more marches, {cost.computing(total)}, and more where the force leaves them"
+    yield Finding("force_law", "force law", value, total)
     if not scene.moves_release:
         return
     speed, frequency = scene.motion.slowest(scene.duration), cost.bounce_hz(scene)
-    steps, least = speed / (frequency * scene.step), MIN_STEPS * frequency * scene.step
-    value = f"one more march, {computing(seconds)}, {rounded(steps)} steps in a period"
+    steps, name = speed / (frequency * scene.step), "release under the moving load"
+    value = f"one more march, {cost.computing(seconds)}, {rounded(steps)} steps in a period"
     if scene.dynamics.release is None:
         value += "; dynamics.release: false leaves it out"
-    numbers = {"steps": steps, "least": MIN_STEPS, "speed": least}
-    yield replace(judged(OWN_MARCH, value, steps < MIN_STEPS, **numbers), seconds=seconds)
+    yield Finding(OWN_MARCH, name, value, seconds)
+    if steps < MIN_STEPS:
+        least = rounded_up(MIN_STEPS * frequency * scene.step)
+        yield Doubt(
+            OWN_MARCH,
+            f"{name}: {rounded(steps)} steps in a period of the resonance, {MIN_STEPS} are wanted",
+            Severity.TRUST,
+            advice=f"choose a smaller step or a rolling.speed_m_s of at least {least}",
+        )

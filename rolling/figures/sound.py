@@ -282,7 +282,7 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     ax.ticklabel_format(useOffset=False)
     facts = [picture.duration_text([run]), "q and distance are not in it"]
     if run.scene.dynamics is not None:
-        moved = any(caveat["key"] == "moving_load_release" for caveat in run.summary["caveats"])
+        moved = any(doubt["key"] == "moving_load_release" for doubt in run.summary["doubts"])
         facts.append("under the moving load" if moved else "under the constant load")
     if len(others) > 1:
         facts.append(f"axis from {rounded(low, 3)} to {rounded(high, 3)} of the mean for all runs")

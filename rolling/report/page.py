@@ -23,13 +23,15 @@ from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from acoustics.texts import printable
 from rolling import __version__
+from rolling.check.doubt import Doubt
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import assumed, film, live, maps, records, text
 from rolling.report.charts import Chart, chart_of
-from rolling.results import caveats, runs_table
+from rolling.results import runs_table, verdict
+from rolling.results.doubts import REPEATS, UNVALIDATED
 from rolling.results.listening import record_for_ear
 from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run
@@ -76,7 +78,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         text=text,
         origins=origins,
         film=film,
-        caveats=caveats,
+        verdict=verdict,
         runs_table=runs_table,
         summaries=[(run.label, run.summary) for run in runs],
         assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
@@ -84,7 +86,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         views=views,
         unsolved=list(unsolved),
         lengths={round(run.sound.duration, 4) for run in runs},
-        short=any(c["key"] == "short_loop" for view in views for c in view.repeats),
+        short=any(doubt.key == "short_loop" for view in views for doubt in view.repeats),
         map_scale=scale,
         map_flies=any(any(player["maps"]["instead"]) for player in players if player["maps"]),
         stills=any(player["maps"] and not player["falls"] for player in players),
@@ -190,7 +192,7 @@ class RunView:
     records: list[dict[str, str]]
     lap: dict[str, float]
     solved: float
-    repeats: list[Any]
+    repeats: list[Doubt]
     pictures: dict[str, Chart]
     live: dict[str, Any] | None
     curves: list[Chart]
@@ -200,8 +202,9 @@ def _views(runs: Sequence[Run]) -> list[RunView]:
     """Return the runs as the page shows them."""
     views = []
     for number, (run, record) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
-        repeating = [c for c in run.summary["caveats"] if c["key"] in caveats.REPEATS]
-        repeats = repeating if record.records[0]["name"] == "run" else []  # a long record goes on
+        repeats = []
+        if record.records[0]["name"] == "run":  # a long record goes on
+            repeats = [doubt for doubt in verdict.listed(run.summary) if doubt.key in REPEATS]
         view = RunView(
             label=run.label,
             run=run,
@@ -411,7 +414,7 @@ def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[st
         cards=[*zip(cards, gains, strict=True)],
         seconds=seconds,
         unsolved=unsolved,
-        remark=caveats.UNVALIDATED,
+        remark=UNVALIDATED,
         css=Markup(text.asset("report.css") + text.asset("gallery.css")),
     ).encode()
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rolling.check.doubt import Severity
 from rolling.scene.height_files import read_regular
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
@@ -59,16 +60,18 @@ class RunFolder:
 
 MAX_SUMMARY = 10_000_000
 _NEEDED = (
-    *("laeq_db", "level_db", "steady_level_db", "uncertainty_db", "source", "caveats", "surface"),
+    *("laeq_db", "level_db", "steady_level_db", "uncertainty_db", "source", "doubts", "surface"),
     *("third_octave_db", "levelling", "plastic_ratio", "steps", "step_ms"),
 )
 _MAPPINGS = (
     *("surface", "uncertainty_db", "third_octave_db", "third_octave_a_db"),
     *("provenance", "packages", "listen", "listening", "error_estimate", "levelling"),
 )
-_TEXTS = ("name", "label", "source", "text", "word", "reason")
+_TEXTS = ("name", "label", "source", "text", "advice", "word", "reason")
 # Names that a mapping has at least, or each mapping in a list.
-_FIELDS = {"verdict": "word reason", "contributions": "name word text", "preparation": "step text"}
+_FIELDS = {"verdict": "word reason decibels key", "preparation": "step text"}
+_DOUBT = ("key", "text", "advice", "severity", "decibels")
+_SEVERITIES = {severity.word for severity in Severity}
 _UNITS = "db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|um|restitution"
 _NUMBER = re.compile(rf"surface|steps|impacts|seconds|pascal_.*|.*_({_UNITS})")
 
@@ -102,11 +105,8 @@ def _refuse(constant: str) -> None:
 
 def _fits(key: str, value: Any) -> bool:
     """Return whether a value is of the kind that its key says."""
-    if key == "caveats":
-        return isinstance(value, list) and all(
-            isinstance(caveat, dict) and {*map(type, caveat.values())} == {str} and "text" in caveat
-            for caveat in value
-        )
+    if key == "doubts":
+        return isinstance(value, list) and all(map(_is_doubt, value))
     if key in _TEXTS:
         return isinstance(value, str | None)
     if (fields := _FIELDS.get(key)) and (key, value) != ("verdict", None):
@@ -124,6 +124,14 @@ def _fits(key: str, value: Any) -> bool:
     if isinstance(value, list) and key not in _NEEDED:
         return all(_fits(key, item) for item in value)
     return _is_number(value) or not _NUMBER.fullmatch(key)
+
+
+def _is_doubt(value: Any) -> bool:
+    """Return whether a value is a doubt, as `verdict.as_json` writes it."""
+    if not isinstance(value, dict) or {*value} != {*_DOUBT}:
+        return False
+    texts = all(isinstance(value[name], str) for name in ("key", "text", "advice", "severity"))
+    return texts and value["severity"] in _SEVERITIES and _is_number(value["decibels"])
 
 
 def _is_number(value: Any) -> bool:

@@ -15,7 +15,7 @@ from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import widened
 from rolling.marches import force_law
 from rolling.marches.result import Result, released_energy
-from rolling.results import listening, result_arrays, result_file, runs_table
+from rolling.results import listening, result_arrays, result_file, runs_table, verdict
 from rolling.results.run_folder import RESULT, SUMMARY, RunFolder, read_summary
 from rolling.results.solved_run import SolvedRun
 from rolling.results.summary import pass_numbers, provenance, record_scatter, summarize
@@ -122,7 +122,7 @@ class Run(SolvedRun):
         return f"<run {self.title}: {name} {level} dB(A){word}, {self.result.steps} steps>"
 
     def _repr_html_(self) -> str:
-        """Write levels and caveats for a notebook."""
+        """Write levels and doubts for a notebook."""
         judged = self.summary.get("verdict")
         levels = dict[str, str]()
         for key in runs_table.shown_levels(self.summary):
@@ -139,9 +139,9 @@ class Run(SolvedRun):
         }
         lines = (f"<td>{name}</td><td>{html.escape(x)}</td>" for name, x in rows.items() if x)
         table = "".join(f"<tr>{line}</tr>" for line in lines)
-        texts = (html.escape(caveat["text"]) for caveat in self.summary["caveats"])
-        caveats = "".join(f"<li>{text}</li>" for text in texts)
-        return f"<h4>{html.escape(self.title)}</h4><table>{table}</table><ul>{caveats}</ul>"
+        texts = (html.escape(doubt.line) for doubt in verdict.listed(self.summary))
+        doubts = "".join(f"<li>{text}</li>" for text in texts)
+        return f"<h4>{html.escape(self.title)}</h4><table>{table}</table><ul>{doubts}</ul>"
 
 
 def make_run(

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from acoustics.bands import BAND_NAMES
-from acoustics.numbers import bracketed, decibels_a
+from acoustics.numbers import bracketed, decibels_a, micrometres, rounded
 from acoustics.texts import cell
-from rolling.results.caveats import HEADLINE, REPEATS, TURNS, gathered, warnings
+from rolling.results import verdict
+from rolling.results.doubts import REPEATS, TURNS, above_vibration_db, band_error_db, band_text
 from rolling.results.labels import labels
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
-from rolling.results.sentences import say
-from rolling.results.verdict import above_vibration_db, band_error_db, band_text
 from rolling.scene.messages import TABLES, table
 from rolling.terminal.streams import columns, wrapped
 
@@ -46,7 +45,7 @@ def runs_table(runs: Sequence[RunFolder]) -> pd.DataFrame:
     """Return the numbers of runs, one row per run.
 
     The index holds label, folder and the swept keys. The columns are all single numbers of
-    summary.json, the keys of the caveats, and the third octaves, such as `third_octave_db_1000`. A
+    summary.json, the keys of the doubts, and the third octaves, such as `third_octave_db_1000`. A
     run without a summary has empty cells.
     """
     import pandas as pd  # slow to import, for tables only
@@ -84,8 +83,8 @@ def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
     """
     cells: dict[str, Any] = {}
     for key, value in summary.items():
-        if key == "caveats":
-            cells[key] = " ".join(caveat["key"] for caveat in value)
+        if key == "doubts":
+            cells[key] = " ".join(doubt.key for doubt in verdict.listed(summary))
         elif key == "uncertainty_db":
             cells |= {f"{name}_uncertainty_db": spread for name, spread in value.items()}
         elif key == "surface":
@@ -195,21 +194,26 @@ def error_line(label: str, summary: Mapping[str, Any]) -> str:
     estimate, grid = summary.get("error_estimate", {}), summary.get("laeq_grid_error_db")
     if "stretches" not in estimate or grid is None:
         return ""
-    solver, spread = summary["laeq_solver_error_db"] or 0.0, summary["uncertainty_db"]["laeq"]
+    solver = summary["laeq_solver_error_db"] or 0.0
+    spread = summary["uncertainty_db"]["laeq"]
     grid_spread = summary["laeq_grid_error_uncertainty_db"] or 0.0
     signals = {name: summary[f"{name}_signal_db"] for name in ("grid", "solver")}
     signal = [f"{db:.0f} dB from the {name}" for name, db in signals.items() if db is not None]
-    whole, detail = spread and math.hypot(spread, grid_spread), ""
+    errors = [f"LAeq {grid:+.2f} ± {grid_spread:.2f} dB from the grid"]
     if subgrid := summary.get("laeq_subgrid_error_db"):
         of_detail = summary["laeq_subgrid_error_uncertainty_db"] or 0.0
-        detail = say("errors.detail", error=subgrid, spread=of_detail)
+        errors.append(f"{subgrid:+.2f} ± {of_detail:.2f} dB from missing detail below the spacing")
+    errors.append(f"{solver:+.2f} dB from the solver")
+    whole = spread and math.hypot(spread, grid_spread)
     corrected = f"corrected LAeq {uncertain(summary['laeq_db'] - grid - solver, whole)} dB(A)"
     if (band_error_db(summary) or 0.0) > MAX_BAND_DB:
         cut = band_text(summary, summary["laeq_band_end_hz"])
         corrected = f"no corrected level, because {cut}"
-    numbers = estimate | {"label": label, "grid": grid, "grid_spread": grid_spread}
-    numbers |= {"detail": detail, "solver": solver, "corrected": corrected}
-    return say("errors", **numbers | {"source": summary["source"], "signal": ", ".join(signal)})
+    return (
+        f"errors of {label}: {', '.join(errors)}, {corrected}; rms error of the "
+        f"{summary['source']} over its fluctuation {', '.join(signal)}; {estimate['stretches']} "
+        f"stretches of {estimate['steps']} steps, order {estimate['order']:.1f}"
+    )
 
 
 def level_name(summary: Mapping[str, Any]) -> str:
@@ -245,7 +249,7 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
     of_event = "LAE of " if events == {True} else ""
     above = _range([above_vibration_db(summary) for summary in known])
     if sources == {"vibration"}:
-        words: str = say("beside.release", above=above)
+        words = f"the release with q = 1 is {above} dB above it: an upper bound"
         for key, name in MEANS.items():
             if present := [level_beside(summary, key) for summary in known if key in summary]:
                 mean = _range(present, 1)
@@ -257,15 +261,20 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
                 f"at the listener's distance it lies {above} dB above the vibration, which has "
                 f"{level} dB(A) there"
             )
-        return say("beside.vibration", above=above, level=level)
+        return f"it lies {above} dB above the vibration, which has {level} dB(A)"
     level = _range([level_beside(summary, "vibration_estimate_laeq_db") for summary in known])
     bodies = " or ".join(dict.fromkeys(summary["vibration_estimate_bodies"] for summary in known))
     ratio: float = max(summary["vibration_estimate_force_ratio"] for summary in known)
     spreads = [summary.get("vibration_estimate_uncertainty_db") for summary in known]
     if widest := max((spread for spread in spreads if spread is not None), default=0.0):
         level += f" ± {math.ceil(widest)}"
-    words = say("beside.estimate", above=above, level=level, bodies=bodies)
-    return words + say("beside.estimate.lost") * (ratio > LINEAR)
+    words = (
+        f"it lies {above} dB above the vibration, which a linear chain estimates at {level} dB(A) "
+        f"for {bodies}"
+    )
+    if ratio > LINEAR:
+        words += "; too high where the ball would lose contact"
+    return words
 
 
 def _others(summary: Mapping[str, Any]) -> str:
@@ -328,7 +337,8 @@ def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
             f"vibration|estimated{as_event}",
             level_beside(summary, "vibration_estimate_laeq_db"),
         )
-    above, judged = None if fixed else above_vibration_db(summary), summary.get("verdict")
+    above = None if fixed else above_vibration_db(summary)
+    judged = summary.get("verdict")
     if not falls:  # the release of a ball that rolls is none of a fall
         cells[head] = "-" if other is None else f"{other:.1f}"
         cells["apart|dB"] = "-" if above is None else f"{above:.0f}"
@@ -345,35 +355,21 @@ def levels_table(runs: Sequence[RunFolder]) -> str:
     by_run = {label: _cells(summary) for label, summary in solved}
     heads = list(dict.fromkeys(head for cells in by_run.values() for head in cells))
     rows = [["run", *(head.split("|")[0] for head in heads)]]
-    rows += [["", *(head.split("|")[1] for head in heads)]] * bool(heads)
+    if heads:
+        rows.append(["", *(head.split("|")[1] for head in heads)])
     rows += [[name, *(by_run.get(name, {}).get(head, "-") for head in heads)] for name in names]
     errors = [wrapped(line) for label, summary in solved if (line := error_line(label, summary))]
-    judged = [wrapped(f"{word}: {reason}") for word, reason in verdicts(solved)]
+    judged = [wrapped(f"{word}: {reason}") for word, reason in verdict.verdicts(solved)]
     beside = beside_text([summary for _, summary in solved])
     lines = [wrapped(f"{beside[0].upper()}{beside[1:]}.")] if beside else []
     lines += [*judged, *errors, *_remarks(solved)]
     return "\n".join([columns(rows), *(["", *lines] if solved else [])])
 
 
-def verdicts(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[tuple[str, str]]:
-    """Return words and reasons of the verdicts, each once with the labels of its runs."""
-    merged: dict[tuple[str, str], list[str]] = {}
-    for label, summary in runs:
-        if verdict := summary.get("verdict"):
-            merged.setdefault((verdict["word"], verdict["reason"]), []).append(label)
-    return [
-        (word, reason if len(names) == len(runs) else f"{reason} ({'; '.join(names)})")
-        for (word, reason), names in merged.items()
-    ]
-
-
 def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
-    """Write the caveats of the levels, the surfaces, the notes and the warnings."""
-    remarks = gathered(runs)
-    beside = [caveat.line for caveat in remarks if caveat.key in HEADLINE]
+    """Write what holds for the levels, the surfaces, the notes and the warnings."""
     summaries = [summary for _, summary in runs]
-    texts = (say("surface", **summary["surface"]) + surface_parts(summary) for summary in summaries)
-    surfaces = dict.fromkeys(texts)
+    surfaces = dict.fromkeys(surface_text(summary) for summary in summaries)
     prepared = [step for summary in summaries for step in summary.get("preparation", ())]
     names = TABLES["steps"]
     texts = (f"{names.get(str(x['step']), x['step'])}: {x['text']}" for x in prepared)
@@ -383,21 +379,35 @@ def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
     levelled = filter(None, (summary["levelling"] for summary in summaries))
     tilted = (x["text"] for x in levelled if x["slope_along"] or x["slope_across"])
     tilts = [f"tilt: {text}" for text in dict.fromkeys(tilted)]
-    noted = [*REPEATS, TURNS]
-    notes = [f"note: {caveat.line}" for caveat in remarks if caveat.key in noted]
-    ranked = [f"warning: {caveat.line}" for caveat in warnings(runs)]
-    if (more := len(ranked) - MAX_WARNINGS) > 0:
-        others = f"{more} more warning{'s' * (more > 1)}"
-        ranked[MAX_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
-    lines = (" ".join(beside), "", *surfaces, *steps, *tilts, *notes, *ranked)
+    noted = (*REPEATS, TURNS)
+    notes = [f"note: {doubt.text}" for doubt in verdict.notes(runs) if doubt.key in noted]
+    warnings = [f"warning: {doubt.text}" for doubt in verdict.warnings(runs)]
+    more = len(warnings) - MAX_WARNINGS
+    if more > 0:
+        others = "1 more warning" if more == 1 else f"{more} more warnings"
+        warnings[MAX_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
+    lines = (verdict.headline(runs), "", *surfaces, *steps, *tilts, *notes, *warnings)
     return [wrapped(line) for line in lines]
+
+
+def surface_text(summary: Mapping[str, Any]) -> str:
+    """Write the statistics of the surface of a run."""
+    surface = summary["surface"]
+    return (
+        f"surface: Ra {micrometres(surface['ra'])} µm, Rq {micrometres(surface['rq'])} µm, "
+        f"skewness {surface['skewness']:.2f}, kurtosis {surface['kurtosis']:.2f}, rms slope "
+        f"{rounded(surface['rms_slope'], 3)}{surface_parts(summary)}"
+    )
 
 
 def surface_parts(summary: Mapping[str, Any]) -> str:
     """Write the roughness of plate and sphere, whose sum a sphere with a surface rolls over."""
     if "ball_ra_m" not in summary:
         return ""
-    return say("surface.parts", plate=summary["plate_ra_m"], ball=summary["ball_ra_m"])
+    return (
+        f"; plate Ra {micrometres(summary['plate_ra_m'])} µm and sphere Ra "
+        f"{micrometres(summary['ball_ra_m'])} µm, added up over the turns"
+    )
 
 
 def _spread(key: str) -> str:

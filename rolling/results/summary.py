@@ -29,7 +29,7 @@ from rolling.marches import force_law, stiffness
 from rolling.marches.observers import STATE_SERIES
 from rolling.marches.result import MovingRelease, Result, released_energy
 from rolling.results import verdict
-from rolling.results.caveats import TURNS, caveats
+from rolling.results.doubts import doubts
 from rolling.results.run_errors import error_numbers, known, known_bands
 from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene
@@ -111,14 +111,10 @@ def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
         **(_moving(result, moving) if moving and not moving.fault else {}),
         **(_estimate(scene, result, release) if scene.dynamics is None else {}),
     }
-    summary["caveats"] = caveats(scene, sound, errors, vibration, moving)
-    reason = summary.get("turn_reason")
-    if reason and sound.levels.laeq_db is not None and not sound.once:
-        text = (
-            f"turns of the sphere: the record cannot tell whether they are heard, because {reason}"
-        )
-        summary["caveats"].append({"key": TURNS, "text": text})
-    return summary | {"verdict": verdict.verdict(summary, scene)}
+    found = doubts(scene, sound, summary, vibration, moving)
+    summary["doubts"] = verdict.as_json(found)
+    summary["verdict"] = None if summary["laeq_db"] is None else verdict.verdict(found)
+    return summary
 
 
 def record_scatter(pressure: Array, laps: float = 1.0) -> float | None:

@@ -1,0 +1,117 @@
+"""A doubt about the numbers of a run, before it or after it, and how severe it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import IntEnum
+
+TRUSTED_DB, INDICATIVE_DB = 1.0, 3.0  # errors up to which a level is trusted, or indicative
+
+
+class Severity(IntEnum):
+    """What a doubt leaves of a level, from a note to a scene that does not run."""
+
+    NOTE = 0  # a standing property of the numbers
+    TRUST = 1  # a small known error, or a limit that hardly touches the level
+    INDICATIVE = 2
+    DO_NOT_QUOTE = 3
+    REFUSED = 4  # the scene does not run, or its contact has no solution
+
+    @property
+    def word(self) -> str:
+        """The severity in words, as summary.json has it."""
+        return self.name.lower().replace("_", " ")
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A reason to trust a number less.
+
+    Attributes
+    ----------
+    key : str
+        Name for programs, which never changes with the wording.
+    text : str
+        What is wrong, with its number.
+    severity : Severity
+        What the doubt leaves of a level.
+    decibels : float or None, dB
+        Size of the error; None: unknown.
+    advice : str
+        What follows from it, and what to do. Default: nothing.
+    """
+
+    key: str
+    text: str
+    severity: Severity
+    decibels: float | None = None
+    advice: str = ""
+
+    @property
+    def line(self) -> str:
+        """Text and advice, as a person reads them."""
+        return f"{self.text}: {self.advice}" if self.advice else self.text
+
+    @property
+    def rank(self) -> tuple[Severity, float]:
+        """Order of doubts: severity first, then decibels."""
+        return self.severity, self.decibels or 0.0
+
+
+def severity_of(decibels: float) -> Severity:
+    """Return the severity of an error of a level [dB]."""
+    if abs(decibels) > INDICATIVE_DB:
+        return Severity.DO_NOT_QUOTE
+    if abs(decibels) > TRUSTED_DB:
+        return Severity.INDICATIVE
+    return Severity.TRUST
+
+
+def sized(
+    key: str,
+    text: str,
+    decibels: float,
+    advice: str = "",
+    least: Severity = Severity.TRUST,
+) -> Doubt:
+    """Return a doubt of known decibels, which decide its severity; it is `least` or worse."""
+    size = abs(decibels)
+    return Doubt(key, text, max(severity_of(size), least), size, advice)
+
+
+def verdict_of(doubts: Iterable[Doubt]) -> Doubt:
+    """Return the worst of the doubts about a run; no limit is broken where none limits a level."""
+    nothing = Doubt("none", "no limit is broken", Severity.TRUST)
+    limiting = (doubt for doubt in doubts if doubt.severity > Severity.NOTE)
+    worst = max(limiting, key=lambda doubt: doubt.rank, default=nothing)
+    if worst.severity is Severity.TRUST and worst.decibels is None:
+        return nothing
+    return worst
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A row of the check: a quantity of a run and its value.
+
+    Attributes
+    ----------
+    key : str
+        Name for programs, which never changes with the wording. A doubt of this key marks the row.
+    quantity, value : str
+        Quantity and its value with unit, in words.
+    seconds : float, s
+        Time of computing on one core, which the runs of a sweep add up.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> steps = rolling.read_scene("quickstart").with_(load_n=20).check()[0]
+    >>> steps.quantity, steps.value
+    ('steps', '25000 of 2 um')
+    """
+
+    key: str
+    quantity: str
+    value: str
+    seconds: float = 0.0

@@ -1,0 +1,55 @@
+"""Doubts about a level before its run: the bound that a release is, and the error of its grid."""
+
+from collections.abc import Iterator
+
+from rolling.check import error_cost, resolution
+from rolling.check.doubt import Doubt, Severity
+from rolling.scene.scene import Scene
+
+# Keys of the doubts that stand beside every level of a release, and are no warnings.
+SOURCES = ("upper_bound", "assumed_q", "fixed_gain")
+
+
+def rules(scene: Scene) -> Iterator[Doubt]:
+    """Yield what limits a level at best; an error estimate will tell the error of the grid."""
+    yield from of_source(scene)
+    if not scene.numerics.error_estimate:
+        yield resolution.grid_of_level(scene)
+    elif reason := error_cost.too_short(scene):
+        yield resolution.grid_of_level(scene, f"because {reason}")
+
+
+def of_source(scene: Scene, above_vibration_db: float | None = None) -> Iterator[Doubt]:
+    """Yield the bound or the assumption that a level of the release is.
+
+    It is known how far the level lies above the vibration [dB] once both are computed. That is the
+    size of a bound, not of an error, so the level stays indicative.
+    """
+    sound = scene.sound
+    if sound.source == "vibration":
+        return
+    if sound.gain_pa_per_w_m2 is not None:
+        yield Doubt(
+            "fixed_gain",
+            "the gain of the scene decides the level",
+            Severity.INDICATIVE,
+            advice=f"every level but the steady one follows from {sound.gain_pa_per_w_m2:g} Pa per "
+            "W/m²",
+        )
+    elif sound.q != 1:
+        yield Doubt(
+            "assumed_q",
+            f"the radiated share q = {sound.q:g} is an assumption",
+            Severity.INDICATIVE,
+            advice=f"levels are those of the released power times {sound.q:g}",
+        )
+    else:
+        # 26 to 70 dB: on the 71 runs of docs/limitations.md.
+        yield Doubt(
+            "upper_bound",
+            "a level of the released power (q = 1) is an upper bound",
+            Severity.INDICATIVE,
+            above_vibration_db,
+            "all released energy counts as radiated, 26 to 70 dB above the vibration (71 runs), "
+            "and more at low speed",
+        )

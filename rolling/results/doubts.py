@@ -1,0 +1,572 @@
+"""Doubts about the numbers of a run after it: rules, each with its sentence.
+
+Some stand beside every level, others are warnings, and the errors of the level are known or
+unknown. The worst of them is the verdict.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from acoustics.bands import BAND_NAMES, MID_HZ, OFF_DB
+from acoustics.numbers import decibels_a, rounded, si
+from rolling.check import findings, level, resolution
+from rolling.check.doubt import Doubt, Severity, sized
+from rolling.dynamics.comb import COMB_MOST_DB
+from rolling.dynamics.of_scene import BENT, NEAR_SPEEDS
+from rolling.marches.result import MovingRelease
+from rolling.results.run_errors import total_errors_db
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import ContactSound, solver_doubt
+from rolling.sound.vibration_sound import Vibration
+
+UNVALIDATED = "No level has been validated against a microphone."
+SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
+MAX_OUTSIDE = 0.1  # share of the time with an extrapolated force, which counts as 3 dB
+# Level of a half-space's pressure on the axis over the true level [dB] by frequency times distance
+# [Hz m]; below, the first error is the least.
+_NEAR_HALF_SPACE = (100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5)
+_ROUNDING = 1e-6  # share of a variance
+_NEAR = f"{100 * NEAR_SPEEDS:g} %"
+
+# Doubts that stand beside every level, and beside every player, by their keys.
+HEADLINE = (
+    *level.SOURCES,
+    "on_axis",
+    "infinite_plate",
+    "at_listener",
+    "plate_edges",
+    "unvalidated",
+    "uncertainty",
+)
+REPEATS = ("short_loop", "short_track")
+TURNS = "turns_unknown"
+# Errors of the level, which the verdict weighs. They have numbers of their own in the summary, so
+# that no list of warnings repeats them.
+ERRORS = (
+    resolution.LEVEL_KEY,
+    "record_length",
+    "comb_spread",
+    "time_step",
+    "uncertainty_together",
+    "solver_error",
+    "force_law_error",
+    "subgrid",
+)
+# Doubts about a vibration before it is computed, which its own numbers replace.
+_FORECASTS = ("force_ratio", "impacts_yield", "comb")
+
+
+def doubts(
+    scene: Scene,
+    sound: ContactSound,
+    summary: Mapping[str, Any],
+    vibration: Vibration | None = None,
+    moving: MovingRelease | None = None,
+) -> list[Doubt]:
+    """List the doubts about the numbers of a run.
+
+    scene : Scene. A scene without a sweep.
+    sound : ContactSound. The sound of the run.
+    summary : mapping. Numbers of the run, as summary.json has them; those that lack are unknown.
+    vibration : Vibration. Vibration of sphere and plate. Default: the run has none.
+    moving : MovingRelease. The release under the moving load, or its fault. Default: none.
+    """
+    found = [
+        *_level(scene, sound, summary, vibration),
+        *_record(scene, sound),
+        *_load(scene, moving),
+        *_passes(scene),
+        *_force(summary, vibration),
+        *_scene(scene, sound, summary, vibration),
+        *_estimate(scene, sound, summary),
+        *_motion(scene, vibration),
+        *_comb_mean(sound, vibration),
+        *_solver(scene, sound),
+        *_turns(sound, summary),
+    ]
+    if summary.get("laeq_db") is not None:
+        found += [*_spread(summary), *_errors(scene, summary)]
+    # What was measured replaces what a rule for the scene expects.
+    return list({doubt.key: doubt for doubt in found}.values())
+
+
+def _note(key: str, text: str) -> Doubt:
+    """Return a standing property of the numbers."""
+    return Doubt(key, text, Severity.NOTE)
+
+
+# ---- what a level is
+
+
+def _level(
+    scene: Scene, sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
+) -> Iterator[Doubt]:
+    """Say what the levels are, and what their uncertainty covers; a silent run has none."""
+    if sound.steady_level is None and sound.levels.level_db is None:
+        return
+    if sound.source == "vibration":
+        yield from _radiation(scene)
+    else:
+        yield from _release(scene, sound, summary)
+    yield _note("unvalidated", UNVALIDATED)
+    if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
+        yield _uncertainty(sound, summary, vibration)
+
+
+def _release(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Say which bound the levels of a release are; of silence, or a gain, the steady level is."""
+    gain, q = scene.sound.gain_pa_per_w_m2, scene.sound.q
+    if gain is not None or sound.levels.level_db is None:
+        if q == 1:
+            yield _note(
+                "upper_bound",
+                "The steady level is an upper bound: all released energy counts as radiated "
+                "(q = 1).",
+            )
+        else:
+            yield _note(
+                "assumed_q",
+                f"The steady level is that of the released power times {q:g}, which is an "
+                "assumption.",
+            )
+    if sound.levels.level_db is not None:
+        yield from level.of_source(scene, above_vibration_db(summary))
+
+
+def _radiation(scene: Scene) -> Iterator[Doubt]:
+    """Say where and of which bodies the pressure of a vibration is."""
+    sources = "plate and sphere" if scene.sound.ball else "plate"
+    if scene.plate.edges_mm is None:
+        yield _note(
+            "on_axis",
+            f"Levels are the pressure of {sources} on the axis through the contact, at one "
+            f"listener at {scene.sound.distance_m:g} m without a room.",
+        )
+        body = "an infinite plate without modes, edges or supports"
+        if scene.plate.thickness_mm is None:
+            body = "a half-space"
+        yield _note(
+            "infinite_plate",
+            f"The sphere rolls on {body}, pressed by a constant force without mass; friction, "
+            "rocking and rotation are left out.",
+        )
+        return
+    place = scene.listener_place
+    if scene.sound.listener_mm is None:
+        place += " above the contact"
+    yield _note("at_listener", f"Levels are the pressure of {sources} at {place}, without a room.")
+    path = "stays at its point of the plate"
+    if len(scene.plate.contact_ends_mm) > 1:
+        path = "moves to and fro on a straight line"
+    yield _note(
+        "plate_edges",
+        "The plate is simply supported at its edges in an infinite rigid baffle, which makes a "
+        f"plate smaller than the wavelength too loud; the contact {path}. A constant force without "
+        "mass presses the sphere; friction, rocking and rotation are left out.",
+    )
+
+
+def _uncertainty(
+    sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
+) -> Doubt:
+    """Say what the uncertainty of a level covers."""
+    vibrating = vibration if sound.source == "vibration" else None
+    parts = "the length" if sound.source == "release" else "length, comb and time steps"
+    if vibrating is not None and vibrating.is_mean_of_comb:
+        covered = f"the spread of LAeq over speeds within {_NEAR}, and the time steps"
+    elif sound.once:
+        covered = (
+            "the time steps; the record is one fall, whose LAE (re 1 s) holds what sounds within "
+            "the record"
+        )
+    elif vibrating is not None and vibrating.motion.flight_share:
+        covered = (
+            f"{parts} of the record, from its scatter between thirds, because impacts are not "
+            "Gaussian noise"
+        )
+    else:
+        covered = f"{parts} of the record, taken as stationary Gaussian noise"
+    text = f"± covers {covered}; it holds no error of model, grid or solver."
+    if summary.get("laeq_uncertainty_db") is not None:
+        estimated = "grid and solver"
+        if sound.source == "vibration":
+            estimated = "grid, solver and force law"
+        text += (
+            f" Errors of {estimated} are estimated beside the levels, which are not corrected for "
+            "them."
+        )
+    return _note("uncertainty", text)
+
+
+def _record(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
+    """Tell of a record that does not loop, or whose repetition is heard."""
+    if not sound.loops and sound.closed:
+        text = "The ends of the record do not fit together: a loop of it is cross-faded."
+        yield _note("not_loopable", text)
+    elif not sound.loops:
+        yield _note(
+            "not_loopable",
+            f"The record does not close on itself: it is {sound.ends}, and a loop of it is "
+            "cross-faded.",
+        )
+    if sound.levels.level_db is None or sound.once:
+        return
+    lap = scene.track.lap_steps * scene.track.step
+    period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
+    if sound.duration < SHORT_S:
+        period = min(period, len(sound.lap) / sound.sample_rate)
+        yield _note(
+            "short_loop",
+            f"When it loops, the record of {rounded(sound.duration, 3)} s repeats "
+            f"{_per_second(period)} times a second: the pitch that is heard is the repetition, not "
+            "the contact.",
+        )
+    elif period < min(SHORT_S, 0.999 * sound.duration):
+        yield _note(
+            "short_track",
+            f"The track repeats in the record every {rounded(period, 3)} s, "
+            f"{_per_second(period)} times a second: the pitch that is heard is the repetition, not "
+            "the contact.",
+        )
+
+
+def _per_second(period: float) -> str:
+    """Write how often a period [s] repeats in a second."""
+    rate = 1 / period
+    return rounded(rate) if rate < 10 else f"{rate:.0f}"
+
+
+def _load(scene: Scene, moving: MovingRelease | None) -> Iterator[Doubt]:
+    """Tell under which load the release was computed."""
+    if scene.dynamics is None:
+        yield _note(
+            "quasi_static",
+            "The load is held constant: the sphere neither bounces nor rings on its contact.",
+        )
+    elif moving is not None and moving.fault:
+        yield Doubt(
+            "no_moving_release",
+            "release: of the constant load, because there is none under the moving load",
+            Severity.INDICATIVE,
+            advice=moving.fault,
+        )
+    elif moving is not None:
+        yield _note(
+            "moving_load_release",
+            "The release is computed under the moving load; the series along the track are of the "
+            "constant load.",
+        )
+    elif scene.rolling.drop_mm is not None:
+        yield _note(
+            "constant_load_release",
+            "The release is computed under the constant load, as if the sphere rolled from the "
+            "start.",
+        )
+    else:
+        yield _note(
+            "constant_load_release",
+            "The release is computed under the constant load; dynamics.release: true computes it "
+            "under the moving load.",
+        )
+
+
+def _passes(scene: Scene) -> Iterator[Doubt]:
+    """Tell of which pass over a plate with memory the record is."""
+    if scene.is_permanent:
+        yield _note(
+            "permanent",
+            f"The record is of pass {scene.passes} over a plate that keeps its plastic overlap, "
+            "without pile-up, hardening or residual stress.",
+        )
+
+
+def _turns(sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Tell why a record cannot say whether the turns of the sphere are heard."""
+    reason = summary.get("turn_reason")
+    if reason and sound.levels.laeq_db is not None and not sound.once:
+        text = "turns of the sphere: the record cannot tell whether they are heard, because "
+        yield _note(TURNS, text + reason)
+
+
+# ---- limits of scene and motion
+
+
+def _scene(
+    scene: Scene, sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
+) -> Iterator[Doubt]:
+    """Yield the doubts of the check that still hold after the run, with what was measured since.
+
+    A measured error of the grid, or a computed force, stands for its estimate before the run.
+    """
+    is_measured = summary.get("laeq_grid_error_db") is not None
+    for doubt in findings.scene_rules(scene):
+        if not isinstance(doubt, Doubt) or doubt.severity is Severity.REFUSED:
+            continue
+        if is_measured and doubt.key in resolution.GRID_RULES:
+            continue
+        if vibration is not None and doubt.key in _FORECASTS:
+            continue
+        band_db = band_error_db(summary)
+        if doubt.key == "nyquist" and band_db is not None:
+            cut_off = band_text(summary, summary["laeq_band_end_hz"])
+            yield sized(doubt.key, cut_off, band_db, doubt.advice)
+        elif doubt.key == "half_space_sound" and "third_octave_a_db" in summary:
+            yield _half_space(doubt, scene, sound, summary["third_octave_a_db"])
+        else:
+            yield doubt
+
+
+def _half_space(
+    doubt: Doubt, scene: Scene, sound: ContactSound, bands: Mapping[str, float | None]
+) -> Doubt:
+    """Size the doubt about a half-space's sound by its third octaves [dB(A)]; none of a release."""
+    if sound.source != "vibration":
+        return replace(doubt, severity=Severity.TRUST)
+    error = _half_space_error_db(bands, scene.sound.distance_m)
+    text = f"the sound of the half-space is up to {rounded(error)} dB too loud so near"
+    return sized(doubt.key, text, error, doubt.advice)
+
+
+def _half_space_error_db(bands: Mapping[str, float | None], distance: float) -> float:
+    """Return how far the A-weighted bands [dB] of a half-space are too loud at a distance [m]."""
+    places, errors = np.array(_NEAR_HALF_SPACE).T
+    levels = np.array([-np.inf if bands[name] is None else bands[name] for name in BAND_NAMES])
+    power = 10 ** (levels / 10)
+    true = power * 10 ** (-np.interp(np.log(MID_HZ * distance), np.log(places), errors) / 10)
+    return 10 * math.log10(power.sum() / true.sum()) if true.sum() else 0.0
+
+
+def _force(summary: Mapping[str, Any], vibration: Vibration | None) -> Iterator[Doubt]:
+    """Yield the limits of the force law: impacts that yield, extrapolated forces, flights."""
+    if vibration is None:
+        return
+    motion = vibration.motion
+    if summary.get("impacts_yield"):
+        text = "impacts would yield, and the force law gives their work back"
+        yield Doubt("impacts_yield", text, Severity.DO_NOT_QUOTE)
+    if motion.outside_share > 0:
+        least, *_, most = vibration.law.load_n
+        yield sized(
+            "force_outside",
+            f"the contact force is extrapolated for {rounded(100 * motion.outside_share)} % of "
+            "the time",
+            3.0 * motion.outside_share / MAX_OUTSIDE,
+            f"it leaves the marched loads of {rounded(least, 3)} to {rounded(most, 3)} N",
+        )
+    if motion.flight_share > 0:
+        count = "1 impact" if motion.impacts == 1 else f"{motion.impacts} impacts"
+        advice = ""
+        if motion.flight_share == 1:
+            advice = "the record is shorter than a flight; choose a longer one"
+        # A fall is one event, and its parts differ in any case.
+        scatter = 0.0 if "drop_mm" in summary else summary.get("record_scatter_db") or 0.0
+        yield sized(
+            "impacts",
+            f"contact is lost for {rounded(100 * motion.flight_share)} % of the time, with {count}",
+            scatter,
+            advice,
+            least=Severity.INDICATIVE,
+        )
+
+
+def _motion(scene: Scene, vibration: Vibration | None) -> Iterator[Doubt]:
+    """Warn of a motion that does not repeat, and of a plate that bends too far."""
+    if vibration is None:
+        return
+    motion, thickness = vibration.motion, scene.plate.thickness_mm
+    may_repeat = not scene.is_smooth and scene.rolling.drop_mm is None
+    if scene.track.closed and not motion.settled and may_repeat:
+        text = "motion: it does not repeat from lap to lap, so its record does not loop"
+        if motion.flight_share > 0:
+            text += "; impacts need not repeat"
+        elif len(scene.plate.contact_ends_mm) > 1:
+            text += "; the contact moves on the plate"
+        elif scene.motion.is_constant(scene.duration):
+            text += "; it has not run in, so another record may have another level"
+        yield Doubt("not_settled", text, Severity.INDICATIVE)
+    if thickness is None:
+        return
+    bent = float(1e3 * np.ptp(motion.plate_m) / thickness)
+    if bent > BENT:
+        yield Doubt(
+            "plate_deflection",
+            f"plate: it sinks and rises by {rounded(bent)} of its thickness; thin-plate theory "
+            f"wants a deflection that is small against it, at most about {BENT:g}",
+            Severity.INDICATIVE,
+        )
+
+
+def _comb_mean(sound: ContactSound, vibration: Vibration | None) -> Iterator[Doubt]:
+    """Explain that LAeq is the mean over the comb, and how loud the record itself is."""
+    if vibration is None or sound.source != "vibration" or not vibration.is_mean_of_comb:
+        return
+    spread, record = vibration.spreads["comb"], decibels_a(vibration.levels.laeq_db)
+    yield Doubt(
+        "comb_mean",
+        "comb: one undamped resonance decides the level of so short a track, so the LAeq that is "
+        f"stated is the mean over speeds within {_NEAR} and ± is the spread over them, "
+        f"{spread:.1f} dB; sound files, third octaves and the other levels belong to the one speed "
+        f"of the record, whose LAeq is {record} (record_laeq_db)",
+        Severity.TRUST,
+    )
+
+
+def _solver(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
+    """Warn of a fluctuation of the release that the tolerance of the solver hides."""
+    if sound.source == "release":
+        hidden = solver_doubt(scene, sound.audible_rms, sound.resolved_rms)
+        if hidden:
+            yield Doubt("solver", f"solver: {hidden}", Severity.INDICATIVE)
+
+
+# ---- errors of the level
+
+
+def _estimate(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Warn of the error estimate: of its absence, its reach, and bands that are off."""
+    estimate = summary.get("error_estimate")
+    if estimate is None:
+        return
+    if "reason" in estimate:
+        text = f"error estimate: none, because {estimate['reason']}"
+        yield Doubt("no_error_estimate", text, Severity.TRUST)
+        return
+    if sound.source == "release" and summary.get("grid_signal_db") is not None:
+        spread = summary["grid_signal_uncertainty_db"]
+        spread = math.nan if spread is None else spread
+        source = f"measured within {spread:.0f} dB by the error estimate"
+        of_level = _grid(scene, summary)
+        yield from resolution.too_coarse(scene, summary["grid_signal_db"], source, of_level)
+    if scene.height_paths:
+        yield Doubt(
+            "unknown_detail",
+            "nothing is known of the surface below its spacing",
+            Severity.INDICATIVE,
+            advice="the error of the missing heights is in no number",
+        )
+    worst = estimate["worst_uncertainty_db"]
+    worst = math.inf if worst is None else worst
+    if worst > OFF_DB:
+        yield _note(
+            "error_estimate_reach",
+            f"error estimate: its standard errors for third octaves reach {worst:.1f} dB between 1 "
+            "and 16 kHz",
+        )
+    spreads = summary["grid_error_uncertainty_db"]
+    bands = ", ".join(
+        f"{name} Hz ({error:+.1f})"
+        for name, error in total_errors_db(summary).items()
+        if error is not None and abs(error) > OFF_DB + (spreads[name] or 0.0)
+    )
+    if bands:
+        yield Doubt(
+            "band_errors",
+            f"grid and solver: third octaves off by more than {OFF_DB:g} dB: {bands}; "
+            f"{resolution.finer(scene)} brings them down",
+            Severity.TRUST,
+        )
+
+
+def _spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Yield the parts of ±: length of the record, its comb of lines, and time steps."""
+    parts = []
+    if summary["source"] == "vibration":  # a release has no comb and no motion
+        parts = [*_comb_spread(summary), *_time_step(summary)]
+    yield from parts
+    spread = summary["uncertainty_db"]["laeq"]
+    if spread is None:
+        return
+    # Length and comb overlap, so the length counts as what it leaves beyond the comb.
+    rest = spread**2 - sum(part.decibels**2 for part in parts if part.decibels)
+    if rest > _ROUNDING * spread**2:
+        size = math.sqrt(rest)
+        text = f"the length of the record leaves ± {rounded(size)} dB"
+        parts.append(sized("record_length", text, size))
+        yield parts[-1]
+    text = f"length, comb and time steps together leave ± {rounded(spread)} dB"
+    together = sized("uncertainty_together", text, spread)
+    if all(together.severity > part.severity for part in parts):
+        yield together
+
+
+def _comb_spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Yield how far a level depends on the place of a sharp resonance among lines of a lap."""
+    spread = summary.get("comb_spread_db")
+    if spread is None:
+        return
+    text = f"LAeq spreads by {rounded(spread)} dB with the place of the lines of a repeated lap"
+    if spread > COMB_MOST_DB:
+        text = (
+            "the track is so short that one undamped resonance decides the level: at speeds within "
+            f"{_NEAR} LAeq lies {rounded(spread)} dB (rms) from the mean that is stated"
+        )
+    yield sized("comb_spread", text, spread)
+
+
+def _time_step(summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Yield the error of the time steps of a motion."""
+    error = summary.get("motion_step_error_db")
+    if error is not None:
+        text = f"the time steps of the motion leave {rounded(abs(error))} dB"
+        yield sized("time_step", text, error)
+
+
+def _errors(scene: Scene, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Yield the errors of solver, force law, grid and missing detail, known or unknown."""
+    solver = summary.get("laeq_solver_error_db")
+    if solver is not None:
+        yield sized("solver_error", f"the solver leaves {rounded(abs(solver))} dB", solver)
+    law = summary.get("force_law_error_db")
+    if law is not None and summary["source"] == "vibration":
+        yield sized("force_law_error", f"the force law leaves {rounded(abs(law))} dB", law)
+    yield _grid(scene, summary)
+    detail = _whole_error(summary, "laeq_subgrid_error")
+    if detail is not None:
+        text = f"the surface below its spacing changes LAeq by up to {rounded(detail)} dB"
+        yield sized("subgrid", text, detail)
+
+
+def _grid(scene: Scene, summary: Mapping[str, Any]) -> Doubt:
+    """Return the error that the grid leaves in the level: measured, by a rule, or unknown."""
+    error = _whole_error(summary, "laeq_grid_error")
+    if error is not None:
+        text = f"the grid leaves up to {rounded(error)} dB"
+        return sized(resolution.LEVEL_KEY, text, error)
+    reason = (summary.get("error_estimate") or {}).get("reason")
+    if reason:
+        return resolution.grid_of_level(scene, f"because {reason}")
+    return resolution.grid_of_level(scene)
+
+
+def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
+    """Return the level of a release over that of the vibration, or over its estimate [dB]."""
+    difference = summary.get("release_over_vibration_db")
+    if difference is not None:
+        return float(difference)
+    estimate, laeq = summary.get("vibration_estimate_laeq_db"), summary.get("laeq_db")
+    return None if estimate is None or laeq is None else float(laeq - estimate)
+
+
+def band_error_db(summary: Mapping[str, Any]) -> float | None:
+    """Return what the steps cut off of LAeq, joined with its uncertainty [dB]; None: unknown."""
+    return _whole_error(summary, "laeq_band_error")
+
+
+def band_text(summary: Mapping[str, Any], highest_hz: float) -> str:
+    """State what the end of the simulated band [Hz] does to LAeq."""
+    error, spread = summary["laeq_band_error_db"], summary["laeq_band_error_uncertainty_db"]
+    size = f"{rounded(abs(error))} ± {rounded(spread)} dB"
+    end = si(highest_hz, "Hz")
+    if error > 0:
+        return f"the steps do not resolve sound above {end}, which makes LAeq about {size} too high"
+    return f"the steps cut off sound above {end}, and LAeq is about {size} too low"
+
+
+def _whole_error(summary: Mapping[str, Any], name: str) -> float | None:
+    """Return an error joined with its uncertainty [dB], None where it is unknown."""
+    error, spread = summary.get(f"{name}_db"), summary.get(f"{name}_uncertainty_db")
+    return None if error is None else math.hypot(error, spread or 0.0)
