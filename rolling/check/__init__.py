@@ -1,10 +1,11 @@
 """Check of a scene before it is run: its cost, the credibility of its result, and refusals.
 
-- `findings`: `check_scene` judges all runs of a scene, `findings` a single run
-- `resolution`, `heights`, `validity`: findings by subject, namely spacing, steps and record;
-  heights from a file and made; limits of the model and of scenes with dynamics
+- `doubt`: a doubt about the numbers of a run, and a row of the check
+- `findings`: `check_scene` judges all runs of a scene, `check_run` a single run
+- `resolution`, `heights`, `validity`, `comb`, `level`: rules by subject, namely spacing, steps and
+  record; heights from a file and made; limits of the model and of scenes with dynamics; a short
+  lap; the level itself
 - `probe` solves a few positions
-- `cost`: expected time, window, memory and disk
+- `cost`, `error_cost`, `forecast`: expected time, window, memory and disk
 - `refusals`: scenes that cannot be run here
-- `finding`: a finding and its numbers in words
 """

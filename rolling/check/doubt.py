@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -78,16 +77,6 @@ def sized(
     """Return a doubt of known decibels, which decide its severity; it is `least` or worse."""
     size = abs(decibels)
     return Doubt(key, text, max(severity_of(size), least), size, advice)
-
-
-def verdict_of(doubts: Iterable[Doubt]) -> Doubt:
-    """Return the worst of the doubts about a run; no limit is broken where none limits a level."""
-    nothing = Doubt("none", "no limit is broken", Severity.TRUST)
-    limiting = (doubt for doubt in doubts if doubt.severity > Severity.NOTE)
-    worst = max(limiting, key=lambda doubt: doubt.rank, default=nothing)
-    if worst.severity is Severity.TRUST and worst.decibels is None:
-        return nothing
-    return worst
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from html import escape
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -26,7 +26,7 @@ from rolling.check import (
     resolution,
     validity,
 )
-from rolling.check.doubt import Doubt, Finding, Severity, verdict_of
+from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
 from rolling.scene.identity import contact_keys, digest
 from rolling.scene.scene import Scene
@@ -243,10 +243,13 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     if findings.refusal is not None:
         return f"It does not run: {findings.refusal.text}."
     time = forecast.takes(findings.seconds)
-    scenes = (run.scene for run in scene.runs())
+    scenes = [run.scene for run in scene.runs()]
     if all(part.is_smooth and part.rolling.drop_mm is None for part in scenes):
         return f"It runs, in {time}; a smooth surface is silent."
-    verdicts = [verdict_of(doubts) for doubts in findings.doubts.values()]
+    verdicts = [
+        level.expected(part, doubts)
+        for part, doubts in zip(scenes, findings.doubts.values(), strict=True)
+    ]
     worst = max(verdicts, key=lambda doubt: doubt.severity)
     place = "" if len(verdicts) == 1 else " of the worst run"
     word = worst.severity.word
@@ -260,7 +263,11 @@ def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
 
     Raise SceneError for a height file that cannot be used.
     """
-    found: list[Finding | Doubt] = [*scene_rules(scene), *level.rules(scene)]
+    found: list[Finding | Doubt] = [
+        *level.of_source(scene),
+        *scene_rules(scene),
+        *level.of_grid(scene),
+    ]
     if solved is not None:
         found += solved.findings(scene)
     # A later rule replaces the row of an earlier rule with the same key.
@@ -372,8 +379,7 @@ def _memory(scene: Scene) -> Iterator[Finding | Doubt]:
     workers = cost.cores()
     yield Finding("memory", "memory", refusals.memory_text(cost.memory([scene], workers)))
     yield Finding("disk", "disk", f"about {byte_size(cost.disk([scene]))}")
-    for need in refusals.excess([scene], workers, refusals.OUTPUTS):
-        yield replace(need, text=f"{need.text}; the run will be refused")
+    yield from refusals.excess([scene], workers, refusals.OUTPUTS)
 
 
 # ---- contact of a smooth sphere

@@ -1,6 +1,6 @@
 """Doubts about a level before its run: the bound that a release is, and the error of its grid."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from rolling.check import error_cost, resolution
 from rolling.check.doubt import Doubt, Severity
@@ -8,15 +8,6 @@ from rolling.scene.scene import Scene
 
 # Keys of the doubts that stand beside every level of a release, and are no warnings.
 SOURCES = ("upper_bound", "assumed_q", "fixed_gain")
-
-
-def rules(scene: Scene) -> Iterator[Doubt]:
-    """Yield what limits a level at best; an error estimate will tell the error of the grid."""
-    yield from of_source(scene)
-    if not scene.numerics.error_estimate:
-        yield resolution.grid_of_level(scene)
-    elif reason := error_cost.too_short(scene):
-        yield resolution.grid_of_level(scene, f"because {reason}")
 
 
 def of_source(scene: Scene, above_vibration_db: float | None = None) -> Iterator[Doubt]:
@@ -53,3 +44,37 @@ def of_source(scene: Scene, above_vibration_db: float | None = None) -> Iterator
             "all released energy counts as radiated, 26 to 70 dB above the vibration (71 runs), "
             "and more at low speed",
         )
+
+
+def of_grid(scene: Scene) -> Iterator[Doubt]:
+    """Yield the error of the grid, unless an error estimate will tell it."""
+    if not _will_be_measured(scene):
+        reason = error_cost.too_short(scene) if scene.numerics.error_estimate else None
+        yield resolution.grid_of_level(scene, reason)
+
+
+def _will_be_measured(scene: Scene) -> bool:
+    """Tell whether an error estimate will measure the error of the grid."""
+    return scene.numerics.error_estimate and not error_cost.too_short(scene)
+
+
+def expected(scene: Scene, doubts: Iterable[Doubt]) -> Doubt:
+    """Return the worst doubt that is left at best of the doubts about a run before it."""
+    if _will_be_measured(scene):
+        doubts = [doubt for doubt in doubts if doubt.key not in resolution.GRID_RULES]
+    return worst_of(doubts)
+
+
+def worst_of(doubts: Iterable[Doubt]) -> Doubt:
+    """Return the worst of the doubts about a level, which is its verdict.
+
+    The error of the release from the grid is not counted beside the error of the level from it.
+    """
+    nothing = Doubt("none", "no limit is broken", Severity.TRUST)
+    limiting = [
+        doubt for doubt in doubts if doubt.severity > Severity.NOTE and doubt.key != resolution.KEY
+    ]
+    worst = max(limiting, key=lambda doubt: doubt.rank, default=nothing)
+    if worst.severity is Severity.TRUST and worst.decibels is None:
+        return nothing
+    return worst

@@ -102,8 +102,9 @@ def excess(scenes: Sequence[Scene], workers: int, folder: Path | None, of: str =
             Doubt(
                 "memory",
                 f"memory{of}: needs {memory_text(parts)}, allowed: {_share(limit)} this machine "
-                f"allows; {ADVICE[largest]}",
+                "allows",
                 Severity.REFUSED,
+                advice=ADVICE[largest],
             )
         )
     if folder is None:
@@ -114,8 +115,9 @@ def excess(scenes: Sequence[Scene], workers: int, folder: Path | None, of: str =
             Doubt(
                 "disk",
                 f"disk{of}: needs about {byte_size(disk)}, allowed: {_share(free)} free where "
-                f"{folder} is; {ADVICE['record']}",
+                f"{folder} is",
                 Severity.REFUSED,
+                advice=ADVICE["record"],
             )
         )
     return needs

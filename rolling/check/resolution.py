@@ -102,8 +102,8 @@ def grid_signal_db(scene: Scene) -> float | None:
     return error
 
 
-def grid_of_level(scene: Scene, why_unknown: str = "without numerics.error_estimate") -> Doubt:
-    """Return the doubt about a level whose error of the grid is not measured.
+def grid_of_level(scene: Scene, reason: str | None = None) -> Doubt:
+    """Return the doubt about a level whose error of the grid is not measured, for a reason.
 
     The rule for the release holds for the level of a release; of a vibration nothing is known.
     """
@@ -114,8 +114,8 @@ def grid_of_level(scene: Scene, why_unknown: str = "without numerics.error_estim
         decibels = 20 * math.log10(1 + 10 ** (error / 20))
         text = f"the grid may leave {rounded(decibels)} dB, by a rule"
         return sized(LEVEL_KEY, text, decibels, least=Severity.INDICATIVE)
-    text = f"the error of the grid is unknown, {why_unknown}"
-    return Doubt(LEVEL_KEY, text, Severity.INDICATIVE)
+    why = f"because {reason}" if reason else "without numerics.error_estimate"
+    return Doubt(LEVEL_KEY, f"the error of the grid is unknown, {why}", Severity.INDICATIVE)
 
 
 def _spacing(scene: Scene) -> Iterator[Finding | Doubt]:
@@ -332,7 +332,7 @@ def _step_length(scene: Scene) -> Iterator[Finding | Doubt]:
     name = "step / contact radius"
     yield Finding("step_length", name, rounded(radii))
     if radii > DOUBTFUL_RADII:
-        level_db = LEVEL_ERROR_DB * radii
+        level_db = LEVEL_ERROR_DB * scene.track.step / radius
         yield sized(
             "step_length",
             f"{name}: a step is {rounded(radii)} contact radii of {si(radius, 'm')}, at most "

@@ -1,1 +1,1 @@
-"""Finished runs: their sound, numbers, caveats and labels, and the files that hold them."""
+"""Finished runs: their sound, numbers, doubts and labels, and the files that hold them."""

@@ -537,9 +537,7 @@ def _grid(scene: Scene, summary: Mapping[str, Any]) -> Doubt:
         text = f"the grid leaves up to {rounded(error)} dB"
         return sized(resolution.LEVEL_KEY, text, error)
     reason = (summary.get("error_estimate") or {}).get("reason")
-    if reason:
-        return resolution.grid_of_level(scene, f"because {reason}")
-    return resolution.grid_of_level(scene)
+    return resolution.grid_of_level(scene, reason)
 
 
 def above_vibration_db(summary: Mapping[str, Any]) -> float | None:

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rolling.check.doubt import Doubt, Severity, verdict_of
+from rolling.check import level
+from rolling.check.doubt import Doubt, Severity
 from rolling.results.doubts import ERRORS, HEADLINE
 
 Runs = Sequence[tuple[str, Mapping[str, Any]]]  # label and summary of each run
@@ -33,7 +34,7 @@ def of_summary(summary: Mapping[str, Any]) -> list[Doubt]:
 
 def verdict(doubts: Sequence[Doubt]) -> dict[str, Any]:
     """Return word, reason, decibels and key of the worst doubt about a level."""
-    worst = verdict_of(doubts)
+    worst = level.worst_of(doubts)
     return {
         "word": worst.severity.word,
         "reason": worst.text,

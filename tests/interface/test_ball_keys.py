@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 from ball_scenes import SMALL_BALL, small_ball
+from checked import checked
 
 import rolling
-from rolling.check.findings import findings
 from rolling.report.assumed import surface_words
 from rolling.scene.file import dump, loads
 from rolling.scene.messages import SceneError
@@ -93,7 +93,7 @@ def test_bare_keys_stand_for_the_surface_of_the_plate() -> None:
 def test_check_states_turns_and_judges_the_slope_of_faults() -> None:
     deep = {"kind": "pit", "at_mm": [0, 0], "size_um": 10, "depth_um": 10}
     scene = small_ball("rolling.distance_mm=0.9", kind="smooth", faults=[deep], waviness={2: 50})
-    rows = {finding.key: finding for finding in findings(scene)}
+    rows = {finding.key: finding for finding in checked(scene)}
     assert rows["turns"].value.startswith("1.433 of 314 nodes (319 nm off the circumference)")
     assert rows["turns"].value.endswith("a rolling.distance_mm of 1.256 closes")
     assert "the steepest fault has a slope of 4" in (rows["fault_slope"].warning or "")

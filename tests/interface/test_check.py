@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from checked import Row, checked
 from hard_cases.gaussian_heights import gaussian
 from scene_text import WIDE
 
@@ -12,15 +13,14 @@ import rolling
 from acoustics import wav
 from rolling.check import cost, forecast, refusals
 from rolling.check.cost import expected_step_ms, roughness
-from rolling.check.finding import Finding
-from rolling.check.findings import check_scene, findings
+from rolling.check.findings import check_scene
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.surface import heights as surface
 
 
-def found(*overrides: str) -> dict[str, Finding]:
-    return {finding.quantity: finding for finding in findings(loads(WIDE, overrides))}
+def found(*overrides: str) -> dict[str, Row]:
+    return {finding.quantity: finding for finding in checked(loads(WIDE, overrides))}
 
 
 def test_numbers_by_hand() -> None:
@@ -149,10 +149,10 @@ def test_the_nearness_of_a_placed_listener_is_judged_by_its_place() -> None:
             "sound.listener_mm": [129, 74, 14],
         }
     )
-    (near,) = [finding for finding in scene.check() if finding.key == "listener"]
+    (near,) = [row for row in checked(scene) if row.key == "listener"]
     assert near.warning is not None and "sound.listener_mm at least 15 mm" in near.warning
     far = scene.with_({"sound.listener_mm": [129, 74, 16], "sound.distance_m": 0.01})
-    assert not [finding for finding in far.check() if finding.key == "listener"]
+    assert not [row for row in checked(far) if row.key == "listener"]
 
 
 def test_an_elastic_contact_wider_than_its_track_is_warned_of() -> None:
@@ -302,7 +302,7 @@ def test_files_are_measured(tmp_path: Path) -> None:
     assert rq == pytest.approx(2e-6 / math.sqrt(2), rel=1e-9)
     # The difference of a sine over a tenth of its period, over 2 um.
     assert slope == pytest.approx(2e-6 * 2 * math.sin(math.pi / 10) / math.sqrt(2) / 2e-6, rel=1e-9)
-    got = {finding.quantity: finding for finding in findings(scene)}
+    got = {finding.quantity: finding for finding in checked(scene)}
     assert got["steps"].value == "200 of 2 um"
     # cos(2 pi l / 10) falls to 1/e at l = 1.92; in a straight line from lag 1 (0.809) to lag 2
     # (0.309) at 1.88.
@@ -317,7 +317,7 @@ def test_a_ball_that_stops_on_a_file(tmp_path: Path) -> None:
         "rolling.speed_m_s=[[0, 0.1], [0.001, 0]]",
         "rolling.duration_s=1",
     )
-    got = {finding.quantity: finding.value for finding in findings(scene)}
+    got = {finding.quantity: finding.value for finding in checked(scene)}
     assert (got["steps"], got["duration"]) == ("25 of 2 um", "1 ms")
     assert got["distance rolled"] == "50 um, not closed"
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from checked import Row, checked
 from large_scenes import FILE, LAPS, scene_of
 from scene_text import MADE, WIDE
 
@@ -35,8 +36,8 @@ ELASTIC = "plate.hardness_gpa="
 STEPS = 40
 
 
-def finding(scene: Scene, key: str) -> findings.Finding:
-    return next(each for each in findings.findings(scene) if each.key == key)
+def finding(scene: Scene, key: str) -> Row:
+    return next(each for each in checked(scene) if each.key == key)
 
 
 def release(contact: RollingContact) -> Array:

@@ -44,7 +44,7 @@ def test_summary(run: Run) -> None:
     assert 1 / 4 < summary["force_law_max_n"] / summary["largest_force_n"] < 1
     assert summary["force_law_top_error"] < 0.01
     assert summary["release_over_vibration_db"] is None
-    assert {"not_settled", "short_loop"}.isdisjoint(item["key"] for item in summary["caveats"])
+    assert {"not_settled", "short_loop"}.isdisjoint(item["key"] for item in summary["doubts"])
     assert summary["verdict"]["word"] != "do not quote"
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from checked import checked
 
-from rolling.check import validity
 from rolling.dynamics import of_scene
 from rolling.scene.file import loads, resound
 from rolling.scene.identity import contact_keys
@@ -173,15 +173,15 @@ def test_the_march_does_not_depend_on_the_edges() -> None:
 
 def test_the_check_states_modes_and_contact_of_a_plate_with_edges() -> None:
     """1 mm of steel, 0.3 m x 0.4 m, has some 1,100 modes from 42 Hz (closed form) up to 30 kHz."""
-    rows = {row.key: row for row in validity.findings(scene(*EDGES, "plate.thickness_mm=1"))}
+    rows = {row.key: row for row in checked(scene(*EDGES, "plate.thickness_mm=1"))}
     assert re.match(r"11\d\d up to 30 kHz from 42.\d Hz", rows["plate_modes"].value)
     assert "the sphere rolls on the spot" in rows["plate_contact"].value
     sag = rows["plate_sag"]
     assert sag.value == "1.23 mm" and "thin-plate theory" in str(sag.warning)
     small = scene(*EDGES, "plate.length_mm=20", "plate.width_mm=30")
-    stiff = {row.key: row for row in validity.findings(small)}["plate_modes"]
+    stiff = {row.key: row for row in checked(small)}["plate_modes"]
     assert stiff.value == "none up to 30 kHz" and "a stiff block" in str(stiff.warning)
-    assert not {row.key for row in validity.findings(scene())} & {"plate_modes", "plate_contact"}
+    assert not {row.key for row in checked(scene())} & {"plate_modes", "plate_contact"}
 
 
 def test_the_contact_goes_to_and_fro_at_the_speed_of_the_sphere() -> None:

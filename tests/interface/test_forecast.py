@@ -7,9 +7,8 @@ from finished import VIBRATING
 from scene_text import PLAIN
 
 from rolling.check import cost, forecast
-from rolling.check.findings import check_scene
+from rolling.check.findings import check_scene, conclusion
 from rolling.marches.result import Result
-from rolling.results import verdict
 from rolling.run.executor import RunLoop
 from rolling.run.pools import local_pool
 from rolling.scene.file import loads
@@ -78,7 +77,7 @@ def test_a_forecast_counts_start_files_and_page() -> None:
     single = check_scene(loads(PLAIN, short), solve=False)
     marched = next(x.seconds for x in single if x.key == "expected_time")
     assert marched < 1.0 < 3.0 * cost.cores() < single.seconds
-    assert "in a few seconds" in verdict.conclusion(loads(PLAIN, short), single)
+    assert "in a few seconds" in conclusion(loads(PLAIN, short), single)
     swept = loads(PLAIN, (*short, "sweep.surface.seed=[1, 2, 3]"))
     many = check_scene(swept, solve=False)
     assert many.seconds > single.seconds + forecast.FIGURES * cost.cores()

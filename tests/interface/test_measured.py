@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from checked import Row, checked
 from hard_cases import gaussian_heights
 
-from rolling.check import cost, findings
-from rolling.check.finding import Finding
+from rolling.check import cost
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.sound import contact_sound as sound
@@ -43,10 +43,8 @@ def scene(folder: Path, heights: np.ndarray, *overrides: str) -> Scene:
     return file.loads(TEXT, overrides, folder=folder)
 
 
-def found(folder: Path, heights: np.ndarray, *overrides: str) -> dict[str, Finding]:
-    return {
-        finding.key: finding for finding in findings.findings(scene(folder, heights, *overrides))
-    }
+def found(folder: Path, heights: np.ndarray, *overrides: str) -> dict[str, Row]:
+    return {finding.key: finding for finding in checked(scene(folder, heights, *overrides))}
 
 
 # ---- Tilt and seam

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from checked import checked
 
 from rolling import Scene, SceneError, read_scene
-from rolling.check.findings import findings
 from rolling.results.labels import labels
 from rolling.results.run_folder import RunFolder
 from rolling.scene import library
@@ -150,11 +150,11 @@ def test_editors_accept_a_name_in_place_of_its_values() -> None:
 
 
 def test_the_check_names_materials_and_doubts_what_the_model_does_not_hold_for() -> None:
-    found = {finding.key: finding for finding in findings(scene(**{"plate.material": "oak"}))}
+    found = {finding.key: finding for finding in checked(scene(**{"plate.material": "oak"}))}
     assert "anisotropic" in (found["plate_material"].warning or "")
     assert found["sphere_material"].warning is None
-    own = {finding.key: finding for finding in findings(scene(**{"plate.hardness_gpa": 5}))}
+    own = {finding.key: finding for finding in checked(scene(**{"plate.hardness_gpa": 5}))}
     assert own["plate_material"].value == "steel-100cr6, own hardness_gpa 5.0"
     assert "sphere_yields" not in own  # glass bears 6 GPa
-    soft = {finding.key: finding for finding in findings(scene())}
+    soft = {finding.key: finding for finding in checked(scene())}
     assert "yield at 6 GPa, before the plate" in (soft["sphere_yields"].warning or "")

@@ -20,7 +20,7 @@ from acoustics.wav import PEAK
 from rolling.report import film, maps, records, text
 from rolling.report.assumed import assumptions
 from rolling.report.page import css_text, page, seconds
-from rolling.results import caveats
+from rolling.results import verdict
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
@@ -228,7 +228,7 @@ def test_letters_that_turn_the_text_around_are_escaped() -> None:
 
 
 def test_each_kind_of_warning_and_equal_assumptions_stand_once(three) -> None:
-    warnings = caveats.warnings([(run.label, run.summary) for run in three])
+    warnings = verdict.warnings([(run.label, run.summary) for run in three])
     keys = [warning.key for warning in warnings]
     assert keys and len(set(keys)) == len(keys)
     assert any("in the numbers of" in warning.text for warning in warnings)  # other resonances

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from checked import Row, checked
 
 from rolling.check import findings, probe
-from rolling.check.finding import Finding
 from rolling.contact import march
 from rolling.contact.subcells import half_space_of
 from rolling.scene import file
@@ -29,13 +29,13 @@ def scene(*overrides: str) -> Scene:
     return file.loads(TEXT, overrides)
 
 
-def solved(given: Scene) -> dict[str, Finding]:
-    return {finding.key: finding for finding in findings.findings(given, *probe.probes([given]))}
+def solved(given: Scene) -> dict[str, Row]:
+    return {finding.key: finding for finding in checked(given, *probe.probes([given]))}
 
 
 def test_a_scene_below_the_hertz_limit_yields_at_its_asperities() -> None:
     """Asperities yield at 1 N, where Hertz's pressure is 0.75 GPa and the hardness 2.1 GPa."""
-    closed_forms = {finding.key: finding for finding in findings.findings(scene())}
+    closed_forms = {finding.key: finding for finding in checked(scene())}
     assert closed_forms["hardness"].value == (
         "2.1 GPa, above the Hertz pressure of a smooth sphere; asperities may yield"
     )
@@ -97,7 +97,7 @@ def test_large_surfaces_and_slow_contacts_are_left_out_with_the_limit() -> None:
     larger = scene("rolling.duration_s=3")  # 150,000 x 80 nodes
     (got,) = probe.probes([larger])
     assert got.left_out == "making 12 million nodes would take long, the limit is 10 million"
-    stated = {finding.key: finding for finding in findings.findings(larger, got)}
+    stated = {finding.key: finding for finding in checked(larger, got)}
     assert stated["positions"].value == f"none: {got.left_out}"
     assert "asperities may yield" in stated["hardness"].value
     size = "surface.spacing_um=0.05", "rolling.duration_s=0.0004", "surface.width_um=100"

@@ -159,7 +159,7 @@ def test_table_of_runs_is_runs_csv(folder: Path, tmp_path: Path) -> None:
     assert cli.main([*words, "--set", *loads]) == 0
     stored, table = pd.read_csv(tmp_path / "out/runs.csv"), runs.table().reset_index()
     assert [*table] == [*stored]
-    for name in ("run", "rolling.load_n", "laeq_db", "third_octave_a_db_8000", "caveats"):
+    for name in ("run", "rolling.load_n", "laeq_db", "third_octave_a_db_8000", "doubts"):
         assert table[name].tolist() == pytest.approx(stored[name].tolist()), name
 
 
@@ -302,7 +302,7 @@ def test_compilation_is_said_once_unless_silence_is_asked_for(
     assert told == (0 if progress is False else 1)
 
 
-def test_levels_and_caveats_for_a_notebook(run: Run) -> None:
+def test_levels_and_doubts_for_a_notebook(run: Run) -> None:
     html = run._repr_html_()
     assert "released power (q = 1)" in html and "dB(A)" in html and "upper bound" in html
     assert repr(run).startswith("<run tiny, load 0.005 N: level of the released power (q = 1) ")

@@ -87,8 +87,8 @@ def test_summary(run: Run) -> None:
         assert passes[-1][name] == pytest.approx(summary[name], rel=1e-12)
     assert passes[0]["plastic_work_j"] > passes[1]["plastic_work_j"] > 0
     assert run.sound.loops and summary["energy_balance_error"] < 1e-12
-    caveats = {caveat["key"]: caveat["text"] for caveat in summary["caveats"]}
-    assert "without pile-up, hardening or residual stress" in caveats["permanent"]
+    doubts = {doubt["key"]: doubt["text"] for doubt in summary["doubts"]}
+    assert "without pile-up, hardening or residual stress" in doubts["permanent"]
 
 
 def test_film_shows_the_last_pass(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,6 +15,7 @@ from scene_text import TINY
 
 from rolling.commands import write_table
 from rolling.figures.picture import csv_bytes
+from rolling.results import verdict
 from rolling.results.labels import labels
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import make_run, write_run
@@ -88,7 +89,7 @@ def test_the_table_has_every_run_and_its_numbers(runs: list[RunFolder]) -> None:
         ("plastic_ratio", first["plastic_ratio"]),
         ("steps", 25),
         ("third_octave_db_12500", first["third_octave_db"]["12500"]),
-        ("caveats", " ".join(caveat["key"] for caveat in first["caveats"])),
+        ("doubts", " ".join(doubt.key for doubt in verdict.listed(first))),
         ("rolling.load_n", 0.005),
     ):
         assert read[column][0] == value, column

@@ -1,4 +1,4 @@
-"""Runs with dynamics: their levels, numbers and caveats, and other bodies over the same marches."""
+"""Runs with dynamics: their levels, numbers and doubts, and other bodies over the same marches."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from finished import VIBRATING, WITHOUT_DYNAMICS, caveat_texts, heard_again, marched, run_of
+from checked import checked
+from finished import VIBRATING, WITHOUT_DYNAMICS, doubt_lines, heard_again, marched, run_of
 from scipy import ndimage
 
 from acoustics.level import a_weighted, level_db
 from acoustics.radiation import P_REF_PA
-from rolling.check import comb, error_cost, findings, validity
+from rolling.check import comb, error_cost, validity
 from rolling.dynamics import of_scene
 from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
@@ -43,7 +44,7 @@ def test_levels_rise_with_speed_and_have_no_steady_level(steady: Run, fast: Run)
         assert numbers["motion_balance_error"] < 1e-6  # the integrator's own tolerance
         assert numbers["force_min_ratio"] < 1 < numbers["force_max_ratio"]
         assert numbers["force_law_min_n"] < 1 < numbers["force_law_max_n"]
-        keys = caveat_texts(run).keys()
+        keys = doubt_lines(run).keys()
         assert {"on_axis", "infinite_plate", "unvalidated", "constant_load_release"} <= keys
         assert not {"upper_bound", "quasi_static", "resonance"} & keys
 
@@ -133,7 +134,7 @@ def test_a_flight_longer_than_the_record_is_told() -> None:
     run = marched(VIBRATING, changes)
     assert run.summary["flight_share"] == 1 and run.summary["laeq_db"] is None
     assert not run.summary["motion_settled"]
-    texts = caveat_texts(run)
+    texts = doubt_lines(run)
     assert "the record is shorter than a flight" in texts["impacts"]
     assert "does not repeat from lap to lap" in texts["not_settled"]
 
@@ -195,8 +196,8 @@ def test_a_release_that_is_heard_is_of_the_moving_load() -> None:
     changes = [*CALM, "sound.source=release"]
     moved = marched(VIBRATING, [*changes, "dynamics.release=true"])
     still = marched(VIBRATING, [*changes, "dynamics.release=false"])
-    assert "moving_load_release" in caveat_texts(moved)
-    assert "constant_load_release" in caveat_texts(still)
+    assert "moving_load_release" in doubt_lines(moved)
+    assert "constant_load_release" in doubt_lines(still)
     # The law interpolates between loads, so march and motion agree to a few percent.
     assert moved.result.moving is not None and moved.summary["force_law_error_m"] > 0
     fluctuation = np.std(moved.result.moving.approach)
@@ -210,11 +211,11 @@ def test_a_release_that_is_heard_is_of_the_moving_load() -> None:
 def test_a_release_without_a_load_is_of_the_constant_load(tmp_path: Path) -> None:
     changes = ["dynamics.release=true", "surface.roughness_ra_um=0.2", "rolling.speed_m_s=1"]
     run = marched(VIBRATING, [*changes, "rolling.distance_mm=0.32"], tmp_path)
-    assert "loses contact" in caveat_texts(run)["no_moving_release"]
+    assert "loses contact" in doubt_lines(run)["no_moving_release"]
     assert "force_law_error_m" not in run.summary
     write_run(run)
     again = read_run(RunFolder({}, run.scene, tmp_path), "run")
-    assert caveat_texts(again) == caveat_texts(run)
+    assert doubt_lines(again) == doubt_lines(run)
 
 
 JUDGED = ["numerics.error_estimate=true", "rolling.load_n=0.5", "surface.width_um=120"]
@@ -233,7 +234,7 @@ def test_levels_have_errors_of_grid_solver_and_force_law(monkeypatch: pytest.Mon
     assert numbers["laeq_uncertainty_db"] == pytest.approx(total)
     assert 0 < parts["solver"] < parts["grid"] < 6
     assert numbers["error_estimate"]["stretches"] >= 4
-    assert "Errors of grid, solver and force law are" in caveat_texts(run)["uncertainty"]
+    assert "Errors of grid, solver and force law are" in doubt_lines(run)["uncertainty"]
     # The short waves are the grid's, and a faster ball does not hear them.
     faster = heard_again(run, run.scene.with_({"rolling.speed_m_s": 0.3}))
     assert faster.summary["grid_signal_db"] < numbers["grid_signal_db"]
@@ -251,7 +252,7 @@ def test_no_estimate_where_no_linear_chain_carries_it(roughness: float, reason: 
     changes = [f"surface.roughness_ra_um={roughness}", "rolling.distance_mm=0.2"]
     run = marched(VIBRATING, ["numerics.error_estimate=true", "rolling.speed_m_s=1", *changes])
     assert run.vibration is not None and run.vibration.rms_ratio > LINEAR
-    texts = caveat_texts(run)
+    texts = doubt_lines(run)
     assert (
         f"{reason}" in texts["no_error_estimate"]
         and "no linear chain" in texts["no_error_estimate"]
@@ -275,10 +276,8 @@ def test_limits_of_the_model_become_warnings_with_numbers(
     change: str, key: str, words: str
 ) -> None:
     calm = "surface.roughness_ra_um=0.04"
-    plain = {finding.key: finding for finding in findings.findings(loads(VIBRATING, [calm]))}
-    changed = {
-        finding.key: finding for finding in findings.findings(loads(VIBRATING, [calm, change]))
-    }
+    plain = {finding.key: finding for finding in checked(loads(VIBRATING, [calm]))}
+    changed = {finding.key: finding for finding in checked(loads(VIBRATING, [calm, change]))}
     assert plain[key].warning is None
     assert words in str(changed[key].warning)
 
@@ -309,21 +308,21 @@ def test_a_short_track_states_the_mean_over_its_comb(undamped: Run) -> None:
     together = 10 * np.log10(np.sum(10 ** (np.array(bands) / 10)))
     assert together == pytest.approx(numbers["record_laeq_db"], abs=0.01)
     assert numbers["verdict"]["word"] == "do not quote"
-    names = [part["name"] for part in numbers["verdict"]["contributions"]]
-    assert names[0] == "comb_spread_db" and "comb" not in names
-    assert "comb_mean" in caveat_texts(undamped)
+    assert numbers["verdict"]["key"] == "comb_spread"
+    assert "comb" not in [doubt["key"] for doubt in numbers["doubts"]]
+    assert "comb_mean" in doubt_lines(undamped)
 
 
 def test_a_damped_contact_states_the_level_of_its_record(undamped: Run) -> None:
     damped = heard_again(undamped, undamped.scene.with_({"plate.contact_loss_factor": 0.3}))
     numbers = damped.summary
     assert numbers["laeq_db"] == numbers["record_laeq_db"]
-    assert "comb_mean" not in caveat_texts(damped)
+    assert "comb_mean" not in doubt_lines(damped)
 
 
 def test_the_check_foresees_the_comb(undamped: Run) -> None:
     """The estimate before the run needs no solve; few lines make it right within a factor of 2."""
-    found = {x.key: x for x in findings.findings(undamped.scene)}["comb"]
+    found = {x.key: x for x in checked(undamped.scene)}["comb"]
     assert found.warning and "plate.contact_loss_factor" in found.warning
     assert "plate.thickness_mm" in found.warning and "rolling.distance_mm" in found.warning
     scene, chain = undamped.scene, of_scene.smooth_chain(undamped.scene)
@@ -331,7 +330,7 @@ def test_the_check_foresees_the_comb(undamped: Run) -> None:
     spread = comb.comb_spread_db(scene, chain, lap, scene.motion.fastest(scene.duration))
     assert spread is not None and 0.5 < spread / undamped.summary["comb_spread_db"] < 2
     damped = scene.with_({"plate.contact_loss_factor": 0.3})
-    assert {x.key: x for x in findings.findings(damped)}["comb"].warning is None
+    assert {x.key: x for x in checked(damped)}["comb"].warning is None
 
 
 def test_the_check_foresees_the_comb_of_a_file(tmp_path: Path) -> None:
@@ -340,5 +339,5 @@ def test_the_check_foresees_the_comb_of_a_file(tmp_path: Path) -> None:
     np.save(heights, ndimage.gaussian_filter(z, 4, mode="wrap") * 4)
     keys = {"surface": {"kind": "file", "path": str(heights), "spacing_um": 2}}
     scene = loads(VIBRATING, UNDAMPED).with_(keys)
-    found = {x.key: x for x in findings.findings(scene)}["comb"]
+    found = {x.key: x for x in checked(scene)}["comb"]
     assert found.warning and "measure a longer track" in found.warning

@@ -148,7 +148,7 @@ def test_a_pit_is_heard_from_two_turns_on(turns: float) -> None:
     if turns < 2:
         assert run.summary["turn_prominence"] is run.summary["turn_band_hz"] is None
         assert "distance_mm of at least 1.3" in run.summary["turn_reason"]
-        assert "turns_unknown" in [caveat["key"] for caveat in run.summary["caveats"]]
+        assert "turns_unknown" in [doubt["key"] for doubt in run.summary["doubts"]]
     else:
         assert run.summary["turn_prominence"] > 10
         assert run.summary["turn_band_hz"] == pytest.approx([4466.8, 8912.5], abs=0.1)

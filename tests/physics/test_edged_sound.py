@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from finished import VIBRATING, caveat_texts, heard_again, marched
+from finished import VIBRATING, doubt_lines, heard_again, marched
 
 from acoustics import wav
 from acoustics.arrays import Array
@@ -113,7 +113,7 @@ def test_listeners_in_numbers_words_and_files(run: Run, tmp_path: Path) -> None:
     assert "at [140, 55, 300] mm" in beside_text([numbers]) and "half sphere" in beside_text(
         [numbers]
     )
-    assert {"at_listener", "plate_edges"} <= caveat_texts(run).keys()
+    assert {"at_listener", "plate_edges"} <= doubt_lines(run).keys()
     samples, _, comment = wav.read(_written(tmp_path / "listen.wav", listen_wav(run)[0]))
     assert samples.shape[1] == 2 and "left and right" in comment
     record = np.stack(run.vibration.pressures[:2], axis=1) if run.vibration else np.zeros(1)

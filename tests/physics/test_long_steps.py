@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from checked import checked
 from helpers import STEEL, make_track, releases, roll, rough
 
 from acoustics import resampling
-from rolling.check import findings, resolution
+from rolling.check import resolution
 from rolling.contact import closed_forms
 from rolling.scene.file import loads, read_scene
 from rolling.scene.messages import SceneError
@@ -106,7 +107,7 @@ def test_warning_gives_the_expected_errors() -> None:
     """A step of a radius loses 6.4 % by the table, and levels up to 3 dB."""
 
     def warning(*overrides: str) -> str | None:
-        return {f.key: f.warning for f in findings.findings(loads(SCENE, overrides))}["step_length"]
+        return {f.key: f.warning for f in checked(loads(SCENE, overrides))}["step_length"]
 
     assert warning("numerics.step_nodes=2") is None  # 0.2 radii
     text = str(warning("numerics.step_nodes=10"))

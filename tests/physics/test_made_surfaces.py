@@ -7,12 +7,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from checked import checked
 from hard_cases.gaussian_heights import gaussian
 from scene_text import PLAIN
 from scipy.integrate import quad
 
 import rolling as rc
-from rolling.check import findings, validity
+from rolling.check import validity
 from rolling.report.assumed import surface_words
 from rolling.scene import file as scene_file
 from rolling.scene.laws import Roughness, SelfAffineLaw
@@ -273,12 +274,12 @@ def test_impossible_laws_are_refused(override: str, words: str) -> None:
 def test_check_states_the_made_heights(
     override: str, quantity: str, value: str, warning: str | None
 ) -> None:
-    judged = {finding.quantity: finding for finding in findings.findings(scene(override))}
+    judged = {finding.quantity: finding for finding in checked(scene(override))}
     assert value in judged[quantity].value.replace("-0 ", "0 ")
     assert (warning or "") in (judged[quantity].warning or "")
     assert bool(warning) == bool(judged[quantity].warning)
     assert not {"skewness and kurtosis", "spectrum against its law, by octave"} & {
-        finding.quantity for finding in findings.findings(scene())
+        finding.quantity for finding in checked(scene())
     }
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from checked import checked
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scene_text import PLAIN
 
-from rolling.check import findings
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.scene.track import Motion
@@ -69,7 +69,7 @@ def test_nothing_that_comes_later_counts(
     assert (
         sounds[0].mean_power == sounds[1].mean_power and sounds[0].power_rms == sounds[1].power_rms
     )
-    assert findings.findings(scenes[0]) == findings.findings(scenes[1])
+    assert checked(scenes[0]) == checked(scenes[1])
 
 
 def at(profile: list[tuple[float, float]], end: float) -> Scene:

@@ -204,20 +204,23 @@ def test_the_result_of_another_scene_is_refused(path: Path) -> None:
             read_result(path, SCENE.with_(change))
 
 
+DOUBT = {"key": "slope", "text": "steep", "advice": "", "severity": "trust", "decibels": None}
+
+
 @pytest.mark.parametrize(
     "content",
     [
         *(b"", b"[1]", b"{", b"{}", b"null", b"\xff", b'{"laeq_db": 1}', b"[" * 100_000),
         *({"laeq_db": value} for value in ("loud", [1], math.nan, 1e999, 10**400, {"a": "b"})),
-        *({"caveats": value} for value in (None, {}, [1], [{"key": "k"}], [{"text": 1}])),
+        *({"doubts": value} for value in (None, {}, [1], [{"key": "k"}], [{"text": 1}])),
+        *({"doubts": [DOUBT | change]} for change in ({"severity": "x"}, {"decibels": "loud"})),
         *(
             {key: 1}
             for key in ("surface", "uncertainty_db", "third_octave_db", "source", "levelling")
         ),
         *({"surface": {"ra": "rough"}}, {"uncertainty_db": {"laeq": []}}, {"steps": "many"}),
         *({"verdict": value} for value in ("x", 1, [], {}, {"word": "trust"})),
-        {"verdict": {"word": 5, "reason": "none", "contributions": []}},
-        {"verdict": {"word": "trust", "reason": "none", "contributions": [1]}},
+        {"verdict": {"word": 5, "reason": "none", "decibels": None, "key": "none"}},
         *({"laeq_db": {"a": 1}}, {"preparation": [1]}, {"preparation": [{"step": 1}]}),
     ],
     ids=lambda content: str(content)[:20],

@@ -12,6 +12,7 @@ from helpers import march_all
 
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import march_piece
+from rolling.results import verdict
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run
 from rolling.scene.file import loads
@@ -45,9 +46,9 @@ def run_of(scene: Scene, folder: Path = Path(), film: bool = False) -> Run:
     return make_run(RunFolder({}, scene, folder), "run", march_all(scene, film))
 
 
-def caveat_texts(run: Run) -> dict[str, str]:
-    """Return the texts of the caveats of a run by key."""
-    return {caveat["key"]: caveat["text"] for caveat in run.summary["caveats"]}
+def doubt_lines(run: Run) -> dict[str, str]:
+    """Return the lines of the doubts of a run by key."""
+    return {doubt.key: doubt.line for doubt in verdict.of_summary(run.summary)}
 
 
 def same(a: Any, b: Any) -> bool:

@@ -1,0 +1,352 @@
+"""Each doubt stands where it applies and nowhere else, and the worst is the verdict."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from finished import VIBRATING, doubt_lines, marched
+from scene_text import PLAIN, TINY
+
+from acoustics.bands import BAND_NAMES
+from rolling.check import level
+from rolling.check.doubt import Doubt, Severity, severity_of
+from rolling.check.findings import check_run, check_scene, conclusion
+from rolling.results import doubts, runs_table, verdict
+from rolling.results.run_folder import RunFolder
+from rolling.results.run_result import Run
+from rolling.scene.file import loads
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import ContactSound, contact_sound
+from rolling.sound.vibration_sound import Vibration
+from rolling.terminal import streams
+
+STEP = 2e-6  # 0.1 m/s: 50,000 steps a second
+ALWAYS = {"unvalidated", "uncertainty", "quasi_static"}
+
+
+def scene_of(seconds: float, *overrides: str) -> Scene:
+    return loads(PLAIN.replace("duration_s: 0.01", f"duration_s: {seconds}"), overrides)
+
+
+def sound_of(scene: Scene, closed: bool = True, noise: float = 0.1) -> ContactSound:
+    steps = round(scene.motion.distance(scene.rolling.duration_s) / STEP)
+    share = noise * np.random.default_rng(1).standard_normal(steps)
+    return contact_sound(scene, np.full(steps, 1e-9) * (1.0 + share), STEP, closed)
+
+
+def said(
+    seconds: float, *overrides: str, closed: bool = True, noise: float = 0.1
+) -> dict[str, str]:
+    """Return the lines of the standing doubts, and of the solver, by key."""
+    scene = scene_of(seconds, *overrides)
+    listed = doubts.doubts(scene, sound_of(scene, closed, noise), {})
+    kept = (*doubts.HEADLINE, "solver")
+    return {x.key: x.line for x in listed if x.severity is Severity.NOTE or x.key in kept}
+
+
+# ---- notes
+
+
+def test_each_note_stands_where_it_applies_and_nowhere_else() -> None:
+    long = said(0.5)
+    assert set(long) == ALWAYS | {"upper_bound"}
+    assert "26 to 70 dB above the vibration" in long["upper_bound"]
+    assert "microphone" in long["unvalidated"] and "covers the length" in long["uncertainty"]
+    half = said(0.5, "sound.q=0.5")
+    assert set(half) == ALWAYS | {"assumed_q"} and "0.5" in half["assumed_q"]
+    fixed = said(0.5, "sound.gain_pa_per_w_m2=3")
+    assert set(fixed) == ALWAYS | {"upper_bound", "fixed_gain"}
+    assert "3 Pa per W/m²" in fixed["fixed_gain"]
+    assert fixed["upper_bound"].startswith("The steady level")  # the gain decides the others
+    assert set(said(0.5, closed=False)) == ALWAYS | {"upper_bound", "not_loopable"}
+    braking = said(0.5, "rolling.speed_m_s=[[0, 0.1], [1, 0.2]]")
+    assert "not_loopable" in braking and "short_loop" not in braking
+
+
+def test_silence_has_no_level_to_bound_and_no_pitch() -> None:
+    silent = said(0.03, noise=0.0)
+    assert "short_loop" not in silent and silent["upper_bound"].startswith("The steady level")
+    # The surface is rough: whether it is silent a tighter solve would tell.
+    assert "counts as silent" in silent["solver"] and "numerics.tolerance" in silent["solver"]
+
+
+@pytest.mark.parametrize(("seconds", "rate"), [(0.03, "33"), (0.29, "3.4"), (0.31, None)])
+def test_a_loop_that_is_heard_as_a_pitch_says_which(seconds: float, rate: str | None) -> None:
+    """A record of 0.03 s repeats 33 times a second; from 0.3 s on there is no note."""
+    looped = said(seconds)
+    assert ("short_loop" in looped) == (rate is not None)
+    assert rate is None or f"repeats {rate} times a second" in looped["short_loop"]
+    assert ("short_loop" in said(seconds, closed=False)) == (rate is not None)
+
+
+def test_a_short_track_gone_round_many_times_says_its_pitch(tmp_path: Path) -> None:
+    """100 laps of 3 ms sound at 333 Hz, looped or not."""
+    waves = 1e-8 * np.cos(2 * np.pi * np.arange(150) / 10)
+    np.save(tmp_path / "waves.npy", np.tile(waves[:, None], (1, 64)))
+    text = TINY.replace("0.0005}", "0.3}")
+    begin, end = text.index("surface:"), text.index("rolling:")
+    surface = f"surface: {{kind: file, path: {tmp_path}/waves.npy, spacing_um: 2}}\n"
+    texts = doubt_lines(marched(text[:begin] + surface + text[end:]))
+    assert "every 0.003 s, 333 times a second" in texts["short_track"]
+    assert "short_loop" not in texts
+
+
+@pytest.mark.parametrize(("thickness", "bent"), [(0.9, True), (1.1, False), (None, False)])
+def test_a_plate_that_bends_by_a_tenth_of_its_thickness(
+    thickness: float | None, bent: bool
+) -> None:
+    """It moves by 0.1 mm: from -0.04 to 0.06 mm."""
+    scene = scene_of(0.01, "dynamics={}", "sphere.density_kg_m3=7850", "plate.density_kg_m3=7850")
+    scene = scene.with_({"plate.thickness_mm": thickness})
+    motion = SimpleNamespace(
+        plate_m=np.array([0.0, -4e-5, 6e-5]), outside_share=0.0, flight_share=0.0, settled=True
+    )
+    law = SimpleNamespace(load_n=np.array([10.0, 20.0]))
+    vibration = cast(Vibration, SimpleNamespace(motion=motion, law=law))
+    listed = doubts.doubts(scene, sound_of(scene), {}, vibration)
+    texts = {doubt.key: doubt.text for doubt in listed}
+    assert ("plate_deflection" in texts) == bent
+    assert not bent or "by 0.11 of its thickness" in texts["plate_deflection"]
+
+
+def test_doubts_of_the_check_stand_after_the_run_too() -> None:
+    scene = scene_of(0.03)
+    _, before = check_run(scene)
+    after = doubts.doubts(scene, sound_of(scene), {})
+    assert before and set(before) - set(after) == {x for x in before if x.key == "grid"}
+    assert len({doubt.key for doubt in after}) == len(after)
+
+
+def test_several_runs_say_each_doubt_once() -> None:
+    def summary(**texts: str) -> dict[str, Any]:
+        listed = [Doubt(key, text, Severity.NOTE) for key, text in texts.items()]
+        return {"doubts": verdict.as_json(listed)}
+
+    runs = [("x", summary(a="All.")), ("y", summary(a="All.", b="Of one."))]
+    assert verdict.gathered([*runs, ("z", summary(a="All.", b="Of another."))]) == [
+        Doubt("a", "All.", Severity.NOTE),
+        Doubt("b", "Of one. (in the numbers of y; likewise z)", Severity.NOTE),
+    ]
+
+
+# ---- verdict
+
+
+@cache
+def vibrating() -> Run:
+    """Return a run whose vibration the tests change."""
+    return marched(VIBRATING, ["plate.loss_factor=0.3", "rolling.load_n=5"])
+
+
+# A vibration of which all is known, with errors below 1 dB.
+KNOWN: dict[str, Any] = {
+    "laeq_db": 40.0,
+    "source": "vibration",
+    "uncertainty_db": {"laeq": 0.4},
+    "laeq_grid_error_db": 0.2,
+    "laeq_grid_error_uncertainty_db": 0.1,
+    "laeq_solver_error_db": -0.1,
+    "laeq_subgrid_error_db": 0.3,
+    "laeq_subgrid_error_uncertainty_db": 0.1,
+}
+
+
+def doubts_of(
+    changes: dict[str, Any], overrides: tuple[str, ...] = (), **motion: float
+) -> list[Doubt]:
+    """Return the doubts about a vibration with other numbers, keys and a motion."""
+    run = vibrating()
+    assert run.vibration is not None
+    calm = {"outside_share": 0.0, "flight_share": 0.0, "settled": True} | motion
+    vibration = replace(run.vibration, motion=replace(run.vibration.motion, **calm))
+    sound = replace(run.sound, source=changes.get("source", "vibration"))
+    scene = loads(VIBRATING, [*overrides, f"sound.source={sound.source}"])
+    return doubts.doubts(scene, sound, KNOWN | changes, vibration)
+
+
+def near_half_space(band: str) -> dict[str, Any]:
+    """Return the changes for a ball that is heard in one band."""
+    return {"third_octave_a_db": dict.fromkeys(BAND_NAMES) | {band: 40.0}}
+
+
+def cut_off(error_db: float, uncertainty_db: float) -> dict[str, Any]:
+    """Return the changes for a run whose steps end within hearing."""
+    return {
+        "laeq_band_error_db": error_db,
+        "laeq_band_error_uncertainty_db": uncertainty_db,
+        "laeq_band_end_hz": 5000.0,
+    }
+
+
+HALF_SPACE = ("plate.thickness_mm=", "plate.loss_factor=")
+SLOW = ("rolling.speed_m_s=0.02",)
+LIGHT = ("rolling.load_n=0.05",)
+STEEP = ("surface.roughness_ra_um=2", "numerics.error_estimate=true")
+
+
+@pytest.mark.parametrize(
+    ("changes", "overrides", "motion", "word", "reason"),
+    [
+        ({}, (), {}, "trust", "length of the record leaves ± 0.4 dB"),
+        ({"uncertainty_db": {"laeq": 1.2}}, (), {}, "indicative", "length of the record"),
+        ({"uncertainty_db": {"laeq": 3.2}}, (), {}, "do not quote", "length of the record"),
+        (
+            {"laeq_grid_error_db": -0.9, "laeq_grid_error_uncertainty_db": 0.9},
+            *((), {}, "indicative", "grid"),
+        ),
+        ({"laeq_solver_error_db": -4.0}, (), {}, "do not quote", "solver leaves 4 dB"),
+        ({"laeq_grid_error_db": None}, (), {}, "indicative", "grid is unknown"),
+        ({"laeq_subgrid_error_db": 5.6}, (), {}, "do not quote", "below its spacing"),
+        (
+            {"uncertainty_db": {"laeq": 2.1}, "comb_spread_db": 2.0},
+            *((), {}, "indicative", "by 2 dB"),
+        ),
+        (
+            {"uncertainty_db": {"laeq": 3.1}, "comb_spread_db": 2.2},
+            *((), {}, "do not quote", "together leave ± 3.1"),
+        ),
+        ({"motion_step_error_db": 4.0}, (), {}, "do not quote", "the time steps of the motion"),
+        (
+            {"laeq_grid_error_db": None, "force_law_error_db": 4.0},
+            *((), {}, "do not quote", "force law"),
+        ),
+        ({"source": "release", "force_law_error_db": 4.0}, (), {}, "indicative", "upper bound"),
+        ({"source": "release", "comb_spread_db": 4.0}, (), {}, "indicative", "upper bound"),
+        ({"source": "release", "laeq_grid_error_db": 9}, (), {}, "do not quote", "the grid leaves"),
+        ({"source": "release"}, ("sound.q=0.5",), {}, "indicative", "q = 0.5"),
+        ({}, (), {"outside_share": 0.02}, "trust", "extrapolated for 2 %"),
+        ({}, (), {"outside_share": 0.51}, "do not quote", "extrapolated for 51 %"),
+        ({"record_scatter_db": 0.2}, (), {"flight_share": 0.1}, "indicative", "lost for 10 %"),
+        ({"record_scatter_db": 4.0}, (), {"flight_share": 0.1}, "do not quote", "lost for 10 %"),
+        ({"impacts_yield": True}, (), {}, "do not quote", "impacts would yield"),
+        ({}, STEEP, {}, "do not quote", "rms slope: the rms slope is"),
+        # The published excess of a half-space is 5.2 dB at 1 kHz m, and 0.5 dB from 10 kHz m on.
+        (near_half_space("1000"), HALF_SPACE, {}, "do not quote", "5.2 dB too loud so near"),
+        (near_half_space("12500"), HALF_SPACE, {}, "trust", "0.5 dB too loud so near"),
+        # A measured error of the grid decides, and not a rule of thumb.
+        ({}, LIGHT, {}, "trust", "length of the record"),
+        ({"laeq_grid_error_db": None}, LIGHT, {}, "indicative", "nodes per Hertz radius"),
+        # The part above the Nyquist frequency of the steps counts by its decibels.
+        ({}, SLOW, {}, "indicative", "simulated Nyquist"),
+        (cut_off(-8.4, 3.4), SLOW, {}, "do not quote", "8.4 ± 3.4 dB too low"),
+        (cut_off(1.5, 0.6), SLOW, {}, "indicative", "1.5 ± 0.6 dB too high"),
+        (cut_off(-0.2, 0.1), SLOW, {}, "trust", "length of the record"),
+    ],
+)
+def test_the_worst_doubt_is_the_verdict(
+    changes: dict[str, Any],
+    overrides: tuple[str, ...],
+    motion: dict[str, float],
+    word: str,
+    reason: str,
+) -> None:
+    judged = verdict.verdict(doubts_of(changes, overrides, **motion))
+    assert judged["word"] == word and reason in judged["reason"]
+
+
+def test_decibels_decide_the_severity() -> None:
+    found = [severity_of(decibels) for decibels in (0.0, -1.0, 1.01, 3.0, -3.01)]
+    trust, indicative = Severity.TRUST, Severity.INDICATIVE
+    assert found == [trust, trust, indicative, indicative, Severity.DO_NOT_QUOTE]
+    assert level.worst_of([]).text == "no limit is broken"
+    assert level.worst_of([Doubt("a", "Standing.", Severity.NOTE)]).severity is trust
+
+
+def test_three_warnings_the_worst_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    listed = [
+        Doubt("air_load", "air_load", Severity.TRUST),
+        Doubt("nyquist", "nyquist", Severity.INDICATIVE),
+        Doubt("step_length", "step_length", Severity.TRUST, 0.6),
+        Doubt("slope", "slope", Severity.DO_NOT_QUOTE),
+        Doubt("seam", "seam", Severity.INDICATIVE, advice="cut it off"),
+    ]
+    summary = KNOWN | FILLED | {"doubts": verdict.as_json(listed)}
+    assert verdict.of_summary(summary) == listed
+    summary["verdict"] = verdict.verdict(listed)
+    ordered = [doubt.key for doubt in verdict.warnings([("run", summary)])]
+    assert ordered == ["slope", "nyquist", "seam", "step_length", "air_load"]
+    monkeypatch.setattr(runs_table, "stored_summary", lambda run: summary)
+    text = runs_table.levels_table([RunFolder({}, vibrating().scene, Path())])
+    assert text.count("warning: ") == 3 and "2 more warnings" in text.splitlines()[-1]
+    assert "warning: seam: cut it off" in text
+
+
+FILLED = {
+    "levelling": None,
+    "plastic_ratio": 0.0,
+    "surface": dict.fromkeys(("ra", "rq", "skewness", "kurtosis", "rms_slope"), 1.0),
+}
+
+
+def test_lines_are_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "warning: " + "word " * 40
+    assert streams.wrapped(text) == text  # a pipe, whose reader breaks lines as it likes
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "60")
+    assert max(map(len, streams.wrapped(text).splitlines())) <= 60
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ((), "at best indicative: a level of the released power (q = 1)"),
+        (("surface.roughness_ra_um=2",), "is do not quote: rms slope: the rms slope is"),
+        (("plate.hardness_gpa=0.001",), "It does not run: capacity"),
+    ],
+)
+def test_the_check_ends_with_its_conclusion(changes: tuple[str, ...], words: str) -> None:
+    scene = loads(PLAIN, ("surface.width_um=256", *changes))
+    text = conclusion(scene, check_scene(scene, solve=False))
+    assert words in text and text.endswith(".")
+    assert text.startswith(("It does not run", "It runs, in a few seconds; ", "It runs, in about "))
+
+
+def random_texts(count: int) -> Iterator[str]:
+    """Check random scenes, from a grain of dust to a wheel, and yield all that is printed."""
+    rng = np.random.default_rng(28)
+
+    def decades(low: float, high: float) -> float:
+        return float(f"{10 ** rng.uniform(low, high):.3g}")
+
+    for _ in range(count):
+        spacing, modulus = decades(-2, 2), decades(-3, 3)
+        changes = {
+            "sphere.radius_mm": decades(-2, 2.9),
+            "plate.youngs_modulus_gpa": modulus,
+            "plate.hardness_gpa": max(0.001, modulus * decades(-4, -1)) if modulus > 0.01 else None,
+            "surface.roughness_ra_um": decades(-4, 3),
+            "surface.correlation_length_um": decades(-1, 4),
+            "surface.spacing_um": spacing,
+            "surface.width_um": spacing * round(decades(1, 5)),
+            "rolling.load_n": decades(-6, 7),
+            "rolling.speed_m_s": decades(-4, 3),
+            "rolling.duration_s": decades(-4, 3),
+            "numerics.step_nodes": float(rng.integers(1, 65)),
+            "numerics.error_estimate": bool(rng.random() < 0.5),
+        }
+        if rng.random() < 0.6:
+            densities = {f"{body}.density_kg_m3": decades(1, 4.3) for body in ("sphere", "plate")}
+            changes |= densities | {"dynamics": {}, "plate.thickness_mm": decades(-1, 3)}
+        try:
+            scene = loads(PLAIN).with_(changes)
+            findings = check_scene(scene, solve=False)
+            yield f"{findings}\n{conclusion(scene, findings)}"
+        except SceneError as error:
+            yield str(error)
+
+
+def test_no_message_has_a_number_that_nobody_writes() -> None:
+    """Of 60 random scenes no text says 1e+02 % or 2e-05 m."""
+    texts = list(random_texts(60))
+    odd = [match for text in texts for match in re.findall(r".{30}\de[+-]0.{9}", text)]
+    assert odd == []
+    assert sum("expected verdict" in text for text in texts) > 5
