@@ -348,7 +348,7 @@ def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
 
 
 def levels_table(runs: Sequence[RunFolder]) -> str:
-    """Write levels and verdicts of runs for a terminal, with reasons and caveats below."""
+    """Write levels and verdicts of runs for a terminal, with reasons and doubts below."""
     names = labels(runs)
     stored = zip(names, map(stored_summary, runs), strict=True)
     solved = [(label, summary) for label, summary in stored if summary is not None]

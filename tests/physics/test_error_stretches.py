@@ -260,7 +260,7 @@ def test_laps_of_a_height_file_at_changing_speed_have_an_estimate(tmp_path: Path
     run = run_of(scene)
     numbers = run.summary
     assert abs(numbers["laeq_grid_error_db"]) < 3 and -60 < numbers["grid_signal_db"] < 0
-    assert "nothing is known of heights below the spacing" in doubt_lines(run)["unknown_detail"]
+    assert "nothing is known of the surface below its spacing" in doubt_lines(run)["unknown_detail"]
     assert numbers["laeq_subgrid_error_db"] is None
     assert 0 < numbers["plastic_ratio_grid_error_uncertainty"] < 1
 
