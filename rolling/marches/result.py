@@ -25,9 +25,9 @@ from rolling.marches.observers import (
 )
 from rolling.marches.passes import Passes
 from rolling.marches.piece import Piece, contact_identity, track_pieces
-from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.identity import digest
 from rolling.scene.scene import Scene
+from rolling.scene.sections import VIBRATING_PLATE
 
 LawKey = tuple[str, tuple[float, ...]]  # vibration and loads [N] of a law
 

@@ -19,7 +19,8 @@ from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.marches.result import released_energy
 from rolling.results.run_result import Run
 from rolling.scene.quantities import GRAVITY
-from rolling.scene.scene import MAX_MODES, Scene
+from rolling.scene.rules import MAX_MODES
+from rolling.scene.scene import Scene
 from rolling.scene.sections import WEIGHT
 from rolling.sound.vibration_sound import Vibration
 

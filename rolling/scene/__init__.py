@@ -6,14 +6,15 @@ library
     scenes, materials and finishes by name
 track
     distance over time; the track in whole nodes and whole steps
-sections, laws, surfaces, bodies
-    strict models of rolling, numerics, recovery, dynamics and sound, the laws and single faults of
-    heights, the kinds of surface, sphere and plate, with units in the names of their keys
+laws, surfaces, sections
+    strict models: the laws and single faults of heights, the kinds of surface, and the sections
+    sphere, plate, rolling, numerics, recovery, dynamics and sound, with units in names of keys
 height_files, height_grid
     heights from .npy, .npz, text and files of instruments; the nodes of their period
-quantities, sweep, scene
-    quantities in SI; lists of values and their product; `Scene`: the sections together, the rules
-    that join them, and its runs
+quantities, rules
+    the sections together and their quantities in SI; the rules that join them
+sweep, scene
+    lists of values and their product; `Scene`, its changes and its runs
 identity
     the keys that make a march, digests and differences of scenes
 yaml_text, file

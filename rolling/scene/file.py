@@ -12,12 +12,11 @@ from ruamel.yaml.comments import CommentedSeq
 from acoustics.arrays import instance
 from acoustics.traps import ignoring_underflow
 from rolling.scene import library
-from rolling.scene.bodies import VIBRATING_PLATE, Sphere
 from rolling.scene.messages import Key, SceneError, first_faults, key_of, quoted
 from rolling.scene.models import all_keys, unknown_name
 from rolling.scene.quantities import motion_of
 from rolling.scene.scene import Scene
-from rolling.scene.sections import WEIGHT, Rolling, Sound
+from rolling.scene.sections import VIBRATING_PLATE, WEIGHT, Rolling, Sound, Sphere
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import with_value
 from rolling.scene.yaml_text import parse, read_text

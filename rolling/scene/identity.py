@@ -8,10 +8,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rolling.scene import library
-from rolling.scene.bodies import VIBRATING_PLATE
 from rolling.scene.height_files import file_digest
 from rolling.scene.messages import quoted
 from rolling.scene.scene import Scene
+from rolling.scene.sections import VIBRATING_PLATE
 from rolling.scene.sweep import product, run_name, with_paths, with_values
 
 # The march does not depend on these keys. The number of steps stands for duration, distance and

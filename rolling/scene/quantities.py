@@ -11,16 +11,17 @@ from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
 from rolling.scene import library
-from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.height_grid import height_grid, refuse_turn
 from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
 from rolling.scene.messages import SceneError, dotted, fault, quoted
 from rolling.scene.models import Section
-from rolling.scene.sections import Dynamics, Numerics, Recovery, Rolling, Sound
+from rolling.scene.sections import Dynamics, Numerics, Plate, Recovery, Rolling, Sound, Sphere
 from rolling.scene.surfaces import BallHeightFile, HeightFile, Surface, turn_nodes
-from rolling.scene.track import Motion, Track, file_track, made_track, rolled
+from rolling.scene.track import Motion, Track, file_track, made_track, wanted_distance
 
-STEEL_GPA, STEEL_POISSON, STEEL_DENSITY = 210.0, 0.3, 7850.0  # [GPa], [-], [kg/m3]
+STEEL_GPA = 210.0
+STEEL_POISSON = 0.3
+STEEL_DENSITY = 7850.0  # [kg/m3]
 GRAVITY = 9.80665  # [m/s2]
 _FREE = 5 / 7  # of the force over the mass: a solid sphere that rolls has 7/5 of its mass
 HEARD_MODES_HZ = 30e3  # highest frequency of the modes of a plate with edges
@@ -31,13 +32,16 @@ HEARD_MODES_HZ = 30e3  # highest frequency of the modes of a plate with edges
 # scenes (Ra 0.001 to 1 um, 0.3 to 100 N, elastic and yielding) whose roughness is a tenth of the
 # deflection or more, and rises to -22 dB, above the grid's error, on smoother surfaces. With the
 # rule it is -48.7 dB or less in all, and 20 dB or more below the grid's unless that is below -40.
-TOLERANCE, MIN_TOLERANCE = 1e-4, 1e-6
+TOLERANCE = 1e-4
+MIN_TOLERANCE = 1e-6
 SMOOTH = 0.1  # rms roughness over Hertz deflection, below which the tolerance falls
 FILE_TOLERANCE = 2e-5  # for a height file, whose roughness the scene does not know
 PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 DEFAULT_NAME = "scene"  # name of a scene that is built in Python
-NAME = "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first"
-NAME += " (numbers in quotes)"
+NAME = (
+    "1 to 64 letters, digits, dots, dashes or underscores, a letter or digit first (numbers in"
+    " quotes)"
+)
 
 
 def _name(value: Any) -> Any:
@@ -93,14 +97,19 @@ class SceneQuantities(Section):
     @property
     def laws(self) -> tuple[HeightLaw, ...]:
         """Laws of the random heights of plate and sphere, none beside heights from a file."""
-        laws = [part.law for part in (self.surface, self.sphere.surface) if part is not None]
-        return () if self.height_paths else tuple(law for law in laws if law is not None)
+        if self.height_paths:
+            return ()
+        surfaces = [self.surface, self.sphere.surface]
+        laws = [surface.law for surface in surfaces if surface is not None]
+        return tuple(law for law in laws if law is not None)
 
     @property
     def faults(self) -> list[SurfaceFault]:
         """Single faults of plate and sphere."""
-        ball = self.sphere.surface
-        return [*(self.surface.faults or ()), *((ball and ball.faults) or ())]
+        faults = list(self.surface.faults or ())
+        if self.sphere.surface is not None:
+            faults += self.sphere.surface.faults or ()
+        return faults
 
     @property
     def is_smooth(self) -> bool:
@@ -173,9 +182,16 @@ class SceneQuantities(Section):
         """Listeners [m] of a plate with edges from its corner, by default one above the contact."""
         if self.sound.listener_mm is not None:
             return [(1e-3 * x, 1e-3 * y, 1e-3 * z) for x, y, z in self.sound.listener_mm]
-        ends = list(self.plate.contact_ends_mm.values())
-        x, y = (5e-4 * (ends[0][i] + ends[-1][i]) for i in (0, 1))
+        x, y = self._middle_of_path
         return [(x, y, self.sound.distance_m)]
+
+    @property
+    def _middle_of_path(self) -> tuple[float, float]:
+        """Contact point (x, y) [m] of a plate with edges, or the middle of its path."""
+        ends = list(self.plate.contact_ends_mm.values())
+        x, y = ends[0]
+        to_x, to_y = ends[-1]
+        return 5e-4 * (x + to_x), 5e-4 * (y + to_y)
 
     @property
     def is_listener_placed(self) -> bool:
@@ -192,18 +208,17 @@ class SceneQuantities(Section):
         """Distance [m] from the contact, or the middle of its path, to who hears the vibration."""
         if self.sound.listener_mm is None:
             return self.sound.distance_m
-        ends = list(self.plate.contact_ends_mm.values())
-        middle = [5e-4 * (ends[0][axis] + ends[-1][axis]) for axis in (0, 1)]
-        return math.dist((*middle, 0.0), self.listeners[0])
+        x, y = self._middle_of_path
+        return math.dist((x, y, 0.0), self.listeners[0])
 
     @property
     def listener_place(self) -> str:
         """Place of the first listener in words: a distance, or coordinates from the corner."""
-        distance = f"{self.listener_distance_m:.3g} m"
         if not self.is_listener_placed:
             return f"{self.sound.distance_m:g} m"
         assert self.sound.listener_mm is not None  # as it is placed
-        return f"{bracketed(self.sound.listener_mm[0])} mm, {distance} from the contact"
+        place = bracketed(self.sound.listener_mm[0])
+        return f"{place} mm, {self.listener_distance_m:.3g} m from the contact"
 
     @property
     def hardness(self) -> float:
@@ -306,22 +321,39 @@ def track_of(
 ) -> Track:
     """Return the track over a surface; raise a fault for a wrong length or a misplaced fault."""
     motion = motion_of(sphere, rolling)
-    wanted = rolled(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
-    ball, given = sphere.surface, surface.spacing_um
-    turn = 0 if ball is None or given is None else turn_nodes(sphere.radius_mm, given)
+    wanted = wanted_distance(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
+    ball = sphere.surface
+    turn = 0
+    if ball is not None and surface.spacing_um is not None:
+        turn = turn_nodes(sphere.radius_mm, surface.spacing_um)
     if isinstance(surface, HeightFile):
         grid = height_grid(folder / surface.path, surface)
-        track = file_track(grid.nodes, grid.spacing, numerics.step_nodes, motion, wanted, turn)
+        track = file_track(
+            nodes=grid.nodes,
+            spacing=grid.spacing,
+            step_nodes=numerics.step_nodes,
+            motion=motion,
+            wanted=wanted,
+            turn_nodes=turn,
+        )
     else:
         assert wanted is not None  # refused before
-        across, spacing = surface.n_across, surface.spacing_um * 1e-6
-        track = made_track(across, spacing, numerics.step_nodes, motion, wanted, turn)
+        track = made_track(
+            n_across=surface.n_across,
+            spacing=surface.spacing_um * 1e-6,
+            step_nodes=numerics.step_nodes,
+            motion=motion,
+            wanted=wanted,
+            turn_nodes=turn,
+        )
     spacing_um = surface.spacing_um or track.spacing * 1e6
     width_um = track.n_across * spacing_um
-    for part, nodes in ((surface, track.plate_nodes), (ball, turn)):
-        if part is not None and part.faults:
-            at = *part.SECTION.split("."), "faults"
-            refuse_misplaced(part.faults, nodes * spacing_um, width_um, spacing_um, at)
+    if surface.faults:
+        length_um = track.plate_nodes * spacing_um
+        refuse_misplaced(surface.faults, length_um, width_um, spacing_um, ("surface", "faults"))
+    if ball is not None and ball.faults:
+        at = ("sphere", "surface", "faults")
+        refuse_misplaced(ball.faults, turn * spacing_um, width_um, spacing_um, at)
     return track
 
 

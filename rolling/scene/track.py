@@ -39,7 +39,8 @@ class Motion:
     speeds: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        times, speeds = np.array(self.times), np.array(self.speeds)
+        times = np.array(self.times)
+        speeds = np.array(self.speeds)
         if times.ndim != 1 or times.shape != speeds.shape or not times.size:
             raise ValueError("a motion needs as many speeds as times, at least one of each")
         if times[0] != 0 or not np.all(np.diff(times) > 0):
@@ -83,18 +84,20 @@ class Motion:
         """
         knots = self._knots_until(duration)
         speeds = self.speed(knots)
-        begin, end = speeds[:-1], speeds[1:]
+        begin = speeds[:-1]
+        end = speeds[1:]
         change = np.abs(end - begin)
         part = np.clip(speed - np.minimum(begin, end), 0.0, change)
         share = np.divide(part, change, out=np.where(begin < speed, 1.0, 0.0), where=change > 0)
-        return float(np.sum(np.diff(knots) * share * (np.maximum(begin, end) > 0)))
+        moves = np.maximum(begin, end) > 0
+        return float(np.sum(np.diff(knots) * share * moves))
 
     def _knots_until(self, duration: float) -> Array:
         """Return the times [s] between which the speed is linear.
 
         The last time is `duration`.
         """
-        return np.array([*(t for t in self.times if t < duration), duration])
+        return np.array([t for t in self.times if t < duration] + [duration])
 
     def _speeds_until(self, duration: float) -> Array:
         """Return the speeds [m/s] at these times, including their minimum and maximum."""
@@ -103,7 +106,7 @@ class Motion:
     @property
     def final_distance(self) -> float:
         """Maximum distance [m] that the sphere reaches, infinite unless the last speed is zero."""
-        return np.inf if self.speeds[-1] > 0 else float(self._knots[2][-1])
+        return np.inf if self.speeds[-1] > 0 else float(self._knots.distances[-1])
 
     @property
     def rest_time(self) -> float:
@@ -111,12 +114,17 @@ class Motion:
         return np.inf if self.speeds[-1] > 0 else self.times[-1]
 
     @cached_property
-    def _knots(self) -> tuple[Array, Array, Array, Array]:
+    def _knots(self) -> "_Knots":
         """Time, speed, distance and acceleration at the start of each stretch."""
-        times, speeds = np.array(self.times), np.array(self.speeds)
+        times = np.array(self.times)
+        speeds = np.array(self.speeds)
         lasting = np.diff(times)
-        distances = np.append(0.0, np.cumsum(lasting * (speeds[:-1] + speeds[1:]) / 2))
-        return times, speeds, distances, np.append(np.diff(speeds) / lasting, 0.0)
+        return _Knots(
+            times=times,
+            speeds=speeds,
+            distances=np.append(0.0, np.cumsum(lasting * (speeds[:-1] + speeds[1:]) / 2)),
+            accelerations=np.append(np.diff(speeds) / lasting, 0.0),
+        )
 
     def speed(self, t: ArrayLike) -> Array:
         """Return the speed [m/s] at the times t >= 0 [s]."""
@@ -125,10 +133,10 @@ class Motion:
     def distance(self, t: ArrayLike) -> Array:
         """Return the distance rolled [m] up to the times t >= 0 [s]."""
         t = _from_zero(t, "time")
-        times, speeds, distances, accelerations = self._knots
-        k = np.searchsorted(times, t, side="right") - 1
-        tau = t - times[k]
-        return distances[k] + tau * (speeds[k] + accelerations[k] * tau / 2)
+        knots = self._knots
+        k = np.searchsorted(knots.times, t, side="right") - 1
+        tau = t - knots.times[k]
+        return knots.distances[k] + tau * (knots.speeds[k] + knots.accelerations[k] * tau / 2)
 
     def time(self, distance: ArrayLike) -> Array:
         """Return the time [s] at which each distance >= 0 [m] is first reached.
@@ -139,24 +147,25 @@ class Motion:
             The sphere comes to rest before a distance.
         """
         d = _from_zero(distance, "distance")
-        times, speeds, distances, accelerations = self._knots
-        if speeds[-1] == 0:
-            end = distances[-1]
+        knots = self._knots
+        if knots.speeds[-1] == 0:
+            end = knots.distances[-1]
             if np.any(d > end * (1 + ROUNDING)):
                 words = f"the sphere comes to rest after {end:.6g} m"
                 raise ValueError(f"{words} and never reaches {np.max(d):.6g} m")
             d = np.minimum(d, end)
         # A stretch owns its end but not its start, so a distance at which the sphere rests belongs
         # to its arrival.
-        k = np.maximum(np.searchsorted(distances, d, side="left") - 1, 0)
-        ahead = d - distances[k]
-        root = np.sqrt(np.maximum(speeds[k] ** 2 + 2 * accelerations[k] * ahead, 0.0))
+        k = np.maximum(np.searchsorted(knots.distances, d, side="left") - 1, 0)
+        ahead = d - knots.distances[k]
+        speeds = knots.speeds[k]
+        root = np.sqrt(np.maximum(speeds**2 + 2 * knots.accelerations[k] * ahead, 0.0))
         # This form of the root of the quadratic does not cancel when braking, and holds without
         # acceleration. Both terms vanish only where the remaining distance is zero in rounding.
-        both = speeds[k] + root
+        both = speeds + root
         tau = np.divide(2 * ahead, both, out=np.zeros_like(both), where=both > 0)
-        lasting = np.append(np.diff(times), np.inf)
-        reached: Array = times[k] + np.minimum(tau, lasting[k])
+        lasting = np.append(np.diff(knots.times), np.inf)
+        reached: Array = knots.times[k] + np.minimum(tau, lasting[k])
         return reached
 
     def duration(self, distance: float) -> float:
@@ -164,7 +173,17 @@ class Motion:
         return float(self.time(distance))
 
 
+class _Knots(NamedTuple):
+    """Time [s], speed [m/s], distance [m] and acceleration [m/s2] at the start of each stretch."""
+
+    times: Array
+    speeds: Array
+    distances: Array
+    accelerations: Array
+
+
 def _from_zero(values: ArrayLike, quantity: str) -> Array:
+    """Return values as an array; raise ValueError for a negative one."""
     array = np.asarray(values, dtype=float)
     if np.any(array < 0):
         raise ValueError(f"a {quantity} before the start: {np.min(array):.6g}")
@@ -232,7 +251,7 @@ class Track:
         return self.distance / (self.turn_nodes * self.spacing)
 
 
-class Rolled(NamedTuple):
+class WantedDistance(NamedTuple):
     """Distance [m] that a scene asks for, with the value in the scene and its key."""
 
     distance: float
@@ -240,9 +259,9 @@ class Rolled(NamedTuple):
     key: str
 
 
-def rolled(
+def wanted_distance(
     duration_s: float | None, distance_mm: float | None, resistance: float | None, motion: Motion
-) -> Rolled | None:
+) -> WantedDistance | None:
     """Return the distance of a scene; raise a fault where the sphere comes to rest before it."""
     if distance_mm is not None:
         if distance_mm * 1e-3 > motion.final_distance * (1 + ROUNDING):
@@ -251,12 +270,12 @@ def rolled(
                 f" rolling.distance_mm is {plain_number(distance_mm)}: give it more speed",
                 at="rolling.speed_m_s",
             )
-        return Rolled(distance_mm * 1e-3, value=distance_mm, key="rolling.distance_mm")
+        return WantedDistance(distance_mm * 1e-3, value=distance_mm, key="rolling.distance_mm")
     if duration_s is not None:
         distance = float(motion.distance(duration_s))
-        return Rolled(distance, value=duration_s, key="rolling.duration_s")
+        return WantedDistance(distance, value=duration_s, key="rolling.duration_s")
     if resistance:
-        return Rolled(motion.final_distance, value=resistance, key="rolling.resistance")
+        return WantedDistance(motion.final_distance, value=resistance, key="rolling.resistance")
     return None
 
 
@@ -265,7 +284,7 @@ def made_track(
     spacing: float,
     step_nodes: float,
     motion: Motion,
-    wanted: Rolled,
+    wanted: WantedDistance,
     turn_nodes: int = 0,
 ) -> Track:
     """Make the track over a generated surface, rounded so that it closes on itself.
@@ -308,7 +327,9 @@ def made_track(
     )
 
 
-def _too_short(wanted: Rolled, motion: Motion, nodes: int, length: float) -> PydanticCustomError:
+def _too_short(
+    wanted: WantedDistance, motion: Motion, nodes: int, length: float
+) -> PydanticCustomError:
     """Make the fault of a track that is shorter than some nodes of a length [m] together."""
     shortest = f"the shortest track is {nodes} nodes, {rounded(length * 1e6, 4)} um"
     if length > motion.final_distance * (1 + ROUNDING):
@@ -330,7 +351,7 @@ def file_track(
     spacing: float,
     step_nodes: float,
     motion: Motion,
-    wanted: Rolled | None,
+    wanted: WantedDistance | None,
     turn_nodes: int = 0,
 ) -> Track:
     """Make the track over the heights of a file of some nodes, by default once round it.
@@ -350,7 +371,7 @@ def file_track(
                 " rolling.duration_s",
                 at="rolling.speed_m_s",
             )
-        wanted = Rolled(lap, value=lap, key="rolling.duration_s")
+        wanted = WantedDistance(lap, value=lap, key="rolling.duration_s")
     if not wanted.distance / step_length < MAX_NODES:
         raise fault(
             f"the sphere rolls {rounded(wanted.distance, 4)} m, more than {rounded(MAX_NODES)}"

@@ -12,10 +12,9 @@ import pytest
 
 from rolling import Scene
 from rolling.check.findings import check_scene
-from rolling.scene.bodies import Plate, Sphere
 from rolling.scene.file import dump, loads
 from rolling.scene.messages import SceneError
-from rolling.scene.sections import Rolling
+from rolling.scene.sections import Plate, Rolling, Sphere
 from rolling.scene.surfaces import Gaussian, HeightFile, Smooth
 
 
