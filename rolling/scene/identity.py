@@ -18,12 +18,22 @@ from rolling.scene.sweep import product, run_name, with_paths, with_values
 # speed. Densities, thickness, edges and loss factors belong to the vibration. A name stands beside
 # its values. Passes count with memory only.
 _NOT_CONTACT = {
-    *("name", "title", "description", "sound", "sweep", "dynamics", "numerics.error_estimate"),
-    *("rolling.speed_m_s", "rolling.duration_s", "rolling.distance_mm", "rolling.resistance"),
-    *("rolling.drop_mm", "rolling.passes", "plate.plasticity", "sphere.density_kg_m3"),
-    *library.NAME_KEYS,
-    *(f"plate.{name}" for name in VIBRATING_PLATE),
-}
+    "name",
+    "title",
+    "description",
+    "sound",
+    "sweep",
+    "dynamics",
+    "numerics.error_estimate",
+    "rolling.speed_m_s",
+    "rolling.duration_s",
+    "rolling.distance_mm",
+    "rolling.resistance",
+    "rolling.drop_mm",
+    "rolling.passes",
+    "plate.plasticity",
+    "sphere.density_kg_m3",
+}.union(library.NAME_KEYS, (f"plate.{name}" for name in VIBRATING_PLATE))
 
 
 def contact_keys(scene: Scene) -> dict[str, Any]:
@@ -57,7 +67,8 @@ def scene_identity(scene: Scene) -> str:
 
 def differences(old: Scene, new: Scene) -> list[str]:
     """List the keys where two scenes differ, as "key: got VALUE of new, has VALUE of old"."""
-    before, after = _flat(_numbers(old.to_dict())), _flat(_numbers(new.to_dict()))
+    before = _flat(_with_whole_numbers(old.to_dict()))
+    after = _flat(_with_whole_numbers(new.to_dict()))
     keys = list(dict.fromkeys([*after, *before]))
     if before["surface.kind"] != after["surface.kind"]:
         keys = [key for key in keys if key == "surface.kind" or not key.startswith("surface.")]
@@ -70,9 +81,10 @@ def differences(old: Scene, new: Scene) -> list[str]:
     ]
     if lines:
         return lines
-    names, runs = [name for name, _ in _runs(old)], [name for name, _ in _runs(new)]
-    if names != runs:
-        return [f"sweep: got the runs {quoted(runs)}, has {quoted(names)}"]
+    old_runs = [name for name, _ in _runs(old)]
+    new_runs = [name for name, _ in _runs(new)]
+    if old_runs != new_runs:
+        return [f"sweep: got the runs {quoted(new_runs)}, has {quoted(old_runs)}"]
     if scene_identity(old) != scene_identity(new):
         section = next(iter(new.height_paths), "surface")
         return [f"{section}.path: the heights are others than those of the earlier run"]
@@ -96,15 +108,15 @@ def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
     data = {name: value for name, value in scene.to_dict().items() if name != "sweep"}
     for values, forms in product(scene.sweep):
         swept = with_paths(with_values(data, forms), lambda path: file_digest(scene.folder / path))
-        yield run_name(values), _numbers(swept)
+        yield run_name(values), _with_whole_numbers(swept)
 
 
-def _numbers(value: Any) -> Any:
+def _with_whole_numbers(value: Any) -> Any:
     """Return plain values whose whole numbers are integers, so that 5 and 5.0 are equal text."""
     if isinstance(value, dict):
-        return {name: _numbers(item) for name, item in value.items()}
+        return {name: _with_whole_numbers(item) for name, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_numbers(item) for item in value]
+        return [_with_whole_numbers(item) for item in value]
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 

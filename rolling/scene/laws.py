@@ -40,13 +40,17 @@ class Distribution(Section):
     @model_validator(mode="after")
     def _has_distribution(self) -> Self:
         skewness, kurtosis = self.moments
-        if not kurtosis > (least := skewness**2 + 1):
-            words = f"more than {rounded(least, 6)}, the square of the skewness plus 1, because no"
-            words += f" heights have less; nearest: {math.ceil(101 * least) / 100:g}"
-            raise self.wrong("kurtosis", words, kurtosis)
+        least = skewness**2 + 1
+        if not kurtosis > least:
+            raise self.not_allowed(
+                "kurtosis",
+                f"more than {rounded(least, 6)}, the square of the skewness plus 1, because no"
+                f" heights have less; nearest: {math.ceil(101 * least) / 100:g}",
+                kurtosis,
+            )
         return self
 
-    def wrong(self, key: str, allowed: str, value: float) -> Exception:
+    def not_allowed(self, key: str, allowed: str, value: float) -> Exception:
         """Make the fault of a value of a key of this section."""
         at = f"{self.SECTION}.{key}" if self.SECTION else key
         return fault(f"got {plain_number(value)}, allowed: {allowed}", at=at)
@@ -67,9 +71,12 @@ class Distribution(Section):
         return self.moments == (0.0, 3.0)
 
     @property
-    def _end_of_words(self) -> str:
-        shape = "" if self.is_gaussian else "skewness {:g}, kurtosis {:g}, ".format(*self.moments)
-        return f"{shape}seed {self.seed}"
+    def _moments_and_seed(self) -> str:
+        """Moments other than those of Gaussian heights, and the seed, in words."""
+        if self.is_gaussian:
+            return f"seed {self.seed}"
+        skewness, kurtosis = self.moments
+        return f"skewness {skewness:g}, kurtosis {kurtosis:g}, seed {self.seed}"
 
 
 class Roughness(Distribution):
@@ -101,7 +108,7 @@ class Roughness(Distribution):
     def _has_lay(self) -> Self:
         if self.lay_deg is not None and self.correlation_length_across_um is None:
             words = "none without correlation_length_across_um, because it turns two lengths"
-            raise self.wrong("lay_deg", words, self.lay_deg)
+            raise self.not_allowed("lay_deg", words, self.lay_deg)
         return self
 
     @property
@@ -129,7 +136,8 @@ class Roughness(Distribution):
         first, second, angle = self._ellipse
         if not angle:
             return first, second
-        cosine, sine = math.cos(angle), math.sin(angle)
+        cosine = math.cos(angle)
+        sine = math.sin(angle)
         along = 1 / math.hypot(cosine / first, sine / second)
         across = 1 / math.hypot(sine / first, cosine / second)
         return along, across
@@ -160,8 +168,11 @@ class Roughness(Distribution):
             length += f" along, {self.correlation_length_across_um:g} µm across"
         if self.lay_deg:
             length += f", turned by {self.lay_deg:g}°"
-        name, size = self.autocorrelation.replace("_", " "), f"Ra {self.roughness_ra_um:g} µm"
-        return f"random, {size}, correlation length {length} ({name}), {self._end_of_words}"
+        law = self.autocorrelation.replace("_", " ")
+        return (
+            f"random, Ra {self.roughness_ra_um:g} µm, correlation length {length} ({law}),"
+            f" {self._moments_and_seed}"
+        )
 
 
 class SelfAffineLaw(Distribution):
@@ -240,10 +251,14 @@ class SelfAffineLaw(Distribution):
     @property
     def words(self) -> str:
         """Description of the heights."""
-        sizes = {"Ra {:g} µm": self.roughness_ra_um, "Sq {:g} µm": self.rq_um, "Sdq {:g}": self.rdq}
-        size = next(name.format(size) for name, size in sizes.items() if size is not None)
+        if self.roughness_ra_um is not None:
+            size = f"Ra {self.roughness_ra_um:g} µm"
+        elif self.rq_um is not None:
+            size = f"Sq {self.rq_um:g} µm"
+        else:
+            size = f"Sdq {self.rdq:g}"
         waves = f"{self.rolloff_um:g} to {self.shortest_um:g} µm with Hurst exponent {self.hurst:g}"
-        return f"random, {size}, self-affine from {waves}, {self._end_of_words}"
+        return f"random, {size}, self-affine from {waves}, {self._moments_and_seed}"
 
 
 HeightLaw = Roughness | SelfAffineLaw
@@ -305,12 +320,13 @@ class SurfaceFault(Section):
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:
-        random = self.count is not None, self.seed is not None
-        if random != (self.at_mm is None,) * 2:
+        has_place = self.at_mm is not None
+        if (self.count is None) != has_place or (self.seed is None) != has_place:
             raise fault("a fault needs either at_mm, or count and seed")
-        if (self.kind == "scratch") != (self.length_um is not None):
-            words = "missing; a scratch" if self.length_um is None else "only a scratch"
-            raise fault(f"length_um: {words} has a length")
+        if self.kind == "scratch" and self.length_um is None:
+            raise fault("length_um: missing; a scratch has a length")
+        if self.kind != "scratch" and self.length_um is not None:
+            raise fault("length_um: only a scratch has a length")
         if self.kind != "scratch" and self.angle_deg is not None:
             raise fault("angle_deg: only a scratch has an angle")
         return self
@@ -359,9 +375,11 @@ def refuse_misplaced(
                 " um",
                 at=(*at, number, "size_um"),
             )
-        key, size = "size_um", listed.size_um
+        key = "size_um"
+        size = listed.size_um
         if listed.length_um is not None and listed.length_um > size:
-            key, size = "length_um", listed.length_um
+            key = "length_um"
+            size = listed.length_um
         longest = length_um if listed.crosses else min(length_um, width_um)
         if size > longest:
             raise fault(

@@ -73,14 +73,18 @@ def copy(name: str, target: Path) -> list[Path]:
     if file is None:
         words = f"no such scene in the library{_nearest(name)}; `rolling scenes` lists them"
         raise SceneError([f"{name}: {words}"])
-    content, written = file.read_bytes(), [target / file.name]
+    content = file.read_bytes()
+    copied = target / file.name
     try:
-        _write_new(written[0], content)
+        _write_new(copied, content)
     except FileExistsError as error:
         advice = "nothing is replaced; rename it or change to another folder"
-        raise SceneError([f"{written[0]}: exists, and {advice}"]) from error
-    named = [folder() / _SCHEMA] if f"$schema={_SCHEMA}".encode() in content else []
-    for other in (*companions(file), *named):
+        raise SceneError([f"{copied}: exists, and {advice}"]) from error
+    written = [copied]
+    others = companions(file)
+    if f"$schema={_SCHEMA}".encode() in content:
+        others.append(folder() / _SCHEMA)
+    for other in others:
         with suppress(FileExistsError):
             _write_new(target / other.name, other.read_bytes())
             written.append(target / other.name)
@@ -92,7 +96,8 @@ def hint(path: Path) -> str:
     name = path.as_posix().removesuffix(_SUFFIX)
     if name in scenes():
         return f"; `rolling init {name}` copies the scene of that name into the current folder"
-    return f"{_nearest(name)}, a scene of the library" if _nearest(name) else ""
+    like = _nearest(name)
+    return f"{like}, a scene of the library" if like else ""
 
 
 def _nearest(name: str) -> str:

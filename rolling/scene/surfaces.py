@@ -114,10 +114,10 @@ class SelfAffine(SelfAffineLaw, MadeSurface):
         least = WAVE_NODES * self.spacing_um
         if self.shortest_um < least * (1 - 1e-9):
             words = f"at least {WAVE_NODES} spacings, {rounded(least, 6)}"
-            raise self.wrong("shortest_um", words, self.shortest_um)
+            raise self.not_allowed("shortest_um", words, self.shortest_um)
         if not self.shortest_um <= self.rolloff_um <= self.width_um:
             words = f"from shortest_um, {self.shortest_um:g}, to width_um, {self.width_um:g}"
-            raise self.wrong("rolloff_um", words, self.rolloff_um)
+            raise self.not_allowed("rolloff_um", words, self.rolloff_um)
         return self
 
 
@@ -251,7 +251,9 @@ class HeightFile(SurfaceKind):
     @property
     def made_periodic(self) -> str:
         """Way in which the heights become periodic: blend, mirror or none."""
-        return self.periodic or ("blend" if is_instrument(self.path) else "none")
+        if self.periodic is not None:
+            return self.periodic
+        return "blend" if is_instrument(self.path) else "none"
 
 
 Surface = Annotated[Gaussian | Smooth | HeightFile | SelfAffine, Field(discriminator="kind")]
@@ -279,8 +281,10 @@ def _grade(value: Any) -> Any:
     if isinstance(value, str) and value in GRADES:
         return value
     words = f"got {quoted(value)}, allowed: {', '.join(GRADES)}"
-    if digits := re.sub(r"[^0-9]", "", str(value))[:9]:
-        words += f"; nearest: {min(GRADES, key=lambda name: abs(int(name[1:]) - int(digits)))}"
+    digits = re.sub(r"[^0-9]", "", str(value))[:9]
+    if digits:
+        closest = min(GRADES, key=lambda name: abs(int(name[1:]) - int(digits)))
+        words += f"; nearest: {closest}"
     raise fault(words)
 
 
