@@ -208,7 +208,8 @@ def loudest(run: Run, slow: SlowMotion) -> int:
     """Return the map at which the ball presses hardest, or at which most energy is released."""
     if run.vibration is None:
         return int(np.argmax(slow.release.sum(axis=(1, 2), dtype=np.int64)))
-    motion, times = run.vibration.motion, run.position_time[slow.positions]
+    motion = run.vibration.motion
+    times = run.position_time[slow.positions]
     return int(np.argmax(np.interp(times, motion.time_s, motion.force_n)))
 
 

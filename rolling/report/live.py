@@ -81,10 +81,10 @@ def live_of(run: Run) -> Data | None:
         "level": run.record_laeq_db,
     }
     if vibration is None:
-        data = _with_release(run, data)
+        _add_release(data, run)
         track = data["energy"]
     else:
-        data = _with_vibration(run, data, vibration)
+        _add_vibration(data, run, vibration)
         track = data["law"]
     data["remarks"] = _remarks(run, track)
     return data
@@ -152,19 +152,19 @@ def played_scene(scene: Scene, speed_m_s: float) -> Data:
     data = scene.to_dict()
     data.pop("sweep", None)
     data["name"] = f"{scene.name[:57]}-played"  # a name has 64 letters at most
-    rolling, plate, sound = data["rolling"], data["plate"], data["sound"]
+    rolling = data["rolling"]
     rolling.pop("duration_s", None)
     rolling.pop("resistance", None)
     rolling["speed_m_s"] = speed_m_s
     rolling["distance_mm"] = float(f"{1e3 * scene.track.distance:.12g}")
     ends = list(scene.plate.contact_ends_mm.values())
     if ends:
-        plate["contact_mm"] = list(ends[0])
+        data["plate"]["contact_mm"] = list(ends[0])
     if len(ends) > 1:
-        plate.pop("contact_path", None)
-        plate.pop("contact_end_mm", None)
+        data["plate"].pop("contact_path", None)
+        data["plate"].pop("contact_end_mm", None)
         places = [[round(1e3 * x, 6) for x in place] for place in scene.listeners]
-        sound.setdefault("listener_mm", places)  # above the middle of the path
+        data["sound"].setdefault("listener_mm", places)  # above the middle of the path
     return data
 
 
@@ -205,8 +205,8 @@ def _remarks(run: Run, track: Data) -> list[str]:
 # ---- vibration
 
 
-def _with_vibration(run: Run, data: Data, vibration: Vibration) -> Data:
-    """Add the force law of a run, and the limits that it sets."""
+def _add_vibration(data: Data, run: Run, vibration: Vibration) -> None:
+    """Add the force law of a run to its data, and the limits that it sets."""
     scene = run.scene
     law = vibration.law
     wave = shortest_wave(law.approach(law.position_m, scene.load), law.spacing_m)
@@ -225,7 +225,8 @@ def _with_vibration(run: Run, data: Data, vibration: Vibration) -> Data:
     if isinstance(body, HalfSpaceBody):  # modulus of compression waves [Pa]
         data["fixed"]["compression"] = body.density_kg_m3 * body.compression_m_s**2
     closes = law.period_m is not None and not run.sound.has_seam
-    return data | {"kind": "vibration", "law": stored_law(law, scene.load, closes)}
+    data["kind"] = "vibration"
+    data["law"] = stored_law(law, scene.load, closes)
 
 
 def shortest_wave(approach: Array, spacing: float) -> float:
@@ -282,18 +283,21 @@ def _stored_table(
     weights = slope_weights(table.breaks, load_n ** (2 / 3))
     if count < len(rows):
         rows = resample(rows, count, axis=0)
-    columns = [packed(column, "int16") for column in rows[:, 1:].T]
-    slopes = np.stack([np.broadcast_to(values, count) for _, values in columns], axis=1)
+    columns = []
+    decoded = np.empty((count, rows.shape[1]))
+    for k in range(1, rows.shape[1]):
+        column, decoded[:, k] = packed(rows[:, k], "int16")
+        columns.append(column)
     # The lift-off makes up for the rounded slopes, so that the approach under the load is exact.
-    columns.insert(0, packed(rows[:, 0] + (rows[:, 1:] - slopes) @ weights, "float32"))
-    decoded = np.column_stack((np.broadcast_to(columns[0][1], count), slopes))
+    lift_off = rows[:, 0] + (rows[:, 1:] - decoded[:, 1:]) @ weights
+    column, decoded[:, 0] = packed(lift_off, "float32")
     data = {
         "start": start,
         "spacing": spacing,
         "breaks": table.breaks.tolist(),
-        "columns": [column for column, _ in columns],
+        "columns": [column, *columns],
     }
-    around = np.concatenate((decoded, decoded[:1]))
+    around = np.concatenate((decoded, decoded[:1]))  # the end meets the beginning
     return data, law_table(start, spacing, True, table.breaks, around)
 
 
@@ -334,8 +338,8 @@ def law_error(law: ForceLaw, load_n: float, table: LawTable, seam: float = 0.0) 
 # ---- release
 
 
-def _with_release(run: Run, data: Data) -> Data:
-    """Add the energy that each step of a lap releases."""
+def _add_release(data: Data, run: Run) -> None:
+    """Add the energy that each step of a lap releases to the data of a run."""
     result = run.result
     scene = run.scene
     energy, _ = released_energy(scene, result)
@@ -348,14 +352,14 @@ def _with_release(run: Run, data: Data) -> Data:
         rows = _closed(rows)
     data["limits"]["speed"] = [0.0, max(10.0, data["settings"]["speed"])]
     data["fixed"]["silent"] = not run.sound.pressure.any()
-    stored = {
+    data["kind"] = "release"
+    data["energy"] = {
         "start": result.start + (count - len(rows) + 0.5) * result.step,
         "closed": closes,
         "part": min(most / len(energy), 1.0),
         **release_lines(rows[:, 0], result.step),
         "gain": scene.sound.gain_pa_per_w_m2,
     }
-    return data | {"kind": "release", "energy": stored}
 
 
 def release_lines(energy: Array, step: float) -> Data:

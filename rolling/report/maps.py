@@ -193,7 +193,8 @@ def lens(pressure: NDArray[Any], box: tuple[float, float, float]) -> tuple[float
         loaded = np.array([[0, 0], np.array(pressure.shape) - 1])
     low = loaded.min(axis=0)
     high = loaded.max(axis=0)
-    diagonal = float(np.hypot(*(high - low + 1)))
+    rows, columns = high - low + 1
+    diagonal = float(np.hypot(rows, columns))
     middle = np.mean([low, high], axis=0)
     width = _stepped(max(diagonal, LENS_CELLS) * cell)
     peak = np.unravel_index(np.argmax(pressure), pressure.shape)

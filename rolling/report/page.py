@@ -159,8 +159,9 @@ def joined(entry: str) -> str:
 
 def _descriptions(runs: Sequence[Run]) -> list[str]:
     """Return the different descriptions of scenes, each on a single line in printable letters."""
-    texts = (" ".join(run.scene.description.split()) for run in runs if run.scene.description)
-    return [*dict.fromkeys(map(printable, texts))]
+    descriptions = [run.scene.description for run in runs if run.scene.description]
+    lines = [printable(" ".join(text.split())) for text in descriptions]
+    return [*dict.fromkeys(lines)]
 
 
 # ---- runs
