@@ -83,10 +83,12 @@ def nodes(path: Path) -> tuple[int, int]:
     if dtype.kind not in "fiu":
         raise HeightFormatError(f"got {len(shape)}-D {dtype}, allowed: {_ARRAY}")
     counts = _rows_and_columns(shape)
-    needed, there = math.prod(shape) * dtype.itemsize, max(size - begin, 0)
+    needed = math.prod(shape) * dtype.itemsize
+    there = max(size - begin, 0)
     if needed > there:
-        large = needed >= 10**15
-        count = f"10^{len(str(needed)) - 1} or more" if large else f"{needed:,}"
+        count = f"{needed:,}"
+        if needed >= 10**15:
+            count = f"10^{len(str(needed)) - 1} or more"
         raise HeightFormatError(
             f"a file that is not whole: its header says {count} bytes of heights, it holds"
             f" {there:,}"
@@ -129,7 +131,9 @@ def _rows_and_columns(shape: tuple[int, ...]) -> tuple[int, int]:
     """Return the nodes along and across in an array of one or two dimensions."""
     if len(shape) not in (1, 2):
         raise HeightFormatError(f"got a {len(shape)}-D array, allowed: {_ARRAY}")
-    return (math.prod(shape), 1) if len(shape) == 1 or 1 in shape else (shape[0], shape[1])
+    if len(shape) == 1 or 1 in shape:
+        return math.prod(shape), 1
+    return shape[0], shape[1]
 
 
 # ---- arrays of numpy
@@ -154,17 +158,25 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], int]]:
     except HeightFormatError:
         raise
     except Exception as error:  # of numpy and zipfile, whose texts may advise to run its code
-        reason = (isinstance(error, OSError) and error.strerror) or "damaged, or another format"
+        reason = "damaged, or another format"
+        if isinstance(error, OSError) and error.strerror:
+            reason = error.strerror
         raise HeightFormatError(f"no readable {ending} file ({reason})") from error
 
 
 def _member(names: list[str]) -> str:
     """Return the file of the heights within an archive: of the only array, or of the named one."""
     arrays = [name for name in names if name.endswith(".npy")]
-    if NAME in arrays or len(arrays) == 1:
-        return NAME if NAME in arrays else arrays[0]
-    listed = ", ".join(repr(name.removesuffix(".npy"))[:60] for name in arrays[:5])
-    got = f"{len(arrays)} arrays ({listed}{', ...' * (len(arrays) > 5)})" if arrays else "no array"
+    if NAME in arrays:
+        return NAME
+    if len(arrays) == 1:
+        return arrays[0]
+    got = "no array"
+    if arrays:
+        listed = [repr(name.removesuffix(".npy"))[:60] for name in arrays[:5]]
+        if len(arrays) > 5:
+            listed.append("...")
+        got = f"{len(arrays)} arrays ({', '.join(listed)})"
     raise HeightFormatError(f'got {got}, allowed: one array, or one that is named "heights"')
 
 
@@ -223,7 +235,9 @@ def _text(path: Path) -> "tuple[Array, _Commas]":
 @lru_cache(maxsize=1)
 def _table(path: Path, stamp: tuple[int, ...]) -> "tuple[Array, _Commas]":
     """Read the numbers of a file that was last written at a stamp, and what its commas may be."""
-    values, rows, width = array("d"), 0, 0
+    values = array("d")
+    rows = 0
+    width = 0
     separator: str | None = None
     commas = _Commas()
     for place, line in _lines(path):
@@ -234,7 +248,8 @@ def _table(path: Path, stamp: tuple[int, ...]) -> "tuple[Array, _Commas]":
         if width and len(row) != width:
             words = f"got {len(row)} numbers, allowed: {width}, as on the lines before"
             raise HeightFormatError(words, place)
-        width, rows = len(row), rows + 1
+        width = len(row)
+        rows += 1
         values.extend(row)
     if not rows:
         raise HeightFormatError(f"holds no heights, allowed: {_NUMBERS}")
@@ -266,32 +281,40 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
 def _row(line: str, separator: str | None, place: int) -> list[float]:
     """Return the numbers of a line; raise HeightFormatError for the first that is no number."""
     fields = line.split(separator)
-    if separator == "," and len(parts := line.split()) > 1 and not line.endswith(","):
-        wrong = next((part for part in parts if "," in part), "")
-        begins_with_comma = any(part.startswith(",") for part in parts)
-        decimal = all(_has_decimal_comma(part) or _WHOLE.fullmatch(part) for part in parts)
-        if decimal and not begins_with_comma:
-            words = f"got {quoted(wrong)}, allowed: {_NUMBERS}, with a point before the decimals"
-            raise HeightFormatError(words, place)
+    if separator == ",":
+        _refuse_decimal_commas(line, fields, place)
     if separator and not fields[-1].strip():
         fields.pop()
-    if separator == "," and (part := next(filter(_DECIMALS.fullmatch, fields), None)):
-        got = quoted(f"...,{part.strip()}")
-        raise HeightFormatError(
-            f"got {got}, allowed: {_NUMBERS}; a comma is either before decimals or between numbers:"
-            " write points or semicolons",
-            place,
-        )
     row = [_number(field) for field in fields]
     if None not in row:
         return cast("list[float]", row)
-    wrong = fields[row.index(None)]
+    wrong = fields[row.index(None)].strip()
     advice = ""
-    if separator != "," and _has_decimal_comma(wrong.strip()):
+    if separator != "," and _has_decimal_comma(wrong):
         advice = ", with a point before the decimals"
     # The letters were read as Latin-1, and are probably UTF-8.
-    text = wrong.strip().encode("latin-1").decode("utf-8", "backslashreplace")
+    text = wrong.encode("latin-1").decode("utf-8", "backslashreplace")
     raise HeightFormatError(f"got {quoted(text)}, allowed: {_NUMBERS}{advice}", place)
+
+
+def _refuse_decimal_commas(line: str, fields: list[str], place: int) -> None:
+    """Refuse a line of numbers by comma whose commas also or only stand before decimals."""
+    parts = line.split()
+    if len(parts) > 1 and not line.endswith(","):
+        begins_with_comma = any(part.startswith(",") for part in parts)
+        is_decimal = all(_has_decimal_comma(part) or _WHOLE.fullmatch(part) for part in parts)
+        if is_decimal and not begins_with_comma:
+            wrong = next((part for part in parts if "," in part), line)
+            words = f"got {quoted(wrong)}, allowed: {_NUMBERS}, with a point before the decimals"
+            raise HeightFormatError(words, place)
+    for field in fields:
+        if _DECIMALS.fullmatch(field):
+            got = quoted(f"...,{field.strip()}")
+            raise HeightFormatError(
+                f"got {got}, allowed: {_NUMBERS}; a comma is either before decimals or between"
+                " numbers: write points or semicolons",
+                place,
+            )
 
 
 def _has_decimal_comma(field: str) -> bool:
@@ -317,8 +340,10 @@ class _Commas:
         if not self._are_whole:
             return
         fields = [field.strip() for field in line.removesuffix(",").split(",")]
-        before, behind = fields[::2], fields[1::2]
-        self._digits = self._digits or (len(behind[0]) if behind else 0)
+        before = fields[::2]
+        behind = fields[1::2]
+        if not self._digits and behind:
+            self._digits = len(behind[0])
         self._are_whole = (
             len(before) == len(behind)
             and all(_WHOLE.fullmatch(field) for field in before)
@@ -366,11 +391,7 @@ def _refuse_places(table: Array) -> None:
         count, width = lines.shape
         if count < _MIN_LINES or width > 3:
             continue
-        if (
-            width == 3
-            and count >= _MIN_POINTS
-            and any(_is_grid(lines[:, i], lines[:, j]) for i, j in _PAIRS)
-        ):
+        if width == 3 and count >= _MIN_POINTS and _has_grid(lines):
             raise HeightFormatError(
                 f"got three {name}s of which two are the places of a grid, allowed: a matrix of"
                 " heights; write the triples as x, y, z on each line, and give the file the ending"
@@ -383,22 +404,25 @@ def _refuse_places(table: Array) -> None:
             )
 
 
-_PAIRS = ((0, 1), (0, 2), (1, 2))
+def _has_grid(lines: Array) -> bool:
+    """Tell whether two of three columns are the places of a grid."""
+    return any(_is_grid(lines[:, i], lines[:, j]) for i, j in ((0, 1), (0, 2), (1, 2)))
 
 
 def _is_grid(x: Array, y: Array) -> bool:
     """Tell whether pairs of numbers are the places of a grid, each place once."""
     if np.isnan(x).any() or np.isnan(y).any():
         return False
-    axes = np.unique(x), np.unique(y)
-    is_full = len(x) <= len(axes[0]) * len(axes[1]) <= _SPARSE * len(x)
-    is_line = min(len(axis) for axis in axes) == 1
-    return (
-        is_full
-        and (is_line or max(len(axis) for axis in axes) < len(x))
-        and all(_is_regular(axis) for axis in axes)
-        and len(np.unique(np.column_stack([x, y]), axis=0)) == len(x)
-    )
+    x_axis = np.unique(x)
+    y_axis = np.unique(y)
+    is_full = len(x) <= len(x_axis) * len(y_axis) <= _SPARSE * len(x)
+    is_line = min(len(x_axis), len(y_axis)) == 1
+    is_diagonal = not is_line and max(len(x_axis), len(y_axis)) == len(x)
+    if not is_full or is_diagonal:
+        return False
+    if not _is_regular(x_axis) or not _is_regular(y_axis):
+        return False
+    return len(np.unique(np.column_stack([x, y]), axis=0)) == len(x)
 
 
 def _is_regular(axis: Array) -> bool:

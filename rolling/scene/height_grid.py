@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -93,8 +93,12 @@ def _read(
             warnings.simplefilter("ignore")  # of readers about the contents of the file
             if ending == TRIPLES:
                 channels = _triples(path, unit, xy_unit)
+            elif ending == ".x3p":
+                channels = _x3p(path)
+            elif ending == ".sdf":
+                channels = _sdf(path)
             else:
-                channels = {".x3p": _x3p, ".sdf": _sdf}.get(ending, _topography)(path)
+                channels = _topography(path)
             heights, spacing = _chosen(channels, channel)
     except HeightFormatError:
         raise
@@ -160,9 +164,9 @@ def _x3p(path: Path) -> _Channels:
     file = x3pio.read(path)
     if not getattr(file, "is_regular_grid", False):
         raise HeightFormatError("the points lie on no regular grid")
-    axes = file.header.y, file.header.x
-    profile = isinstance(file, x3pio.Profile)
-    steps = [axes[1 if profile else k].increment for k in (0, 1)]
+    across = file.header.x.increment
+    along = across if isinstance(file, x3pio.Profile) else file.header.y.increment
+    steps = [along, across]
     return {
         f"layer {k}": lambda layer=layer: (np.atleast_2d(layer.z), steps)  # type: ignore[misc]
         for k, layer in enumerate(file.layers, 1)
@@ -174,8 +178,9 @@ def _sdf(path: Path) -> _Channels:
     import sdfio
 
     file = sdfio.read(path)
-    steps = file.header.x_scale if file.is_profile else file.header.y_scale, file.header.x_scale
-    return {"heights": lambda: (file.data, steps)}
+    across = file.header.x_scale
+    along = across if file.is_profile else file.header.y_scale
+    return {"heights": lambda: (file.data, [along, across])}
 
 
 def _topography(path: Path) -> _Channels:
@@ -188,7 +193,8 @@ def _topography(path: Path) -> _Channels:
         warnings.filterwarnings("ignore", "Could not import mpi4py", ImportWarning)
         from SurfaceTopography.IO import readers
 
-    ending, reasons = path.suffix.lower().removeprefix("."), []
+    ending = path.suffix.lower().removeprefix(".")
+    reasons = []
     for kind in readers:
         # A text without sizes has a reader under many endings; it would ask for the sizes.
         if ending not in kind.file_extensions() or kind.format() == "asc":
@@ -224,25 +230,38 @@ def _triples(path: Path, unit: str, xy_unit: str) -> _Channels:
     table = height_files.numbers_of_text(path)
     if table.ndim != 2 or table.shape[1] != 3:
         raise HeightFormatError(f"got {table.shape[1]} numbers on a line, allowed: x, y, z")
-    if (gaps := np.isnan(table[:, :2]).any(axis=1)).any():
-        raise HeightFormatError(f"the point {gaps.argmax() + 1} has no place, only z may be nan")
-    (x, columns, dx), (y, rows, dy) = (_axis(table[:, k], "xy"[k]) for k in (0, 1))
-    if rows * columns > _SPARSE * len(table) + _SPARSE:
-        words = f"{len(table)} points on {rows} x {columns} nodes are no regular grid"
+    has_no_place = np.isnan(table[:, :2]).any(axis=1)
+    if has_no_place.any():
+        point = has_no_place.argmax() + 1
+        raise HeightFormatError(f"the point {point} has no place, only z may be nan")
+    x = _axis(table[:, 0], "x")
+    y = _axis(table[:, 1], "y")
+    if y.size * x.size > _SPARSE * len(table) + _SPARSE:
+        words = f"{len(table)} points on {y.size} x {x.size} nodes are no regular grid"
         raise HeightFormatError(words)
-    heights = np.full((rows, columns), np.nan)
-    heights[y, x] = table[:, 2]
-    if len(np.unique(y * columns + x)) < len(table):
+    heights = np.full((y.size, x.size), np.nan)
+    heights[y.nodes, x.nodes] = table[:, 2]
+    if len(np.unique(y.nodes * x.size + x.nodes)) < len(table):
         raise HeightFormatError("several points lie on the same node, allowed: a regular grid")
-    steps = [(dy or dx) * UNITS[xy_unit], (dx or dy) * UNITS[xy_unit]]
-    return {"heights": lambda: (heights * UNITS[unit], steps)}
+    # A line of points has the spacing of its only axis across as well.
+    along = (y.spacing or x.spacing) * UNITS[xy_unit]
+    across = (x.spacing or y.spacing) * UNITS[xy_unit]
+    return {"heights": lambda: (heights * UNITS[unit], [along, across])}
 
 
-def _axis(values: Array, name: str) -> tuple[Any, int, float]:
-    """Return the numbers of the nodes of points along an axis, the count of nodes, the spacing."""
+class _Axis(NamedTuple):
+    """Nodes of points along an axis, their number, and their spacing, 0 for a single one."""
+
+    nodes: Any
+    size: int
+    spacing: float
+
+
+def _axis(values: Array, name: str) -> _Axis:
+    """Return the nodes of places along an axis; refuse places that lie on no regular grid."""
     places = np.unique(values)
     if len(places) == 1:
-        return np.zeros(len(values), dtype=int), 1, 0.0
+        return _Axis(np.zeros(len(values), dtype=int), size=1, spacing=0.0)
     span = places[-1] - places[0]
     count = round(float(span / np.median(np.diff(places))))
     step = float(span / count)
@@ -252,13 +271,15 @@ def _axis(values: Array, name: str) -> tuple[Any, int, float]:
         point = int(off.argmax())
         words = f"the point {point + 1} with {name} = {values[point]:g} lies on no regular grid"
         raise HeightFormatError(words)
-    return nodes.astype(int), count + 1, step
+    return _Axis(nodes.astype(int), size=count + 1, spacing=step)
 
 
 # ---- grid of a file
 
 
-DEFAULT_OVERLAP, MAX_OVERLAP = 0.1, 0.5  # of each side
+DEFAULT_OVERLAP = 0.1  # of each side
+MAX_OVERLAP = 0.5  # of each side
+_MOST = 2e9  # nodes of a side, above all limits, so that counts stay whole numbers
 SAME = 1e-6  # relative difference of spacings that count as equal
 Pair = tuple[int, int]
 
@@ -281,7 +302,9 @@ def is_other(steps: Sequence[float], spacing: float) -> bool:
 
 def is_turned(shape: Pair, surface: HeightFile) -> bool:
     """Tell whether columns of a file lie along the track; a profile of one row always does."""
-    return shape[0] == 1 if 1 in shape else surface.along == "x"
+    if 1 in shape:
+        return shape[0] == 1
+    return surface.along == "x"
 
 
 def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
@@ -290,54 +313,100 @@ def height_grid(path: Path, surface: HeightFile) -> HeightGrid:
     Raise a fault where the file has no heights or does not go with the keys of the surface.
     """
     with faults_at(path, surface.path, "surface.path"):
-        shape, steps = _shape_and_steps(path, surface)
+        shape, own_steps = _shape_and_steps(path, surface)
     if is_turned(shape, surface):
-        shape, steps = shape[::-1], steps and steps[::-1]
-    spacing = min(steps or (0.0,)) if surface.spacing_um is None else surface.spacing_um * 1e-6
-    steps = steps or (spacing, spacing)
+        shape = shape[1], shape[0]
+        own_steps = own_steps and (own_steps[1], own_steps[0])
+    if surface.spacing_um is not None:
+        spacing = surface.spacing_um * 1e-6
+    else:
+        assert own_steps is not None  # refused before for files without a spacing
+        spacing = min(own_steps)
+    steps = own_steps or (spacing, spacing)
     is_profile = shape[1] == 1
-    if is_profile and surface.width_um is None:
-        raise fault(
-            f"missing; {surface.path} is a profile of one line, which is laid across the track over"
-            " that width",
-            at="surface.width_um",
-        )
+    _refuse_profile(surface, shape[1])
     if surface.width_um is not None:
-        if not is_profile:
-            raise fault(
-                f"only goes with a profile of one line, but {surface.path} has {shape[1]} lines"
-                " side by side",
-                at="surface.width_um",
-            )
         refuse_width(surface.width_um, spacing * 1e6)
-        shape, steps = (shape[0], round(surface.width_um * 1e-6 / spacing)), (steps[0], spacing)
-    _refuse_filters(surface, 1e6 * min(shape[k] * steps[k] for k in (0, 1)[: 2 - is_profile]))
-    resampled = shape
-    if is_other(steps, spacing):
-        wraps = surface.made_periodic == "none"  # a period keeps its length, to half a node
-        lengths = (min((shape[k] - (not wraps)) * steps[k] / spacing, 2e9) for k in (0, 1))
-        along, across = (round(n) if wraps else int(n + SAME) + 1 for n in lengths)
-        resampled = along, across
-    if resampled != shape and 8 * resampled[0] * resampled[1] > MAX_BYTES:
-        raise fault(
-            f"got {rounded(spacing * 1e6, 4)}, which makes {resampled[0]} x {resampled[1]} nodes of"
-            f" {surface.path}, allowed: less than {rounded(MAX_BYTES / 8)} nodes",
-            at="surface.spacing_um",
-        )
-    overlap, nodes = [0, 0], [*resampled]
-    for axis in (0,) if is_profile else (0, 1):
-        if surface.made_periodic == "blend":
-            overlap[axis] = _overlap(surface, resampled[axis], spacing)
-            nodes[axis] -= overlap[axis]
-        elif surface.made_periodic == "mirror":
-            nodes[axis] = 2 * resampled[axis] - 2
+        shape = shape[0], round(surface.width_um * 1e-6 / spacing)
+        steps = steps[0], spacing
+    sides = [shape[0] * steps[0]]
+    if not is_profile:
+        sides.append(shape[1] * steps[1])
+    _refuse_filters(surface, 1e6 * min(sides))
+    resampled = _resampled(shape, steps, spacing, surface)
+    along = _period(resampled[0], spacing, surface)
+    across = NodesOfSide(resampled[1], overlap=0)
+    if not is_profile:
+        across = _period(resampled[1], spacing, surface)
+    nodes = along.nodes, across.nodes
     if not MIN_NODES <= min(nodes) <= max(nodes) < MAX_NODES:
         raise fault(
             f"{surface.path}: got {nodes[0]} x {nodes[1]} nodes, allowed: at least {MIN_NODES} each"
             f" way and less than {rounded(MAX_NODES)}",
             at="surface.path",
         )
-    return HeightGrid(steps, spacing, resampled, (overlap[0], overlap[1]), (nodes[0], nodes[1]))
+    return HeightGrid(
+        steps=steps,
+        spacing=spacing,
+        resampled=resampled,
+        overlap=(along.overlap, across.overlap),
+        nodes=nodes,
+    )
+
+
+def _refuse_profile(surface: HeightFile, lines: int) -> None:
+    """Refuse a profile of one line without a width, and other files with one."""
+    if lines == 1 and surface.width_um is None:
+        raise fault(
+            f"missing; {surface.path} is a profile of one line, which is laid across the track over"
+            " that width",
+            at="surface.width_um",
+        )
+    if lines > 1 and surface.width_um is not None:
+        raise fault(
+            f"only goes with a profile of one line, but {surface.path} has {lines} lines side by"
+            " side",
+            at="surface.width_um",
+        )
+
+
+def _resampled(
+    shape: Pair, steps: tuple[float, float], spacing: float, surface: HeightFile
+) -> Pair:
+    """Return the nodes of a file at the spacing of the period; refuse more than are read."""
+    if not is_other(steps, spacing):
+        return shape
+    counts = []
+    for count, step in zip(shape, steps, strict=True):
+        if surface.made_periodic == "none":  # a period keeps its length, to half a node
+            counts.append(round(min(count * step / spacing, _MOST)))
+        else:
+            counts.append(int(min((count - 1) * step / spacing, _MOST) + SAME) + 1)
+    along, across = counts
+    if (along, across) != shape and 8 * along * across > MAX_BYTES:
+        raise fault(
+            f"got {rounded(spacing * 1e6, 4)}, which makes {along} x {across} nodes of"
+            f" {surface.path}, allowed: less than {rounded(MAX_BYTES / 8)} nodes",
+            at="surface.spacing_um",
+        )
+    return along, across
+
+
+class NodesOfSide(NamedTuple):
+    """Nodes of a side of the period, and those that are blended into its beginning."""
+
+    nodes: int
+    overlap: int
+
+
+def _period(count: int, spacing: float, surface: HeightFile) -> NodesOfSide:
+    """Return the nodes of a side that becomes periodic."""
+    if surface.made_periodic == "blend":
+        overlap = _overlap(surface, count, spacing)
+        return NodesOfSide(count - overlap, overlap)
+    if surface.made_periodic == "mirror":
+        return NodesOfSide(2 * count - 2, overlap=0)
+    return NodesOfSide(count, overlap=0)
 
 
 def _shape_and_steps(path: Path, surface: HeightFile) -> tuple[Pair, tuple[float, float] | None]:
@@ -353,7 +422,7 @@ def _overlap(surface: HeightFile, count: int, spacing: float) -> int:
     """Return the nodes of an overlap, by default a tenth of a side; refuse more than half."""
     if surface.overlap_um is None:
         return round(DEFAULT_OVERLAP * count)
-    overlap = round(min(surface.overlap_um * 1e-6 / spacing, 2e9))
+    overlap = round(min(surface.overlap_um * 1e-6 / spacing, _MOST))
     most = int(MAX_OVERLAP * count)
     if not 1 <= overlap <= most:
         raise fault(
