@@ -21,7 +21,7 @@ from rolling.results.solved_run import SolvedRun
 from rolling.results.summary import pass_numbers, provenance, record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound
-from rolling.sound.vibration_sound import Vibration, heard, vibrate
+from rolling.sound.vibration_sound import Vibration, sound_of_vibration, vibrate
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal.files import make_below, write_bytes, write_json
 
@@ -160,7 +160,7 @@ def make_run(
     vibration = _vibration(scene, result, release)
     sound = release
     if vibration is not None and scene.sound.source == "vibration":
-        sound = heard(release, vibration)
+        sound = sound_of_vibration(release, vibration)
     run = Run(
         values=place.values,
         scene=scene,

@@ -166,7 +166,9 @@ class ContactSound:
     @property
     def channels(self) -> Array:
         """The record, (samples,) or, of two listeners, (samples, 2) [Pa]."""
-        return self.pressure if self.right is None else np.stack((self.pressure, self.right), 1)
+        if self.right is None:
+            return self.pressure
+        return np.stack((self.pressure, self.right), 1)
 
     @property
     def loops(self) -> bool:
@@ -202,17 +204,23 @@ class ContactSound:
         whole = self.pressure[ends : len(self.pressure) - ends]
         value = uncertainty.kurtosis(whole)
         spread = uncertainty.kurtosis_uncertainty(whole)
-        if not abs(value - 3.0) <= COVERAGE * spread:
-            noise = f"noise of its length and spectrum 3 ± {rounded(COVERAGE * spread)}"
-            return f"its record has a kurtosis of {rounded(value, 3)}, and {noise}"
-        return ""
+        if abs(value - 3.0) <= COVERAGE * spread:
+            return ""
+        return (
+            f"its record has a kurtosis of {rounded(value, 3)}, and noise of its length and"
+            f" spectrum 3 ± {rounded(COVERAGE * spread)}"
+        )
 
     @property
     def ends(self) -> str:
         """End of the record in words."""
+        if self.loops:
+            return "loops"
         if self.closed:
-            return "does not loop, the surface has a seam" if self.has_seam else "loops"
-        return "faded at its end" if self.once else "faded at both ends"
+            return "does not loop, the surface has a seam"
+        if self.once:
+            return "faded at its end"
+        return "faded at both ends"
 
     @property
     def sample_rate(self) -> int:
@@ -275,8 +283,8 @@ def contact_sound(
     rate = wav.SAMPLE_RATE_HZ
     samples = max(2, round(duration * rate))
     if constant:
-        signal = resampling.undo_step_mean(power if closed else faded(power, duration))
-        fluctuation = resampling.resample_closed(signal, samples)
+        signal = power if closed else faded(power, duration)
+        fluctuation = resampling.resample_closed(resampling.undo_step_mean(signal), samples)
     else:
         fluctuation = _at_changing_speed(motion, per_metre, step, closed, samples)
 
@@ -293,9 +301,25 @@ def contact_sound(
     mean_intensity = float(_intensity(scene, np.array([mean_power]))[0])
     steady_level = level.level_db(mean_intensity, radiation.I_REF_W_M2)
     steady_spread = uncertainty.steady_uncertainty_db(lap, steps / duration)
-    heard = pressure, float(factor), looped, constant, duration, highest, levels, spread
-    released = time, step_duration, power, mean_power, audible_rms, resolved_rms
-    return ContactSound(*heard, steady_level, steady_spread, *released, has_seam)
+    return ContactSound(
+        pressure=pressure,
+        factor=float(factor),
+        closed=looped,
+        constant_speed=constant,
+        duration=duration,
+        highest=highest,
+        levels=levels,
+        uncertainty=spread,
+        steady_level=steady_level,
+        steady_uncertainty=steady_spread,
+        time=time,
+        step_duration=step_duration,
+        power=power,
+        mean_power=mean_power,
+        audible_rms=audible_rms,
+        resolved_rms=resolved_rms,
+        has_seam=has_seam,
+    )
 
 
 def oversampling(motion: Motion, duration: float, step: float) -> int:
@@ -314,8 +338,8 @@ def _white_rms(per_metre: Array, step: float, speed: Array, step_duration: Array
 
     The error is white along the track. At a speed v it fills the band up to v / (2 step).
     """
-    heard = np.minimum(np.square(speed), AUDIBLE_HZ[1] * 2 * step * speed)
-    return float(per_metre.mean() * np.sqrt(np.average(heard, weights=step_duration)))
+    audible_square = np.minimum(np.square(speed), AUDIBLE_HZ[1] * 2 * step * speed)
+    return float(per_metre.mean() * np.sqrt(np.average(audible_square, weights=step_duration)))
 
 
 def _intensity(scene: Scene, power: Array) -> Array:

@@ -27,9 +27,8 @@ _POINTS = 9  # of a path over which powers are averaged
 _BLOCK = 2**21  # values of modes in time or frequency at once
 _STRETCH_S = 1.0  # [s] of a record on a path, for modes that fade as fast
 _PER_WAVE = 12  # stations of a path in the shortest bending wave that is heard
-# frequencies of a power in the width of a mode, and limits
-_PER_WIDTH = 4
-_GRID = (2000, 40_000)
+_PER_WIDTH = 4  # frequencies of a table of powers in the width of a mode
+_TABLE_SIZES = (2000, 40_000)  # limits of the number of frequencies of such a table
 
 
 def pressures(
@@ -55,32 +54,34 @@ def pressures(
     lines = np.arange(len(frequency))
     if closed:
         lines = lines[(frequency.real >= AUDIBLE_HZ[0]) & (frequency.real < AUDIBLE_HZ[1])]
-    kept = frequency[lines]
+    audible = frequency[lines]
     spectrum = np.fft.rfft(fallen, n)[lines]
-    if (path := of_scene.contact_path(scene)) is None:
+    path = of_scene.contact_path(scene)
+    if path is None:
         points = None
-        fixed = points_on_path(scene)[0]
-        total = np.array([_at(scene, plate, kept, place, fixed) for place in places]) * spectrum
+        point = points_on_path(scene)[0]
+        transfers = [_transfer(scene, plate, audible, place, point) for place in places]
+        total = np.array(transfers) * spectrum
     else:
         points = path(times)
-        total = np.array([_ball(scene, kept, place) for place in places]) * spectrum
-        for modes in _parts(0, _lasting(plate, fallen), n):
+        total = np.array([_ball_transfer(scene, audible, place) for place in places]) * spectrum
+        for modes in _mode_blocks(0, _lasting_modes(plate, fallen), n):
             forces = np.fft.rfft(fallen[:, None] * plate.shapes(points, modes), n, axis=0)[lines]
             for pressure, place in zip(total, places, strict=True):
-                transfer = plate.mode_transfer(kept, place, _path(scene), modes)
+                transfer = plate.mode_transfer(audible, place, _reference_distance(scene), modes)
                 pressure += np.einsum("nm,nm->n", transfer, forces)
     records = np.zeros((len(places), len(frequency)), dtype=complex)
     records[:, lines] = total
-    heard = np.fft.irfft(records, n, axis=1)[:, : len(force)] * np.exp(growth * times)
+    in_time = np.fft.irfft(records, n, axis=1)[:, : len(force)] * np.exp(growth * times)
     if closed:
-        return np.asarray(heard)
+        return np.asarray(in_time)
     if points is not None:
-        heard += _fading(scene, plate, force, places, points)
-    ending = [faded_out(record, len(force) / rate) for record in heard]
+        in_time += _pressure_of_fading_modes(scene, plate, force, places, points)
+    ending = [faded_out(record, len(force) / rate) for record in in_time]
     return np.array([resampling.band_limit(record, rate) for record in ending])
 
 
-def _lasting(plate: RectangularPlate, force: Array) -> int:
+def _lasting_modes(plate: RectangularPlate, force: Array) -> int:
     """Return the number of modes, the lowest, that ring for longer than a stretch of a record."""
     if len(force) <= 2 * _STRETCH_S * wav.SAMPLE_RATE_HZ:
         return len(plate.angular_frequency)
@@ -88,13 +89,13 @@ def _lasting(plate: RectangularPlate, force: Array) -> int:
     return int(np.sum(decays < -math.log(WRAPPED)))
 
 
-def _parts(first: int, last: int, values: int) -> list[slice]:
-    """Split modes into parts that bound the memory of so many values for each mode."""
+def _mode_blocks(first: int, last: int, values: int) -> list[slice]:
+    """Split modes into blocks that bound the memory of so many values for each mode."""
     count = max(1, _BLOCK // values)
     return [slice(k, min(k + count, last)) for k in range(first, last, count)]
 
 
-def _fading(
+def _pressure_of_fading_modes(
     scene: Scene, plate: RectangularPlate, force: Array, listeners: list[Listener], points: Array
 ) -> Array:
     """Return the pressure [Pa] at listeners of the modes that fade within a stretch of a record.
@@ -105,15 +106,15 @@ def _fading(
     modes = len(plate.angular_frequency)
     hop = round(_STRETCH_S * rate)
     lead = rate // 10
-    first_mode = _lasting(plate, force)
+    first_mode = _lasting_modes(plate, force)
     n = 2 * hop + lead
     records = np.zeros((len(listeners), len(force) + 2 * (hop + lead)))
     if first_mode < modes:
         stations, places = _stations(scene, plate, points)
         frequency = np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=float)
-        path = _path(scene)
+        path = _reference_distance(scene)
         transfers = np.zeros((len(listeners), len(frequency), len(stations)), dtype=complex)
-        for part in _parts(first_mode, modes, n):
+        for part in _mode_blocks(first_mode, modes, n):
             shapes = plate.shapes(stations, part).T
             for transfer, listener in zip(transfers, listeners, strict=True):
                 transfer += plate.mode_transfer(frequency, listener, path, part) @ shapes
@@ -145,7 +146,7 @@ def square_transfer(scene: Scene, plate: RectangularPlate, frequency: Array) -> 
     """
     listener = scene.listeners[0]
     points = points_on_path(scene)
-    transfers = [_at(scene, plate, frequency, listener, point) for point in points]
+    transfers = [_transfer(scene, plate, frequency, listener, point) for point in points]
     return np.asarray(np.mean(np.square(np.abs(transfers)), axis=0))
 
 
@@ -156,10 +157,12 @@ def power_per_force(scene: Scene, plate: RectangularPlate, frequency: Array) -> 
     """
     points = points_on_path(scene)
     octaves = math.log(AUDIBLE_HZ[1] / AUDIBLE_HZ[0])
-    count = int(np.clip(_PER_WIDTH * octaves / plate.loss_factor, *_GRID))
+    least, most = _TABLE_SIZES
+    count = int(np.clip(_PER_WIDTH * octaves / plate.loss_factor, least, most))
     if len(frequency) <= count or not len(plate.orders):
         return plate.power_per_force(frequency, points)
-    grid, power = _power_table(plate, tuple(map(tuple, points.tolist())), count)
+    hashable_points = tuple(tuple(point) for point in points.tolist())
+    grid, power = _power_table(plate, hashable_points, count)
     return np.asarray(np.exp(np.interp(np.log(frequency), np.log(grid), power)))
 
 
@@ -168,7 +171,7 @@ def _power_table(
     plate: RectangularPlate, points: tuple[tuple[float, ...], ...], count: int
 ) -> tuple[Array, Array]:
     """Return frequencies, and the logarithm of the power per force, as a mean over points [m]."""
-    grid = np.asarray(np.geomspace(*AUDIBLE_HZ, count))
+    grid = np.asarray(np.geomspace(AUDIBLE_HZ[0], AUDIBLE_HZ[1], count))
     power = plate.power_per_force(grid, points)
     return grid, np.asarray(np.log(np.maximum(power, np.finfo(float).tiny)))
 
@@ -178,24 +181,26 @@ def points_on_path(scene: Scene) -> Array:
     return of_scene.points_between(tuple(scene.plate.contact_ends_mm.values()), _POINTS)
 
 
-def _path(scene: Scene) -> float:
+def _reference_distance(scene: Scene) -> float:
     """Return the distance [m] from the first contact point to the first listener."""
-    return math.dist((*points_on_path(scene)[0], 0.0), scene.listeners[0])
+    x, y = points_on_path(scene)[0]
+    return math.dist((x, y, 0.0), scene.listeners[0])
 
 
-def _at(
+def _transfer(
     scene: Scene, plate: RectangularPlate, frequency: NDArray[Any], listener: Listener, point: Array
 ) -> Complex:
     """Return the pressure of plate and sphere per force [Pa/N] from a contact point."""
-    pressure = plate.pressure_transfer(frequency, point, listener, _path(scene))
-    return np.asarray(pressure + _ball(scene, frequency, listener))
+    pressure = plate.pressure_transfer(frequency, point, listener, _reference_distance(scene))
+    return np.asarray(pressure + _ball_transfer(scene, frequency, listener))
 
 
-def _ball(scene: Scene, frequency: NDArray[Any], listener: Listener) -> Complex:
+def _ball_transfer(scene: Scene, frequency: NDArray[Any], listener: Listener) -> Complex:
     """Return the pressure of the sphere per force [Pa/N] from the middle of its path."""
     if not scene.sound.ball or listener[2] < 0:
         return np.zeros(len(frequency), dtype=complex)
-    distance = math.dist((*points_on_path(scene)[[0, -1]].mean(axis=0), 0.0), listener)
+    x, y = points_on_path(scene)[[0, -1]].mean(axis=0)
+    distance = math.dist((x, y, 0.0), listener)
     pressure = axis_transfer(frequency, of_scene.ball(scene), distance, listener[2] / distance)
-    further = distance - _path(scene)
+    further = distance - _reference_distance(scene)
     return np.asarray(pressure * np.exp(-2j * np.pi * frequency * further / SOUND_M_S))

@@ -37,9 +37,17 @@ GAIN_POINTS = 16  # frequencies of a band at which a gain is averaged
 JUDGED_HZ = 1000.0, 16000.0  # bands whose standard error is judged
 SOUND_SHARE = 1e-4  # a band with less than this share of the fluctuation carries no sound
 _FIRST_LINE = 2  # below this line the Hann window mixes the mean into the lines
-# Rows of the sums: powers of three levels, powers of the differences between two levels, and the
-# common power of the differences between coarse and tight and between tight and fine.
-_OWN, _TIGHT, _FINE, _SOLVER, _GRID, _COARSE, _COMMON = range(7)
+# Rows of the sums: powers of three levels,
+_OWN = 0
+_TIGHT = 1
+_FINE = 2
+# powers of the differences between two levels,
+_SOLVER = 3  # own and tight
+_GRID = 4  # tight and fine
+_COARSE = 5  # coarse and tight
+# and the common power of the differences `_COARSE` and `_GRID`.
+_COMMON = 6
+_ROWS = 7
 
 
 Gain = Callable[[Array], Array]  # power gain over frequency [Hz]
@@ -111,11 +119,17 @@ class RecordLevels:
     @classmethod
     def of(cls, levels: SoundLevels, own_factor: bool, seconds: float) -> Self:
         """Make the powers from the band levels of a record."""
-        z, a = (
-            np.array([np.nan if x is None else 10 ** (x / 10) for x in db.values()])
-            for db in (levels.third_octave_db, levels.third_octave_a_db)
+        return cls(
+            z=_mean_squares(levels.third_octave_db),
+            a=_mean_squares(levels.third_octave_a_db),
+            own_factor=own_factor,
+            seconds=seconds,
         )
-        return cls(z, a, own_factor, seconds)
+
+
+def _mean_squares(levels_db: dict[str, float | None]) -> Array:
+    """Return mean squares over the reference from levels [dB] by band, NaN for a missing level."""
+    return np.array([np.nan if db is None else 10 ** (db / 10) for db in levels_db.values()])
 
 
 class LevelErrors(NamedTuple):
@@ -139,20 +153,32 @@ class LevelErrors(NamedTuple):
 
 def band_powers(signals: StretchSignals) -> BandPowers:
     """Sum the line powers of all levels to third octaves, stretch by stretch."""
-    marches = signals.own, signals.tight, signals.fine, signals.coarse
-    own, tight, fine, coarse = map(_spectrum, marches)
-    spectra = own, tight, fine, own - tight, tight - fine, coarse - tight
-    common = np.real((coarse - tight) * (tight - fine).conj())
-    powers = np.stack([*(np.abs(lines) ** 2 for lines in spectra), common], axis=1)
+    own = _spectrum(signals.own)
+    tight = _spectrum(signals.tight)
+    fine = _spectrum(signals.fine)
+    coarse = _spectrum(signals.coarse)
+    stretches, lines_of_stretch = own.shape
+    powers = np.empty((stretches, _ROWS, lines_of_stretch))
+    powers[:, _OWN] = np.abs(own) ** 2
+    powers[:, _TIGHT] = np.abs(tight) ** 2
+    powers[:, _FINE] = np.abs(fine) ** 2
+    powers[:, _SOLVER] = np.abs(own - tight) ** 2
+    powers[:, _GRID] = np.abs(tight - fine) ** 2
+    powers[:, _COARSE] = np.abs(coarse - tight) ** 2
+    powers[:, _COMMON] = np.real((coarse - tight) * (tight - fine).conj())
     length = signals.own.shape[1] * signals.step
-    waves = np.arange(_FIRST_LINE, powers.shape[2]) / length  # per metre
-    sums = np.zeros((*powers.shape[:2], len(BAND_NAMES)))
-    for stretch, lines, speeds in zip(sums, powers, signals.speeds, strict=True):
-        for speed, passes in zip(*np.unique(speeds[speeds > 0], return_counts=True), strict=True):
-            for row, squares in zip(stretch, lines[:, _FIRST_LINE:], strict=True):
-                row += passes * signals.power(speed, speed * waves, squares)
+    waves = np.arange(_FIRST_LINE, lines_of_stretch) / length  # per metre
+    sums = np.zeros((stretches, _ROWS, len(BAND_NAMES)))
+    for stretch in range(stretches):
+        speeds = signals.speeds[stretch]
+        different_speeds, passes = np.unique(speeds[speeds > 0], return_counts=True)
+        for speed, count in zip(different_speeds, passes, strict=True):
+            for row in range(_ROWS):
+                squares = powers[stretch, row, _FIRST_LINE:]
+                sums[stretch, row] += count * signals.power(speed, speed * waves, squares)
     moving = signals.speeds[signals.speeds > 0]
-    frequency = waves * (np.median(moving) if len(moving) else 0.0)
+    typical_speed = np.median(moving) if len(moving) else 0.0
+    frequency = waves * typical_speed
     lines_of_bands = np.histogram(frequency, np.asarray(EDGES_HZ))[0]
     loud = int(np.flatnonzero(sums[:, _FINE].sum(axis=0)).max(initial=-1))
     groups = _groups(lines_of_bands, loud + 1)
@@ -193,8 +219,10 @@ def _groups(lines: NDArray[np.int64], bands: int) -> tuple[tuple[int, ...], ...]
         if NOMINAL_HZ[band] >= SHARED_UP_TO_HZ and lines[group].sum() >= MIN_LINES:
             groups.append(tuple(group))
             group = []
-    if group:  # the steps end within a band
-        groups[-1:] = [(*(groups[-1] if groups else ()), *group)]
+    if group:  # the steps end within a band, so the rest joins the group before it
+        if groups:
+            group = [*groups.pop(), *group]
+        groups.append(tuple(group))
     return tuple(groups)
 
 
@@ -226,18 +254,19 @@ def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:
     spread = _scatter(powers, record)
     spread[:-1] = np.hypot(spread[:-1], _not_shared(grid[:-1], spread[:-1], powers))
     doubt = DOUBT * (1.0 - 1.0 / refinement_factor(order))
-    signal = _grid_signal_db(total)
-    signal_spread = _jackknife(powers.sums, lambda part: np.array(_grid_signal_db(part)))
-    extrapolated = signal - _signal_db(total[_GRID], total[_FINE], 1.0)
+    grid_signal = _grid_signal_db(total)
+    grid_signal_spread = _jackknife(powers.sums, lambda part: np.array(_grid_signal_db(part)))
+    extrapolated = grid_signal - _signal_db(total[_GRID], total[_FINE], 1.0)
+    solver_factor = _solver_factor(powers.tolerance_ratio)
     return LevelErrors(
-        order,
-        measured,
-        grid,
-        np.hypot(spread, doubt * np.abs(grid)),
-        solver,
-        signal,
-        math.hypot(float(signal_spread), DOUBT * extrapolated),
-        _signal_db(total[_SOLVER], total[_TIGHT], _solver_factor(powers.tolerance_ratio)),
+        order=order,
+        order_measured=measured,
+        grid_db=grid,
+        grid_uncertainty_db=np.hypot(spread, doubt * np.abs(grid)),
+        solver_db=solver,
+        grid_signal_db=grid_signal,
+        grid_signal_uncertainty_db=math.hypot(float(grid_signal_spread), DOUBT * extrapolated),
+        solver_signal_db=_signal_db(total[_SOLVER], total[_TIGHT], solver_factor),
     )
 
 
@@ -268,9 +297,11 @@ def worst_uncertainty_db(powers: BandPowers) -> float:
     spread = _scatter(powers, RecordLevels(z=flat, a=flat, own_factor=False))[:bands]
     power = powers.sums[:, _FINE].sum(axis=0)
     nominal = np.array(NOMINAL_HZ)
-    judged = (nominal >= JUDGED_HZ[0]) & (nominal <= JUDGED_HZ[1])
-    judged &= (power > SOUND_SHARE * power.sum()) & np.isfinite(spread)
-    return float(spread[judged].max(initial=0.0)) if judged.any() else math.inf
+    counts = (nominal >= JUDGED_HZ[0]) & (nominal <= JUDGED_HZ[1])
+    counts &= (power > SOUND_SHARE * power.sum()) & np.isfinite(spread)
+    if not counts.any():
+        return math.inf
+    return float(spread[counts].max(initial=0.0))
 
 
 def _jackknife(sums: Array, numbers: Callable[[Array], Array]) -> Array:
@@ -281,8 +312,11 @@ def _jackknife(sums: Array, numbers: Callable[[Array], Array]) -> Array:
 def _jackknife_variance(sums: Array, numbers: Callable[[Array], Array]) -> Array:
     """Return variances of numbers from leaving out each stretch in turn."""
     count = len(sums)
-    left_out = np.array([numbers(np.delete(sums, k, axis=0).sum(axis=0)) for k in range(count)])
-    return np.asarray((count - 1) * np.var(left_out, axis=0))
+    without_stretch = []
+    for k in range(count):
+        rest = np.delete(sums, k, axis=0).sum(axis=0)
+        without_stretch.append(numbers(rest))
+    return np.asarray((count - 1) * np.var(np.array(without_stretch), axis=0))
 
 
 class _LineScatter(NamedTuple):
@@ -309,18 +343,18 @@ def _scatter(powers: BandPowers, record: RecordLevels) -> Array:
     jackknife = _jackknife_variance(powers.sums, lambda part: _reported(part, powers, record)[0])
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = jackknife / by_lines.of_stretches
-    firsts = [group[0] for group in map(list, powers.groups)]
-    of_groups = np.array([_first_known(ratio[list(group)]) for group in powers.groups])
-    of_groups = of_groups[np.isfinite(of_groups)]
-    each = len(powers.sums) - 1
-    if not (each and firsts and by_lines.lines):
+    ratios = np.array([_first_known(ratio[list(group)]) for group in powers.groups])
+    ratios = ratios[np.isfinite(ratios)]
+    degrees_of_jackknife = len(powers.sums) - 1
+    if not (degrees_of_jackknife and powers.groups and by_lines.lines):
         return np.full(len(BAND_NAMES) + 1, math.nan)
-    degrees = by_lines.lines + each * len(of_groups)
-    excess = by_lines.lines + each * of_groups.sum()
+    degrees = by_lines.lines + degrees_of_jackknife * len(ratios)
+    excess = by_lines.lines + degrees_of_jackknife * ratios.sum()
     scatter = np.full(len(BAND_NAMES) + 1, _widening(degrees) * math.sqrt(excess / degrees))
     if np.isfinite(ratio[-1]):  # bands that scatter together show in LAeq alone
-        whole = degrees + each
-        scatter[-1] = _widening(whole) * math.sqrt((excess + each * ratio[-1]) / whole)
+        degrees += degrees_of_jackknife
+        excess += degrees_of_jackknife * ratio[-1]
+        scatter[-1] = _widening(degrees) * math.sqrt(excess / degrees)
     return np.asarray(scatter * np.sqrt(by_lines.of_error))
 
 
@@ -370,10 +404,14 @@ def _line_scatter(powers: BandPowers, record: RecordLevels) -> _LineScatter:
 
 def _weights(record: RecordLevels) -> Array:
     """Return the weights of the bands' errors in the reported errors, (bands + 1, bands)."""
-    a, z = (np.nan_to_num(power) for power in (record.a, record.z))
-    a_share, z_share = (power / (power.sum() or 1.0) for power in (a, z))
+    a = np.nan_to_num(record.a)
+    z = np.nan_to_num(record.z)
+    a_share = a / (a.sum() or 1.0)
+    z_share = z / (z.sum() or 1.0)
     weights = np.vstack([np.eye(len(BAND_NAMES)), a_share])
-    return weights - 0.5 * z_share if record.own_factor else weights
+    if record.own_factor:
+        weights = weights - 0.5 * z_share
+    return weights
 
 
 def _independent_lines(power: Array, powers: BandPowers, group: list[int]) -> float:
@@ -383,10 +421,12 @@ def _independent_lines(power: Array, powers: BandPowers, group: list[int]) -> fl
     band decide over the scatter of the group.
     """
     lines = powers.lines[group]
-    seen = powers.lines[group] > 0
+    has_lines = lines > 0
     white = powers.white[group] * lines
-    products = float(np.sum(power[seen] * white[seen] / lines[seen]))
-    effective = float(power.sum() * white.sum()) / products if products > 0 else 1.0
+    products = float(np.sum(power[has_lines] * white[has_lines] / lines[has_lines]))
+    effective = 1.0
+    if products > 0:
+        effective = float(power.sum() * white.sum()) / products
     return max(1.0, len(powers.sums) * effective / HANN_LINES)
 
 
@@ -400,11 +440,12 @@ def _record_lines(powers: BandPowers, record: RecordLevels, group: list[int]) ->
     z = record.z[group]
     white = powers.white[group] * np.asarray(BANDWIDTH_HZ)[group]
     count = np.maximum(np.asarray(BANDWIDTH_HZ)[group] * record.seconds, 1.0)
-    heard = z > 0
-    seen = heard & (powers.lines[group] > 0)
-    if seen.any() and white[seen].sum() > 0:
-        count[heard] *= z[heard] / white[heard] / (z[seen].sum() / white[seen].sum())
-    return np.where(heard, count, math.inf)
+    has_sound = z > 0
+    solved = has_sound & (powers.lines[group] > 0)
+    if solved.any() and white[solved].sum() > 0:
+        typical = z[solved].sum() / white[solved].sum()
+        count[has_sound] *= z[has_sound] / white[has_sound] / typical
+    return np.where(has_sound, count, math.inf)
 
 
 def _whole_difference(total: Array) -> float:
@@ -422,10 +463,11 @@ def _not_shared(errors: Array, spread: Array, powers: BandPowers) -> Array:
     """
     apart = np.zeros(len(BAND_NAMES))
     groups = [list(group) for group in powers.groups]
-    for group, other in [*pairwise(groups), *pairwise(groups[::-1])]:
+    neighbours = [*pairwise(groups), *pairwise(groups[::-1])]
+    for group, neighbour in neighbours:
         if len(group) > 1:
             k = group[0]
-            n = other[0]
+            n = neighbour[0]
             excess = (errors[k] - errors[n]) ** 2 - spread[k] ** 2 - spread[n] ** 2
             apart[group] = np.fmax(apart[group], math.sqrt(max(0.0, excess)))
     return apart
@@ -433,7 +475,9 @@ def _not_shared(errors: Array, spread: Array, powers: BandPowers) -> Array:
 
 def _widening(degrees: float) -> float:
     """Return Student's factor, with which twice a standard error holds 95 %; NaN for no degree."""
-    return float(stdtrit(degrees, 0.975) / ndtri(0.975)) if degrees > 0 else math.nan
+    if not degrees > 0:
+        return math.nan
+    return float(stdtrit(degrees, 0.975) / ndtri(0.975))
 
 
 def _order(total: Array) -> tuple[float, bool]:
@@ -442,7 +486,8 @@ def _order(total: Array) -> tuple[float, bool]:
     grid = float(total[_GRID].sum())
     if not (coarse > 0 and grid > 0):
         return DEFAULT_ORDER, False
-    return float(np.clip(0.5 * math.log2(coarse / grid), *ORDER_LIMITS)), True
+    least, most = ORDER_LIMITS
+    return float(np.clip(0.5 * math.log2(coarse / grid), least, most)), True
 
 
 def refinement_factor(order: float) -> float:
@@ -457,11 +502,16 @@ def _grid_signal_db(total: Array) -> float:
     a coarse difference (a / r - a)^2 + (1 + 1 / r^2) b^2, a fine difference (a - r a)^2 + (1 + r^2)
     b^2, and in common (a - r a)^2 / r - b^2. The order extrapolates the common shape alone.
     """
-    fine, grid, coarse, common = (float(total[k].sum()) for k in (_FINE, _GRID, _COARSE, _COMMON))
+    fine = float(total[_FINE].sum())
+    grid = float(total[_GRID].sum())
+    coarse = float(total[_COARSE].sum())
+    common = float(total[_COMMON].sum())
     if not (fine > 0 and grid > 0):
         return math.nan
-    low, high = (math.exp2(-order) for order in SIGNAL_ORDERS)
-    r = min(max(math.sqrt(grid / coarse), high), low) if coarse > 0 else low
+    least_order, highest_order = SIGNAL_ORDERS
+    r = math.exp2(-least_order)
+    if coarse > 0:
+        r = min(max(math.sqrt(grid / coarse), math.exp2(-highest_order)), r)
     independent = min(max((grid - r * common) / (1 + r + r**2), 0.0), grid / (1 + r**2))
     shape = (grid - (1 + r**2) * independent) / (1 - r) ** 2
     return 10.0 * math.log10((shape + independent) / fine)
@@ -472,14 +522,17 @@ def _solver_factor(tolerance_ratio: float) -> float:
 
     The error is proportional to the tolerance.
     """
-    return 1.0 / (1.0 - tolerance_ratio) if tolerance_ratio < 1.0 else math.nan
+    if tolerance_ratio >= 1.0:
+        return math.nan
+    return 1.0 / (1.0 - tolerance_ratio)
 
 
 def _ratios(total: Array, powers: BandPowers) -> tuple[Array, Array]:
     """Return the errors of the power of each band [dB] from grid and solver."""
     factor = refinement_factor(_order(total)[0])
     of_solver = _solver_factor(powers.tolerance_ratio)
-    grid, solver = np.full((2, len(BAND_NAMES)), np.nan)
+    grid = np.full(len(BAND_NAMES), np.nan)
+    solver = np.full(len(BAND_NAMES), np.nan)
     for group in map(list, powers.groups):
         own, tight, fine = total[:3, group].sum(axis=1)
         if min(own, tight, fine) > 0:
@@ -492,7 +545,9 @@ def _reported(total: Array, powers: BandPowers, record: RecordLevels) -> Array:
     """Return the errors of reported bands and of LAeq from grid and solver, (2, bands + 1) [dB]."""
     errors = []
     for error in _ratios(total, powers):
-        shift = -0.5 * _sum_error(record.z, error) if record.own_factor else 0.0
+        shift = 0.0
+        if record.own_factor:
+            shift = -0.5 * _sum_error(record.z, error)
         bands = np.where(np.isnan(record.z), np.nan, error)
         errors.append(np.append(bands, _sum_error(record.a, error)) + shift)
     return np.array(errors)

@@ -56,7 +56,9 @@ class Listening:
     @property
     def channels(self) -> Array:
         """Record of all channels [Pa], (samples,) or (samples, 2)."""
-        return self.pressure if self.right is None else np.stack((self.pressure, self.right), 1)
+        if self.right is None:
+            return self.pressure
+        return np.stack((self.pressure, self.right), 1)
 
 
 def with_speed(scene: Scene, speed: float | tuple[float, float], seconds: float) -> Scene:
@@ -64,8 +66,13 @@ def with_speed(scene: Scene, speed: float | tuple[float, float], seconds: float)
 
     Only its motion is meant: its track and duration stay.
     """
-    pairs = speed if isinstance(speed, float | int) else ((0.0, speed[0]), (seconds, speed[1]))
-    rolling = scene.rolling.model_copy(update={"speed_m_s": pairs})
+    speeds: float | tuple[tuple[float, float], ...]
+    if isinstance(speed, float | int):
+        speeds = speed
+    else:
+        start, end = speed
+        speeds = ((0.0, start), (seconds, end))
+    rolling = scene.rolling.model_copy(update={"speed_m_s": speeds})
     return scene.model_copy(update={"rolling": rolling})
 
 
@@ -86,14 +93,16 @@ def listen_to_vibration(scene: Scene, law: ForceLaw, seconds: float, seed: int) 
     samples.append(decimator.end())
     fade = contact_sound.faded_out if falls else contact_sound.faded
     fluctuation = fade(np.concatenate(samples), seconds)
-    _, heard = vibration_sound.radiated(scene, fluctuation, rate, False, 2)
-    numbers = _numbers(scene, heard[0], seconds, law.spacing_m, motion.law.rows) | {
-        "impacts": motion.impacts,
-        "flight_share": motion.apart / motion.taken,
-        "force_outside_share": motion.outside / motion.taken,
-        "limited_share": motion.law.limited / max(motion.law.continued, 1),
-    }
-    return Listening(heard[0], rate, numbers, heard[1] if len(heard) > 1 else None)
+    _, pressures = vibration_sound.radiated(scene, fluctuation, rate, closed=False, listeners=2)
+    numbers = _numbers(scene, pressures[0], seconds, law.spacing_m, motion.law.rows)
+    numbers["impacts"] = motion.impacts
+    numbers["flight_share"] = motion.apart / motion.taken
+    numbers["force_outside_share"] = motion.outside / motion.taken
+    numbers["limited_share"] = motion.law.limited / max(motion.law.continued, 1)
+    right = None
+    if len(pressures) > 1:
+        right = pressures[1]
+    return Listening(pressure=pressures[0], sample_rate=rate, numbers=numbers, right=right)
 
 
 def listen_to_release(
@@ -120,7 +129,8 @@ def listen_to_release(
     intensity = radiation.intensity(faded, scene.sound.distance_m, scene.sound.q)
     audible = resampling.band_limit(intensity, rate)
     pressure, _ = radiation.sound_pressure(audible, scene.sound.gain_pa_per_w_m2)
-    return Listening(pressure, rate, _numbers(scene, pressure, seconds, step, rows, finer))
+    numbers = _numbers(scene, pressure, seconds, step, rows, finer)
+    return Listening(pressure=pressure, sample_rate=rate, numbers=numbers)
 
 
 def _in_time(scene: Scene, rows: ContinuedRows, spacing: float, seconds: float) -> Array:

@@ -29,9 +29,8 @@ from rolling.sound.contact_sound import ContactSound
 from rolling.sound.radiators import roughness_gain
 from rolling.sound.vibration_sound import Vibration
 
-# of the wavenumber, with which the spectra fall
-APPROACH_POWER = -5.0
-RELEASE_POWER = -3.0
+APPROACH_POWER = -5.0  # of the wavenumber, with which the spectrum of an approach falls
+RELEASE_POWER = -3.0  # of the wavenumber, with which the spectrum of a release falls
 OWN_POWERS = -6.0, 0.0  # limits of the power of the last octave of a release
 # Waves from which a spectrum goes on, over the shortest wave of the steps. Still shorter ones hold
 # a part of the missing waves, which the steps fold back.
@@ -89,12 +88,12 @@ def missing_band(
     waves = _waves(lap, step, sound.closed, vibration is not None)
     if waves is None:
         return None
-    gain: Callable[[Array], Array] = _one
+    gain: Callable[[Array], Array] = _gain_of_release
     resonance = None
     if vibration is not None:
         gain = roughness_gain(scene, vibration.chain)
         resonance = vibration.chain.resonance_hz, vibration.chain.quality
-    # A-weighted and unweighted
+    # Mean squares, A-weighted and unweighted.
     solved = np.zeros(2)
     missing = np.zeros(2)
     for speed in _speeds(motion, duration):
@@ -112,7 +111,7 @@ def missing_band(
         # join the positions.
         solved, spurious = _of_record(sound.pressure, lowest)
     if not solved[0] > 0:
-        return MissingBand(lowest, -MAX_DB, DOUBT * MAX_DB)
+        return MissingBand(highest_hz=lowest, error_db=-MAX_DB, uncertainty_db=DOUBT * MAX_DB)
     error = 10 * np.log10((solved + np.array([spurious, 0.0])) / (solved + missing))
     whole = float(error[0])
     if vibration is None and scene.sound.gain_pa_per_w_m2 is None:
@@ -120,7 +119,9 @@ def missing_band(
     whole = max(whole, -MAX_DB)
     lacking = 10 * math.log10(1 + missing[0] / solved[0])
     doubt = DOUBT * min(max(abs(whole), lacking), MAX_DB)
-    return MissingBand(lowest, whole, math.hypot(LEAST_DB, doubt))
+    return MissingBand(
+        highest_hz=lowest, error_db=whole, uncertainty_db=math.hypot(LEAST_DB, doubt)
+    )
 
 
 @dataclass(frozen=True)
@@ -145,8 +146,9 @@ class _Waves:
     def solved(self, speed: float, gain: Callable[[Array], Array]) -> Array:
         """Return the A-weighted and the unweighted mean square of the lines at a speed [m/s]."""
         frequency = speed * self.wavenumber
-        heard = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-        return _weighted(frequency[heard], self.squares[heard] * gain(frequency[heard]))
+        audible = (frequency >= AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
+        squares = self.squares[audible] * gain(frequency[audible])
+        return _weighted(frequency[audible], squares)
 
     def missing(
         self,
@@ -164,7 +166,7 @@ class _Waves:
         return _weighted(frequency, density * width * gain(frequency))
 
 
-def _one(frequency: Array) -> Array:
+def _gain_of_release(frequency: Array) -> Array:
     """Return the gain of a release, which is heard as it is."""
     return np.ones(len(frequency))
 
@@ -195,10 +197,17 @@ def _waves(lap: Array, step: float, closed: bool, is_approach: bool) -> _Waves |
     power = APPROACH_POWER
     if not is_approach:
         own = np.polyfit(np.log(order[last]), np.log(np.maximum(squares[last], 1e-6 * mean)), 1)[0]
-        power = 0.5 * (RELEASE_POWER + float(np.clip(own, *OWN_POWERS)))
+        least, most = OWN_POWERS
+        power = 0.5 * (RELEASE_POWER + float(np.clip(own, least, most)))
     length = count * step
-    place = float(np.exp(np.log(order[last]).mean())) / length
-    return _Waves(order / length, squares, mean * length, place, power, 0.5 / step)
+    return _Waves(
+        wavenumber=order / length,
+        squares=squares,
+        density=mean * length,
+        place=float(np.exp(np.log(order[last]).mean())) / length,
+        power=power,
+        shortest=0.5 / step,
+    )
 
 
 def _speeds(motion: Motion, duration: float) -> Array:

@@ -68,7 +68,8 @@ def roughness_gain(scene: Scene, chain: Chain | None = None) -> Gain:
     Sphere, contact and plate are a linear chain with the stiffness of a smooth contact. It serves
     for ratios of powers, in which an error of the stiffness cancels.
     """
-    chain = chain or of_scene.smooth_chain(scene)
+    if chain is None:
+        chain = of_scene.smooth_chain(scene)
     plate = of_scene.rectangular_plate(scene)
     bodies = sources(scene)
 
@@ -120,12 +121,14 @@ THICKNESS_MM = 10.0
 STEEL = {"plate.youngs_modulus_gpa": STEEL_GPA, "plate.poissons_ratio": STEEL_POISSON}
 # Limits of another plate may be too high for steel, and the solved contact has them already.
 ELASTIC = {"plate.density_kg_m3": STEEL_DENSITY, "plate.hardness_gpa": NONE}
-UNLIMITED = dict.fromkeys(("plate.yield_strength_gpa", "plate.plasticity", "rolling.passes"))
-# Places between two lines of a record at which a resonance is heard, usually and at most, and the
-# maximum of places of all lines together.
-PLACES = 8
-MAX_PLACES = 512
-MAX_GAINS = 400_000
+UNLIMITED: dict[str, None] = {
+    "plate.yield_strength_gpa": None,
+    "plate.plasticity": None,
+    "rolling.passes": None,
+}
+PLACES = 8  # usual number of places between two lines of a record at which a resonance may lie
+MAX_PLACES = 512  # maximum number of these places
+MAX_GAINS = 400_000  # maximum number of places of all lines together
 DENSE = 4.0  # samples of an approach in a period of the highest audible frequency, at least
 # Standard uncertainties of the estimate by tests/benchmarks/vibration_estimate_study.py: of the
 # stiffness, relative, and of the linear chain.
@@ -150,12 +153,17 @@ def with_bodies(scene: Scene) -> Scene:
 
 def bodies_text(scene: Scene) -> str:
     """Write the bodies of an estimate: a ball of steel on a 10 mm plate of steel."""
-    ball, plate = (
-        "steel" if density is None else f"{rounded(density, 4)} kg/m³"
-        for density in (scene.sphere.density_kg_m3, scene.plate.density_kg_m3)
-    )
+    ball = _material_text(scene.sphere.density_kg_m3)
+    plate = _material_text(scene.plate.density_kg_m3)
     thickness = scene.plate.thickness_mm or THICKNESS_MM
     return f"a ball of {ball} on a {rounded(thickness, 4)} mm plate of {plate}"
+
+
+def _material_text(density: float | None) -> str:
+    """Write the density [kg/m3] of a body, or the steel that replaces a missing one."""
+    if density is None:
+        return "steel"
+    return f"{rounded(density, 4)} kg/m³"
 
 
 class VibrationEstimate(NamedTuple):
@@ -195,8 +203,9 @@ def vibration_estimate(
     motion = scene.motion
     steps = len(approach) - 1
     duration = motion.duration(steps * step)
+    silence = VibrationEstimate(laeq_db=None, uncertainty_db=None, force_ratio=0.0)
     if scene.is_smooth or steps < 4:
-        return VibrationEstimate(None, None, 0.0)
+        return silence
     looped = closed and motion.is_constant(duration)
     signal = _in_time(scene, approach, step, looped)
     if not looped:
@@ -205,7 +214,7 @@ def vibration_estimate(
     resolved_hz = motion.fastest(duration) / (2 * step)
     frequency, mean_square = audible_lines(signal - signal.mean(), rate)
     if not mean_square.sum() > 0:
-        return VibrationEstimate(None, None, 0.0)
+        return silence
     bodies = scene if scene.dynamics is not None else with_bodies(scene)
     stiffness = np.atleast_1d(of_scene.smooth_stiffness(scene))
     if stiffness_n_m is not None:
@@ -217,34 +226,42 @@ def vibration_estimate(
     gain = roughness_gain(bodies, chain)(points.ravel()).reshape(points.shape)
     gain *= mean_square[:, None] * 10 ** (a_weighting_db(points) / 10) / forces
 
-    def heard(stiffnesses: Array) -> Array:
+    def weighted_squares(stiffnesses: Array) -> Array:
         """Return A-weighted mean squares of the lines at their places, as a mean over chains."""
         forces = np.zeros_like(points)
         for value in stiffnesses:
             forces += _force_gain(of_scene.chain(bodies, float(value)), points)
         return np.asarray(gain * forces / len(stiffnesses))
 
-    at_mean, softer, stiffer = (
-        heard(np.array([factor * mean_stiffness])).sum(axis=0)
-        for factor in (1.0, 1 - STIFFNESS_ERROR, 1 + STIFFNESS_ERROR)
-    )
+    def squares_at(factor: float) -> Array:
+        """Return the A-weighted mean square at each place, for a multiple of the mean stiffness."""
+        return np.asarray(weighted_squares(np.array([factor * mean_stiffness])).sum(axis=0))
+
+    at_mean = squares_at(1.0)
+    softer = squares_at(1 - STIFFNESS_ERROR)
+    stiffer = squares_at(1 + STIFFNESS_ERROR)
     mean = float(at_mean.mean())
     # The resonance follows the stiffness along the track where it changes slowly, and the mean
     # stiffness where it changes within a period. The level lies between both.
-    local = heard(stiffness)
+    local = weighted_squares(stiffness)
     following = float(local.sum(axis=0).mean())
     within = float(local[frequency < resolved_hz].sum(axis=0).mean())
     square = math.sqrt(mean * following)
-    parts = [
+    of_softer = _apart_db(float(softer.mean()), mean)
+    of_stiffer = _apart_db(float(stiffer.mean()), mean)
+    parts_db = [
         LINEAR_DB,
-        max(_apart_db(float(other.mean()), mean) for other in (softer, stiffer)),
+        max(of_softer, of_stiffer),
         HALF * _apart_db(following, mean),
         HALF * _apart_db(within, following),
     ]
     if looped:
-        parts.append(math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean])))
-    force_ratio = math.sqrt(float(mean_square @ forces.mean(axis=1))) / scene.load
-    return VibrationEstimate(level.level_db(square), math.hypot(*parts), force_ratio)
+        parts_db.append(math.sqrt(np.mean([_apart_db(place, mean) ** 2 for place in at_mean])))
+    return VibrationEstimate(
+        laeq_db=level.level_db(square),
+        uncertainty_db=math.hypot(*parts_db),
+        force_ratio=math.sqrt(float(mean_square @ forces.mean(axis=1))) / scene.load,
+    )
 
 
 def _force_gain(chain: Chain, frequency: Array) -> Array:

@@ -132,9 +132,12 @@ class Vibration:
 
     def listener_levels(self) -> list[level.SoundLevels]:
         """Return the levels of the record at each listener."""
-        record = wav.SAMPLE_RATE_HZ, self.highest, self.closed
-        rest = [level.sound_levels(pressure, *record) for pressure in self.pressures[1:]]
-        return [self.levels, *rest]
+        levels = [self.levels]
+        for pressure in self.pressures[1:]:
+            levels.append(
+                level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, self.highest, self.closed)
+            )
+        return levels
 
     @cached_property
     def force_ratio(self) -> Array:
@@ -156,10 +159,12 @@ class Vibration:
 
 def by_band(power: Array) -> dict[str, float | None]:
     """Return levels [dB re 1 pW] by nominal frequency, None for silence or an unknown power."""
-    return {
-        name: level.level_db(value, P_REF_W) if np.isfinite(value) else None
-        for name, value in zip(BAND_NAMES, power.tolist(), strict=True)
-    }
+    levels: dict[str, float | None] = {}
+    for name, value in zip(BAND_NAMES, power.tolist(), strict=True):
+        levels[name] = None
+        if np.isfinite(value):
+            levels[name] = level.level_db(value, P_REF_W)
+    return levels
 
 
 def vibrate(
@@ -178,30 +183,49 @@ def vibrate(
     once = scene.rolling.drop_mm is not None
     if once:  # the time steps resolve an impact, whatever the steps of the track
         highest = max(highest, wav.SAMPLE_RATE_HZ / 2)
-    motion = motion or of_scene.motion(scene, law)
+    if motion is None:
+        motion = of_scene.motion(scene, law)
     chain = of_scene.chain_over(scene, law)
     closed = whole_laps and bool(motion.settled)
-    force, pressures = _radiated(scene, motion, closed)
+    force, pressures = _radiated_by_motion(scene, motion, closed)
     pressure = pressures[0]
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
-    lines = comb(scene, law, chain) if motion.settled and levels.laeq_db is not None else None
+    combed = None
+    if motion.settled and levels.laeq_db is not None:
+        combed = comb(scene, law, chain)
     spread = uncertainty.level_uncertainty(pressure, wav.SAMPLE_RATE_HZ, levels, False, laps=laps)
-    parts = {
-        "record": None if once else spread.laeq_db,
-        "comb": lines and lines.spread_db,
-        "time_step": _step_error(scene, law, motion, levels.laeq_db, closed),
-    }
-    spreads = {name: db for name, db in parts.items() if db is not None}
-    if once:  # and no sample of a noise
-        spread = spread.mapped(lambda _: 0.0 if spreads else None)
+    spreads = dict[str, float]()
+    if spread.laeq_db is not None and not once:
+        spreads["record"] = spread.laeq_db
+    if combed is not None:
+        spreads["comb"] = combed.spread_db
+    step_error_db = _step_error(scene, law, motion, levels.laeq_db, closed)
+    if step_error_db is not None:
+        spreads["time_step"] = step_error_db
+    if once:  # an event is no sample of a noise
+        known = 0.0 if spreads else None
+        spread = spread.mapped(lambda _: known)
     plate_power, ball_power = powers(scene, force, highest)
-    vibrating = motion, law, chain, scene.load, closed, highest, force, pressures
-    joined = _joined(spread, spreads, chain, lines)
-    loudness = levels, joined, spreads, lines and lines.mean_laeq_db
-    return Vibration(*vibrating, *loudness, plate_power, ball_power, once)
+    return Vibration(
+        motion=motion,
+        law=law,
+        chain=chain,
+        load=scene.load,
+        closed=closed,
+        highest=highest,
+        force=force,
+        pressures=pressures,
+        levels=levels,
+        uncertainty=_with_comb_and_steps(spread, spreads, chain, combed),
+        spreads=spreads,
+        mean_laeq=None if combed is None else combed.mean_laeq_db,
+        plate_power=plate_power,
+        ball_power=ball_power,
+        once=once,
+    )
 
 
-def _radiated(
+def _radiated_by_motion(
     scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion."""
@@ -223,13 +247,14 @@ def radiated(
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a faded record."""
     samples = max(2, round(len(fluctuation) / rate * wav.SAMPLE_RATE_HZ))
-    force = _heard(fluctuation, samples)
-    if (plate := of_scene.rectangular_plate(scene)) is not None:
+    force = _audible_samples(fluctuation, samples)
+    plate = of_scene.rectangular_plate(scene)
+    if plate is not None:
         # Without its mean, a fall would begin with a step of the force.
         whole = resampling.resample_closed(fluctuation, samples)
         return force, edged_sound.pressures(scene, plate, whole, closed, listeners)
     pressure = pressure_on_axis(fluctuation, rate, sources(scene), scene.sound.distance_m)
-    return force, _heard(pressure, samples)[None]
+    return force, _audible_samples(pressure, samples)[None]
 
 
 def _step_error(
@@ -239,16 +264,18 @@ def _step_error(
     if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > MAX_STEPS:
         return None
     twice = of_scene.motion(scene, law, 2 * motion.time_step_s)
-    _, pressures = _radiated(scene, twice, closed, listeners=1)
+    _, pressures = _radiated_by_motion(scene, twice, closed, listeners=1)
     coarse = level.sound_levels(pressures[0], wav.SAMPLE_RATE_HZ).laeq_db
-    return UNKNOWN_DB if coarse is None else min(abs(laeq_db - coarse), UNKNOWN_DB)
+    if coarse is None:
+        return UNKNOWN_DB
+    return min(abs(laeq_db - coarse), UNKNOWN_DB)
 
 
-def _joined(
+def _with_comb_and_steps(
     spread: uncertainty.LevelUncertainty,
     spreads: dict[str, float],
     chain: Chain,
-    lines: Comb | None,
+    combed: Comb | None,
 ) -> uncertainty.LevelUncertainty:
     """Return uncertainties [dB] of the record joined with the other parts of LAeq's.
 
@@ -266,8 +293,8 @@ def _joined(
         in_step = {BAND_NAMES[of_resonance]}
     bands: dict[str, float | None] = {}
     for k, (name, db) in enumerate(spread.third_octave_db.items()):
-        if db is not None and lines is not None:
-            db = max(db, float(lines.band_spread_db[k]))
+        if db is not None and combed is not None:
+            db = max(db, float(combed.band_spread_db[k]))
         if db is not None and name in in_step:
             db = math.hypot(db, step_db)
         bands[name] = db
@@ -292,7 +319,7 @@ def compact_source_db(scene: Scene, vibrating: Vibration) -> float | None:
     return level.level_db(float(power) * RHO_C / (2 * math.pi * scene.sound.distance_m**2))
 
 
-def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
+def sound_of_vibration(release: ContactSound, vibrating: Vibration) -> ContactSound:
     """Return the sound of a run whose source is the vibration, without steady level and factor."""
     return replace(
         release,
@@ -309,6 +336,6 @@ def heard(release: ContactSound, vibrating: Vibration) -> ContactSound:
     )
 
 
-def _heard(signal: Array, samples: int) -> Array:
+def _audible_samples(signal: Array, samples: int) -> Array:
     """Return a closed record at the samples of the sound, within hearing."""
     return resampling.band_limit(resampling.resample_closed(signal, samples), wav.SAMPLE_RATE_HZ)

@@ -71,10 +71,16 @@ def wavelength_octaves(
     octaves = []
     for k in range(order.min(), order.max() + 1):
         inside = order == k
-        share, plain = (float(part[inside].sum() / part.sum()) for part in (weighted, square))
-        lengths = EDGE_UM * 2.0**k, EDGE_UM * 2.0 ** (k + 1)
-        fall = _fall_db(scene, sound, share, plain, linear.get(k))
-        octaves.append(WavelengthOctave(*lengths, share, linear.get(k), fall))
+        share = float(weighted[inside].sum() / weighted.sum())
+        unweighted_share = float(square[inside].sum() / square.sum())
+        octave = WavelengthOctave(
+            from_um=EDGE_UM * 2.0**k,
+            to_um=EDGE_UM * 2.0 ** (k + 1),
+            energy_share=share,
+            linear_share=linear.get(k),
+            fall_db=_fall_db(scene, sound, share, unweighted_share, linear.get(k)),
+        )
+        octaves.append(octave)
     return octaves
 
 
@@ -87,13 +93,17 @@ def _fall_db(
     scene: Scene, sound: ContactSound, share: float, plain: float, linear: float | None
 ) -> float | None:
     """Return the fall of LAeq without the A- and Z-weighted shares of an octave [dB]."""
-    if sound.source == "vibration":  # only its linear share goes with the waves
-        share *= 1.0 if linear is None else linear
-    # The default factor makes p^2 proportional to the rms of the power: half of the fall.
-    by_rms = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
-    if max(share, plain if by_rms else 0.0) >= 1 - _ALL:
+    if sound.source == "vibration" and linear is not None:
+        share *= linear  # only the linear share goes with the waves
+    if share >= 1 - _ALL:
         return None
-    return -10 * math.log10(1 - share) + (5 * math.log10(1 - plain) if by_rms else 0.0)
+    fall = 0.0 - 10 * math.log10(1 - share)  # never -0.0
+    if sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None:
+        # The default factor makes p^2 proportional to the rms of the power: half of the fall.
+        if plain >= 1 - _ALL:
+            return None
+        fall += 5 * math.log10(1 - plain)
+    return fall
 
 
 def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, float]:
@@ -106,7 +116,9 @@ def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, f
     closes = track.closed and track.lap_steps == lap < len(approach)
     if track.turn_nodes or not closes or abs(lap * track.step / scene.spacing - count) > 1e-6:
         return {}
-    length, width = (axis / scene.spacing for axis in semi_axes(scene))
+    along_m, across_m = semi_axes(scene)
+    length = along_m / scene.spacing
+    width = across_m / scene.spacing
     middle = heights.shape[1] // 2
     reach = int(width)
     along = np.fft.fftfreq(count, 1 / count)
