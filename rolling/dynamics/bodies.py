@@ -31,8 +31,8 @@ ROLLING_TAIL = np.full(6, 1.5)
 # with all modes up to 400 kHz chose them: docs/dynamics.md.
 FALLING_TAIL = np.exp(0.03 * 1.07 ** np.arange(28))
 _FASTEST = 1.5  # highest phase of a mode in half a step
-_DIRECT = 300_000  # answers of modes that are summed without a table
-_BLOCK = 1_000_000  # answers of modes that are held at once
+_DIRECT = 300_000  # responses of modes that are summed without a table
+_BLOCK = 1_000_000  # responses of modes that are held at once
 _HIGHEST_HZ = 2e6  # of the table
 
 
@@ -57,15 +57,14 @@ class Modes:
         """Return the mean displacement per force [m/N] at the contact points."""
         if frequency_hz.size * len(self.weight) < _DIRECT:
             return self._sum(frequency_hz)
-        least, most = np.exp(self._table.x[[0, -1]])
-        asked: NDArray[np.complex128] = self._table(np.log(np.clip(frequency_hz, least, most)))
-        return asked
+        lowest, highest = np.exp(self._table.x[[0, -1]])
+        return np.asarray(self._table(np.log(np.clip(frequency_hz, lowest, highest))))
 
     def decay_s(self, angular_frequency: float) -> float:
         """Return the time [s] in which a mode of a frequency [rad/s] falls by the factor e."""
         return float(1 / (self.damping_ratio.min() * angular_frequency))
 
-    def lowest(self, mass_kg: float) -> float:
+    def lowest_angular_frequency(self, mass_kg: float) -> float:
         """Return the lowest angular frequency [rad/s] of the plate with a mass on the contact."""
         loaded = float((mass_kg * self.compliance_m_n) ** -0.5)
         return min(float(self.angular_frequency.min()), loaded)
@@ -75,25 +74,26 @@ class Modes:
         """Static compliance [m/N] at the contact points."""
         return float(np.sum(self.weight * np.square(self.reach)))
 
-    def answers(self, frequency_hz: Array) -> NDArray[np.complex128]:
+    def responses(self, frequency_hz: Array) -> NDArray[np.complex128]:
         """Return displacement over static displacement of each mode, (frequencies, modes)."""
         ratio = 2 * np.pi * frequency_hz[:, None] / self.angular_frequency
         return np.asarray(1 / (1 - np.square(ratio) + 2j * self.damping_ratio * ratio))
 
-    def repeated(self, frequency_hz: Array, force_n: NDArray[np.complex128]) -> Array:
+    def steady_state(self, frequency_hz: Array, force_n: NDArray[np.complex128]) -> Array:
         """Return Q and P over g [N] at the time 0 under phasors of a force [N], (2, modes)."""
         result = np.zeros((2, len(self.weight)))
-        parts = self._blocks(frequency_hz), self._blocks(force_n)
-        for frequency, force in zip(*parts, strict=True):
-            answers = self.answers(frequency)
-            result[0] += (force @ answers).real
-            result[1] += ((2j * np.pi * frequency * force) @ answers).real
+        frequencies = self._blocks(frequency_hz)
+        forces = self._blocks(force_n)
+        for frequency, force in zip(frequencies, forces, strict=True):
+            responses = self.responses(frequency)
+            result[0] += (force @ responses).real
+            result[1] += ((2j * np.pi * frequency * force) @ responses).real
         return result / np.stack((np.ones_like(self.weight), self.angular_frequency))
 
     def _sum(self, frequency_hz: Array) -> NDArray[np.complex128]:
         """Sum the receptances of the modes, a block of frequencies at a time."""
         compliance = self.weight * np.square(self.reach)
-        return np.concatenate([self.answers(f) @ compliance for f in self._blocks(frequency_hz)])
+        return np.concatenate([self.responses(f) @ compliance for f in self._blocks(frequency_hz)])
 
     def _blocks(self, lines: NDArray[Any]) -> list[NDArray[Any]]:
         """Split values over frequency into blocks that bound the memory of all modes."""
@@ -142,6 +142,7 @@ def modes_of(plate: RectangularPlate, points_m: Array, tail: Array = ROLLING_TAI
 
 
 def _sinc(x: Array) -> Array:
+    """Return sin(x) / x."""
     return np.asarray(np.sinc(x / np.pi))
 
 
@@ -251,7 +252,9 @@ class Chain:
     @property
     def point(self) -> Array:
         """Contact point (1, 2) [m], the first of a path on a plate with edges."""
-        return np.zeros((1, 2)) if self.modes is None else self.modes.point
+        if self.modes is None:
+            return np.zeros((1, 2))
+        return self.modes.point
 
     def steps(self, step_s: float) -> StepBodies:
         """Return the bodies as time steps [s] move them, exact for a force at the resonance.
@@ -264,12 +267,23 @@ class Chain:
         modes = self.modes
         mass = self.mass_kg
         x0 = np.pi * self.resonance_hz * step_s
-        x0 = x0 if x0 < 1 else 0.0
-        mass = float(mass * (x0 / np.tan(x0)) ** 2) if x0 > 0 else mass
+        if x0 >= 1:  # the steps do not resolve the resonance, and nothing is corrected
+            x0 = 0.0
+        if x0 > 0:
+            mass = float(mass * (x0 / np.tan(x0)) ** 2)
         if modes is None:
-            parts = (step_s, mass, self.mobility_s_kg, self.contact_time_s)
-            none = np.zeros(0)
-            return StepBodies(*parts, none, none, none, none, np.zeros(0, np.int64), np.ones(2))
+            return StepBodies(
+                step=step_s,
+                mass=mass,
+                mobility=self.mobility_s_kg,
+                contact_time=self.contact_time_s,
+                fall=np.zeros(0),
+                turn=np.zeros(0),
+                keep=np.zeros(0),
+                reach=np.zeros(0),
+                counts=np.zeros(0, np.int64),
+                sides=np.ones(2),
+            )
         w = np.minimum(modes.angular_frequency, 2 * _FASTEST / step_s)
         zeta = modes.damping_ratio
         zeta = np.where(np.abs(zeta - 1) < 1e-8, 1 + 1e-8, zeta)  # critical damping has one root
@@ -281,11 +295,18 @@ class Chain:
         mean = (slow + fast).real / 2
         x = w * step_s / 2
         gain = _sinc(x - x0) * _sinc(x + x0) / np.square(_sinc(x) * np.cos(x0))
-        reach = modes.reach * np.sqrt(gain)
-        fall = 1 - mean - zeta * turn
-        keep = mean - zeta * turn
-        parts = step_s, mass, 0.0, self.contact_time_s
-        return StepBodies(*parts, fall, turn, keep, reach, modes.counts, modes.sides)
+        return StepBodies(
+            step=step_s,
+            mass=mass,
+            mobility=0.0,
+            contact_time=self.contact_time_s,
+            fall=1 - mean - zeta * turn,
+            turn=turn,
+            keep=mean - zeta * turn,
+            reach=modes.reach * np.sqrt(gain),
+            counts=modes.counts,
+            sides=modes.sides,
+        )
 
     def mobilities(self, frequency_hz: ArrayLike) -> dict[str, NDArray[np.complex128]]:
         """Return the mobilities [s/kg] of ball, contact and plate at frequencies [Hz] above 0."""

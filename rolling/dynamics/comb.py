@@ -58,20 +58,22 @@ def speeds_of_comb(
         """Return the lines at a ratio of speeds."""
         frequency = np.asarray(order * (line_hz * ratio), dtype=float)
         audible = (frequency > AUDIBLE_HZ[0]) & (frequency < AUDIBLE_HZ[1])
-        return LinesAtSpeed(frequency[audible], audible, gain(frequency[audible]))
+        return LinesAtSpeed(
+            frequency_hz=frequency[audible], audible=audible, gain=gain(frequency[audible])
+        )
 
     quality = chain.quality
-    middle = chain.resonance_hz
+    sharpest_hz = chain.resonance_hz
     most = most_speeds
     if chain.modes is not None:
         own = at_speed(1.0)
-        passed = np.cumsum(lines[own.audible] * own.gain)
-        if not len(passed) or not passed[-1] > 0:
+        power_up_to = np.cumsum(lines[own.audible] * own.gain)
+        if not len(power_up_to) or not power_up_to[-1] > 0:
             return None
-        middle = float(own.frequency_hz[np.searchsorted(passed, passed[-1] / 2)])
+        sharpest_hz = float(own.frequency_hz[np.searchsorted(power_up_to, power_up_to[-1] / 2)])
         quality = 1 / (loss_factor or 1.0)
-        most = min(most, max(FEWEST_SPEEDS, _MAX_LINES // len(passed)))
-    if middle / quality > BROAD * line_hz:
+        most = min(most, max(FEWEST_SPEEDS, _MAX_LINES // len(power_up_to)))
+    if sharpest_hz / quality > BROAD * line_hz:
         return None
     count = int(np.clip(16 * NEAR_SPEEDS * quality, min(FEWEST_SPEEDS, most), most))
     ratios = np.linspace(1 - NEAR_SPEEDS, 1 + NEAR_SPEEDS, count)

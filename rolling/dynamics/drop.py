@@ -62,7 +62,9 @@ def loads(scene: Scene, sign: int) -> list[float]:
 
     They are the same from all heights, so that falls share their marches.
     """
-    reach = largest_force_n(scene) / scene.load if sign > 0 else 1 / LOWEST
+    reach = 1 / LOWEST
+    if sign > 0:
+        reach = largest_force_n(scene) / scene.load
     count = math.floor(math.log(max(reach, 1.0), RATIO))
     return [scene.load * RATIO ** (sign * k) for k in range(1, count + 1)]
 
@@ -73,8 +75,10 @@ def start(scene: Scene, law: ForceLaw, chain: Chain) -> tuple[float, float]:
     A motion is seen from an infinite plate that the load alone would sink, at a constant speed.
     """
     lift_off = float(law.approach(law.position_m[0], 0.0))
-    sinking = chain.mobility_s_kg * scene.load if chain.modes is None else 0.0
-    return lift_off - height_m(scene), -sinking
+    approach = lift_off - height_m(scene)
+    if chain.modes is not None:
+        return approach, 0.0
+    return approach, -(chain.mobility_s_kg * scene.load)
 
 
 def time_step_s(scene: Scene, law: ForceLaw, chain: Chain, speed: float) -> float:

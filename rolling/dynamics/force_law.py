@@ -107,7 +107,15 @@ def law_table(start: float, spacing: float, closed: bool, breaks: Array, values:
     slopes = np.ascontiguousarray(spline(knots, 1))
     steepest = 3 / spacing * values[:, 1:]  # up to which a cubic between positions is positive
     slopes[:, 1:] = np.clip(slopes[:, 1:], -steepest, steepest)
-    return LawTable(start, spacing, closed, breaks, np.sqrt(breaks), values, slopes)
+    return LawTable(
+        start=start,
+        spacing=spacing,
+        closed=closed,
+        breaks=breaks,
+        edges=np.sqrt(breaks),
+        values=values,
+        slopes=slopes,
+    )
 
 
 def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:
@@ -118,7 +126,7 @@ def _broken_line(s: Array, approach: Array) -> tuple[Array, Array]:
     breaks = np.concatenate(([0.0], s[:1], (s[1:-2] + s[2:-1]) / 2, s[-1:]))
     means = np.diff(approach, axis=0) / np.diff(s)[:, None]
     if s.size == 2:
-        inner = np.stack([means[0]] * 2)
+        inner = np.stack([means[0], means[0]])
     else:
         weights = np.array([slope_weights(breaks, end) for end in s])
         inner = np.linalg.solve((weights[1:] - weights[0])[:, 1:], approach[1:] - approach[0])
@@ -141,14 +149,22 @@ def _limited_slopes(s: Array, means: Array) -> Array:
     joined = means[:-1] * lengths[1:] + means[1:] * lengths[:-1]
     inner = joined / (lengths[1:] + lengths[:-1])
     inner = np.minimum(inner, 1.5 * np.minimum(means[:-1], means[1:]))
-    ends = [inner[:1], inner[-1:]] if len(inner) else [means, means]
-    pairs = zip((means[:1], means[-1:]), ends, strict=True)
-    first, last = (np.clip(2 * mean - end, 0.5 * mean, 1.5 * mean) for mean, end in pairs)
+    if len(inner):
+        first = _end_slope(means[:1], inner[:1])
+        last = _end_slope(means[-1:], inner[-1:])
+    else:  # of two loads
+        first = _end_slope(means[:1], means)
+        last = _end_slope(means[-1:], means)
     at_loads = np.concatenate((first, inner, last))
     slopes = np.empty((2 * len(s) - 1, means.shape[1]))
     slopes[::2] = at_loads
     slopes[1::2] = 2 * means - (at_loads[:-1] + at_loads[1:]) / 2
     return slopes
+
+
+def _end_slope(mean: Array, beside: Array) -> Array:
+    """Return the slope at the first or last load from the mean slope and the slope beside it."""
+    return np.clip(2 * mean - beside, 0.5 * mean, 1.5 * mean)
 
 
 def slope_weights(breaks: Array, end: float) -> Array:

@@ -39,9 +39,8 @@ class LongLaw:
         approach = values[:, 0] + values[:, 1:] @ self._weights
         turn = None if turn_m is None else round(turn_m / law.spacing_m)
         self.rows = ContinuedRows(np.vstack((approach, rows)), closed, seed, turn)
-        # positions
-        self.limited = 0
-        self.continued = 0
+        self.limited = 0  # continued positions at which a slope had to be limited
+        self.continued = 0  # positions beyond the solved track
 
     def table(self, begin_m: float, end_m: float) -> LawTable:
         """Return the law between two positions [m], neither of them before the last ones."""
@@ -110,8 +109,8 @@ class LongMotion:
             force = steps.record[:, 0]
             apart = force == 0
             self.impacts += int(np.sum(np.append(flew, apart[:-1]) & ~apart))
-            self.taken = self.taken + len(force)
-            self.apart = self.apart + int(apart.sum())
+            self.taken += len(force)
+            self.apart += int(apart.sum())
             self.outside += len(force) * self._solved_law.outside(force)
             flew = bool(apart[-1])
             yield force
@@ -122,7 +121,8 @@ class LongMotion:
         load = self._scene.load
         points = self._points(np.zeros(1))
         if self._scene.rolling.drop_mm is not None:
-            return at_rest(self._bodies, points, *drop.start(self._scene, law, self._chain), -load)
+            approach, velocity = drop.start(self._scene, law, self._chain)
+            return at_rest(self._bodies, points, approach, velocity, -load)
         speed = float(self._scene.motion.speed(0.0))
         begin = float(law.position_m[0])
         if law.period_m is None or speed <= 0:
@@ -133,9 +133,13 @@ class LongMotion:
 
     def _points(self, times: Array) -> Array:
         """Return the contact points (n, 2) [m] on a plate at times [s], or the only one."""
-        return self._chain.point if self._path is None else self._path(times)
+        if self._path is None:
+            return self._chain.point
+        return self._path(times)
 
 
 def turn_m(scene: Scene) -> float | None:
     """Return the circumference [m] of a sphere with a surface, after which rows repeat."""
-    return None if scene.sphere.surface is None else 2 * math.pi * scene.radius
+    if scene.sphere.surface is None:
+        return None
+    return 2 * math.pi * scene.radius

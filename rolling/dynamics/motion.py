@@ -14,12 +14,11 @@ from rolling.dynamics._motion_kernels import LawTable, State
 from rolling.dynamics.bodies import Chain
 from rolling.dynamics.force_law import ForceLaw
 
-PER_PERIOD = 40
-DECAYS = 14  # a transient falls to 1e-6 in as many decay times
-FADE_DECAYS = 7  # and to 1e-3 in as many
-MAX_LAPS = 400  # laps of a run-in that does not settle, more of them if they are short:
-MAX_STEPS = 2_000_000  # which 28 decay times of Q 5,600 take
-
+PER_PERIOD = 40  # minimum number of steps in a period of the resonance
+DECAYS = 14  # decay times in which a transient falls to 1e-6
+FADE_DECAYS = 7  # decay times in which it falls to 1e-3
+MAX_LAPS = 400  # laps of a run-in that does not settle; more if they are short, up to MAX_STEPS
+MAX_STEPS = 2_000_000  # of a run-in, as many as 28 decay times of a quality of 5,600 take
 MODAL_HZ = 90e3  # minimum rate of the steps of a plate with edges, three in a period of its modes
 SEAM = 1e-3  # change of the force from lap to lap over its rms, with which a lap loops
 Path = Callable[[Array], Array]  # contact points (n, 2) [m] at times [s]
@@ -122,22 +121,33 @@ def longest_step_s(
     longest = 1 / (per_period * chain.resonance_hz)
     if fastest_m_s > 0:
         longest = min(longest, law.spacing_m / fastest_m_s)
-    return longest if chain.modes is None else min(longest, 1 / MODAL_HZ)
+    if chain.modes is not None:
+        longest = min(longest, 1 / MODAL_HZ)
+    return longest
+
+
+class Energies(NamedTuple):
+    """Energies [J] of a stretch of steps."""
+
+    change: float  # of kinetic, contact and modal energy
+    load_work: float
+    track_work: float
+    plate_loss: float
+    contact_loss: float
+    contact_range: float  # of the contact's energy, from its minimum to its maximum
 
 
 class Steps(NamedTuple):
     """Steps taken: their positions, the rows of the kernel, the last state, and energies.
 
     A row has the force [N], the approach [m], the velocity of the ball [m/s] and the displacement
-    of the plate [m] at the middle of a step. The energies [J] are the change of kinetic, contact
-    and modal energy, the work of load and track, the losses to plate and contact, and the range of
-    the contact's energy.
+    of the plate [m] at the middle of a step.
     """
 
     places: Array
     record: Array
     end: State
-    energies: tuple[float, ...]
+    energies: Energies
 
 
 def advance(
@@ -152,7 +162,8 @@ def advance(
     record = np.empty((len(places), 4))
     state = state._replace(modes=state.modes.copy())
     end, energies = _motion_kernels.advance(state, load_n, bodies, places, points, table, record)
-    return Steps(places, record, State(end[0], end[1], end[2], state.modes), energies)
+    last = State(approach=end[0], velocity=end[1], plate=end[2], modes=state.modes)
+    return Steps(places=places, record=record, end=last, energies=Energies(*energies))
 
 
 def at_rest(
@@ -166,12 +177,16 @@ def at_rest(
     if len(shape):
         _mode_kernels.set_shapes(point_m[0], bodies, shape)
     modes = np.stack((force_n * shape, np.zeros_like(shape)))
-    return State(approach_m, velocity_m_s, float(force_n * shape @ shape), modes)
+    plate = float(force_n * shape @ shape)
+    return State(approach=approach_m, velocity=velocity_m_s, plate=plate, modes=modes)
 
 
 def on_level(state: State) -> State:
     """Return a state with the displacement of a plate without modes counted from there."""
-    return state if state.modes.shape[1] else state._replace(plate=0.0)
+    has_modes = state.modes.shape[1] > 0
+    if has_modes:
+        return state
+    return state._replace(plate=0.0)
 
 
 def run_in(law: ForceLaw, bodies: StepBodies, load_n: float, places: Array, points: Array) -> State:
@@ -201,15 +216,22 @@ class _Run:
         fastest = speed.fastest_m_s if isinstance(speed, Travel) else speed
         self.decay_s = chain.decay_s
         self.slow_decay_s = 0.0
-        if (modes := chain.modes) is not None:
+        modes = chain.modes
+        if modes is not None:
             self.decay_s = max(self.decay_s, modes.decay_s(2 * np.pi * chain.resonance_hz))
-            self.slow_decay_s = max(modes.decay_s(modes.lowest(chain.mass_kg)), chain.own_decay_s)
+            slowest = modes.lowest_angular_frequency(chain.mass_kg)
+            self.slow_decay_s = max(modes.decay_s(slowest), chain.own_decay_s)
         longest = choices.time_step_s or longest_step_s(law, chain, fastest, choices.per_period)
-        self.lap_s = law.period_m / fastest if law.period_m and fastest > 0 else None
-        if not (duration := self.duration or self.lap_s):
+        self.lap_s: float | None = None
+        if law.period_m and fastest > 0:
+            self.lap_s = law.period_m / fastest
+        duration = self.duration or self.lap_s
+        if not duration:
             raise ValueError("a motion that is no lap at constant speed needs a duration")
         # A lap at constant speed is a whole number of steps, so that laps can be compared.
-        period = self.lap_s if self.lap_s and not isinstance(speed, Travel) else duration
+        period = duration
+        if self.lap_s and not isinstance(speed, Travel):
+            period = self.lap_s
         self.lap_steps = ceil(period / longest * (1 - 1e-12))
         self.step = period / self.lap_steps
         self.bodies = chain.steps(self.step)
@@ -233,8 +255,9 @@ class _Run:
 
     def points(self, steps: int) -> Array:
         """Return the contact points [m] at the middles of the steps, or the only one."""
-        times = np.asarray((np.arange(steps) + 0.5) * self.step)
-        return self.chain.point if self.path is None else self.path(times)
+        if self.path is None:
+            return self.chain.point
+        return self.path(np.asarray((np.arange(steps) + 0.5) * self.step))
 
     def steady(self) -> State:
         """Return the state at the start of a lap as the linear chain repeats it."""
@@ -244,14 +267,19 @@ class _Run:
         approach = self.law.approach(self.law.position_m, self.load)
         lines = 2 / len(approach) * np.fft.rfft(approach)[1 : (len(approach) + 1) // 2]
         frequency = np.arange(1, len(lines) + 1) / self.lap_s
-        heard = frequency < 0.5 / self.step
-        frequency, force = frequency[heard], self.chain.force(frequency[heard], -lines[heard])
+        resolved = frequency < 0.5 / self.step
+        frequency = frequency[resolved]
+        force = self.chain.force(frequency, -lines[resolved])
         shape = at_rest(self.bodies, self.chain.point, 0.0, 0.0, 1.0).modes[0]
-        modes = shape * self.chain.modes.repeated(frequency, force)
-        start = self.load + float(np.sum(force.real))
+        modes = shape * self.chain.modes.steady_state(frequency, force)
+        start_force = self.load + float(np.sum(force.real))
         velocity = np.sum((1j * force / (2 * np.pi * frequency * self.chain.mass_kg)).real)
-        pressed = float(self.law.approach(self.first, max(start, 0.0)))
-        return State(pressed, float(velocity), float(shape @ modes[0]), modes)
+        return State(
+            approach=float(self.law.approach(self.first, max(start_force, 0.0))),
+            velocity=float(velocity),
+            plate=float(shape @ modes[0]),
+            modes=modes,
+        )
 
     def entered(self, travel: Travel) -> State:
         """Return the state at the start of a travel after a run-in at its first speed."""
@@ -270,16 +298,22 @@ class _Run:
         lap_s = self.lap_steps * self.step
         rings = 2 * DECAYS * self.decay_s / lap_s
         limit = max(MAX_LAPS, MAX_STEPS // self.lap_steps)
-        most = ceil(min(2 + rings, limit)) if np.isfinite(rings) else 1
+        most_with_impacts = 1
+        if np.isfinite(rings):
+            most_with_impacts = ceil(min(2 + rings, limit))
         # Impacts need not repeat; without them slow modes may take their time.
-        longest = max(most, ceil(min(FADE_DECAYS * self.slow_decay_s / lap_s, limit)))
+        slow_laps = ceil(min(FADE_DECAYS * self.slow_decay_s / lap_s, limit))
+        most_without = max(most_with_impacts, slow_laps)
         # The laps to come change by a geometric series of the last change.
         allowed = self.choices.settled * self.load * -np.expm1(-lap_s / self.decay_s)
         lap = self.advance(self.steady(), places)
         laps = 0
         difference = np.inf
-        while laps < (most if np.any(lap.record[:, 0] == 0) else longest) and difference > allowed:
-            laps = laps + 1
+        while difference > allowed:
+            has_impacts = np.any(lap.record[:, 0] == 0)
+            if laps >= (most_with_impacts if has_impacts else most_without):
+                break
+            laps += 1
             before = lap
             lap = self.advance(on_level(before.end), places)
             difference = float(np.max(np.abs(lap.record[:, 0] - before.record[:, 0])))
@@ -306,13 +340,26 @@ class _Run:
     def motion(self, lap: Steps, laps: int, settled: bool, transient: float = 0.0) -> BodyMotion:
         """Return the motion of steps taken."""
         force, approach, velocity, plate = np.ascontiguousarray(lap.record.T)
-        change, work, track, plate_loss, contact_loss, moved = lap.energies
-        loss = plate_loss + contact_loss
+        energies = lap.energies
+        loss = energies.plate_loss + energies.contact_loss
+        energy_error = 0.0
+        if energies.contact_range:
+            missing = abs(energies.change - energies.load_work - energies.track_work + loss)
+            energy_error = missing / (loss + energies.contact_range)
         apart = force == 0
-        time = np.asarray((np.arange(len(force)) + 0.5) * self.step)
-        error = abs(change - work - track + loss) / (loss + moved) if moved else 0.0
-        record = time, lap.places, force, approach + plate, velocity, plate, self.step
-        flight = float(np.mean(apart))
-        impacts = int(np.sum(apart[:-1] & ~apart[1:]))
-        limits = error, flight, impacts, self.law.outside(force)
-        return BodyMotion(*record, *limits, laps, settled, transient)
+        return BodyMotion(
+            time_s=np.asarray((np.arange(len(force)) + 0.5) * self.step),
+            position_m=lap.places,
+            force_n=force,
+            displacement_m=approach + plate,
+            velocity_m_s=velocity,
+            plate_m=plate,
+            time_step_s=self.step,
+            energy_error=energy_error,
+            flight_share=float(np.mean(apart)),
+            impacts=int(np.sum(apart[:-1] & ~apart[1:])),
+            outside_share=self.law.outside(force),
+            laps=laps,
+            settled=settled,
+            transient_s=transient,
+        )

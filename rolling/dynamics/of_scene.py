@@ -33,12 +33,17 @@ _MAX_TIMES = 1_000_000  # maximum number of times that describe a changing speed
 
 def plate(scene: Scene) -> ThinPlate | None:
     """Return the plate that bends, or None for a half-space."""
-    p = scene.plate
+    properties = scene.plate
     thickness = thickness_m(scene)
-    if not thickness or p.density_kg_m3 is None:
+    if not thickness or properties.density_kg_m3 is None:
         return None
-    stiffness = p.youngs_modulus_gpa * 1e9 * thickness**3 / (12 * (1 - p.poissons_ratio**2))
-    return ThinPlate(p.density_kg_m3 * thickness, stiffness, p.loss_factor or 0.0)
+    young = properties.youngs_modulus_gpa * 1e9
+    stiffness = young * thickness**3 / (12 * (1 - properties.poissons_ratio**2))
+    return ThinPlate(
+        mass_per_area_kg_m2=properties.density_kg_m3 * thickness,
+        bending_stiffness_n_m=stiffness,
+        loss_factor=properties.loss_factor or 0.0,
+    )
 
 
 def ground(scene: Scene) -> ThinPlate | HalfSpaceBody:
@@ -71,14 +76,15 @@ def rectangular_plate(scene: Scene) -> RectangularPlate | None:
     edges = scene.plate.edges_mm
     if bending is None or edges is None or scene.plate.loss_factor is None:
         return None
-    length, width = (1e-3 * edge for edge in edges)
-    return RectangularPlate(**vars(bending), length_m=length, width_m=width)
+    length_mm, width_mm = edges
+    return RectangularPlate(**vars(bending), length_m=1e-3 * length_mm, width_m=1e-3 * width_mm)
 
 
 def contact_points(scene: Scene, time_s: Array) -> Array:
     """Return the moving contact points at times [s] on a plate with edges, (n, 2) [m]."""
     begin, end = 1e-3 * np.array(list(scene.plate.contact_ends_mm.values()))
-    way = float(np.hypot(*(end - begin)))
+    along, across = end - begin
+    way = float(np.hypot(along, across))
     passed = np.asarray(scene.motion.distance(time_s)) % (2 * way)
     share = np.minimum(passed, 2 * way - passed) / way
     return np.asarray(begin + share[:, None] * (end - begin))
@@ -86,7 +92,9 @@ def contact_points(scene: Scene, time_s: Array) -> Array:
 
 def contact_path(scene: Scene) -> Path | None:
     """Return the function of time [s] that gives the contact points, None for a single point."""
-    return partial(contact_points, scene) if len(scene.plate.contact_ends_mm) > 1 else None
+    if len(scene.plate.contact_ends_mm) < 2:
+        return None
+    return partial(contact_points, scene)
 
 
 def bending_limit_hz(scene: Scene) -> float:
@@ -106,16 +114,29 @@ def chain(scene: Scene, stiffness_n_m: float) -> Chain:
     loss_factor = scene.plate.contact_loss_factor or 0.0
     if bending is not None:
         rectangle = rectangular_plate(scene)
-        ends = tuple(scene.plate.contact_ends_mm.values())
-        falls = scene.rolling.drop_mm is not None
-        modes = None if rectangle is None else _modes_between(rectangle, ends, falls)
-        return Chain(scene.mass, bending.mobility_s_kg, stiffness_n_m, modes, loss_factor)
+        modes = None
+        if rectangle is not None:
+            ends = tuple(scene.plate.contact_ends_mm.values())
+            falls = scene.rolling.drop_mm is not None
+            modes = _modes_between(rectangle, ends, falls)
+        return Chain(
+            mass_kg=scene.mass,
+            mobility_s_kg=bending.mobility_s_kg,
+            stiffness_n_m=stiffness_n_m,
+            modes=modes,
+            contact_loss_factor=loss_factor,
+        )
     young = scene.plate.youngs_modulus_gpa * 1e9
     density = scene.plate.density_kg_m3
     assert density is not None  # dynamics needs it
     resonance = Chain(scene.mass, 0.0, stiffness_n_m).resonance_hz
     mobility = half_space_mobility(resonance, young, scene.plate.poissons_ratio, density)
-    return Chain(scene.mass, mobility, stiffness_n_m, None, loss_factor)
+    return Chain(
+        mass_kg=scene.mass,
+        mobility_s_kg=mobility,
+        stiffness_n_m=stiffness_n_m,
+        contact_loss_factor=loss_factor,
+    )
 
 
 @lru_cache(maxsize=8)
