@@ -29,7 +29,8 @@ AUDIBLE_HZ: tuple[float, float] = (float(EDGES_HZ[0]), float(EDGES_HZ[-1]))
 
 # With fewer independent lines in a band (B T) its level is uncertain by 2 dB or more.
 MIN_BT = 5.0
-DURATIONS_S = 1e-12, 1e12  # shortest and longest record
+MIN_DURATION_S = 1e-12  # of a record
+MAX_DURATION_S = 1e12  # of a record
 # A band whose level is off by more is marked in plots and tables [dB].
 OFF_DB = 1.0
 
@@ -110,7 +111,8 @@ def band_uncertainty_db(duration_s: float) -> Array:
     >>> round(float(band_uncertainty_db(1.0)[BAND_NAMES.index("1000")]), 2)
     0.29
     """
-    independent_lines = BANDWIDTH_HZ * within("duration_s", duration_s, *DURATIONS_S)
+    duration_s = within("duration_s", duration_s, MIN_DURATION_S, MAX_DURATION_S)
+    independent_lines = BANDWIDTH_HZ * duration_s
     return np.asarray(10.0 / np.log(10.0) / np.sqrt(independent_lines))
 
 
@@ -134,4 +136,5 @@ def reliable(duration_s: float) -> NDArray[np.bool_]:
     >>> BAND_NAMES[first]
     '50'
     """
-    return np.asarray(BANDWIDTH_HZ * within("duration_s", duration_s, *DURATIONS_S) >= MIN_BT)
+    duration_s = within("duration_s", duration_s, MIN_DURATION_S, MAX_DURATION_S)
+    return np.asarray(BANDWIDTH_HZ * duration_s >= MIN_BT)

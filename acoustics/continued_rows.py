@@ -10,6 +10,7 @@ stretches as given.
 """
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,6 @@ WIDER = 4  # times as many lines for the level by which the lines are divided be
 FEW = 3.0  # lines to either side over which the power is averaged before its logarithm is taken
 _FLOOR = 1e-26  # of the largest power of a line, below which only rounding remains
 MIN_BLOCK = 2**16  # positions that are drawn at once
-Pairs = list[tuple[Array, Array]]
 _TURNS = np.array([1, 1j, -1, -1j])  # phases; the sum of many lines is Gaussian
 
 
@@ -75,9 +75,9 @@ class RandomRows:
         power = np.square(np.abs(lines))
         floor = np.maximum(_FLOOR * power.max(axis=1, keepdims=True), np.finfo(float).tiny)
         # Single lines may be silent where a part was subtracted.
-        power = sum(weight * power[:, line] for line, weight in _windows(own, own, least=FEW))
+        power = _smoothed(power, _windows(own, own, least=FEW))
         power = np.log(np.maximum(power, floor))
-        smooth = sum(weight * power[:, line] for line, weight in _windows(own, own, WIDER))
+        smooth = _smoothed(power, _windows(own, own, WIDER))
         self._white = lines * np.exp(-0.5 * smooth)
         ratio = count / self.block
         place = np.clip(np.arange(1, (self.block + 1) // 2) * ratio, own[0], own[-1])
@@ -120,7 +120,18 @@ class RandomRows:
             yield block[:, : self.block - self.blend]
 
 
-def _windows(place: Array, own: Array, wider: int = 1, least: float = 0.0) -> Pairs:
+Windows = list[tuple[Array, Array]]  # indices and weights of lines, a pair for each neighbour
+
+
+def _smoothed(power: Array, windows: Windows) -> Array:
+    """Return the weighted mean of rows of lines over the neighbours of each line."""
+    total = np.zeros((len(power), len(windows[0][0])))
+    for line, weight in windows:
+        total += weight * power[:, line]
+    return total
+
+
+def _windows(place: Array, own: Array, wider: int = 1, least: float = 0.0) -> Windows:
     """Return indices and weights of lines about places, one pair for each neighbour."""
     half = np.maximum(wider * np.minimum(LINES, THIRD_OCTAVE * place) / 2 + 0.5, least)
     reach = wider * (LINES // 2)
@@ -141,7 +152,24 @@ CALM = 1.5  # sigmas at which such a stretch begins and ends
 MIN_SIGMA = 0.01  # of the largest value, for single stretches in a smooth row
 QUARTILES = 1.349  # distance between the quartiles of a Gaussian row in standard deviations
 
-Stretch = tuple[int, Array, Array]  # first position, share (m,), values (rows, m)
+
+class RareStretch(NamedTuple):
+    """Stretch of rows that is inserted as given."""
+
+    share: Array  # (m,) weight of the stretch, which is faded at both ends
+    values: Array  # (rows, m)
+
+
+class PlacedStretch(NamedTuple):
+    """Stretch at its place."""
+
+    first: int  # position
+    stretch: RareStretch
+
+    @property
+    def end(self) -> int:
+        """Position behind the last one."""
+        return self.first + len(self.stretch.share)
 
 
 @ignoring_underflow
@@ -201,13 +229,17 @@ class ContinuedRows:
         process = RandomRows(still, closed)
         self._calm = left / max(len(self._stretches), 1)
         if turn is not None and turn > count:
-            self._stretches = [(_window(count, count // 16), rest - mean)]
+            self._stretches = [RareStretch(_window(count, count // 16), rest - mean)]
         blend = process.blend
-        self.solved = count if closed else count - blend
-        before = (rest - mean)[:, :blend] if closed else (rest - mean)[:, count - blend :]
+        if closed:
+            self.solved = count
+            before = (rest - mean)[:, :blend]
+        else:
+            self.solved = count - blend
+            before = (rest - mean)[:, count - blend :]
         self._drawn = process.stretches(self._random, before)
         self._places = self._insertions()
-        self._coming: list[Stretch] = []
+        self._coming: list[PlacedStretch] = []
         self._first = 0
         self._rows = rows[:, : self.solved]
         self._last = 0
@@ -225,7 +257,9 @@ class ContinuedRows:
             drawn = self._with_stretches(drawn, end) + self._mean
             parts.append(drawn + self._repeated(end, end + drawn.shape[1]))
             end += drawn.shape[1]
-        rows = np.concatenate(parts, axis=1) if len(parts) > 1 else parts[0]
+        rows = parts[0]
+        if len(parts) > 1:
+            rows = np.concatenate(parts, axis=1)
         self._rows = rows[:, first - self._first :]
         self._first = first
         self._last = last
@@ -240,37 +274,39 @@ class ContinuedRows:
         """Return the part of the rows that repeats after each turn, (rows, last - first)."""
         return self._periodic[:, np.arange(first, last) % self._periodic.shape[1]]
 
-    def _insertions(self) -> Iterator[Stretch]:
+    def _insertions(self) -> Iterator[PlacedStretch]:
         """Yield the stretches at their places, in ascending order."""
         place = float(self.solved)
         while self._stretches:
-            share, values = self._stretches[self._random.integers(len(self._stretches))]
+            stretch = self._stretches[self._random.integers(len(self._stretches))]
             if self._turn is not None and self._periodic.shape[1] == 1:
                 place = (np.floor(place / self._turn) + 1) * self._turn
             else:
                 place += self._random.exponential(self._calm)
-            yield int(place), share, values
-            place += len(share)
+            yield PlacedStretch(int(place), stretch)
+            place += len(stretch.share)
 
     def _with_stretches(self, drawn: Array, first: int) -> Array:
         """Blend the stretches into drawn rows that begin at a position."""
         last = first + drawn.shape[1]
-        while self._stretches and (not self._coming or self._coming[-1][0] < last):
-            self._coming.append(next(self._places))
-            self._starts.append(self._coming[-1][0])
-        for place, share, values in self._coming:
-            begin = max(place, first)
-            end = min(place + len(share), last)
+        while self._stretches and (not self._coming or self._coming[-1].first < last):
+            placed = next(self._places)
+            self._coming.append(placed)
+            self._starts.append(placed.first)
+        for placed in self._coming:
+            begin = max(placed.first, first)
+            end = min(placed.end, last)
             if begin < end:
                 here = slice(begin - first, end - first)
-                own = slice(begin - place, end - place)
-                drawn[:, here] *= np.sqrt(1 - np.square(share[own]))
-                drawn[:, here] += share[own] * values[:, own]
-        self._coming = [stretch for stretch in self._coming if stretch[0] + len(stretch[1]) > last]
+                own = slice(begin - placed.first, end - placed.first)
+                share = placed.stretch.share[own]
+                drawn[:, here] *= np.sqrt(1 - np.square(share))
+                drawn[:, here] += share * placed.stretch.values[:, own]
+        self._coming = [placed for placed in self._coming if placed.end > last]
         return drawn
 
 
-def _rare(rows: Array, closed: bool, known: NDArray[np.bool_]) -> tuple[Array, Pairs]:
+def _rare(rows: Array, closed: bool, known: NDArray[np.bool_]) -> tuple[Array, list[RareStretch]]:
     """Return the share (n,) of rare stretches in rows of zero median, and these stretches.
 
     A stretch begins and ends where the row that departs is calm; both ends are faded over half of
@@ -299,7 +335,7 @@ def _rare(rows: Array, closed: bool, known: NDArray[np.bool_]) -> tuple[Array, P
     for begin, end in np.flatnonzero(np.diff(rare, prepend=False, append=False)).reshape(-1, 2):
         window = _window(end - begin, (end - begin) // 4)
         share[begin:end] = window
-        stretches.append((window, rows[:, begin:end]))
+        stretches.append(RareStretch(window, rows[:, begin:end]))
     return np.roll(share, turned), stretches
 
 

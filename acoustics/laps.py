@@ -60,7 +60,7 @@ def crossfaded_lap(record: Array, fade: int, sample_rate_hz: float) -> Lap:
     most = (end - fade) // 6
     overlap = min(round(_OVERLAP_S * sample_rate_hz), most)
     if overlap < 1:
-        return Lap(0, len(record))
+        return Lap(begin=0, end=len(record))
     tail = record[end - overlap : end]
     head = record[fade : fade + overlap + min(_SEARCH * overlap, most)]
     energy = np.convolve(np.square(head), np.ones(overlap), "valid") * float(tail @ tail)
@@ -68,7 +68,14 @@ def crossfaded_lap(record: Array, fade: int, sample_rate_hz: float) -> Lap:
     product = np.correlate(head, tail, "valid")
     alike = np.divide(product, size, out=np.zeros_like(size), where=size > 0.0)
     best = int(np.argmax(alike))
-    lap = Lap(fade + best, end, overlap, min(max(float(alike[best]), 0.0), 1.0))
-    levels = [a_weighted_rms(x, sample_rate_hz) for x in (record, lap.samples(record))]
-    factor = levels[0] / levels[1] if min(levels) > 0.0 else 1.0
-    return replace(lap, factor=factor)
+    lap = Lap(
+        begin=fade + best,
+        end=end,
+        overlap=overlap,
+        correlation=min(max(float(alike[best]), 0.0), 1.0),
+    )
+    rms_of_record = a_weighted_rms(record, sample_rate_hz)
+    rms_of_lap = a_weighted_rms(lap.samples(record), sample_rate_hz)
+    if min(rms_of_record, rms_of_lap) > 0.0:
+        return replace(lap, factor=rms_of_record / rms_of_lap)
+    return lap

@@ -112,7 +112,9 @@ def level_db(mean_square: float, reference: float = P_REF_PA**2) -> float | None
     """
     finite("mean_square", mean_square)
     positive("reference", reference)
-    return 10.0 * (math.log10(mean_square) - math.log10(reference)) if mean_square > 0.0 else None
+    if mean_square <= 0.0:
+        return None
+    return 10.0 * (math.log10(mean_square) - math.log10(reference))
 
 
 @ignoring_underflow
@@ -322,18 +324,29 @@ def sound_levels(
     closed = truth("closed", closed)
     whole = float(mean_square.sum())
     if whole < _SILENCE:
-        nothing = dict.fromkeys(BAND_NAMES)
-        return SoundLevels(None, None, None, None, None, {**nothing}, {**nothing})
+        return SoundLevels(
+            laeq_db=None,
+            level_db=None,
+            laf_max_db=None,
+            las_max_db=None,
+            lz_peak_db=None,
+            third_octave_db=dict.fromkeys(BAND_NAMES),
+            third_octave_a_db=dict.fromkeys(BAND_NAMES),
+        )
     known = EDGES_HZ[1:] <= min(highest_hz, sample_rate_hz / 2.0)
 
     def bands(line_mean_square: Array) -> dict[str, float | None]:
-        band_mean_square = third_octave_mean_square(frequency_hz, line_mean_square)
-        parts = zip(BAND_NAMES, np.where(known, band_mean_square, 0.0), strict=True)
-        return {name: level_db(_above_rounding(value, whole)) for name, value in parts}
+        """Return the level of each band from the mean squares of all lines."""
+        squares = np.where(known, third_octave_mean_square(frequency_hz, line_mean_square), 0.0)
+        levels: dict[str, float | None] = {}
+        for name, square in zip(BAND_NAMES, squares, strict=True):
+            levels[name] = level_db(_above_rounding(square, whole))
+        return levels
 
     a_weighted_pa = a_weighted(pressure_pa, sample_rate_hz)
 
     def a_maximum(time_constant_s: float) -> float | None:
+        """Return the maximum A-weighted level with a time weighting."""
         running = running_mean_square(a_weighted_pa, sample_rate_hz, time_constant_s, closed)
         return level_db(_above_rounding(float(running.max()), whole))
 
@@ -355,7 +368,9 @@ def _a_weighted(frequency_hz: Array, line_mean_square: Array) -> Array:
 
 def _above_rounding(mean_square: float, whole: float) -> float:
     """Return the mean square of a part of a record, or 0 if it is rounding of the whole."""
-    return float(mean_square) if mean_square > _ROUNDING * whole else 0.0
+    if mean_square > _ROUNDING * whole:
+        return float(mean_square)
+    return 0.0
 
 
 # ---- time weighting

@@ -84,8 +84,9 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
 
     record = checked_record(pressure_pa, sample_rate_hz)
     if sample_rate_hz < MIN_RATE_HZ:
-        needed = f"a sample rate of {MIN_RATE_HZ} Hz or more"
-        raise ValueError(f"loudness needs {needed}, got {sample_rate_hz:g}")
+        raise ValueError(
+            f"loudness needs a sample rate of {MIN_RATE_HZ} Hz or more, got {sample_rate_hz:g}"
+        )
     # the onset of a mean would excite the filters like a bang
     fluctuation = record - np.mean(record)
     if not np.any(fluctuation):
@@ -157,8 +158,9 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
 
     record = checked_record(pressure_pa, sample_rate_hz)
     if sample_rate_hz != _VARYING_RATE_HZ:
-        needed = f"a sample rate of {_VARYING_RATE_HZ} Hz"
-        raise ValueError(f"loudness in time needs {needed}, got {sample_rate_hz:g}")
+        raise ValueError(
+            f"loudness in time needs a sample rate of {_VARYING_RATE_HZ} Hz, got {sample_rate_hz:g}"
+        )
     # the onset of a mean would be heard as a bang
     fluctuation = record - np.mean(record)
     if not np.any(fluctuation):
@@ -175,7 +177,7 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
         first = 0
         judged_s = duration
     try:
-        sone, *_ = loudness_zwtv(played, int(sample_rate_hz), field_type="free")
+        sone = loudness_zwtv(played, int(sample_rate_hz), field_type="free")[0]
     except ValueError:  # a third octave is too loud
         return VaryingLoudness(None, None)
     # The loudest frames are counted until they last for 5 % of the record. The ear is slow, so some

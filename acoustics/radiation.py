@@ -21,7 +21,8 @@ I_REF_W_M2 = 1e-12  # reference intensity
 RHO_C = 413.3  # characteristic impedance of air at 20 C [Pa s/m]
 AIR_KG_M3 = 1.204  # density of air at 20 C
 _MAX_FACTOR = 1e300  # of a factor
-DISTANCES_M = 1e-9, 1e9  # smallest and largest distance
+MIN_DISTANCE_M = 1e-9
+MAX_DISTANCE_M = 1e9
 SOUND_M_S = 343.2  # speed of sound in air at 20 C
 legendre = cache(roots_legendre)  # nodes and weights of a quadrature from -1 to 1
 
@@ -54,7 +55,8 @@ def intensity(power_w: ArrayLike, distance_m: float, q: float = 1.0) -> Array:
     0.07958
     """
     power = finite("q", q) * real_array("power_w", power_w, None)
-    return np.asarray(power / (4.0 * np.pi * within("distance_m", distance_m, *DISTANCES_M) ** 2))
+    distance_m = within("distance_m", distance_m, MIN_DISTANCE_M, MAX_DISTANCE_M)
+    return np.asarray(power / (4.0 * np.pi * distance_m**2))
 
 
 @ignoring_underflow

@@ -149,7 +149,8 @@ class RectangularPlate(ThinPlate):
         refuse_masked("frequency_hz", frequency_hz)
         shapes = self.shapes(contact_m)[0]
         if path_m is None:
-            path_m = math.dist((*np.ravel(contact_m), 0.0), listener_m)
+            x, y = np.ravel(contact_m)
+            path_m = math.dist((x, y, 0.0), listener_m)
         parts = self._parts(np.atleast_1d(np.asarray(frequency_hz)))
         transfers = (self.mode_transfer(part, listener_m, path_m) for part in parts)
         return np.concatenate([transfer @ shapes for transfer in transfers])
@@ -197,8 +198,9 @@ class RectangularPlate(ThinPlate):
     def _shapes(self, orders: NDArray[np.int64], points_m: ArrayLike) -> Array:
         along, across = np.atleast_2d(np.asarray(points_m, dtype=float)).T[:, :, None]
         m, n = orders.T
-        sines = np.sin(np.pi * m * along / self.length_m), np.sin(np.pi * n * across / self.width_m)
-        return np.asarray(sines[0] * sines[1])
+        shape_along = np.sin(np.pi * m * along / self.length_m)
+        shape_across = np.sin(np.pi * n * across / self.width_m)
+        return np.asarray(shape_along * shape_across)
 
     def _orders(self, above_hz: float, to_hz: float) -> NDArray[np.int64]:
         """Return the orders of the modes above one frequency [Hz] up to another."""
@@ -207,8 +209,8 @@ class RectangularPlate(ThinPlate):
         m, n = np.meshgrid(np.arange(1, most[0] + 1), np.arange(1, most[1] + 1), indexing="ij")
         orders = np.column_stack((m.ravel(), n.ravel())).astype(np.int64)
         frequency = self._angular_frequency(orders) / (2 * np.pi)
-        kept = (frequency > above_hz) & (frequency <= to_hz)
-        return np.asarray(orders[kept][np.argsort(frequency[kept], kind="stable")])
+        within = (frequency > above_hz) & (frequency <= to_hz)
+        return np.asarray(orders[within][np.argsort(frequency[within], kind="stable")])
 
 
 # ---- pressure at a listener
@@ -249,8 +251,8 @@ def mode_pressures(edges_m: Edges, orders: Orders, listener_m: Listener) -> Mode
     x, y, z = listener_m
     beside = [max(-place, place - edge, 0.0) for place, edge in zip((x, y), edges_m, strict=True)]
     beyond = [max(place, edge - place) for place, edge in zip((x, y), edges_m, strict=True)]
-    nearest = math.hypot(*beside, z)
-    farthest = math.hypot(*beyond, z)
+    nearest = math.hypot(beside[0], beside[1], z)
+    farthest = math.hypot(beyond[0], beyond[1], z)
     spread = max(farthest - nearest, 0.02 * min(edges_m))
     step = _PHASE_RAD * SOUND_M_S / (np.pi * spread)
     middle = (nearest + farthest) / 2
@@ -348,12 +350,15 @@ def _blocks(edges_m: Edges | None, frequency_hz: Array, ratio: float = _RATIO) -
 def _resistances(edges_m: Edges, orders: Orders, frequency_hz: float) -> Array:
     """Return the radiation resistance [W s2/m2] of each mode over a quarter of the half-space."""
     k = 2 * np.pi * frequency_hz / SOUND_M_S
-    (u, wu), (v, wv) = (legendre(int(np.ceil(k * edge / 2)) + _MARGIN) for edge in edges_m)
+    length_m, width_m = edges_m
+    u, weights_u = legendre(int(np.ceil(k * length_m / 2)) + _MARGIN)
+    v, weights_v = legendre(int(np.ceil(k * width_m / 2)) + _MARGIN)
     alpha = np.pi / 4 * (u + 1)
     beta = np.pi / 4 * (v + 1)
-    (m, rows), (n, columns) = (np.unique(order, return_inverse=True) for order in orders.T)
-    along = _squares(m, edges_m[0], k * np.sin(alpha)) * (wu * np.cos(alpha))
-    across = _squares(n, edges_m[1], k * np.outer(np.cos(alpha), np.sin(beta))) @ wv
+    m, rows = np.unique(orders[:, 0], return_inverse=True)
+    n, columns = np.unique(orders[:, 1], return_inverse=True)
+    along = _squares(m, length_m, k * np.sin(alpha)) * (weights_u * np.cos(alpha))
+    across = _squares(n, width_m, k * np.outer(np.cos(alpha), np.sin(beta))) @ weights_v
     share = (along @ across.T)[rows, columns] * np.square(np.pi / 4)
     return np.asarray(AIR_KG_M3 * SOUND_M_S * (k / np.pi) ** 2 * share)
 

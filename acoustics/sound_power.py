@@ -10,8 +10,10 @@ from acoustics.spectrum import audible_lines
 from acoustics.traps import ignoring_underflow
 
 _NODES = 300  # of the quadrature over directions; 600 change no band by 1e-3 dB
-_GRID = np.geomspace(*AUDIBLE_HZ, 300)  # between these the power per force is interpolated,
-_NEAR = np.geomspace(1e-4, 0.3, 100)  # and at these relative distances from coincidence
+# The power per force is interpolated between these frequencies [Hz] ...
+_GRID = np.geomspace(AUDIBLE_HZ[0], AUDIBLE_HZ[1], 300)
+# ... and frequencies at these relative distances from coincidence.
+_NEAR = np.geomspace(1e-4, 0.3, 100)
 
 
 @ignoring_underflow

@@ -15,7 +15,8 @@ from acoustics.radiation import I_REF_W_M2, P_REF_PA, intensity
 from acoustics.traps import ignoring_underflow
 from acoustics.weighting import a_weighting_db
 
-RATES_HZ = 1e-6, 1e12  # lowest and highest sample rate
+MIN_RATE_HZ = 1e-6  # of samples
+MAX_RATE_HZ = 1e12  # of samples
 _PSD_LINE_HZ = 10.0
 _MIN_SEGMENT = 16
 
@@ -71,15 +72,15 @@ class Psd:
 
 @ignoring_underflow
 def checked_record(record: ArrayLike, sample_rate_hz: float, name: str = "signal") -> Array:
-    """Return a record (n,) as an array of floats; refuse others, and rates outside RATES_HZ.
+    """Return a record (n,) as an array of floats; refuse others, and rates outside the limits.
 
     Raises
     ------
     ValueError
         If the record is empty, not one-dimensional, or holds a value that is not finite, or if the
-        sample rate lies outside RATES_HZ.
+        sample rate lies outside 1e-6 to 1e12 Hz.
     """
-    within("sample_rate_hz", sample_rate_hz, *RATES_HZ)
+    within("sample_rate_hz", sample_rate_hz, MIN_RATE_HZ, MAX_RATE_HZ)
     return real_array(name, record, 1)
 
 

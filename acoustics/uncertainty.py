@@ -29,7 +29,8 @@ _DB = 10.0 / math.log(10.0)
 # The lines below this frequency, or at least this many, give the density at 0 Hz.
 _NEAR_ZERO_HZ = 50.0
 _FEWEST_LINES = 4
-LAPS = 1e-6, 1e12  # fewest and most repetitions in a record
+MIN_LAPS = 1e-6  # repetitions in a record
+MAX_LAPS = 1e12  # repetitions in a record
 _STUDENT = 1.32  # 68 % of Student's distribution with two degrees of freedom lie within it
 
 
@@ -139,37 +140,49 @@ def level_uncertainty(
     """
     pressure_pa = checked_record(pressure_pa, sample_rate_hz, "pressure_pa")
     instance("levels", levels, SoundLevels)
-    laps = within("laps", laps, *LAPS)
+    laps = within("laps", laps, MIN_LAPS, MAX_LAPS)
     own_factor = truth("own_factor", own_factor)
     if levels.level_db is None:
-        return LevelUncertainty(None, None, None, None, None, dict.fromkeys(levels.third_octave_db))
+        return LevelUncertainty(
+            laeq_db=None,
+            level_db=None,
+            laf_max_db=None,
+            las_max_db=None,
+            lz_peak_db=None,
+            third_octave_db=dict.fromkeys(levels.third_octave_db),
+        )
     duration_s = len(pressure_pa) / sample_rate_hz / laps
-    frequency_hz, z = _lines_of_a_lap(*line_spectrum(pressure_pa, sample_rate_hz), laps)
+    frequency_hz, z = line_spectrum(pressure_pa, sample_rate_hz)
+    frequency_hz, z = _lines_of_a_lap(frequency_hz, z, laps)
     exponent = 0.5 if own_factor else 0.0
     whole = _variance(z, z, exponent)
-    laeq_db = laf_max_db = las_max_db = None
+    laeq_db = None
+    laf_max_db = None
+    las_max_db = None
     if levels.laeq_db is not None:
         a = z * 10.0 ** (a_weighting_db(frequency_hz) / 10.0)
         weighted = _variance(a, z, exponent)
         own = _variance(a, z, 0.0)
         laeq_db = _db(weighted)
         # A reading is a part of the record: it varies with Z as the whole does, and on its own.
-        readings = (duration_s / min(duration_s, 2.0 * tau_s) for tau_s in (FAST_S, SLOW_S))
-        laf_max_db, las_max_db = (_db(weighted + own * (count - 1.0)) for count in readings)
+        if levels.laf_max_db is not None:
+            readings = duration_s / min(duration_s, 2.0 * FAST_S)
+            laf_max_db = _db(weighted + own * (readings - 1.0))
+        if levels.las_max_db is not None:
+            readings = duration_s / min(duration_s, 2.0 * SLOW_S)
+            las_max_db = _db(weighted + own * (readings - 1.0))
+    bands: dict[str, float | None] = dict.fromkeys(levels.third_octave_db)
+    variances = _band_variances(frequency_hz, z, exponent)
+    for (name, level), variance in zip(levels.third_octave_db.items(), variances, strict=True):
+        if level is not None:
+            bands[name] = _db(variance)
     return LevelUncertainty(
         laeq_db=laeq_db,
         level_db=_db(whole),
-        laf_max_db=None if levels.laf_max_db is None else laf_max_db,
-        las_max_db=None if levels.las_max_db is None else las_max_db,
+        laf_max_db=laf_max_db,
+        las_max_db=las_max_db,
         lz_peak_db=_db(whole + _peak_variance(frequency_hz, z, duration_s)),
-        third_octave_db={
-            name: None if level is None else _db(variance)
-            for (name, level), variance in zip(
-                levels.third_octave_db.items(),
-                _band_variances(frequency_hz, z, exponent),
-                strict=True,
-            )
-        },
+        third_octave_db=bands,
     )
 
 
@@ -221,7 +234,6 @@ def widened(spreads: LevelUncertainty, laeq_db: float | None) -> LevelUncertaint
     if laeq_db is None or not spreads.laeq_db or laeq_db <= spreads.laeq_db:
         return spreads
     factor = laeq_db / spreads.laeq_db
-
     return spreads.mapped(lambda db: factor * db)
 
 
@@ -282,6 +294,7 @@ def _peak_variance(frequency_hz: Array, mean_square: Array, duration_s: float) -
 
 
 def _db(variance: float) -> float:
+    """Return the standard deviation of a level [dB] from the variance of its logarithm."""
     return _DB * math.sqrt(variance)
 
 
@@ -292,7 +305,9 @@ def _over_largest(record: Array) -> Array:
     """
     record = real_array("record", record, 1)
     largest = float(np.max(np.abs(record)))
-    return record / largest if largest > 0.0 else np.full(len(record), np.nan)
+    if not largest > 0.0:
+        return np.full(len(record), np.nan)
+    return record / largest
 
 
 @ignoring_underflow

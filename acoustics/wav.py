@@ -37,9 +37,8 @@ PEAK = 10.0 ** (-1.0 / 20.0)  # maximum sample of a record for listening, as a s
 MAX_GAIN = _TARGET / P_REF_PA  # full scale per pascal
 
 _MIDDLE_C = 60  # the MIDI note at which a sampler plays a record at its own pitch
-# direction of a loop, and how often it is played
-_FORWARD = 0
-_FOREVER = 0
+_FORWARD = 0  # direction of a loop
+_FOREVER = 0  # number of times that a loop is played
 
 
 @ignoring_underflow
@@ -190,9 +189,12 @@ def listening_gain(pressure_pa: Array, target_rms: float = _TARGET, peak: float 
     if largest < np.finfo(float).tiny:  # the gain would not be a number
         return 1.0
     channels = np.atleast_2d(np.transpose(pressure_pa))
-    weighted = math.hypot(*(a_weighted_rms(channel, SAMPLE_RATE_HZ) for channel in channels))
-    weighted /= math.sqrt(len(channels))
-    return min(target_rms / weighted if weighted > 0.0 else MAX_GAIN, peak / largest, MAX_GAIN)
+    of_channels = [a_weighted_rms(channel, SAMPLE_RATE_HZ) for channel in channels]
+    weighted = math.hypot(*of_channels) / math.sqrt(len(channels))
+    gain = min(peak / largest, MAX_GAIN)
+    if weighted > 0.0:
+        gain = min(target_rms / weighted, gain)
+    return gain
 
 
 @ignoring_underflow
@@ -242,7 +244,9 @@ def _wav(samples: NDArray[Any], subtype: str, comment: str, title: str, loops: b
             file.title = title
         file.write(samples)
     wav = _without_time_stamp(memory.getvalue())
-    return _with_loop(wav, len(samples)) if loops else wav
+    if loops:
+        wav = _with_loop(wav, len(samples))
+    return wav
 
 
 def _with_loop(wav: bytes, samples: int) -> bytes:
@@ -254,10 +258,24 @@ def _with_loop(wav: bytes, samples: int) -> bytes:
     *New Multimedia Data Types and Data Techniques*, 1994: `smpl`, the sampler chunk. Numbers are
     little-endian and take 32 bits; the end of a loop is its last sample.
     """
-    # Manufacturer, product, period, note, fraction, SMPTE format and offset, loops, sampler data.
-    sampler = 0, 0, round(1e9 / SAMPLE_RATE_HZ), _MIDDLE_C, 0, 0, 0, 1, 0
-    loop = 0, _FORWARD, 0, samples - 1, 0, _FOREVER  # cue, direction, first, last, fraction, times
-    content = struct.pack("<15I", *sampler, *loop)
+    numbers = [
+        0,  # manufacturer
+        0,  # product
+        round(1e9 / SAMPLE_RATE_HZ),  # period [ns]
+        _MIDDLE_C,
+        0,  # fraction of the note
+        0,  # SMPTE format
+        0,  # SMPTE offset
+        1,  # number of loops
+        0,  # bytes of sampler data
+        0,  # cue point of the loop
+        _FORWARD,
+        0,  # first sample
+        samples - 1,  # last sample
+        0,  # fraction of a sample
+        _FOREVER,
+    ]
+    content = struct.pack(f"<{len(numbers)}I", *numbers)
     even = wav + bytes(len(wav) % 2)  # a chunk begins at an even place
     whole = even + b"smpl" + struct.pack("<I", len(content)) + content
     return whole[:4] + struct.pack("<I", len(whole) - 8) + whole[8:]

@@ -6,8 +6,8 @@ from numpy.typing import ArrayLike
 from acoustics.arrays import Array, real_array
 from acoustics.traps import ignoring_underflow
 
-# IEC 61672-1:2013, annex E: the poles follow from these four frequencies in Hz and D = sqrt(1/2).
 _HIGHEST_HZ = 1e15  # beyond hearing by far; its powers stay finite
+# IEC 61672-1:2013, annex E: the poles follow from these four frequencies in Hz and D = sqrt(1/2).
 _REFERENCE = 1000.0
 _LOW = 10.0**1.5
 _HIGH = 10.0**3.9
@@ -25,7 +25,9 @@ def _pole_frequencies() -> tuple[float, float, float, float]:
     root = np.sqrt(b**2 - 4.0 * c)
     first = np.sqrt((-b - root) / 2.0)
     fourth = np.sqrt((-b + root) / 2.0)
-    return float(first), (3.0 - 5.0**0.5) / 2.0 * _A, (3.0 + 5.0**0.5) / 2.0 * _A, float(fourth)
+    second = (3.0 - 5.0**0.5) / 2.0 * _A
+    third = (3.0 + 5.0**0.5) / 2.0 * _A
+    return float(first), second, third, float(fourth)
 
 
 POLES_HZ = _pole_frequencies()
@@ -33,9 +35,9 @@ POLES_HZ = _pole_frequencies()
 
 def _response(frequency_hz: ArrayLike) -> Array:
     """Return the magnitude of the A-weighting, not normalised."""
-    f1, f2, f3, f4 = (pole**2 for pole in POLES_HZ)
+    first, second, third, fourth = [pole**2 for pole in POLES_HZ]
     f = np.square(frequency_hz)
-    return f**2 * f4 / ((f + f1) * np.sqrt((f + f2) * (f + f3)) * (f + f4))
+    return f**2 * fourth / ((f + first) * np.sqrt((f + second) * (f + third)) * (f + fourth))
 
 
 _RESPONSE_1KHZ = float(_response(_REFERENCE))
