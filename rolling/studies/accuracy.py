@@ -5,6 +5,7 @@ import json
 from collections.abc import Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Future
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -106,7 +107,7 @@ def _march_all(
     bar = progress.Bar(total, f"{scene.name}: {len(listed)} variants")
     with bar, ended_by_signal(), pools.local_pool(workers, [scene]) as pool:
         futures: dict[Variant, Future[dict[str, Array]]] = {}
-        for variant in sorted(listed, key=lambda variant: -variant.cost):
+        for variant in sorted(listed, key=attrgetter("cost"), reverse=True):
             task = pools.Task(("", ""), variants.march_variant, (scene, variant, nodes))
             futures[variant] = pool.submit(task)
             futures[variant].add_done_callback(partial(_proceed, bar, variant.cost))
@@ -216,7 +217,7 @@ def run_study(
     files.write_bytes(folder / "accuracy.csv", work_precision.table(study).to_csv().encode())
     picture = None
     with left_out_if_it_fails("accuracy.png"):
-        picture = work_precision.png(study)
+        picture = work_precision.diagram_png(study)
     if picture is not None:
         files.write_bytes(folder / "accuracy.png", picture)
     if not progress.is_quiet():

@@ -100,24 +100,36 @@ def variants_of(scene: Scene, finest: int) -> list[Variant]:
     numerics = scene.numerics
     all_edges = ("blended", "sharp") if math.isfinite(scene.hardness) else ("sharp",)
     edges = numerics.edges if numerics.edges in all_edges else "sharp"
-    own = Variant(1, numerics.step_nodes, scene.tolerance, edges, numerics.precision)
-    grids = [2**k for k in range(round(math.log2(finest)))]
-    best = replace(own, times=finest, tolerance=REFERENCE_TOLERANCE, edges=all_edges[0])
-    reference = replace(best, precision="single", curve=REFERENCE)
-    listed = [
+    own = Variant(
+        times=1,
+        step_nodes=numerics.step_nodes,
+        tolerance=scene.tolerance,
+        edges=edges,
+        precision=numerics.precision,
+    )
+    reference = replace(
         own,
-        reference,
-        replace(own, tolerance=SOLVER_TOLERANCE, precision="double", curve=SOLVER),
-        *(
-            replace(own, times=n, edges=e, tolerance=own.tolerance / n, curve=f"spacing, {e} edges")
-            for e in all_edges
-            for n in grids
-        ),
-        *(replace(own, tolerance=t, curve="tolerance") for t in TOLERANCES),
-        *(replace(own, step_nodes=s, curve="step") for s in STEP_NODES),
-        *(replace(own, precision=p, curve="precision") for p in ("single", "double")),
-    ]
-    return list(dict.fromkeys(listed))
+        times=finest,
+        tolerance=REFERENCE_TOLERANCE,
+        edges=all_edges[0],
+        precision="single",
+        curve=REFERENCE,
+    )
+    exact = replace(own, tolerance=SOLVER_TOLERANCE, precision="double", curve=SOLVER)
+    variants = [own, reference, exact]
+    for kind in all_edges:
+        times = 1
+        while times < finest:
+            finer = replace(own, times=times, tolerance=own.tolerance / times, edges=kind)
+            variants.append(replace(finer, curve=f"spacing, {kind} edges"))
+            times *= 2
+    for tolerance in TOLERANCES:
+        variants.append(replace(own, tolerance=tolerance, curve="tolerance"))
+    for step_nodes in STEP_NODES:
+        variants.append(replace(own, step_nodes=step_nodes, curve="step"))
+    for precision in ("single", "double"):
+        variants.append(replace(own, precision=precision, curve="precision"))
+    return list(dict.fromkeys(variants))  # each once
 
 
 def variant_contact(scene: Scene, variant: Variant) -> RollingContact:

@@ -3,7 +3,6 @@
 Each scene has a run folder of its own, so the same command continues a study that was stopped.
 """
 
-import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -27,6 +26,7 @@ from rolling.studies.lee2025_cases import (
     maps_of,
 )
 from rolling.studies.lee2025_conditions import FAILS, HOLDS, IN_PART, NOT_RUN, OUTLOOK, ROUGHNESS
+from rolling.studies.output import markdown_table, png
 from rolling.terminal import defaults, progress
 from rolling.terminal.files import PARTIAL, FolderError, make_below, write_bytes
 
@@ -61,7 +61,8 @@ def reproduce(
         scene_files = [(name, file) for name, file in scene_files if name not in SWEEPS]
     _refuse_foreign(folder)
     cases = [folder / reading / file.stem for reading, file in scene_files]
-    if len(programs := {folders.made_by(case) for case in cases}) > 1:
+    programs = {folders.made_by(case) for case in cases}
+    if len(programs) > 1:
         raise FolderError(
             f"{folder}: its cases are of {' and '.join(sorted(programs))}; numbers of two programs"
             " are not mixed, so take another --out, or delete the older cases"
@@ -74,8 +75,8 @@ def reproduce(
         make_below(folder, case)
         runs = finished_runs(file, case, workers, overrides)
         missing += len(read_scene(file, overrides).runs()) - len(runs)
-        rows += [case_of(reading, run) for run in runs]
         for run in runs:
+            rows.append(case_of(reading, run))
             maps.setdefault(reading, {}).update(maps_of(run))
     if all(math.isnan(row["hardness_gpa"]) for row in rows):
         raise FolderError(f"{folder}: no case with a hardness is solved, so nothing can be judged")
@@ -104,9 +105,7 @@ def _write(
     pictures = dict[Path, bytes]()
     with own_settings(), left_out_if_it_fails("of the study, and with it those that follow,"):
         for reading, name, figure in figures.gallery(readings, maps):
-            content = io.BytesIO()
-            figure.savefig(content, format="png", dpi=110)
-            pictures[folder / FIGURES / f"{reading}-{name}.png"] = content.getvalue()
+            pictures[folder / FIGURES / f"{reading}-{name}.png"] = png(figure)
     for path, picture in pictures.items():
         write_bytes(path, picture)
     return f"{len(cases)} cases. {headline(table, cases)}"
@@ -115,13 +114,14 @@ def _write(
 def quick_overrides(scene: Scene) -> list[str]:
     """Return the settings of the quick study: one surface, three loads, long steps, short track."""
     step_nodes = defaults.QUICK_STRIDES * scene.numerics.step_nodes
-    swept = {
-        "surface.seed": list(range(1, defaults.QUICK_SEEDS + 1)),
-        "rolling.load_n": list(defaults.QUICK_LOADS_N),
-    }
-    overrides = [f"sweep.{key}={values}" for key, values in swept.items() if key in scene.sweep]
-    short = f"rolling.duration_s={defaults.QUICK_SECONDS}"
-    return [*overrides, short, f"numerics.step_nodes={step_nodes:g}"]
+    overrides = []
+    if "surface.seed" in scene.sweep:
+        overrides.append(f"sweep.surface.seed={list(range(1, defaults.QUICK_SEEDS + 1))}")
+    if "rolling.load_n" in scene.sweep:
+        overrides.append(f"sweep.rolling.load_n={list(defaults.QUICK_LOADS_N)}")
+    overrides.append(f"rolling.duration_s={defaults.QUICK_SECONDS}")
+    overrides.append(f"numerics.step_nodes={step_nodes:g}")
+    return overrides
 
 
 def _scene_files(chosen: Sequence[str] = ()) -> list[tuple[str, Path]]:
@@ -137,8 +137,9 @@ def _scene_files(chosen: Sequence[str] = ()) -> list[tuple[str, Path]]:
 
 def _refuse_foreign(folder: Path) -> None:
     """Refuse a folder that holds anything but runs and tables of the study."""
-    paths = [*folder.iterdir()] if folder.exists() else []
-    names = {path.name for path in paths if path.suffix != PARTIAL}  # as a kill leaves it
+    if not folder.exists():
+        return
+    names = {path.name for path in folder.iterdir() if path.suffix != PARTIAL}  # left by a kill
     readings = {reading for reading, _ in _scene_files()}
     if names and (names.isdisjoint(readings) or names - readings - OWN_FILES):
         raise FolderError(f"{folder}: holds no study of this program; choose another --out")
@@ -151,13 +152,15 @@ Statement = dict[str, Any]  # a table of statements.toml, whose head explains it
 
 STATEMENTS: list[Statement] = table("rolling.studies", "lee2025_statements")["statement"]
 SCALES = (10, 20)  # factors of the logarithm in the level of a release power
-WORDS = ["key", "source", "sentence", "criterion"]
 COLUMNS = ["key", "source", "statement", "criterion", "reading", "scale", "verdict", "measured"]
 
 
 def outlook(statement: Statement) -> str | None:
     """Return the column of the article's outlook that a statement concerns."""
-    return next((name for name in OUTLOOK if name in statement["condition"].values()), None)
+    for name in OUTLOOK:
+        if name in statement["condition"].values():
+            return name
+    return None
 
 
 def judge(statement: Statement, cases: pd.DataFrame, scale: int) -> tuple[str, str]:
@@ -178,12 +181,23 @@ def verdicts(readings: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
     Returns a row for each statement, reading and scale; the scale is 0 without levels.
     """
-    rows = [
-        (*(statement[word] for word in WORDS), reading, scale, *judge(statement, cases, scale))
-        for statement in STATEMENTS
-        for reading, cases in readings.items()
-        for scale in (SCALES if "{scale}" in statement["column"] else (0,))
-    ]
+    rows = []
+    for statement in STATEMENTS:
+        scales = SCALES if "{scale}" in statement["column"] else (0,)
+        for reading, cases in readings.items():
+            for scale in scales:
+                verdict, measured = judge(statement, cases, scale)
+                row = {
+                    "key": statement["key"],
+                    "source": statement["source"],
+                    "statement": statement["sentence"],
+                    "criterion": statement["criterion"],
+                    "reading": reading,
+                    "scale": scale,
+                    "verdict": verdict,
+                    "measured": measured,
+                }
+                rows.append(row)
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
@@ -193,12 +207,20 @@ def verdicts(readings: dict[str, pd.DataFrame]) -> pd.DataFrame:
 def headline(table: pd.DataFrame, cases: pd.DataFrame) -> str:
     """Count the statements that hold, or do not hold, in every reading with both scales."""
     stated = cases.loc[cases["as_stated"], "reading"].unique()
-    judged = table[table["reading"].isin(stated) & (table["verdict"] != NOT_RUN)]
-    words = judged.groupby("key")["verdict"].agg(lambda group: " / ".join(sorted(set(group))))
-    hold, partly, fail = (int((words == word).sum()) for word in (HOLDS, IN_PART, FAILS))
+    rows = table[table["reading"].isin(stated) & (table["verdict"] != NOT_RUN)]
+    statements = 0
+    hold = 0
+    partly = 0
+    fail = 0
+    for _, words in rows.groupby("key")["verdict"]:
+        statements += 1
+        different = set(words)
+        hold += different == {HOLDS}
+        partly += different == {IN_PART}
+        fail += different == {FAILS}
     return (
-        f"Of {len(words)} judged statements {hold} hold in every reading, {partly} hold in part,"
-        f" {fail} do not hold, and {len(words) - hold - partly - fail} depend on the reading or on"
+        f"Of {statements} judged statements {hold} hold in every reading, {partly} hold in part,"
+        f" {fail} do not hold, and {statements - hold - partly - fail} depend on the reading or on"
         " the scale of levels."
     )
 
@@ -206,14 +228,18 @@ def headline(table: pd.DataFrame, cases: pd.DataFrame) -> str:
 def tables(table: pd.DataFrame, cases: pd.DataFrame, scene_files: list[tuple[str, Path]]) -> str:
     """Write tables.md: assumptions of the readings, and their verdicts on all statements."""
     cells = table.groupby(["key", "statement", "criterion", "reading"], sort=False)["verdict"]
-    wide = cells.agg(lambda words: " / ".join(dict.fromkeys(words))).unstack("reading", sort=False)
-    wide = wide.reset_index()
-    rows = [[*wide.columns], ["---"] * len(wide.columns), *wide.to_numpy().tolist()]
+    wide = cells.agg(_different_words).unstack("reading", sort=False).reset_index()
     titles = {reading: library.title(file) for reading, file in scene_files}
     assumptions = "\n".join(f"- **{reading}**: {title}" for reading, title in titles.items())
     intro = (
         "Levels are judged with 10 lg of the release power, as in the article's equation, and with"
         " 20 lg. Where the verdicts differ, the one with 10 lg stands first."
     )
-    body = "\n".join(f"| {' | '.join(row)} |" for row in rows)
-    return "\n\n".join([f"**{headline(table, cases)}**", assumptions, intro, body]) + "\n"
+    verdict_table = markdown_table(list(wide.columns), wide.to_numpy().tolist())
+    parts = [f"**{headline(table, cases)}**", assumptions, intro, verdict_table]
+    return "\n\n".join(parts) + "\n"
+
+
+def _different_words(words: pd.Series) -> str:
+    """Join the words of a column that differ, in their order."""
+    return " / ".join(dict.fromkeys(words))

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -25,18 +25,44 @@ from rolling.terminal import progress
 
 HIGH_HZ = 5000.0  # lowest frequency of a "high-frequency" spectrum
 STATED_SPHERE = (5.0, None)  # radius [mm] and modulus [GPa] of the article's rigid sphere
-# settings that a case shares with its twin, the same scene without hardness
+# Settings that a case shares with its twin, the same scene without hardness.
 TWIN_KEYS = [
-    *("roughness_um", "load_n", "seed", "correlation_um", "autocorrelation", "width_um"),
-    *("spacing_um", "step_um", "duration_s", "radius_mm", "contact_modulus_gpa"),
-    *("skewness", "kurtosis"),
+    "roughness_um",
+    "load_n",
+    "seed",
+    "correlation_um",
+    "autocorrelation",
+    "width_um",
+    "spacing_um",
+    "step_um",
+    "duration_s",
+    "radius_mm",
+    "contact_modulus_gpa",
+    "skewness",
+    "kurtosis",
 ]
 ENDS_N = (5.0, 100.0)  # loads of the maps
 PATCH_M = 512e-6  # side of the surfaces of the article's Fig. 1
 CELLS = 100  # maximum number of cells along a side of a map: more can hardly be distinguished
-# quantity, roughness [um] and load [N] to the width of a cell [um] and the values of the cells
-Maps = dict[tuple[str, float, float], tuple[float, Array]]
 CURVES = ["curve_hz", "curve_db"]  # columns of arrays
+
+
+class MapKey(NamedTuple):
+    """Quantity, roughness and load of a map."""
+
+    quantity: str
+    roughness_um: float
+    load_n: float
+
+
+class ThinnedMap(NamedTuple):
+    """Values of the cells of a map, and the width of a cell."""
+
+    cell_um: float
+    values: Array
+
+
+Maps = dict[MapKey, ThinnedMap]
 
 
 def finished_runs(
@@ -55,6 +81,8 @@ def case_of(reading: str, run: Run) -> dict[str, Any]:
     summary = run.summary
     surface = scene.surface
     assert isinstance(surface, Gaussian)
+    skewness, kurtosis = surface.moments
+    has_hardness = math.isfinite(scene.plate.cap_gpa)
     return {
         "reading": reading,
         "roughness_um": surface.roughness_ra_um,
@@ -62,14 +90,15 @@ def case_of(reading: str, run: Run) -> dict[str, Any]:
         "seed": surface.seed,
         "correlation_um": surface.correlation_length_um,
         "autocorrelation": surface.autocorrelation,
-        **dict(zip(("skewness", "kurtosis"), surface.moments, strict=True)),
+        "skewness": skewness,
+        "kurtosis": kurtosis,
         "width_um": surface.width_um,
         "spacing_um": surface.spacing_um,
         "step_um": scene.step * 1e6,
         "duration_s": summary["duration_s"],
         "radius_mm": scene.sphere.radius_mm,
         "contact_modulus_gpa": scene.contact_modulus * 1e-9,
-        "hardness_gpa": cap if math.isfinite(cap := scene.plate.cap_gpa) else math.nan,
+        "hardness_gpa": scene.plate.cap_gpa if has_hardness else math.nan,
         "as_stated": (scene.sphere.radius_mm, scene.sphere.youngs_modulus_gpa) == STATED_SPHERE,
         "rms_slope": summary["surface"]["rms_slope"],
         "max_pressure_gpa": summary["max_pressure_pa"] * 1e-9,
@@ -111,9 +140,10 @@ def _line_measures(run: Run) -> dict[str, Any]:
     scene = run.scene
     power = run.release_power
     rate_hz = len(power) / run.summary["duration_s"]
-    lines = Lines.audible(
-        *article_line_level_db(power, rate_hz, scene.sound.distance_m, scene.sound.q)
+    frequency_hz, level_db = article_line_level_db(
+        power, rate_hz, scene.sound.distance_m, scene.sound.q
     )
+    lines = Lines.audible(frequency_hz, level_db)
     hz, db = lines.mean
     curve_db = np.where(db > NOTHING_DB, db, math.nan)
     high = hz >= HIGH_HZ
@@ -155,8 +185,8 @@ def maps_of(run: Run) -> Maps:
     maps: Maps = {}
     for quantity, values in quantities.items():
         stride = -(-max(values.shape) // CELLS)
-        key = quantity, scene.surface.roughness_ra_um, scene.load
-        maps[key] = stride * scene.spacing * 1e6, values[::stride, ::stride]
+        key = MapKey(quantity, scene.surface.roughness_ra_um, scene.load)
+        maps[key] = ThinnedMap(stride * scene.spacing * 1e6, values[::stride, ::stride])
     return maps
 
 

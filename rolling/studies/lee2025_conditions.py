@@ -63,12 +63,17 @@ def verdict(comparisons: Sequence[Comparison]) -> str:
     if all(comparison.holds for comparison in comparisons):
         return HOLDS
     partly = any(comparison.holds or comparison.near for comparison in comparisons)
-    return IN_PART if partly else FAILS
+    if partly:
+        return IN_PART
+    return FAILS
 
 
 def swept(cases: pd.DataFrame) -> str | None:
     """Return the column of the article's outlook that cases sweep."""
-    return next((column for column in OUTLOOK if cases[column].nunique() > 1), None)
+    for column in OUTLOOK:
+        if cases[column].nunique() > 1:
+            return column
+    return None
 
 
 def label(column: str, value: float) -> str:
@@ -87,6 +92,7 @@ def change(
     """Compute the change between two settings, surface by surface; None without common surfaces."""
 
     def by_surface(settings: dict[str, float]) -> pd.Series:
+        """Return the column of the cases with some settings, by surface."""
         chosen = np.logical_and.reduce([cases[name] == value for name, value in settings.items()])
         return cases[chosen].set_index("seed")[column]
 
@@ -94,7 +100,9 @@ def change(
     count = len(changes)
     if not count:
         return None
-    margin = 2 * float(changes.std(ddof=1)) / math.sqrt(count) if count > 1 else 0.0
+    margin = 0.0
+    if count > 1:
+        margin = 2 * float(changes.std(ddof=1)) / math.sqrt(count)
     return Change(float(changes.mean()), margin)
 
 
@@ -115,12 +123,15 @@ def monotonic(
     """
     changes: dict[str, list[Change]] = {}
     known = cases.dropna(subset=[column])
-    for held, group in known.groupby(across):
+    for other, group in known.groupby(across):
         for start, end in pairwise(sorted(group[along].unique())):
             step = change(group, column, {along: start}, {along: end})
-            if step is not None:
-                name = f"{label(along, start)} to {end:g}" if by_step else label(across, held)
-                changes.setdefault(name, []).append(step)
+            if step is None:
+                continue
+            place = label(across, other)
+            if by_step:
+                place = f"{label(along, start)} to {end:g}"
+            changes.setdefault(place, []).append(step)
     for place, steps in changes.items():
         yield _steps(place, steps, sign)
 

@@ -4,6 +4,7 @@ from acoustics import matplotlib_import  # noqa: F401, before matplotlib
 
 # isort: split
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -33,20 +34,24 @@ def gallery(
     maps = {reading: maps[reading] for reading in readings}
     curve_limits = level_limits(np.concatenate(list(everything["curve_db"])))
     plastic_limits = (-0.02, 1.05 * max(float(everything["plastic_ratio"].max()), 0.1))
-    maxima = "maximum_10_db", "maximum_20_db"
-    maximum_limits = [level_limits(everything[column]) for column in maxima]
+    maximum_limits = [
+        level_limits(everything["maximum_10_db"]),
+        level_limits(everything["maximum_20_db"]),
+    ]
     for reading, cases in readings.items():
-        if column := swept(cases):
-            figure, (ax,) = _blank(reading, 1)
-            spectra(ax, cases[cases[LOAD] == cases[LOAD].min()], column, curve_limits)
+        column = swept(cases)
+        if column is not None:
+            figure, axes = _blank(reading, 1)
+            spectra(axes[0], cases[cases[LOAD] == cases[LOAD].min()], column, curve_limits)
             yield reading, OUTLOOK[column], figure
             continue
         for quantity, name, colours in MAP_FIGURES:
-            if sheets := _map_figure(reading, maps, quantity, colours):
+            sheets = _map_figure(reading, maps, quantity, colours)
+            if sheets is not None:
                 yield reading, name, sheets
-        figure, (ax,) = _blank(reading, 1)
-        against_load(ax, cases, "plastic_ratio", "plastic area / Hertz area")
-        ax.set_ylim(plastic_limits)
+        figure, axes = _blank(reading, 1)
+        against_load(axes[0], cases, "plastic_ratio", "plastic area / Hertz area")
+        axes[0].set_ylim(plastic_limits)
         yield reading, "fig7_plastic_ratio", figure
         roughnesses = sorted(cases[ROUGHNESS].unique())
         figure, axes = _blank(reading, len(roughnesses))
@@ -106,21 +111,32 @@ def spectra(ax: Axes, cases: pd.DataFrame, by: str, limits_db: tuple[float, floa
 
 def _map_figure(reading: str, maps: dict[str, Maps], quantity: str, colours: str) -> Figure | None:
     """Draw the maps of a quantity in space, on the vertical scale of all readings; None without."""
-    drawn = [sheets[key][1] for sheets in maps.values() for key in sheets if key[0] == quantity]
-    shown = {key: values for key, values in sorted(maps[reading].items()) if key[0] == quantity}
+    lowest = math.inf
+    highest = -math.inf
+    for sheets in maps.values():
+        for key, sheet in sheets.items():
+            if key.quantity == quantity:
+                lowest = min(lowest, sheet.values.min())
+                highest = max(highest, sheet.values.max())
+    shown = [
+        (key, sheet) for key, sheet in sorted(maps[reading].items()) if key.quantity == quantity
+    ]
     if not shown:
         return None
-    limits = min(values.min() for values in drawn), max(values.max() for values in drawn)
     figure, axes = _blank(reading, len(shown), "3d")
-    for ax, ((_, roughness, load), (cell_um, values)) in zip(axes, shown.items(), strict=True):
-        grid = np.indices(values.shape) * cell_um
-        ax.plot_surface(*grid, values, rcount=CELLS, ccount=CELLS, cmap=colours)
+    for ax, (key, sheet) in zip(axes, shown, strict=True):
+        along, across = np.indices(sheet.values.shape) * sheet.cell_um
+        ax.plot_surface(along, across, sheet.values, rcount=CELLS, ccount=CELLS, cmap=colours)
         ax.set_xlabel("along [µm]", fontsize="small")
         ax.set_ylabel("across [µm]", fontsize="small")
         ax.set_zlabel(quantity, fontsize="small")
-        ax.set_zlim(*(limits[::-1] if quantity.startswith("deflection") else limits))
-        under = "" if quantity.startswith("height") else f", {label(LOAD, load)}"
-        ax.set_title(f"{label(ROUGHNESS, roughness)}{under}", fontsize="small")
+        ax.set_zlim(lowest, highest)
+        heading = label(ROUGHNESS, key.roughness_um)
+        if quantity.startswith("deflection"):
+            ax.set_zlim(highest, lowest)  # downwards
+        if not quantity.startswith("height"):
+            heading += f", {label(LOAD, key.load_n)}"
+        ax.set_title(heading, fontsize="small")
     return figure
 
 

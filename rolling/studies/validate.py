@@ -1,13 +1,13 @@
 """Results of the program beside published ones, case by case, and their page.
 
 The table scenarios/validation/cases.toml describes the cases, the rules of their rows, the kinds of
-truth and the origins of bounds. The function of a case has its name.
+truth and the origins of bounds. `CASES` has the function of each case.
 """
 
 import math
 import os
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -36,6 +36,7 @@ from rolling.scene.laws import SelfAffineLaw
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
 from rolling.sound.wavelengths import wavelength_bands
+from rolling.studies.output import markdown_table
 from rolling.surface.heights import statistics
 from rolling.surface.measured import HeightArray
 from rolling.surface.scene_surface import heights
@@ -50,7 +51,7 @@ FOLDER = library.folder() / "validation"
 Case = dict[str, Any]  # a table of cases.toml
 
 
-class Figure(NamedTuple):
+class PublishedValue(NamedTuple):
     """Published number and ours; several numbers of ours are of independent surfaces or records.
 
     `rule` names the rule of the row, `item` the condition; `bound` replaces the bound of the rule.
@@ -63,7 +64,7 @@ class Figure(NamedTuple):
     bound: float | None = None
 
 
-Figures = Iterator[Figure]
+PublishedValues = Iterator[PublishedValue]
 
 
 def validate(cases: Sequence[str], out: Path | None) -> int:
@@ -82,7 +83,8 @@ def validate(cases: Sequence[str], out: Path | None) -> int:
     content = tomllib.loads((FOLDER / "cases.toml").read_text(encoding="utf-8"))
     known = content["cases"]
     out = out or PAGE
-    for name in cases if ALL not in cases else ():
+    names = list(known) if ALL in cases else list(cases)
+    for name in names:
         if name not in known:
             near = nearest(name, [*known])
             listed = ", ".join([ALL, *known])
@@ -92,33 +94,53 @@ def validate(cases: Sequence[str], out: Path | None) -> int:
     if out.exists() and TITLE not in out.read_text(encoding="utf-8", errors="replace"):
         raise FolderError(f"{out}: exists and is no page of validation; take another --out")
     tables = {}
-    for name in known if ALL in cases else cases:
+    for name in names:
+        compare = CASES[name]
         with progress.step(f"validating {name}"):
-            tables[name] = rows = rows_of(known[name], globals()[name.replace("-", "_")]())
-        beyond = [*rows["quantity"][~rows["holds"]]]
-        words = f", {len(beyond)} beyond their bounds: {'; '.join(beyond)}" if beyond else ""
-        progress.line(f"{name}: {len(rows)} rows{words}")
+            rows = rows_of(known[name], compare())
+        tables[name] = rows
+        summary = f"{name}: {len(rows)} rows"
+        beyond = list(rows["quantity"][~rows["holds"]])
+        if beyond:
+            summary += f", {len(beyond)} beyond their bounds: {'; '.join(beyond)}"
+        progress.line(summary)
     write_bytes(out, page(tables, content).encode())
     print(out)
     return int(not all(rows["holds"].all() for rows in tables.values()))
 
 
-def rows_of(case: Case, figures: Figures) -> pd.DataFrame:
+def rows_of(case: Case, values: PublishedValues) -> pd.DataFrame:
     """Return the rows of a case, their differences, and the bounds by its rules."""
     rows = []
-    for quantity, item, number, ours, own in figures:
-        rule = case["rows"][quantity]
-        samples = np.atleast_1d(ours)
-        published = float(rule.get("published", number))
-        bound = abs(published) * rule["relative"] if "relative" in rule else math.inf
-        bounds = rule.get("allowed", (-bound, bound)) if own is None else (-own, own)
-        words = f"{quantity}, {item}" if item else quantity
-        spread = samples.std(ddof=1) if len(samples) > 1 else math.nan
-        values = words, rule["unit"], published, samples.mean(), spread, *bounds
-        rows.append((*values, rule.get("origin", "-"), rule["truth"]))
-    names = ["quantity", "unit", "published", "ours", "spread"]
-    names += ["least", "largest", "origin", "truth"]
-    frame = pd.DataFrame(rows, columns=names)
+    for value in values:
+        rule = case["rows"][value.rule]
+        samples = np.atleast_1d(value.ours)
+        published = float(rule.get("published", value.published))
+        least = -math.inf
+        largest = math.inf
+        if value.bound is not None:
+            least = -value.bound
+            largest = value.bound
+        elif "allowed" in rule:
+            least, largest = rule["allowed"]
+        elif "relative" in rule:
+            largest = abs(published) * rule["relative"]
+            least = -largest
+        row = {
+            "quantity": f"{value.rule}, {value.item}" if value.item else value.rule,
+            "unit": rule["unit"],
+            "published": published,
+            "ours": samples.mean(),
+            "spread": samples.std(ddof=1) if len(samples) > 1 else math.nan,
+            "least": least,
+            "largest": largest,
+            "origin": rule.get("origin", "-"),
+            "truth": rule["truth"],
+        }
+        rows.append(row)
+    columns = ["quantity", "unit", "published", "ours", "spread"]
+    columns += ["least", "largest", "origin", "truth"]
+    frame = pd.DataFrame(rows, columns=columns)
     frame["difference"] = frame["ours"] - frame["published"]
     side = frame["largest"].where(frame["difference"] > 0, -frame["least"])
     frame["share"] = frame["difference"].abs() / side
@@ -129,12 +151,78 @@ def page(tables: Mapping[str, pd.DataFrame], content: Mapping[str, Any]) -> str:
     """Write the rows of cases, and a table of the kinds of truth, as a page in Markdown."""
     template = Template((FOLDER / "page.md.jinja").read_text(encoding="utf-8"))
     rows = pd.concat(tables.values(), ignore_index=True)
-    kinds = [(kind, text, rows[rows["truth"] == kind]) for kind, text in content["kinds"].items()]
-    content = {**content, "tables": tables, "found": kinds, "program": identity()}
-    return str(template.render(content, inf=math.inf))
+    bounded = np.isfinite(rows["largest"])
+    rows_of_kinds = []
+    for kind, text in content["kinds"].items():
+        of_kind = rows[rows["truth"] == kind]
+        if len(of_kind):
+            rows_of_kinds.append([kind, text, *_kind_cells(of_kind)])
+    return str(
+        template.render(
+            cases=content["cases"],
+            origins=content["origins"],
+            bounded=int(bounded.sum()),
+            within=int(rows["holds"][bounded].sum()),
+            kinds=markdown_table(KIND_COLUMNS, rows_of_kinds),
+            tables={name: case_table(rows) for name, rows in tables.items()},
+            program=identity(),
+        )
+    )
+
+
+COLUMNS = ("quantity", "unit", "published", "ours", "difference", "bound", "origin", "truth")
+KIND_COLUMNS = (
+    "truth",
+    "meaning",
+    "rows",
+    "with a bound",
+    "largest share of a bound",
+    "all within",
+)
+
+
+def case_table(rows: pd.DataFrame) -> str:
+    """Write the rows of a case as a table in Markdown."""
+    return markdown_table(COLUMNS, [_cells(row) for _, row in rows.iterrows()])
+
+
+def _cells(row: pd.Series) -> list[str]:
+    """Write the cells of a row."""
+    ours = f"{row['ours']:.4g}"
+    if not math.isnan(row["spread"]):
+        ours += f"±{row['spread']:.2g}"
+    difference = f"{row['difference']:+.2g}"
+    if not row["holds"]:
+        difference += " **beyond**"
+    if math.isinf(row["largest"]):
+        bound = "-"
+    elif row["least"] == -row["largest"]:
+        bound = f"±{row['largest']:.2g}"
+    else:
+        bound = f"{row['least']:.2g} to {row['largest']:.2g}"
+    return [
+        row["quantity"],
+        row["unit"],
+        f"{row['published']:.4g}",
+        ours,
+        difference,
+        bound,
+        row["origin"],
+        row["truth"],
+    ]
+
+
+def _kind_cells(rows: pd.DataFrame) -> list[str]:
+    """Write the numbers of rows, and how far they lie within their bounds."""
+    bounded = int(np.isfinite(rows["largest"]).sum())
+    if not bounded:
+        return [f"{len(rows)}", "0", "-", "-"]
+    verdict = "yes" if rows["holds"].all() else "**no**"
+    return [f"{len(rows)}", f"{bounded}", f"{rows['share'].max():.2f}", verdict]
 
 
 def _scene(name: str) -> Scene:
+    """Read a scene of the validation."""
     return read_scene(FOLDER / f"{name}.yaml")
 
 
@@ -150,14 +238,15 @@ def _run(scene: Scene, heights: Array | None = None) -> Run:
     """Simulate a scene without a sweep in memory, on given heights [m] in place of its own."""
     if heights is not None:
         scene = scene.with_(surface=HeightArray(heights, spacing_um=scene.spacing_um))
-    (run,) = _runs(scene).values()
-    return run
+    runs = list(_runs(scene).values())
+    assert len(runs) == 1  # the scene has no sweep
+    return runs[0]
 
 
 # ---- impact of balls
 
 
-def impact() -> Figures:
+def impact() -> PublishedValues:
     """Compare time, force and pulse of an impact with Hertz, and restitution with Zener."""
     run = _run(_scene("ball-impact"))
     assert run.vibration is not None  # it has dynamics
@@ -166,27 +255,29 @@ def impact() -> Figures:
     first = int(np.argmax(motion.force_n > 0))
     pulse = motion.force_n[first : first + int(np.argmin(motion.force_n[first:] > 0))]
     step = motion.time_step_s
-    lasts = drop.impact_s(scene)
+    impact_s = drop.impact_s(scene)
     largest = drop.largest_force_n(scene)
     time_us = 1e6 * len(pulse) * step
     two_us = 2e6 * step
-    yield Figure("contact time, measured", "", math.nan, time_us, 0.5 + two_us)  # rounded to 1 us
-    yield Figure("contact time, Hertz", "", 1e6 * lasts, time_us, two_us)
-    yield Figure("largest force", "", largest, float(pulse.max()))
+    yield PublishedValue(
+        "contact time, measured", "", math.nan, time_us, 0.5 + two_us
+    )  # rounded to 1 us
+    yield PublishedValue("contact time, Hertz", "", 1e6 * impact_s, time_us, two_us)
+    yield PublishedValue("largest force", "", largest, float(pulse.max()))
     impulse = 2e6 * scene.mass * drop.speed_m_s(scene)
-    yield Figure("impulse 2 M v", "", impulse, 1e6 * float(pulse.sum()) * step)
+    yield PublishedValue("impulse 2 M v", "", impulse, 1e6 * float(pulse.sum()) * step)
     middles = np.arange(len(pulse)) + 0.5
-    phase = np.pi * (middles - middles @ pulse / pulse.sum()) * step / lasts
+    phase = np.pi * (middles - middles @ pulse / pulse.sum()) * step / impact_s
     error = np.abs(pulse / largest - np.maximum(np.cos(phase), 0.0) ** 1.5).max()
-    yield Figure("pulse less F sin^1.5, over F", "", math.nan, float(error))
+    yield PublishedValue("pulse less F sin^1.5, over F", "", math.nan, float(error))
     for run in _runs(_scene("restitution")).values():
         scene = run.scene
         hertz = 4 / 3 * scene.contact_modulus * scene.radius**0.5
         mobility = of_scene.smooth_chain(scene).mobility_s_kg
         inelasticity = mobility * scene.mass**0.6 * hertz**0.4 * drop.speed_m_s(scene) ** 0.2
         plate = f"{scene.plate.thickness_mm:g} mm"
-        kept = run.summary["restitution"]
-        yield Figure("restitution", plate, restitution(inelasticity), kept)
+        zener = restitution(inelasticity)
+        yield PublishedValue("restitution", plate, zener, run.summary["restitution"])
 
 
 def restitution(inelasticity: float) -> float:
@@ -194,8 +285,8 @@ def restitution(inelasticity: float) -> float:
     from scipy.integrate import solve_ivp  # slow to import
 
     def rate(_: float, state: Array) -> list[float]:
-        # no force once they are apart
-        root = math.sqrt(max(state[0], 0.0))
+        """Return the rates of s and s'."""
+        root = math.sqrt(max(state[0], 0.0))  # no force once they are apart
         speed = state[1]
         return [speed, -(root**3) - 1.5 * inelasticity * root * speed]
 
@@ -205,7 +296,7 @@ def restitution(inelasticity: float) -> float:
 # ---- plates, weighting, third octaves and loudness
 
 
-def phonometry() -> Figures:
+def phonometry() -> PublishedValues:
     """Compare plates, levels and loudness with stored figures of phonometry and of norms."""
     ours = _plate_figures() | _sound_figures()
     known = {quantity for quantity, _ in ours}  # without mosqito no loudness
@@ -213,7 +304,7 @@ def phonometry() -> Figures:
         stored = pd.read_csv(FOLDER / f"{file}.csv", comment="#", index_col=["quantity", "item"])
         for (quantity, item), value in stored["value"].items():
             if quantity in known:
-                yield Figure(quantity, item, value, ours[quantity, item])
+                yield PublishedValue(quantity, item, value, ours[quantity, item])
 
 
 def _plate_figures() -> dict[tuple[str, str], float]:
@@ -249,8 +340,9 @@ def _sound_figures() -> dict[tuple[str, str], float]:
         figures["A-weighting of bands", f"{name} Hz"] = float(a_weighting_db(middle))
     with suppress(ModuleNotFoundError):  # loudness is an extra
         for name, signal in (("tone of 1 kHz", tone), ("noise", noise)):
-            heard = loudness(signal, RATE_HZ, closed=True)
-            figures |= {("loudness", name): heard.sone, ("sharpness", name): heard.acum}
+            values = loudness(signal, RATE_HZ, closed=True)
+            figures["loudness", name] = values.sone
+            figures["sharpness", name] = values.acum
     return figures
 
 
@@ -261,7 +353,7 @@ LARGE_N = (200.0, 500.0, 2000.0)
 COARSE = 2
 
 
-def rough_contact() -> Figures:
+def rough_contact() -> PublishedValues:
     """Compare the area of contact with two theories, and contacts with other solvers."""
     from scipy.special import erf  # slow to import
 
@@ -271,19 +363,22 @@ def rough_contact() -> Figures:
     for load in LOADS_N:
         kappa = np.array([_area(scene, load) for scene in scenes]) * modulus * slopes / load
         for theory in ("Persson", "Bush"):
-            yield Figure(f"kappa, {theory}", f"{load:g} N", math.nan, kappa)
+            yield PublishedValue(f"kappa, {theory}", f"{load:g} N", math.nan, kappa)
     gap, spacing = rough_gap(scenes[0], COARSE)
     contacts = pd.read_csv(FOLDER / "contact_solvers.csv", comment="#", index_col=[0, 1, 2])
     for (solver, hardness, load), stored in contacts.iterrows():
         solved = solve_contact(HalfSpace(spacing, modulus), gap, load, hardness=1e9 * hardness)
         plastic = np.count_nonzero(solved.pressure >= 1e9 * hardness) * spacing**2
-        areas = {"area": 1e12 * solved.contact_area, "plastic area": 1e12 * float(plastic)}
-        ours = areas | {"pressure": 1e-9 * float(solved.pressure.max())}
-        ours["approach"] = 1e6 * solved.approach
+        ours = {
+            "area": 1e12 * solved.contact_area,
+            "plastic area": 1e12 * float(plastic),
+            "pressure": 1e-9 * float(solved.pressure.max()),
+            "approach": 1e6 * solved.approach,
+        }
         kind = f"{hardness:g} GPa" if math.isfinite(hardness) else "elastic"
         item = f"{load:g} N, {kind}, {solver.partition(' ')[0]}"
         for quantity, number in stored.dropna().items():
-            yield Figure(quantity, item, number, ours[quantity])
+            yield PublishedValue(quantity, item, number, ours[quantity])
     scenes = [scene.with_({"sphere.radius_mm": scene.sphere.radius_mm / 10}) for scene in scenes]
     for load in LARGE_N:
         disc = math.pi * (0.75 * load * scenes[0].radius / modulus) ** (2 / 3)
@@ -291,7 +386,7 @@ def rough_contact() -> Figures:
         c = math.sqrt(2) * 1.5 * load / disc / (modulus * slopes)
         share = erf(c) * (1 - 0.5 / c**2) + np.exp(-(c**2)) / (math.sqrt(math.pi) * c)
         ratio = np.array([_area(scene, load) for scene in scenes]) / disc / share
-        yield Figure("area over Persson's", f"{share.mean():.0%}", math.nan, ratio)
+        yield PublishedValue("area over Persson's", f"{share.mean():.0%}", math.nan, ratio)
 
 
 def _area(scene: Scene, load: float) -> float:
@@ -319,17 +414,17 @@ def rough_gap(scene: Scene, stride: int) -> tuple[Array, float]:
 # ---- slopes of level
 
 
-def speed_and_roughness() -> Figures:
+def speed_and_roughness() -> PublishedValues:
     """Compare exponents of the sound pressure against roughness and speed over several surfaces."""
     runs = _runs(_scene("speed-and-roughness"))
     levels = pd.Series({values: run.sound.levels.laeq_db for values, run in runs.items()})
-    _, roughness, speeds = levels.index.levels  # of the seed, of Ra, of the speed
+    _, roughness, speeds = levels.index.levels  # seeds, Ra, speeds
     exponents = [_exponent(levels.xs(speed, level=2).unstack(0)) for speed in speeds]
     for speed, exponent in zip(speeds, exponents, strict=True):
-        yield Figure("exponent of Ra, chain", f"{speed:g} m/s", math.nan, exponent)
-    yield Figure("exponent of Ra, sliding", "", math.nan, exponents[-1])
+        yield PublishedValue("exponent of Ra, chain", f"{speed:g} m/s", math.nan, exponent)
+    yield PublishedValue("exponent of Ra, sliding", "", math.nan, exponents[-1])
     by_speed = _exponent(levels.xs(roughness[0], level=1).unstack(0))
-    yield Figure("exponent of speed, sliding", "", math.nan, by_speed)
+    yield PublishedValue("exponent of speed, sliding", "", math.nan, by_speed)
 
 
 def _exponent(levels: pd.DataFrame) -> Array:
@@ -342,9 +437,8 @@ def _exponent(levels: pd.DataFrame) -> Array:
 
 SHOWN_KN = 50
 SHOWN_MM = (10, 20, 40)
-# wavelengths whose differences are summed up
-LONGEST_MM = 100.0
-MIN_MM = 7.9
+LONGEST_MM = 100.0  # wavelength whose difference counts
+MIN_MM = 7.9  # wavelength whose difference counts
 
 
 def wheel_on_rail(scene: Scene, published: pd.DataFrame) -> pd.DataFrame:
@@ -381,7 +475,9 @@ def wheel_on_rail(scene: Scene, published: pd.DataFrame) -> pd.DataFrame:
         for sample, (_, single) in enumerate(loaded.runs()):
             profile = centre_lines(heights(single))[:, :1]
             ridges = np.repeat(profile, single.track.n_across, axis=1)
-            surfaces = {"isotropic": None} | ({} if sample else {"ridges": ridges})
+            surfaces: dict[str, Array | None] = {"isotropic": None}
+            if sample == 0:
+                surfaces["ridges"] = ridges
             for surface, given in surfaces.items():
                 case = {"load_kn": load, "wheel_mm": wheel, "surface": surface, "sample": sample}
                 rows.append(_beside(table, filter_db(_run(single, given))).assign(**case))
@@ -396,13 +492,20 @@ def differences(rows: pd.DataFrame) -> pd.DataFrame:
     within = rows[rows["wavelength_mm"].between(MIN_MM, LONGEST_MM)]
     keys = ["load_kn", "wheel_mm", "surface"]
     mean = within.groupby([*keys, "wavelength_mm"])["difference_db"].mean().groupby(level=keys)
-    return mean.agg(rms_db=lambda error: np.sqrt(np.mean(error**2)), mean_db="mean")
+    return mean.agg(rms_db=_rms, mean_db="mean")
+
+
+def _rms(values: pd.Series) -> float:
+    """Return the root of the mean square."""
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def published_filters(path: str) -> pd.DataFrame:
     """Read filters [dB] by wavelength [mm]; the first two lines hold loads [kN] and wheels [mm]."""
     table = pd.read_csv(path, comment="#", index_col=0, header=[0, 1])
-    table.columns = table.columns.map(lambda pair: (float(pair[0]), float(pair[1])))
+    table.columns = pd.MultiIndex.from_tuples(
+        [(float(load), float(wheel)) for load, wheel in table.columns]
+    )
     return table
 
 
@@ -428,10 +531,12 @@ def _beside(published: pd.Series, ours: pd.Series) -> pd.DataFrame:
     bands = [part.set_axis(np.round(10 * np.log10(part.index))) for part in (published, ours)]
     rows = pd.concat(bands, axis=1, join="inner", keys=["published_db", "ours_db"])
     rows["difference_db"] = rows["ours_db"] - rows["published_db"]
-    return rows.sort_index().assign(wavelength_mm=lambda part: 10 ** (part.index / 10))
+    rows = rows.sort_index()
+    rows["wavelength_mm"] = 10 ** (rows.index / 10)
+    return rows
 
 
-def contact_filter() -> Figures:
+def contact_filter() -> PublishedValues:
     """Compare the contact filter of wheel and rail with the table of CNOSSOS-EU."""
     table = published_filters(str(FOLDER / "contact_filter.csv"))
     rows = wheel_on_rail(_scene("wheel-rail"), table)
@@ -440,26 +545,26 @@ def contact_filter() -> Figures:
         item = f"{load:g}/{wheel:g}"
         column = table[load, wheel].loc[LONGEST_MM:MIN_MM]
         band = float(np.sqrt(np.mean(column.diff() ** 2)))  # between the table and its shift
-        isotropic, ridges = (summary.loc[load, wheel, kind] for kind in ("isotropic", "ridges"))
-        yield Figure("rms", item, math.nan, isotropic["rms_db"], band)
-        yield Figure("mean", item, math.nan, isotropic["mean_db"])
-        yield Figure("rms, ridges", item, math.nan, ridges["rms_db"])
+        isotropic = summary.loc[load, wheel, "isotropic"]
+        ridges = summary.loc[load, wheel, "ridges"]
+        yield PublishedValue("rms", item, math.nan, isotropic["rms_db"], band)
+        yield PublishedValue("mean", item, math.nan, isotropic["mean_db"])
+        yield PublishedValue("rms, ridges", item, math.nan, ridges["rms_db"])
     shown = rows[(rows["load_kn"] == SHOWN_KN) & (rows["surface"] == "isotropic")]
     for (wheel, length), part in shown.groupby(["wheel_mm", shown["wavelength_mm"].round()]):
         if length in SHOWN_MM:
             item = f"{SHOWN_KN:g}/{wheel:g}, {length:g} mm"
-            yield Figure("filter", item, part["published_db"].iloc[0], part["ours_db"])
+            yield PublishedValue("filter", item, part["published_db"].iloc[0], part["ours_db"])
 
 
 # ---- synthetic recording
 
-# duration, and background re the sound
-RECORDED_S = 6.0
-NOISE_DB = -30.0
+RECORDED_S = 6.0  # duration
+NOISE_DB = -30.0  # background re the sound
 SHOWN_HZ = (250, 500, 1000, 2000, 5000)
 
 
-def synthetic_recording() -> Figures:
+def synthetic_recording() -> PublishedValues:
     """Find a known filter by `rolling compare` in recordings that are made from other runs.
 
     The recording beside a run holds the sound of all other runs, so that its surface is another.
@@ -483,11 +588,11 @@ def synthetic_recording() -> Figures:
             item = f"{hertz:g} Hz" if hertz else "LAeq"
             known = part["gain"].mean()
             bound = 2 * part["difference_uncertainty_db"].mean()
-            yield Figure("filter", item, known, -part["difference_db"], bound)
+            yield PublishedValue("filter", item, known, -part["difference_db"], bound)
     bands = changes[changes["frequency_hz"] > 0]
     error = (bands["difference_db"] + bands["gain"]).abs()
     within = (error <= 2 * bands["difference_uncertainty_db"]).groupby(bands["run"]).mean()
-    yield Figure("bands within 2 u", "", math.nan, within)
+    yield PublishedValue("bands within 2 u", "", math.nan, within)
 
 
 def _compared(run: Run, sound: Array, rng: np.random.Generator) -> pd.DataFrame:
@@ -495,11 +600,11 @@ def _compared(run: Run, sound: Array, rng: np.random.Generator) -> pd.DataFrame:
     noise = 10 ** (NOISE_DB / 20) * sound.std() * rng.standard_normal((2, len(sound)))
     full_scale = 2 * np.abs(sound).max()
     with TemporaryDirectory() as folder:
-        heard = Path(folder, "sound.wav")
+        recorded = Path(folder, "sound.wav")
         background = Path(folder, "background.wav")
-        soundfile.write(heard, (sound + noise[0]) / full_scale, RATE_HZ, "PCM_24")
+        soundfile.write(recorded, (sound + noise[0]) / full_scale, RATE_HZ, "PCM_24")
         soundfile.write(background, noise[1] / full_scale, RATE_HZ, "PCM_24")
-        return recording.compare(run, heard, f"{full_scale:.9g}", background).table
+        return recording.compare(run, recorded, f"{full_scale:.9g}", background).table
 
 
 def _played(pressure: Array) -> Array:
@@ -511,3 +616,14 @@ def _played(pressure: Array) -> Array:
 def _gain_db(frequency_hz: Array) -> Array:
     """Return the filter [dB]: -6 dB up to 800 Hz, then falling to -15 dB at 2500 Hz."""
     return np.interp(np.log(np.maximum(frequency_hz, 1.0)), np.log([800, 2500]), [-6, -15])
+
+
+# The cases of cases.toml, by name.
+CASES: dict[str, Callable[[], PublishedValues]] = {
+    "impact": impact,
+    "phonometry": phonometry,
+    "rough-contact": rough_contact,
+    "speed-and-roughness": speed_and_roughness,
+    "contact-filter": contact_filter,
+    "synthetic-recording": synthetic_recording,
+}

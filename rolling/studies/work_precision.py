@@ -4,7 +4,6 @@ from acoustics import matplotlib_import  # noqa: F401, before matplotlib
 
 # isort: split
 
-import io
 import math
 from typing import Any
 
@@ -15,13 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from acoustics.numbers import rounded
-from acoustics.plot_style import COLOURS, LINE_STYLES, MARKERS
+from acoustics.plot_style import look_of
 from rolling.figures.settings import own_settings
 from rolling.studies.accuracy_variants import OWN, REFERENCE, SOLVER, tolerance_text
+from rolling.studies.output import png
 
-# maximum errors of a recommended variant
-LAEQ_LIMIT_DB = 0.1
-BAND_LIMIT_DB = 0.5
+LAEQ_LIMIT_DB = 0.1  # maximum error of a recommended variant
+BAND_LIMIT_DB = 0.5  # maximum error of a recommended variant
 # A solve whose error is a fifth of the error of the grid adds 0.2 dB to the whole.
 SOLVER_BELOW_GRID_DB = 14.0
 MAX_SOLVER_DB = -40.0
@@ -58,8 +57,12 @@ def text(study: xr.Dataset) -> str:
     """Write the short table and the advice for the terminal."""
     frame = table(study)
     shown = frame[list(SHORT)].rename(columns=SHORT)
-    formats = ("{:.1f}", "{:.1f}", "{:+.3f}", "{:.2f}")
-    formatters = dict(zip(shown, (pattern.format for pattern in formats), strict=False))
+    formatters = {
+        "s per s": "{:.1f}".format,
+        "signal dB": "{:.1f}".format,
+        "LAeq dB": "{:+.3f}".format,
+        "worst dB": "{:.2f}".format,
+    }
     columns = shown.to_string(formatters=formatters, na_rep="-", index_names=False)
     columns = columns.replace(" inf", "lost")
     return "\n".join([columns, "", *advice(study, frame)])
@@ -75,9 +78,10 @@ def advice(study: xr.Dataset, frame: pd.DataFrame) -> list[str]:
     next_grid = same[same.curve != REFERENCE].sort_values(["spacing_um", "tolerance"]).iloc[0]
     laeq = abs(next_grid.error_laeq_db)
     band = next_grid.worst_band_db
-    off = f"the reference is off by {laeq:.3f} dB of LAeq and {band:.2f} dB of a third octave"
-    grid = f"if errors halve with the spacing (the errors at {next_grid.spacing_um:g} µm)"
-    lines.append(f"{off} at most, {grid}")
+    lines.append(
+        f"the reference is off by {laeq:.3f} dB of LAeq and {band:.2f} dB of a third octave at"
+        f" most, if errors halve with the spacing (the errors at {next_grid.spacing_um:g} µm)"
+    )
     good = frame[
         (frame.error_laeq_db.abs() + laeq <= LAEQ_LIMIT_DB)
         & (frame.worst_band_db + band <= BAND_LIMIT_DB)
@@ -119,11 +123,9 @@ def _tolerance_advice(frame: pd.DataFrame) -> list[str]:
 
 
 @own_settings()
-def png(study: xr.Dataset) -> bytes:
+def diagram_png(study: xr.Dataset) -> bytes:
     """Draw the diagram as a PNG file."""
-    content = io.BytesIO()
-    diagram(study).savefig(content, format="png", dpi=110)
-    return content.getvalue()
+    return png(diagram(study))
 
 
 def diagram(study: xr.Dataset) -> Figure:
@@ -168,18 +170,18 @@ def work_precision(frame: pd.DataFrame, name: str, ax: Axes) -> Axes:
         setting = curve.split(",")[0]
         column = setting if setting in ("tolerance", "precision") else f"{setting}_um"
         rows = rows.sort_values(column)
-        line = LINE_STYLES[k % len(LINE_STYLES)]
-        marker = MARKERS[k % len(MARKERS)]
-        colour = COLOURS[k % len(COLOURS)]
         seconds = rows.seconds_per_second
         errors = _drawn(rows, name)
-        ax.plot(seconds, errors, linestyle=line, marker=marker, color=colour, label=curve)
+        ax.plot(seconds, errors, label=curve, **look_of(k, len(curves)))
         if setting in ("spacing", "step", "tolerance"):
             points = zip(seconds, errors, rows[column], rows.curve, strict=True)
             for at, error, value, kind in points:
-                if kind != OWN and math.isfinite(error):
-                    word = tolerance_text(value) if setting == "tolerance" else f"{value:g} µm"
-                    ax.annotate(word, (at, error), (5, 4), textcoords="offset points", fontsize=7)
+                if kind == OWN or not math.isfinite(error):
+                    continue
+                word = f"{value:g} µm"
+                if setting == "tolerance":
+                    word = tolerance_text(value)
+                ax.annotate(word, (at, error), (5, 4), textcoords="offset points", fontsize=7)
     ring: dict[str, Any] = {"color": "black", "markersize": 13, "fillstyle": "none"}
     seconds = own.seconds_per_second
     errors = _drawn(own, name)

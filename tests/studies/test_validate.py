@@ -14,7 +14,7 @@ import pytest
 import rolling
 from rolling import cli
 from rolling.studies import validate
-from rolling.studies.validate import Figure
+from rolling.studies.validate import PublishedValue
 
 CONTENT = tomllib.loads((validate.FOLDER / "cases.toml").read_text(encoding="utf-8"))
 TABLE = CONTENT["cases"]
@@ -30,18 +30,18 @@ CASE = {
     },
 }
 FIGURES = [
-    Figure("share", "a", 10.0, 10.9),
-    Figure("shown", "", math.nan, np.array([6.0, 8.0])),
-    Figure("side", "b", 1.0, 0.8),
+    PublishedValue("share", "a", 10.0, 10.9),
+    PublishedValue("shown", "", math.nan, np.array([6.0, 8.0])),
+    PublishedValue("side", "b", 1.0, 0.8),
 ]
 
 
-def figures() -> Iterator[Figure]:
+def figures() -> Iterator[PublishedValue]:
     yield from FIGURES
 
 
-def wrong() -> Iterator[Figure]:
-    yield from [*FIGURES, Figure("side", "above", 1.0, 1.001)]
+def wrong() -> Iterator[PublishedValue]:
+    yield from [*FIGURES, PublishedValue("side", "above", 1.0, 1.001)]
 
 
 def test_rows_are_judged_by_their_rules() -> None:
@@ -57,9 +57,9 @@ def test_rows_are_judged_by_their_rules() -> None:
     assert rows.spread[1] == pytest.approx(2**0.5) and math.isnan(rows.spread[0])
     assert rows.share.tolist() == pytest.approx([0.9, 0.0, 0.4])
     for ours in (0.49, 1.001, math.nan):
-        assert not validate.rows_of(CASE, iter([Figure("side", "", 1.0, ours)])).holds.any()
+        assert not validate.rows_of(CASE, iter([PublishedValue("side", "", 1.0, ours)])).holds.any()
     for ours, holds in ((1.19, True), (1.21, False), (0.79, False)):
-        rows = validate.rows_of(CASE, iter([Figure("side", "", 1.0, ours, bound=0.2)]))
+        rows = validate.rows_of(CASE, iter([PublishedValue("side", "", 1.0, ours, bound=0.2)]))
         assert rows.holds[0] == holds
 
 
@@ -85,7 +85,7 @@ def test_exit_code(
     case: Any, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: Any
 ) -> None:
     """A single row beyond its bound fails the command, which names it."""
-    monkeypatch.setattr(validate, "impact", case)
+    monkeypatch.setitem(validate.CASES, "impact", case)
     table = (validate.FOLDER / "cases.toml").read_text(encoding="utf-8")
     rules = "".join(
         f"{name} = {{{', '.join(f'{key} = {value!r}' for key, value in rule.items())}}}\n"
