@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from acoustics.numbers import rounded
-from acoustics.plot_style import look_of
+from acoustics.plot_style import curve_style
 from rolling.figures.settings import own_settings
 from rolling.studies.accuracy_variants import OWN, REFERENCE, SOLVER, tolerance_text
 from rolling.studies.output import png
@@ -172,7 +172,7 @@ def work_precision(frame: pd.DataFrame, name: str, ax: Axes) -> Axes:
         rows = rows.sort_values(column)
         seconds = rows.seconds_per_second
         errors = _drawn(rows, name)
-        ax.plot(seconds, errors, label=curve, **look_of(k, len(curves)))
+        ax.plot(seconds, errors, label=curve, **curve_style(k, len(curves)))
         if setting in ("spacing", "step", "tolerance"):
             points = zip(seconds, errors, rows[column], rows.curve, strict=True)
             for at, error, value, kind in points:
