@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import itertools
 import shutil
 import sys
 import time
 import webbrowser
-from collections.abc import Sequence
-from dataclasses import replace
-from functools import partial
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling.results import labels, listening, runs_table
 from rolling.results.long_record import ListeningError
@@ -26,13 +26,16 @@ from rolling.scene import file
 from rolling.scene.height_files import HeightFormatError
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
+from rolling.surface import measured
+from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
 
 if TYPE_CHECKING:
     import pandas as pd
 
-TABLE, GALLERY = "runs.csv", Path("gallery.html")
+TABLE = "runs.csv"
+GALLERY = Path("gallery.html")
 
 
 def run_scene(
@@ -68,15 +71,21 @@ def run_scene(
     KeyboardInterrupt : Ctrl-C or SIGTERM; finished pieces are kept.
     """
     folder = out or folders.default_folder(scene)
-    derived = partial(derive, report=report)
-    failures = solve_folder(scene, folder, derived, part=part, workers=workers, cluster=cluster)
-    _print_runs(folder, runs_of_part(folders.runs_in(folder, scene), part))
-    page = folder / PAGE
-    if open and not page.is_file():
-        print("--open: there is no report page to open", file=sys.stderr)
-    elif open and not webbrowser.open(page.resolve().as_uri()):
-        print(f"--open: no browser was found; open {page} in one", file=sys.stderr)
+    failures = solve_folder(scene, folder, part=part, workers=workers, cluster=cluster)
+    runs = folders.runs_in(folder, scene)
+    _write_derived_alone(folder, runs, report, part)
+    _print_runs(folder, runs_of_part(runs, part))
+    if open:
+        _open_page(folder / PAGE)
     return failures
+
+
+def _open_page(page: Path) -> None:
+    """Open a page in a browser, or say why it is not open."""
+    if not page.is_file():
+        print("--open: there is no report page to open", file=sys.stderr)
+    elif not webbrowser.open(page.resolve().as_uri()):
+        print(f"--open: no browser was found; open {page} in one", file=sys.stderr)
 
 
 def resound(
@@ -108,41 +117,76 @@ def resound(
     if not stored:
         raise FolderError(f"{folder}: no run in it is done, so there is no march to take")
     scene = file.resound(folders.stored_scene(folder), overrides)
-    if (program := folders.made_by(stored[0].home)) != folders.this_program():
+    program = folders.made_by(stored[0].home)
+    if program != folders.this_program():
         progress.line(f"{folder}: marched by {program}, heard by {folders.this_program()}")
-    target, derived = out or folders.default_folder(scene), partial(derive, report=report)
-    failures = solve_folder(scene, target, derived, sources=stored, workers=workers)
-    _print_runs(target, folders.runs_in(target, scene))
+    target = out or folders.default_folder(scene)
+    failures = solve_folder(scene, target, sources=stored, workers=workers)
+    runs = folders.runs_in(target, scene)
+    _write_derived_alone(target, runs, report)
+    _print_runs(target, runs)
     return failures
 
 
 def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
     """Print the levels of runs and the files that a person opens first; the folder if quiet."""
-    done = [run for run in runs if run.is_done]
     if progress.is_quiet():
         print(folder)
         return
+    done = [run for run in runs if run.is_done]
     if not done:
         return
-    many = len(done) > defaults.MAX_RUNS_COMPARED
-    print(runs_table.levels_table(done[: defaults.FEW_RUNS] if many else done))
-    if many:
+    if len(done) > defaults.MAX_RUNS_COMPARED:
+        print(runs_table.levels_table(done[: defaults.FEW_RUNS]))
         print(f"{len(done) - defaults.FEW_RUNS} more runs, a row each in {TABLE}")
-    places = {"listen": done[0].folder / "listen.wav", "all files": folder}
-    if (passes := done[0].folder / PASSES).is_file():
-        places["pass by pass"] = passes
+    else:
+        print(runs_table.levels_table(done))
+    first = done[0]
+    listen = f"\nlisten: {printable(str(first.folder / 'listen.wav'))}"
+    content = _listening_content(first)
+    if content:
+        listen += f" ({printable(content)})"
+    print(listen)
+    print(f"all files: {printable(str(folder))}")
+    if (first.folder / PASSES).is_file():
+        print(f"pass by pass: {printable(str(first.folder / PASSES))}")
     if len(runs) > 1:
-        places["a row per run"] = folder / TABLE
+        print(f"a row per run: {printable(str(folder / TABLE))}")
     if (folder / PAGE).is_file():
-        places["all on one page"] = folder / PAGE
-    lines = {name: f"{name}: {printable(str(at))}" for name, at in places.items()}
-    listen = (runs_table.stored_summary(done[0]) or {}).get("listen")
-    if content := listen.get("content") if isinstance(listen, dict) else None:
-        lines["listen"] += f" ({printable(str(content))})"
-    print("", *lines.values(), sep="\n")
+        print(f"all on one page: {printable(str(folder / PAGE))}")
 
 
-def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
+def _listening_content(run: RunFolder) -> str:
+    """Return the words of summary.json on listen.wav of a run; nothing where they are missing."""
+    summary = runs_table.stored_summary(run) or {}
+    listen = summary.get("listen")
+    if not isinstance(listen, dict):
+        return ""
+    return str(listen.get("content") or "")
+
+
+def _write_derived_alone(
+    folder: Path, runs: Sequence[RunFolder], report: bool, part: folders.Part | None = None
+) -> None:
+    """Write table, figures and page of a folder on which no other command works.
+
+    After a part of a sweep, the part that ends last writes them: it finds no other at work.
+    """
+    if part is not None and not all(run.is_done or run.failure for run in runs):
+        return
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(folders.locked(folder))
+        except FolderError:
+            if part is None:
+                progress.line("another command works on the folder; it writes table and page")
+            else:
+                progress.line("other parts are at work; the last one writes table and page")
+            return
+        write_derived(folder, runs, report)
+
+
+def write_derived(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
     """Write table, figures and page of the runs that are done, unless they are up to date."""
     done = [run for run in runs if run.is_done]
     if len(done) == len(runs):
@@ -151,7 +195,9 @@ def derive(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
         return
     newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
     report = report and len(runs) <= defaults.MAX_RUNS_COMPARED
-    last = folder / (PAGE if report else TABLE)
+    last = folder / TABLE
+    if report:
+        last = folder / PAGE
     # A page from the future was written before a clock was set back.
     if last.is_file() and newest <= last.stat().st_mtime_ns <= time.time_ns():
         return
@@ -176,7 +222,9 @@ def write_report(runs: Sequence[Run], folder: Path, unsolved: Sequence[RunFolder
         if len(runs) > 1:
             write_figures(runs, folder)
     with progress.step("writing the page"):
-        names = labels.labels(unsolved) if unsolved else []
+        names: list[str] = []
+        if unsolved:
+            names = labels.labels(unsolved)
         files.write_bytes(folder / PAGE, page.page(runs, names))
 
 
@@ -199,7 +247,7 @@ def report(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
         raise FolderError("--out: give the file of a page of several run folders")
     if out is not None:
         _refuse_page(out)
-    done, unsolved = _stored(run_folders)
+    done, unsolved = _done_and_unsolved(run_folders)
     with progress.step("reading the runs, making their sound"):
         finished = open_runs(done)
     if out is None:
@@ -220,14 +268,18 @@ def _refuse_page(out: Path) -> None:
         raise FolderError(f"{out}: a page ends in .html, such as --out {out.name}.html")
 
 
-def _stored(run_folders: Sequence[Path]) -> tuple[list[RunFolder], list[RunFolder]]:
+def _done_and_unsolved(
+    run_folders: Sequence[Path],
+) -> tuple[list[RunFolder], list[RunFolder]]:
     """Return the runs of run folders, those that are done and the others, each once."""
-    runs = [run for folder in run_folders for run in folders.stored_runs(folder)]
-    runs = list({run.folder.resolve(): run for run in runs}.values())
-    done = [run for run in runs if run.is_done]
+    by_place = {}
+    for folder in run_folders:
+        for run in folders.stored_runs(folder):
+            by_place[run.folder.resolve()] = run
+    done = [run for run in by_place.values() if run.is_done]
     if not done:
         raise FolderError(f"{', '.join(map(str, run_folders))}: no run is done yet")
-    return done, [run for run in runs if not run.is_done]
+    return done, [run for run in by_place.values() if not run.is_done]
 
 
 def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
@@ -247,20 +299,30 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
 
     out = out or GALLERY
     _refuse_page(out)
-    done, unsolved = _stored(run_folders)
+    done, unsolved = _done_and_unsolved(run_folders)
     if len(done) > page.MAX_CARDS:
         raise FolderError(f"{len(done)} runs: a gallery shows {page.MAX_CARDS}; name fewer folders")
-    done.sort(key=lambda run: run.scene.name)  # runs of a scene keep their order
-    by_scene = itertools.groupby(done, key=lambda run: run.scene.name)
-    names = [label for _, runs in by_scene for label in labels.labels([*runs])]
-    named = zip(done, names, strict=True)
-    opened = (replace(open_runs([run])[0], label=label) for run, label in named)
     with progress.step("reading the runs, making their sound"):
         left_out = [printable(run.folder.resolve().name) for run in unsolved]
-        content = page.gallery(opened, len(done), out.parent, left_out)
+        content = page.gallery(_opened_by_scene(done), len(done), out.parent, left_out)
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return [out]
+
+
+def _opened_by_scene(runs: Sequence[RunFolder]) -> Iterator[Run]:
+    """Read runs one after the other, scene by scene, with labels that tell those of a scene apart.
+
+    A gallery may have more runs than the memory holds.
+    """
+    by_scene: dict[str, list[RunFolder]] = {}
+    for run in runs:
+        by_scene.setdefault(run.scene.name, []).append(run)
+    for name in sorted(by_scene):
+        of_scene = by_scene[name]
+        for run, label in zip(of_scene, labels.labels(of_scene), strict=True):
+            (opened,) = open_runs([run])
+            yield replace(opened, label=label)
 
 
 def listen(
@@ -354,8 +416,11 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
     if out is None:
         out = folder / "figures"
         files.make_below(folder, out)
-    elif taken := [p for p in out.glob(f"*.{form}") if p.stem.split("-")[0] in (names or FIGURES)]:
-        raise FolderError(f"{taken[0]}: exists; take another folder, or remove it")
+    else:
+        drawn = names or FIGURES
+        for path in out.glob(f"*.{form}"):
+            if path.stem.split("-")[0] in drawn:
+                raise FolderError(f"{path}: exists; take another folder, or remove it")
     try:
         return plot_run(runs, names, form, out)
     except ValueError as error:
@@ -387,36 +452,45 @@ def table(
         raise FolderError(f"{folder}: no run of a sweep is done, so there is nothing to tabulate")
     frame = runs_table.runs_table(runs)
     solved = frame[frame["laeq_db"].notna() | frame["steps"].notna()]
-    keys = [key for key in runs[0].values if key != over]
+    swept = list(runs[0].values)
     if over != runs_table.SEED:
-        _refuse_unknown(over, [*runs[0].values], "swept key")
-    if len(against) > 2 or len({*against}) < len(against):
-        got, allowed = " ".join(against), "one key for lines, two different ones for a map"
-        raise FolderError(f"--against: got {got}, allowed: {allowed}")
+        _refuse_unknown(over, swept, "swept key")
+    if len(against) > 2 or len(set(against)) < len(against):
+        raise FolderError(
+            f"--against: got {' '.join(against)}, allowed: one key for lines, two different ones"
+            " for a map"
+        )
+    keys = [key for key in swept if key != over]
     for key in against:
         _refuse_unknown(key, keys, "swept key")
     for name in numbers:
-        _refuse_unknown(name, [*solved.select_dtypes("number")], "number of runs.csv")
+        _refuse_unknown(name, list(solved.select_dtypes("number")), "number of runs.csv")
     paths = [folder / TABLE, folder / "statistics.csv"]
     write_table(frame, paths[0])
     write_table(runs_table.seed_statistics(solved, over), paths[1])
-    if not (axes := [*against] or keys[:1]):
+    axes = list(against) or keys[:1]
+    if not axes:
         return paths
     from rolling import figures
 
     files.make_below(folder, folder / "figures")
-    subject = runs[0].scene.name
     return paths + figures.write_number_figures(
-        solved.reset_index(), numbers or [_main_level(solved)], axes, folder / "figures", subject
+        solved.reset_index(),
+        numbers or [_main_level(solved)],
+        axes,
+        folder / "figures",
+        runs[0].scene.name,
     )
 
 
 def _main_level(solved: pd.DataFrame) -> str:
     """Return the level by which runs are compared: LAE if all that sound are single events."""
     sounding = solved[solved["laeq_db"].notna()]
-    if "single_event" not in sounding or not len(sounding):
+    if "single_event" not in sounding or len(sounding) == 0:
         return "laeq_db"
-    return "lae_db" if sounding["single_event"].eq(True).all() else "laeq_db"
+    if sounding["single_event"].eq(True).all():
+        return "lae_db"
+    return "laeq_db"
 
 
 def _refuse_unknown(name: str, known: Sequence[str], kind: str) -> None:
@@ -450,61 +524,126 @@ def surface(
     ------
     SceneError, FolderError : bad input; nothing is written.
     """
-    from rolling.figures.contact import parameter_lines, parameter_table, topography
-    from rolling.figures.picture import csv_bytes
-    from rolling.figures.settings import left_out_if_it_fails
-    from rolling.surface import measured, scene_surface
-    from rolling.surface.parameters import is_upper_bound, parameters
+    _refuse_taken(save, out)
+    is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
+    if is_scene:
+        if spacing_um or channel or unit != "m" or xy_unit:
+            raise FolderError(
+                "--spacing-um, --channel, --height-unit, --xy-unit: only for a file of heights"
+            )
+        described = _surface_of_scene(source, overrides)
+    else:
+        if overrides:
+            raise FolderError("--set: only goes with a scene")
+        described = _surface_of_file(source, spacing_um, channel, unit, xy_unit)
+    folder = out or Path("outputs") / f"{described.name}-surface"
+    with progress.step("computing the parameters, drawing the picture"):
+        lines, contents = _parameters_and_picture(described)
+    for name, content in contents.items():
+        path = folder / name
+        if path.exists() and path.read_bytes() != content:
+            raise FolderError(f"{path}: exists; take another folder, or remove it")
+    if save is not None:
+        _save_heights(save, described)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in contents.items():
+        files.write_bytes(folder / name, content)
+    if progress.is_quiet():
+        return [folder]
+    nodes = " x ".join(str(count) for count in described.heights.shape)
+    sides = " x ".join(str(step) for step in np.round(1e6 * described.steps, 6))
+    print(f"{printable(described.name)}: {nodes} nodes of {sides} um, {described.words}")
+    print("\n".join(lines))
+    print(f"\nall files: {printable(str(folder))}")
+    return []
 
+
+@dataclass(frozen=True)
+class _DescribedSurface:
+    """Surface that `rolling surface` describes.
+
+    name : str. Name of the scene or the file.
+    words : str. Words on its edges and nodes.
+    heights : (along, across) array, m. NaN where they are not measured.
+    steps : (2,) array, m. Spacing of the nodes along and across.
+    is_periodic : bool. Whether the surface closes, as that of a scene does.
+    """
+
+    name: str
+    words: str
+    heights: Array
+    steps: Array
+    is_periodic: bool
+
+
+def _refuse_taken(save: Path | None, out: Path | None) -> None:
+    """Raise FolderError for a file of heights that exists, or a folder that is a file."""
     for path in (save, out):
         if path is not None and path.exists() and (path is save or not path.is_dir()):
             raise FolderError(f"{path}: exists; take another name, or remove it")
     if save is not None and not save.parent.is_dir():
         raise FolderError(f"--save {save}: no such folder")
-    is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
-    if is_scene:
-        if spacing_um or channel or unit != "m" or xy_unit:
-            words = "--spacing-um, --channel, --height-unit, --xy-unit: only for a file of heights"
-            raise FolderError(words)
-        scene = file.read_scene(source, overrides)
-        if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
-            progress.line("the surface of the scene without its sweep; --set chooses other values")
-        name, words, heights = scene.name, "periodic", scene_surface.heights(scene)
-        for doubt in scene_surface.scene_surface(scene).suspicions:
-            progress.line(f"warning: {doubt}")
-        steps = np.full(2, scene.spacing)
-    else:
-        if overrides:
-            raise FolderError("--set: only goes with a scene")
-        name, words = source.name, "less its least-squares plane"
-        heights, steps, doubts = measured.levelled(source, spacing_um, channel, unit, xy_unit)
-        for doubt in doubts:
-            progress.line(printable(f"warning: {source}: {doubt}"))
-        if gaps := np.count_nonzero(np.isnan(heights)):
-            words += f", {gaps} unmeasured"
-    with progress.step("computing the parameters, drawing the picture"):
-        values = parameters(heights, steps, is_scene)
-        is_bound = is_upper_bound(heights, steps, is_scene)
-        folder = out or Path("outputs") / f"{name}-surface"
-        contents = {folder / "surface.csv": csv_bytes(parameter_table(values, is_bound))}
-        with left_out_if_it_fails("surface.png"):
-            drawn = topography(name, values, heights, steps, is_scene, is_bound)
-            contents[folder / "surface.png"] = drawn.file("png") or b""
-    for path, content in contents.items():
-        if path.exists() and path.read_bytes() != content:
-            raise FolderError(f"{path}: exists; take another folder, or remove it")
-    if save is not None:
-        try:
-            measured.write(save, heights, (steps[0], steps[1]))
-        except HeightFormatError as error:
-            raise FolderError(error.of(f"--save {save}")) from error
-    folder.mkdir(parents=True, exist_ok=True)
-    for path, content in contents.items():
-        files.write_bytes(path, content)
-    if progress.is_quiet():
-        return [folder]
-    nodes, sides = (" x ".join(map(str, x)) for x in (heights.shape, np.round(1e6 * steps, 6)))
-    print(f"{printable(name)}: {nodes} nodes of {sides} um, {words}")
-    print("\n".join(parameter_lines(values, is_bound)))
-    print(f"\nall files: {printable(str(folder))}")
-    return []
+
+
+def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface:
+    """Make the surface of a scene, and print the doubts about it."""
+    scene = file.read_scene(path, overrides)
+    if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
+        progress.line("the surface of the scene without its sweep; --set chooses other values")
+    surface = scene_surface(scene)
+    for doubt in surface.suspicions:
+        progress.line(f"warning: {doubt}")
+    return _DescribedSurface(
+        name=scene.name,
+        words="periodic",
+        heights=surface.heights,
+        steps=np.full(2, scene.spacing),
+        is_periodic=True,
+    )
+
+
+def _surface_of_file(
+    path: Path, spacing_um: float | None, channel: str | None, unit: str, xy_unit: str | None
+) -> _DescribedSurface:
+    """Read and level a file of heights, and print the doubts about it."""
+    heights, steps, doubts = measured.levelled(path, spacing_um, channel, unit, xy_unit)
+    for doubt in doubts:
+        progress.line(printable(f"warning: {path}: {doubt}"))
+    words = "less its least-squares plane"
+    gaps = np.count_nonzero(np.isnan(heights))
+    if gaps:
+        words += f", {gaps} unmeasured"
+    return _DescribedSurface(
+        name=path.name,
+        words=words,
+        heights=heights,
+        steps=steps,
+        is_periodic=False,
+    )
+
+
+def _parameters_and_picture(described: _DescribedSurface) -> tuple[list[str], dict[str, bytes]]:
+    """Return the lines of the parameters of a surface, and its files by name."""
+    from rolling.figures.contact import parameter_lines, parameter_table, topography
+    from rolling.figures.picture import csv_bytes
+    from rolling.figures.settings import left_out_if_it_fails
+    from rolling.surface.parameters import is_upper_bound, parameters
+
+    heights = described.heights
+    steps = described.steps
+    values = parameters(heights, steps, described.is_periodic)
+    is_bound = is_upper_bound(heights, steps, described.is_periodic)
+    contents = {"surface.csv": csv_bytes(parameter_table(values, is_bound))}
+    with left_out_if_it_fails("surface.png"):
+        drawn = topography(described.name, values, heights, steps, described.is_periodic, is_bound)
+        contents["surface.png"] = drawn.file("png") or b""
+    return parameter_lines(values, is_bound), contents
+
+
+def _save_heights(path: Path, described: _DescribedSurface) -> None:
+    """Write the heights of a surface in the format of the ending of a path."""
+    along, across = described.steps
+    try:
+        measured.write(path, described.heights, (along, across))
+    except HeightFormatError as error:
+        raise FolderError(error.of(f"--save {path}")) from error

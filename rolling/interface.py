@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 from acoustics.arrays import instance
 from acoustics.traps import ignoring_underflow
-from rolling.commands import derive
+from rolling.commands import write_derived
 from rolling.contact.solver import ContactError
 from rolling.results import labels
 from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run, write_run
 from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders
-from rolling.run.solving import Values, open_runs, simulated
+from rolling.run.solving import Values, open_runs, simulate_runs
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
@@ -86,7 +86,8 @@ class SweepError(ContactError):
 
     def __init__(self, failures: dict[str, str], runs: Runs) -> None:
         super().__init__("\n".join(f"{label}: {reason}" for label, reason in failures.items()))
-        self.failures, self.runs = failures, runs
+        self.failures = failures
+        self.runs = runs
 
 
 @ignoring_underflow
@@ -141,14 +142,14 @@ def simulate(
     ((101,), (100,))
     """
     instance("scene", scene, Scene)
-    if heights is not None:
-        is_surface = isinstance(heights, HeightFile)
-        surface = heights if is_surface else HeightArray(heights, spacing_um=scene.spacing_um)
-        scene = scene.with_(surface=surface)
+    if isinstance(heights, HeightFile):
+        scene = scene.with_(surface=heights)
+    elif heights is not None:
+        scene = scene.with_(surface=HeightArray(heights, spacing_um=scene.spacing_um))
     if scene.sweep:
-        words = f"the scene sweeps {', '.join(scene.sweep)}; simulate_sweep runs all of them"
-        raise SceneError([f"sweep: {words}"])
-    runs, failures = simulated(scene, workers, progress)
+        keys = ", ".join(scene.sweep)
+        raise SceneError([f"sweep: the scene sweeps {keys}; simulate_sweep runs all of them"])
+    runs, failures = simulate_runs(scene, workers, progress)
     if failures:
         raise ContactError(next(iter(failures.values())))
     (run,) = runs.values()
@@ -191,7 +192,7 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
     instance("scene", scene, Scene)
     if not scene.sweep:
         raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
-    runs, failures = simulated(scene, workers, progress)
+    runs, failures = simulate_runs(scene, workers, progress)
     if failures:
         raise SweepError(failures, Runs(runs))
     return Runs(runs)
@@ -268,12 +269,12 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
     if folder.exists() and any(folder.iterdir()):
         raise FolderError(f"{folder}: holds files; take another, as {folders.free_name(folder)}")
     folder.mkdir(parents=True, exist_ok=True)
-    with folders.held(folder):
+    with folders.locked(folder):
         scene = with_copy(run.scene, folder)
         folders.write_scene(folder, scene)
         (alone,) = folders.stored_runs(folder)
         write_run(replace(run, scene=scene, folder=folder, values={}))
-        derive(folder, [alone], report)
+        write_derived(folder, [alone], report)
     return folder
 
 
@@ -312,19 +313,16 @@ def live(runs: Run | Sequence[Run]) -> Any:
 
     shown = listed(runs)
     if not 1 <= len(shown) <= defaults.MAX_RUNS_ON_PAGE:
-        most = defaults.MAX_RUNS_ON_PAGE
-        raise ValueError(f"runs: got {len(shown)}, allowed: 1 to {most} with players on a page")
+        raise ValueError(
+            f"runs: got {len(shown)}, allowed: 1 to {defaults.MAX_RUNS_ON_PAGE} with players on a"
+            " page"
+        )
     for run in shown:
         instance("runs", run, Run)
     path = shown[0].home / PAGE
-    is_stored = len(shown) == 1 and "provenance" in shown[0].summary and path.is_file()
-    if not is_stored:
-        from rolling.report.page import page
-
-        if len(shown) > 1:
-            names = zip(shown, labels.labels(shown), strict=True)
-            shown = [replace(run, label=label) for run, label in names]
-        path = write_temporary(f"{shown[0].scene.name}-live-", ".html", page(shown))
+    is_stored = "provenance" in shown[0].summary and path.is_file()
+    if len(shown) > 1 or not is_stored:
+        path = _temporary_page(shown)
     if terminal.in_notebook():
         from IPython.display import IFrame
 
@@ -334,3 +332,13 @@ def live(runs: Run | Sequence[Run]) -> Any:
     if sys.stdout.isatty():
         webbrowser.open(f"{path.resolve().as_uri()}#{PLAY_IT}")
     return None
+
+
+def _temporary_page(runs: Sequence[Run]) -> Path:
+    """Write the page of runs into a temporary file."""
+    from rolling.report.page import page
+
+    if len(runs) > 1:
+        names = labels.labels(runs)
+        runs = [replace(run, label=label) for run, label in zip(runs, names, strict=True)]
+    return write_temporary(f"{runs[0].scene.name}-live-", ".html", page(runs))

@@ -9,14 +9,14 @@ spacing.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Container, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from acoustics.arrays import Array
 from rolling.check import error_cost
-from rolling.check.error_cost import DETAIL, LEVELS
+from rolling.check.error_cost import DETAIL
 from rolling.marches.piece import Piece
 from rolling.marches.result import ErrorStretches, Result
 from rolling.scene.scene import Scene
@@ -25,52 +25,71 @@ from rolling.sound.error_estimate import BandPowers, StretchSignals
 from rolling.sound.radiators import roughness_gain
 
 
-def stretch_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> list[Piece]:
-    """Return the marches of stretches that the estimate of a run lacks.
-
-    `piece` makes a piece from its kind, first and last position, cost of a step in steps of the
-    run, and level.
-    """
+def stretch_pieces(scene: Scene, result: Result) -> list[Piece]:
+    """Return the marches of stretches that the estimate of a run lacks."""
     layout = error_cost.layout(scene)
     if layout is None or not result.complete:
         return []
-    stretches = result.stretches
-    known = stretches.marches if stretches and stretches.steps == layout.steps else {}
+    marched: Container[tuple[int, str]] = ()
+    if result.stretches is not None and result.stretches.steps == layout.steps:
+        marched = result.stretches.marches
     return [
-        piece("error", first, first + layout.steps, scale, level=level)
+        Piece(
+            scene,
+            result.identity,
+            "error",
+            first,
+            first + layout.steps,
+            level=level,
+            sunk=result.sunk,
+            step_cost=error_cost.level_cost(scene, level),
+        )
         for first, level in layout.marches
-        if (first, level) not in known
-        for scale in [error_cost.level_cost(scene, level)]
+        if (first, level) not in marched
     ]
 
 
 def own_stretches(scene: Scene, result: Result) -> ErrorStretches | None:
     """Return the marches of stretches that a run needs, without those of another run."""
-    layout, stretches = error_cost.layout(scene), result.stretches
+    layout = error_cost.layout(scene)
+    stretches = result.stretches
     if layout is None or stretches is None or stretches.steps != layout.steps:
         return None
-    known = stretches.marches
-    return replace(stretches, marches={key: known[key] for key in layout.marches if key in known})
+    marched = stretches.marches
+    own = {key: marched[key] for key in layout.marches if key in marched}
+    return replace(stretches, marches=own)
 
 
 def stretch_firsts(scene: Scene, result: Result) -> tuple[int, ...]:
     """Return the first positions of a run's stretches; none where they are missing or failed."""
-    layout, stretches = error_cost.layout(scene), result.stretches
+    layout = error_cost.layout(scene)
+    stretches = result.stretches
     if layout is None or stretches is None or stretches.fault or stretches.steps != layout.steps:
         return ()
-    complete = set(layout.marches) <= set(stretches.marches)
-    return layout.firsts if complete else ()
+    if not set(layout.marches) <= set(stretches.marches):
+        return ()
+    return layout.firsts
 
 
 def stretch_powers(scene: Scene, result: Result) -> BandPowers:
     """Compute the band powers of the complete stretches of a run at the speeds of the scene."""
-    stretches, firsts = result.stretches, stretch_firsts(scene, result)
-    assert stretches is not None
-    series = result.series["approach" if scene.sound.source == "vibration" else "release_energy"]
-    own = np.array([series[first : first + stretches.steps] for first in firsts])
-    tight, fine, coarse = (_signals(scene, result, firsts, level) for level in LEVELS)
-    ratio = error_cost.tight_tolerance(scene) / scene.tolerance
-    return _band_powers(scene, result, firsts, (own, tight, fine, coarse), ratio)
+    assert result.stretches is not None
+    steps = result.stretches.steps
+    firsts = stretch_firsts(scene, result)
+    if scene.sound.source == "vibration":
+        series = result.series["approach"]
+    else:
+        series = result.series["release_energy"]
+    return _band_powers(
+        scene,
+        result,
+        firsts,
+        own=np.array([series[first : first + steps] for first in firsts]),
+        tight=_signals(scene, result, firsts, "tight"),
+        fine=_signals(scene, result, firsts, "fine"),
+        coarse=_signals(scene, result, firsts, "coarse"),
+        tolerance_ratio=error_cost.tight_tolerance(scene) / scene.tolerance,
+    )
 
 
 def detail_powers(scene: Scene, result: Result) -> BandPowers | None:
@@ -78,18 +97,30 @@ def detail_powers(scene: Scene, result: Result) -> BandPowers | None:
 
     The half spacing with the law's detail is the finer level, the half spacing without it the own.
     """
-    marches = result.stretches.marches if result.stretches else {}
+    if result.stretches is None:
+        return None
+    marches = result.stretches.marches
     firsts = [first for first in stretch_firsts(scene, result) if (first, DETAIL) in marches]
     if not firsts:
         return None
-    flat, fine = _signals(scene, result, firsts, "fine"), _signals(scene, result, firsts, DETAIL)
-    return _band_powers(scene, result, firsts, (flat, flat, fine, flat), 1.0)
+    flat = _signals(scene, result, firsts, "fine")
+    return _band_powers(
+        scene,
+        result,
+        firsts,
+        own=flat,
+        tight=flat,
+        fine=_signals(scene, result, firsts, DETAIL),
+        coarse=flat,
+        tolerance_ratio=1.0,
+    )
 
 
 def plastic_areas(scene: Scene, result: Result, level: str) -> Array:
     """Return the mean area at the hardness on a level [m2] of each stretch of a run."""
     assert result.stretches is not None
-    marches, firsts = result.stretches.marches, stretch_firsts(scene, result)
+    marches = result.stretches.marches
+    firsts = stretch_firsts(scene, result)
     return np.array([marches[first, level].plastic_area for first in firsts])
 
 
@@ -97,27 +128,37 @@ def _signals(scene: Scene, result: Result, firsts: Sequence[int], level: str) ->
     """Return the release [J] or the approach [m] of stretches on a level."""
     assert result.stretches is not None
     marches = [result.stretches.marches[first, level] for first in firsts]
-    vibrates = scene.sound.source == "vibration"
-    return np.array([m.approach[:-1] if vibrates else m.release for m in marches])
+    if scene.sound.source == "vibration":
+        return np.array([march.approach[:-1] for march in marches])
+    return np.array([march.release for march in marches])
 
 
 def _band_powers(
     scene: Scene,
     result: Result,
     firsts: Sequence[int],
-    signals: tuple[Array, Array, Array, Array],
+    *,
+    own: Array,
+    tight: Array,
+    fine: Array,
+    coarse: Array,
     tolerance_ratio: float,
 ) -> BandPowers:
-    """Compute the band powers of stretches from their signals: own, tight, fine and coarse."""
-    return error_estimate.band_powers(
-        StretchSignals(
-            *signals,
-            step=result.step,
-            speeds=np.array([_speeds(scene, result, first) for first in firsts]),
-            tolerance_ratio=tolerance_ratio,
-            gain=roughness_gain(scene) if scene.sound.source == "vibration" else None,
-        )
+    """Compute the band powers of stretches from their signals on each level."""
+    gain = None
+    if scene.sound.source == "vibration":
+        gain = roughness_gain(scene)
+    signals = StretchSignals(
+        own=own,
+        tight=tight,
+        fine=fine,
+        coarse=coarse,
+        step=result.step,
+        speeds=np.array([_speeds(scene, result, first) for first in firsts]),
+        tolerance_ratio=tolerance_ratio,
+        gain=gain,
     )
+    return error_estimate.band_powers(signals)
 
 
 def _speeds(scene: Scene, result: Result, first: int) -> Array:
@@ -128,7 +169,8 @@ def _speeds(scene: Scene, result: Result, first: int) -> Array:
     begin = (first + np.arange(laps) * result.solved_steps) * result.step
     whole = begin + length <= result.steps * result.step * (1 + 1e-12)
     reached = scene.motion.final_distance
-    begins, ends = np.minimum(begin, reached), np.minimum(begin + length, reached)
+    begins = np.minimum(begin, reached)
+    ends = np.minimum(begin + length, reached)
     times = np.asarray(scene.motion.time(ends) - scene.motion.time(begins))
     rolled = whole & (times > 0)
     speeds: Array = np.divide(ends - begins, times, out=np.zeros(laps), where=rolled)

@@ -8,9 +8,10 @@ position of a lap. A march under this force gives the release under the moving l
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 
@@ -22,12 +23,20 @@ from rolling.dynamics.force_law import HIGHEST, LOWEST, MIN_SLOPE, ForceLaw
 from rolling.dynamics.motion import BodyMotion
 from rolling.dynamics.smooth_contact import equivalent_radius
 from rolling.marches.piece import Piece
-from rolling.marches.result import LoadMarches, MovingRelease, Result, vibration_key
+from rolling.marches.result import (
+    LoadMarches,
+    MotionOverLaw,
+    MovingRelease,
+    Result,
+    vibration_key,
+)
 from rolling.scene.scene import Scene
 
 JUDGED_STEPS = 200  # maximum length of the stretch that is marched at loads between the others
+NEAR = 8.0  # ratio of a load to the scene's up to which neighbours have the ratio of the scene
+WIDE = 2.0  # minimum ratio of neighbours that are farther away
 
-NEAR, WIDE = 8.0, 2.0  # farther from the scene's load neighbours have this ratio at least
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -52,35 +61,53 @@ def law_loads(scene: Scene, result: Result) -> Loads:
     """
     assert result.complete
     marches = result.load_marches or LoadMarches(result.solved_steps)
-    wanted, further, loads = set[float](), _first_loads(scene), [scene.load]
+    loads = [scene.load]
+    wanted = set[float]()
+    further = _first_loads(scene)
     while further:
         wanted.update(further)
-        if lacking := [load for load in further if load != scene.load and marches.missing(load)]:
+        lacking = [load for load in further if load != scene.load and marches.missing(load)]
+        if lacking:
             return Loads(loads, lacking, wanted)
         faults = wanted & marches.faults.keys()  # another run of the march may have more
         loads = sorted({*loads, *further} - faults)
-        further = _beyond(scene, loads, faults, *_extremes(scene, result, loads))
+        least, most = _extremes(scene, result, loads)
+        further = _beyond(scene, loads, faults, least, most)
     return Loads(loads, [], wanted)
 
 
-def law_pieces(scene: Scene, result: Result, piece: Callable[..., Piece]) -> list[Piece]:
+def law_pieces(scene: Scene, result: Result) -> list[Piece]:
     """Return the pieces at other loads that the force law of a run lacks now.
 
-    `piece` makes a piece from its kind, first and last position and load [N].
+    There are none for a scene without dynamics.
     """
-    marches = result.load_marches or LoadMarches(result.solved_steps)
-    if not result.complete:
-        lacking = [load for load in _first_loads(scene) if load != scene.load]
-    else:
+    if scene.dynamics is None:
+        return []
+    if result.complete:
         loads = law_loads(scene, result)
+        if not loads.lacking:
+            return _judging_pieces(scene, result, loads.marched)
         lacking = loads.lacking
-        if not lacking:
-            last = min(JUDGED_STEPS, result.solved_steps)
-            known = {*marches.judging, *marches.faults}
-            judged = [load for load in _judged(scene, result, loads.marched) if load not in known]
-            return [piece("judge", 0, last, load=load) for load in judged]
-    missing = ((load, *ends) for load in lacking for ends in marches.missing(load))
-    return [piece("load", first, last, load=load) for load, first, last in missing]
+    else:
+        lacking = [load for load in _first_loads(scene) if load != scene.load]
+    marches = result.load_marches or LoadMarches(result.solved_steps)
+    return [
+        Piece(scene, result.identity, "load", first, last, load=load, sunk=result.sunk)
+        for load in lacking
+        for first, last in marches.missing(load)
+    ]
+
+
+def _judging_pieces(scene: Scene, result: Result, loads: Sequence[float]) -> list[Piece]:
+    """Return the pieces that a run lacks to judge its law over some loads [N]."""
+    last = min(JUDGED_STEPS, result.solved_steps)
+    marches = result.load_marches or LoadMarches(result.solved_steps)
+    known = {*marches.judging, *marches.faults}
+    return [
+        Piece(scene, result.identity, "judge", 0, last, load=load, sunk=result.sunk)
+        for load in _judging_loads(scene, result, loads)
+        if load not in known
+    ]
 
 
 def own_marches(scene: Scene, result: Result) -> LoadMarches | None:
@@ -89,16 +116,21 @@ def own_marches(scene: Scene, result: Result) -> LoadMarches | None:
     if scene.dynamics is None or marches is None:
         return None
     loads = law_loads(scene, result)
-    judged = set(_judged(scene, result, loads.marched))
+    judging = set(_judging_loads(scene, result, loads.marched))
     return replace(
         marches,
-        approach={load: x for load, x in marches.approach.items() if load in loads.wanted},
-        judging={load: x for load, x in marches.judging.items() if load in judged},
-        faults={k: text for k, text in marches.faults.items() if k in loads.wanted | judged},
+        approach=_of_loads(marches.approach, loads.wanted),
+        judging=_of_loads(marches.judging, judging),
+        faults=_of_loads(marches.faults, loads.wanted | judging),
     )
 
 
-def _judged(scene: Scene, result: Result, loads: Sequence[float]) -> list[float]:
+def _of_loads(by_load: dict[float, Value], loads: Container[float]) -> dict[float, Value]:
+    """Return the values of some loads [N]."""
+    return {load: value for load, value in by_load.items() if load in loads}
+
+
+def _judging_loads(scene: Scene, result: Result, loads: Sequence[float]) -> list[float]:
     """Return the loads [N] whose marches judge a law: between its loads, and the largest force."""
     return [*_between(loads), *_beyond_top(scene, result, loads)]
 
@@ -106,8 +138,10 @@ def _judged(scene: Scene, result: Result, loads: Sequence[float]) -> list[float]
 def _first_loads(scene: Scene) -> list[float]:
     """Return the loads [N] that a scene asks for, the scene's own in the middle."""
     assert scene.dynamics is not None
-    span, half = scene.dynamics.span, scene.dynamics.loads // 2
-    return [scene.load * span**power if power else scene.load for power in range(-half, half + 1)]
+    half = scene.dynamics.loads // 2
+    lighter = [scene.load * scene.dynamics.span**power for power in range(-half, 0)]
+    heavier = [scene.load * scene.dynamics.span**power for power in range(1, half + 1)]
+    return [*lighter, scene.load, *heavier]
 
 
 def _ladder(scene: Scene, sign: int) -> Iterator[float]:
@@ -116,12 +150,18 @@ def _ladder(scene: Scene, sign: int) -> Iterator[float]:
     if scene.rolling.drop_mm is not None:
         yield from drop.loads(scene, sign)
         return
-    span, ratio, power = scene.dynamics.span, 1.0, sign
+    span = scene.dynamics.span
+    ratio = 1.0
+    power = sign
     while max(span**power, span**-power) <= NEAR:
-        ratio, power = span**power, power + sign
+        ratio = span**power
         yield scene.load * ratio
-    while LOWEST <= (ratio := ratio * max(span, WIDE) ** sign) <= HIGHEST:
+        power += sign
+    wide = max(span, WIDE) ** sign
+    ratio *= wide
+    while LOWEST <= ratio <= HIGHEST:
         yield scene.load * ratio
+        ratio *= wide
 
 
 def _extremes(scene: Scene, result: Result, loads: Sequence[float]) -> tuple[float, float]:
@@ -136,9 +176,10 @@ def _extremes(scene: Scene, result: Result, loads: Sequence[float]) -> tuple[flo
 def _motion(scene: Scene, result: Result, loads: Sequence[float]) -> BodyMotion:
     """Return the motion over a law, which the result keeps until the next."""
     key = vibration_key(scene), tuple(loads)
-    if result.motion is None or result.motion[0] != key:
-        result.motion = key, of_scene.motion(scene, law_over(scene, result, loads))
-    return result.motion[1]
+    if result.motion is None or result.motion.key != key:
+        motion = of_scene.motion(scene, law_over(scene, result, loads))
+        result.motion = MotionOverLaw(key, motion)
+    return result.motion.motion
 
 
 def law_motion(scene: Scene, result: Result) -> BodyMotion:
@@ -151,10 +192,11 @@ def _beyond(
 ) -> list[float]:
     """Return loads beyond the given ones up to the extremes of the force [N], or to a fault."""
     further = []
-    for sign, wanted in ((1, most), (-1, least)):
+    for sign, extreme in ((1, most), (-1, least)):
         inner = scene.load
         for load in _ladder(scene, sign):
-            if sign * (wanted - inner) <= 0 or load in faults:
+            is_enough = sign * (extreme - inner) <= 0
+            if is_enough or load in faults:
                 break
             if load not in loads:
                 further.append(load)
@@ -164,8 +206,11 @@ def _beyond(
 
 def _beyond_top(scene: Scene, result: Result, loads: Sequence[float]) -> list[float]:
     """Return the largest force [N], in two digits, where it lies beyond the loads of a law."""
-    largest = float(f"{_extremes(scene, result, loads)[1]:.2g}")
-    return [largest] if largest > loads[-1] else []
+    _, most = _extremes(scene, result, loads)
+    largest = float(f"{most:.2g}")
+    if largest <= loads[-1]:
+        return []
+    return [largest]
 
 
 def _between(loads: Sequence[float]) -> list[float]:
@@ -183,18 +228,26 @@ def law_over(
 ) -> ForceLaw:
     """Return the force law over some ascending loads [N], up to a last position or of the track."""
     marches = result.load_marches or LoadMarches(result.solved_steps)
-    # The last position of a closed track is its first.
-    closed = last is None and scene.track.lap_steps <= result.solved_steps
-    count = result.solved_steps + (not closed) if last is None else last + 1
-    own = result.series["approach"]
-    rows = np.array([own if load == scene.load else marches.approach[load] for load in loads])
-    position = np.arange(count, dtype=np.float64) * result.step
-    period = count * result.step if closed else None
-    known, approach = _rising(scene, np.array(loads), rows[:, :count])
+    approaches = {**marches.approach, scene.load: result.series["approach"]}
+    period = None
+    if last is not None:
+        count = last + 1
+    elif scene.track.lap_steps <= result.solved_steps:  # a closed track ends where it begins
+        count = result.solved_steps
+        period = count * result.step
+    else:
+        count = result.solved_steps + 1
+    rows = np.array([approaches[load] for load in loads])
+    rising_loads, approach = _rising(scene, np.array(loads), rows[:, :count])
+    radius = equivalent_radius(scene)
     try:
-        radius = equivalent_radius(scene)
-        smooth = closed_forms.hertz_approach(1.0, radius, scene.contact_modulus)
-        return ForceLaw(position, known, approach, period, smooth)
+        return ForceLaw(
+            np.arange(count, dtype=np.float64) * result.step,
+            rising_loads,
+            approach,
+            period,
+            closed_forms.hertz_approach(1.0, radius, scene.contact_modulus),
+        )
     except ValueError as error:
         raise ContactError(f"{error}; take a longer track") from error
 
@@ -205,17 +258,21 @@ def _rising(scene: Scene, loads: Array, approach: Array) -> tuple[Array, Array]:
     The error of the solver may exceed the difference between two loads. A single load gets a
     neighbour by the contact of a smooth sphere.
     """
-    least, body = MIN_SLOPE, (equivalent_radius(scene), scene.contact_modulus)
+    slope = MIN_SLOPE
     if len(loads) == 1:
-        loads, approach, least = loads * [1.0, 1.01], np.stack([approach[0]] * 2), 1.0
-    hertz = [closed_forms.hertz_approach(load, *body) for load in loads]
-    lowest, rises = least * np.diff(hertz)[:, None], np.diff(approach, axis=0)
-    if np.all(rises >= lowest):
+        loads = loads * [1.0, 1.01]
+        approach = np.stack([approach[0], approach[0]])
+        slope = 1.0
+    radius = equivalent_radius(scene)
+    hertz = [closed_forms.hertz_approach(load, radius, scene.contact_modulus) for load in loads]
+    least_rises = slope * np.diff(hertz)[:, None]
+    rises = np.diff(approach, axis=0)
+    if np.all(rises >= least_rises):
         return loads, approach
-    heights = np.cumsum(np.maximum(rises, lowest), axis=0)
-    heights = np.concatenate((np.zeros_like(heights[:1]), heights))
+    sums = np.cumsum(np.maximum(rises, least_rises), axis=0)
+    sums = np.concatenate((np.zeros_like(sums[:1]), sums))
     own = int(np.flatnonzero(loads == scene.load)[0])
-    return loads, approach[own] + heights - heights[own]
+    return loads, approach[own] + sums - sums[own]
 
 
 @dataclass(frozen=True)
@@ -235,23 +292,32 @@ class LawError:
 
 def law_error(scene: Scene, result: Result, loads: Sequence[float]) -> LawError | None:
     """Compare a law over some loads [N] with marches between them; None where there are none."""
-    marches = result.load_marches
-    between = [load for load in _between(loads) if marches and load in marches.judging]
-    if marches is None or not between:
+    if result.load_marches is None:
         return None
-    steps = len(marches.judging[between[0]]) - 1
+    judging = result.load_marches.judging
+    between = [load for load in _between(loads) if load in judging]
+    if not between:
+        return None
+    steps = len(judging[between[0]]) - 1
     law = law_over(scene, result, loads, steps)
-    position = np.arange(steps + 1) * result.step
-
-    def error(load: float) -> float:
-        departure = law.force(position, marches.judging[load]) - load
-        return float(np.sqrt(np.mean(np.square(departure))))
-
-    newtons = np.array([error(load) for load in between])
+    newtons = np.array([_rms_error(law, load, judging[load], result.step) for load in between])
     ratio = float(np.max(newtons / np.abs(np.array(between) - scene.load)))
-    beyond = [load for load in _beyond_top(scene, result, loads) if load in marches.judging]
-    top = error(beyond[0]) / beyond[0] if beyond else None
-    return LawError(float(newtons.max()), 20 * math.log10(1 + ratio), top)
+    top = None
+    for load in _beyond_top(scene, result, loads):
+        if load in judging:
+            top = _rms_error(law, load, judging[load], result.step) / load
+    return LawError(
+        newtons=float(newtons.max()),
+        decibels=20 * math.log10(1 + ratio),
+        top=top,
+    )
+
+
+def _rms_error(law: ForceLaw, load: float, approach: Array, step: float) -> float:
+    """Return the rms error [N] of a law against a march at a load [N], from its approach [m]."""
+    position = np.arange(len(approach)) * step
+    departure = law.force(position, approach) - load
+    return float(np.sqrt(np.mean(np.square(departure))))
 
 
 # ---- moving load
@@ -263,30 +329,30 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     A fault stands in their place where the sphere passes a position under more than one load, or
     under none. A motion of fewer than two positions has the constant load of the scene.
     """
-    key, steps = vibration_key(scene), result.solved_steps
+    key = vibration_key(scene)
+    steps = result.solved_steps
     motion = law_motion(scene, result)
-    closed = scene.track.closed and scene.motion.is_constant(scene.duration)
-    repeats = closed and motion.settled
+    is_periodic = scene.track.closed and scene.motion.is_constant(scene.duration)
+    repeats = is_periodic and motion.settled
     if result.steps > steps and not repeats:
-        return MovingRelease.impossible(
-            key,
-            steps,
-            "the record passes the track more than once, and its force does not repeat",
-        )
+        fault = "the record passes the track more than once, and its force does not repeat"
+        return MovingRelease.impossible(key, steps, fault)
     if motion.flight_share > 0:
-        return MovingRelease.impossible(
-            key,
-            steps,
-            "the sphere loses contact, and nothing is released under no load",
-        )
+        fault = "the sphere loses contact, and nothing is released under no load"
+        return MovingRelease.impossible(key, steps, fault)
     count = round(len(motion.force_n) * steps / result.steps)
     # A sphere that rests stays at its position.
     moved = np.flatnonzero(np.diff(motion.position_m[:count], prepend=-np.inf) > 0)
     if len(moved) < 2:  # it rests, or passes the lap before its force changes
-        load, mean = np.full(steps + 1, scene.load), motion.approach_m.mean()
-        return MovingRelease(key, load, np.full(steps + 1, mean))
+        return MovingRelease(
+            key,
+            force=np.full(steps + 1, scene.load),
+            motion_approach=np.full(steps + 1, motion.approach_m.mean()),
+        )
     places = motion.position_m[moved]
-    lap = steps * result.step if repeats else None
+    lap = None
+    if repeats:
+        lap = steps * result.step
     positions = np.arange(steps + 1, dtype=float) * result.step
     force = _at(positions, places, motion.force_n[moved], lap)
     approach = _at(positions, places, motion.approach_m[moved], lap)
@@ -303,5 +369,6 @@ def _at(positions: Array, places: Array, values: Array, lap: float | None) -> Ar
 
     if lap is None:
         return np.asarray(CubicSpline(places, values)(positions))
-    around, again = np.append(places, places[0] + lap), np.append(values, values[0])
-    return np.asarray(CubicSpline(around, again, bc_type="periodic")(positions))
+    closed_places = np.append(places, places[0] + lap)
+    closed_values = np.append(values, values[0])
+    return np.asarray(CubicSpline(closed_places, closed_values, bc_type="periodic")(positions))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from rolling.check.error_cost import COLD_STEPS
 from rolling.contact.solver import ContactError
 from rolling.marches.error_stretches import own_stretches, stretch_pieces
 from rolling.marches.force_law import law_motion, law_pieces, load_along, own_marches
+from rolling.marches.passes import Passes
 from rolling.marches.piece import Piece
 from rolling.marches.result import Result, vibration_key
 from rolling.scene.scene import Scene
@@ -27,8 +28,10 @@ from rolling.scene.scene import Scene
 SECONDS = 3e-3  # [s] of rolling that are shown
 SHARE = 0.05  # maximum share of the steps of the run
 AVERAGED = 20e-6  # [m] over which the release is averaged to find the event
-FROM, TO = 2e-6, 4e-6  # [m] from one map to the next, unless a step is longer
-MIN_MAPS, MAX_MAPS = 30, 150  # maps
+MIN_STRIDE = 2e-6  # [m] from one map to the next, unless a step is longer
+MAX_STRIDE = 4e-6  # [m]
+MIN_MAPS = 30
+MAX_MAPS = 150
 
 
 def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]:
@@ -46,40 +49,90 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
     ------
     ContactError : a force law or a motion is not possible.
     """
-    step_seconds = cost.lap_seconds(scene) / result.solved_steps
-
     passes = result.passes
-
-    def piece(kind: str, first: int, last: int, scale: float = 1.0, **fields: Any) -> Piece:
-        if passes is not None:  # other marches meet the surface that the last pass left
-            fields = {"sunk": passes.sunk} | fields
-        seconds = (last - first) * step_seconds * scale
-        return Piece(scene, result.identity, kind, first, last, seconds, **fields)
-
     if passes is not None:
-        if lacking := passes.missing(scene):
-            scale, number = 1 + cost.RUN_IN_SHARE, passes.finished
-            return [piece("pass", *ends, scale, number=number) for ends in lacking]
+        pieces = _pass_pieces(scene, result, passes)
+        if pieces:
+            return pieces
         if scene.dynamics is not None:
             passes.refuse_yielding()
-    pieces = [piece("track", first, last) for first, last in result.missing()]
-    pieces += stretch_pieces(scene, result, piece)
-    law = [] if scene.dynamics is None else law_pieces(scene, result, piece)
+    pieces = [
+        Piece(scene, result.identity, "track", first, last, sunk=result.sunk)
+        for first, last in result.missing()
+    ]
+    pieces += stretch_pieces(scene, result)
+    law = law_pieces(scene, result)
     pieces += law
     if scene.moves_release and result.complete and not law:
-        if result.moving is None or result.moving.key != vibration_key(scene):
-            result.moving = load_along(scene, result)
-        moving = result.moving
-        pieces += [piece("moving", *ends, forces=moving.force) for ends in moving.missing()]
-    if film and not pieces and (passes is None or passes.before is not None):
-        positions, film_so_far = film_stretch(scene, result), result.slow_motion
-        if positions is None:
-            result.slow_motion = None
-        # A film without a map is of a stretch that could not be solved again.
-        elif film_so_far is None or [*film_so_far.positions] not in ([], [*positions]):
-            ends, sunk = (positions[0], positions[-1]), passes and passes.before
-            pieces = [piece("film", *ends, stride=positions.step, sunk=sunk)]
+        pieces += _moving_pieces(scene, result)
+    if film and not pieces:
+        pieces = _film_pieces(scene, result)
     return pieces
+
+
+def _pass_pieces(scene: Scene, result: Result, passes: Passes) -> list[Piece]:
+    """Return the pieces that the present pass over a plate that remembers lacks."""
+    return [
+        Piece(
+            scene,
+            result.identity,
+            "pass",
+            first,
+            last,
+            number=passes.finished,
+            sunk=passes.sunk,
+            step_cost=1 + cost.RUN_IN_SHARE,
+        )
+        for first, last in passes.missing(scene)
+    ]
+
+
+def _moving_pieces(scene: Scene, result: Result) -> list[Piece]:
+    """Return the pieces under the moving load; the result gets this load first."""
+    if result.moving is None or result.moving.key != vibration_key(scene):
+        result.moving = load_along(scene, result)
+    moving = result.moving
+    return [
+        Piece(
+            scene,
+            result.identity,
+            "moving",
+            first,
+            last,
+            forces=moving.force,
+            sunk=result.sunk,
+        )
+        for first, last in moving.missing()
+    ]
+
+
+def _film_pieces(scene: Scene, result: Result) -> list[Piece]:
+    """Return the piece of the slow motion, if it is possible and not there."""
+    sunk = None
+    if result.passes is not None:
+        if result.passes.before is None:  # the plate before the last pass is not stored
+            return []
+        sunk = result.passes.before
+    positions = film_stretch(scene, result)
+    if positions is None:
+        result.slow_motion = None
+        return []
+    if result.slow_motion is not None:
+        stored = result.slow_motion.positions.tolist()
+        # A film without a map is of a stretch that could not be solved again.
+        if not stored or stored == list(positions):
+            return []
+    return [
+        Piece(
+            scene,
+            result.identity,
+            "film",
+            positions[0],
+            positions[-1],
+            stride=positions.step,
+            sunk=sunk,
+        )
+    ]
 
 
 def own_part(scene: Scene, result: Result, film: bool) -> Result:
@@ -106,41 +159,60 @@ def film_stretch(scene: Scene, result: Result) -> range | None:
     """
     if scene.is_smooth or not result.complete:
         return None
-    vibrates = scene.dynamics is not None and scene.sound.source == "vibration"
     try:
-        position, speed = (_largest_departure if vibrates else _loudest_release)(scene, result)
+        if scene.dynamics is not None and scene.sound.source == "vibration":
+            event = _largest_departure(scene, result)
+        else:
+            event = _loudest_release(scene, result)
     except ContactError:
         return None
     step = result.step
-    wanted = SECONDS * speed / step
-    stride = max(1, math.ceil(FROM / step - 1e-9))
-    stride = max(stride, min(math.floor(TO / step + 1e-9), math.ceil(wanted / MAX_MAPS - 1e-9)))
+    wanted = SECONDS * event.speed / step
+    stride = max(
+        1,
+        math.ceil(MIN_STRIDE / step - 1e-9),
+        min(math.floor(MAX_STRIDE / step + 1e-9), math.ceil(wanted / MAX_MAPS - 1e-9)),
+    )
     affordable = SHARE * result.solved_steps - COLD_STEPS
     maps = min(MAX_MAPS, int(min(wanted, affordable) // stride))
     if maps < MIN_MAPS:
         return None
     length = (maps - 1) * stride
-    first = min(max(0, position - length // 2), result.solved_steps - length)
+    first = min(max(0, event.position - length // 2), result.solved_steps - length)
     return range(first, first + length + 1, stride)
 
 
-def _largest_departure(scene: Scene, result: Result) -> tuple[int, float]:
-    """Return position and speed [m/s] where the force departs most from the load in a lap."""
+class _Event(NamedTuple):
+    """Place of the loudest event.
+
+    position : int. Number of the position.
+    speed : float, m/s. Speed of the sphere there.
+    """
+
+    position: int
+    speed: float
+
+
+def _largest_departure(scene: Scene, result: Result) -> _Event:
+    """Return the event where the force departs most from the load in a lap."""
     motion = law_motion(scene, result)
     departure = np.abs(motion.force_n / scene.load - 1.0)
     departure[motion.position_m > result.solved_steps * result.step] = 0.0
     largest = int(np.argmax(departure))
-    speed = float(scene.motion.speed(motion.time_s[largest]))
-    return round(float(motion.position_m[largest]) / result.step), speed
+    return _Event(
+        position=round(float(motion.position_m[largest]) / result.step),
+        speed=float(scene.motion.speed(motion.time_s[largest])),
+    )
 
 
-def _loudest_release(scene: Scene, result: Result) -> tuple[int, float]:
-    """Return position and speed [m/s] of the largest release power."""
-    energy, step = result.series["release_energy"], result.step
+def _loudest_release(scene: Scene, result: Result) -> _Event:
+    """Return the event with the largest release power."""
+    energy = result.series["release_energy"]
+    step = result.step
     middle = np.minimum((np.arange(len(energy)) + 0.5) * step, scene.motion.final_distance)
     speed = np.asarray(scene.motion.speed(scene.motion.time(middle)), dtype=float)
     position = loudest(energy * speed, max(1, round(AVERAGED / step)))
-    return position, float(speed[position])
+    return _Event(position, float(speed[position]))
 
 
 def loudest(power: Array, width: int) -> int:

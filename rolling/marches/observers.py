@@ -1,14 +1,15 @@
 """Observers of a march: series, recovery events, pressure maps and a film of one stretch.
 
-An observer is called with each state and the energies of the step that led to it. Its `arrays` are
-plain arrays by name.
+An observer sees each state and the energies of the step that led to it. Its `arrays` are plain
+arrays by name.
 """
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,15 @@ from rolling.contact.subcells import cell_means
 STEP_SERIES = ("release_energy", "loading_energy", "energy_defect", "step_time")
 MOVING_SERIES = STEP_SERIES[:3]  # of a march under the moving load
 STATE_SERIES = (
-    *("approach", "contact_area", "plastic_area", "max_pressure", "max_deflection"),
-    *("stored_energy", "residual", "iterations", "convolutions"),
+    "approach",
+    "contact_area",
+    "plastic_area",
+    "max_pressure",
+    "max_deflection",
+    "stored_energy",
+    "residual",
+    "iterations",
+    "convolutions",
 )
 EVENT_COLUMNS = ("node", "first", "last", "energy", "peak")
 PLACES = ("position", "distance", "along", "across", "cell")  # of a pressure map
@@ -103,9 +111,17 @@ class SlowMotion:
     @classmethod
     def none(cls) -> SlowMotion:
         """Return a slow motion without a map, of a stretch that could not be solved again."""
-        empty = np.zeros((0, 0, 0))
-        maps = empty.astype(np.uint8), empty.astype(np.uint16)
-        return cls(0, 1, 0.0, 0.0, 1.0, 1.0, 1.0, *maps)
+        return cls(
+            first=0,
+            stride=1,
+            along=0.0,
+            across=0.0,
+            cell=1.0,
+            pressure_unit=1.0,
+            release_unit=1.0,
+            pressure=np.zeros((0, 0, 0), np.uint8),
+            release=np.zeros((0, 0, 0), np.uint16),
+        )
 
 
 # ---- series and events
@@ -120,15 +136,18 @@ class Series:
         self._states: list[tuple[float, ...]] = []
         self._began = time.perf_counter()
 
-    def __call__(self, state: ContactState, energy: StepEnergy | None) -> None:
+    def observe(self, state: ContactState, energy: StepEnergy | None) -> None:
         """Add the energies [J] and the time [s] of a step, and the scalars of a state."""
-        k = state.position
-        if k > self._first:
+        is_first = state.position == self._first
+        if not is_first:
             now = time.perf_counter()
-            energies = (energy.release, energy.loading, energy.defect) if energy else (np.nan,) * 3
-            self._steps.append((*energies, now - self._began))
+            seconds = now - self._began
             self._began = now
-        if k > self._first or k == 0:
+            if energy is None:
+                self._steps.append((math.nan, math.nan, math.nan, seconds))
+            else:
+                self._steps.append((energy.release, energy.loading, energy.defect, seconds))
+        if not is_first or state.position == 0:
             self._states.append(tuple(getattr(state, name) for name in STATE_SERIES))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
@@ -146,9 +165,10 @@ class Events:
     """Observer of recovery events."""
 
     def __init__(self, contact: RollingContact) -> None:
-        self._table, self._subcells = EventTable(contact.cell_shape), contact.subcells
+        self._table = EventTable(contact.cell_shape)
+        self._subcells = contact.subcells
 
-    def __call__(self, state: ContactState, energy: StepEnergy | None) -> None:
+    def observe(self, state: ContactState, energy: StepEnergy | None) -> None:
         """Add the releases of a step."""
         if energy is not None:
             self._table.add(state.position - 1, energy, self._subcells)
@@ -172,7 +192,7 @@ class Maps:
         self._maps: list[PressureMap] = []
         self._snapshot: dict[str, NDArray[Any]] = {}
 
-    def __call__(self, state: ContactState, energy: StepEnergy | None) -> None:
+    def observe(self, state: ContactState, energy: StepEnergy | None) -> None:
         """Keep the pressure at the mapped positions."""
         if state.position in self._positions:
             self._maps.append(_pressure_map(state, self._contact))
@@ -181,34 +201,44 @@ class Maps:
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return places and pressures of the maps, and the snapshot."""
-        places = [[getattr(m, name) for name in PLACES] for m in self._maps]
-        pressures = {f"map_{m.position}": m.pressure for m in self._maps}
-        table = np.array(places).reshape(-1, len(PLACES))
-        return self._snapshot | {"map_places": table} | pressures
+        arrays = dict(self._snapshot)
+        places = [[getattr(shown, name) for name in PLACES] for shown in self._maps]
+        arrays["map_places"] = np.array(places).reshape(-1, len(PLACES))
+        for shown in self._maps:
+            arrays[f"map_{shown.position}"] = shown.pressure
+        return arrays
 
 
 def _pressure_map(state: ContactState, contact: RollingContact) -> PressureMap:
     """Return the pressure map of a state, with enough nodes per cell to keep the map small."""
     r = contact.subcells
-    spacing, window = contact.cell_spacing, state.window.cells(r)
+    spacing = contact.cell_spacing
+    window = state.window.cells(r)
     loaded = state.loaded.whole(r).cells(r)
-    nodes = -(-max(loaded.rows, loaded.columns) // MAP_CELLS)
+    nodes = math.ceil(max(loaded.rows, loaded.columns) / MAP_CELLS)
     # All cells are whole, so the last row and column reach over unloaded nodes.
-    rows, columns = (-(-count // nodes) for count in (loaded.rows, loaded.columns))
+    rows = math.ceil(loaded.rows / nodes)
+    columns = math.ceil(loaded.columns / nodes)
     pressure = np.zeros((rows * nodes, columns * nodes))
     pressure[: loaded.rows, : loaded.columns] = window.moved(cell_means(state.pressure, r), loaded)
     means = pressure.reshape(rows, nodes, columns, nodes).mean(axis=(1, 3))
-    corner = (loaded.row - 0.5) * spacing, (loaded.column - 0.5) * spacing
-    distance = contact.position(state.position)
-    return PressureMap(state.position, distance, *corner, nodes * spacing, means.astype(np.float32))
+    return PressureMap(
+        position=state.position,
+        distance=contact.position(state.position),
+        along=(loaded.row - 0.5) * spacing,
+        across=(loaded.column - 0.5) * spacing,
+        cell=nodes * spacing,
+        pressure=means.astype(np.float32),
+    )
 
 
 def _snapshot(state: ContactState, contact: RollingContact) -> dict[str, NDArray[Any]]:
     """Return place [m], pressure [Pa] and deflection [m] of the cells of a state."""
-    window, spacing = state.window.cells(contact.subcells), contact.cell_spacing
-    place = contact.position(state.position), window.row * spacing, window.column * spacing
+    window = state.window.cells(contact.subcells)
+    spacing = contact.cell_spacing
+    distance = contact.position(state.position)
     return {
-        "snapshot_place": np.array(place),
+        "snapshot_place": np.array([distance, window.row * spacing, window.column * spacing]),
         "snapshot_pressure": cell_means(state.pressure, contact.subcells),
         "snapshot_deflection": cell_means(state.deflection, contact.subcells),
     }
@@ -217,60 +247,79 @@ def _snapshot(state: ContactState, contact: RollingContact) -> dict[str, NDArray
 # ---- film
 
 
+class _Shot(NamedTuple):
+    """Cells at a position of a film: pressure [Pa], and release [J] since the shot before."""
+
+    window: Window
+    pressure: Array
+    release: Array
+
+
 class Film:
     """Observer of maps of pressure and release at every `stride` positions of a stretch."""
 
     def __init__(self, contact: RollingContact, first: int, stride: int) -> None:
-        self._contact, self._first, self._stride = contact, first, stride
+        self._contact = contact
+        self._first = first
+        self._stride = stride
         self._states: list[ContactState] = []
         self._energies: list[StepEnergy] = []
-        self._shots: list[tuple[Window, Array, Array]] = []
+        self._shots: list[_Shot] = []
 
-    def __call__(self, state: ContactState, energy: StepEnergy | None) -> None:
+    def observe(self, state: ContactState, energy: StepEnergy | None) -> None:
         """Keep the pressure [Pa] of a position, and the release [J] since the shot before."""
         if energy is not None:
             self._energies.append(energy)
         self._states.append(state)
         if (state.position - self._first) % self._stride == 0:
             self._shots.append(self._shot())
-            self._states, self._energies = [state], []
+            self._states = [state]
+            self._energies = []
 
-    def _shot(self) -> tuple[Window, Array, Array]:
-        """Return a window of cells with pressure [Pa] and release [J] since the last shot."""
-        r, last = self._contact.subcells, self._states[-1]
+    def _shot(self) -> _Shot:
+        """Return the shot at the present position."""
+        r = self._contact.subcells
+        last = self._states[-1]
         window = Window.around([state.loaded.whole(r).cells(r) for state in self._states])
         pressure = last.window.cells(r).moved(cell_means(last.pressure, r), window)
         release = np.zeros_like(pressure)
         for energy in self._energies:
             cells = cell_means(np.maximum(energy.node_work, 0.0), r) * r**2
             release += energy.window.cells(r).moved(cells, window)
-        return window, pressure, release
+        return _Shot(window, pressure, release)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the maps on a common part of the plate, with few enough cells."""
-        windows = [window for window, _, _ in self._shots]
-        whole = Window.around(windows)
-        nodes = -(-max(max(window.rows, window.columns) for window in windows) // FILM_CELLS)
-        sides = whole.rows, whole.columns
-        rows, columns = (-(-count // nodes) + 2 * FILM_MARGIN for count in sides)
+        windows = [shot.window for shot in self._shots]
+        widest = max(max(window.rows, window.columns) for window in windows)
+        nodes = math.ceil(widest / FILM_CELLS)  # along the side of a cell of the film
         border = FILM_MARGIN * nodes
-        whole = Window(whole.row - border, whole.column - border, rows * nodes, columns * nodes)
-
-        def sums(window: Window, values: Array) -> Array:
-            blocks: Array = window.moved(values, whole).reshape(rows, nodes, columns, nodes)
-            return np.asarray(blocks.sum(axis=(1, 3)))
-
-        pressure = np.array([sums(window, values) for window, values, _ in self._shots]) / nodes**2
-        release = np.array([sums(window, values) for window, _, values in self._shots])
-        small, pressure_unit = _packed(pressure, np.uint8)
-        lit, release_unit = _packed(release, np.uint16)
+        shown = Window.around(windows)
+        whole = Window(
+            shown.row - border,
+            shown.column - border,
+            (math.ceil(shown.rows / nodes) + 2 * FILM_MARGIN) * nodes,
+            (math.ceil(shown.columns / nodes) + 2 * FILM_MARGIN) * nodes,
+        )
+        sums = [_cell_sums(shot.window.moved(shot.pressure, whole), nodes) for shot in self._shots]
+        pressure, pressure_unit = _packed(np.array(sums) / nodes**2, np.uint8)
+        sums = [_cell_sums(shot.window.moved(shot.release, whole), nodes) for shot in self._shots]
+        release, release_unit = _packed(np.array(sums), np.uint16)
         spacing = self._contact.cell_spacing
-        place = (whole.row - 0.5) * spacing, (whole.column - 0.5) * spacing, nodes * spacing
+        along = (whole.row - 0.5) * spacing
+        across = (whole.column - 0.5) * spacing
         return {
-            "film_pressure": small,
-            "film_release": lit,
-            "film_place": np.array([*place, pressure_unit, release_unit]),
+            "film_pressure": pressure,
+            "film_release": release,
+            "film_place": np.array([along, across, nodes * spacing, pressure_unit, release_unit]),
         }
+
+
+def _cell_sums(values: Array, nodes: int) -> Array:
+    """Return the sums of values over square cells of so many nodes along a side."""
+    rows, columns = values.shape
+    blocks = values.reshape(rows // nodes, nodes, columns // nodes, nodes)
+    return np.asarray(blocks.sum(axis=(1, 3)))
 
 
 def _packed(values: Array, kind: type[np.unsignedinteger]) -> tuple[NDArray[Any], float]:

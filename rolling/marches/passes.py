@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,8 @@ from rolling.contact.memory import sink
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.dynamics.smooth_contact import maximum_pressure
+from rolling.marches.piece import Piece
 from rolling.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from rolling.marches.piece import Piece
 
 # Widths of the contact after which a march has forgotten its cold start: to 3.3e-6 of the release's
 # fluctuation where the Hertz pressure stays below the hardness (113 of 114 random scenes, 6e-5 on a
@@ -39,7 +37,8 @@ SERIES = ("release_energy", "plastic_work", "approach")  # the last has an entry
 
 def _width_steps(scene: Scene) -> float:
     """Estimate the width of the contact in steps."""
-    return 2 * cost.overlap_radius(scene, cost.roughness(scene)[0]) / scene.step
+    rq, _ = cost.roughness(scene)
+    return 2 * cost.overlap_radius(scene, rq) / scene.step
 
 
 def _is_groove(scene: Scene) -> bool:
@@ -49,14 +48,19 @@ def _is_groove(scene: Scene) -> bool:
 
 def run_in(scene: Scene, first: int) -> int:
     """Return the number of positions before the first that a march needs to forget its start."""
-    steps = math.ceil((RUN_IN_GROOVE if _is_groove(scene) else RUN_IN) * _width_steps(scene))
-    is_lap = scene.track.solved_steps == scene.track.lap_steps
-    return steps if is_lap else min(steps, first)
+    widths = RUN_IN
+    if _is_groove(scene):
+        widths = RUN_IN_GROOVE
+    steps = math.ceil(widths * _width_steps(scene))
+    if scene.track.solved_steps == scene.track.lap_steps:  # the track goes on before its first
+        return steps
+    return min(steps, first)
 
 
 def pass_pieces(scene: Scene) -> list[tuple[int, int]]:
     """Return the first and last position of each piece of a pass, equal in length."""
-    steps, count = scene.track.solved_steps, 1
+    steps = scene.track.solved_steps
+    count = 1
     if not _is_groove(scene):
         count = max(1, round(steps * cost.RUN_IN_SHARE / run_in(scene, steps)))
     return list(pairwise([k * steps // count for k in range(count + 1)]))
@@ -76,11 +80,14 @@ class Sinking:
 
     def __init__(self, contact: RollingContact, start: int, first: int, along: int) -> None:
         """Begin with the heights of a contact, whose period is `along` nodes."""
-        self._contact, self._start, self._first, self._along = contact, start, first, along
-        self._begin = contact.heights.copy()
+        self._contact = contact
+        self._start = start
+        self._first = first
+        self._along = along
+        self._before = contact.heights.copy()
         self._work: list[float] = []
 
-    def __call__(self, state: ContactState) -> float:
+    def lower(self, state: ContactState) -> float:
         """Lower the heights at a state, and return its plastic work [J]."""
         contact = self._contact
         if state.loaded.rows > self._along:
@@ -90,13 +97,14 @@ class Sinking:
         if state.position > self._first:
             self._work.append(work)
         elif state.position == self._first != self._start:
-            self._begin = contact.heights.copy()
+            self._before = contact.heights.copy()
         return work
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return the plastic work of steps [J], and the depth by which rows have sunk [m]."""
-        sunk = (self._begin - self._contact.heights).reshape(-1, self._along, self._begin.shape[1])
-        depth = sunk.sum(axis=0)
+        sunk = self._before - self._contact.heights
+        periods = sunk.reshape(-1, self._along, sunk.shape[1])
+        depth = periods.sum(axis=0)
         rows = np.flatnonzero(depth.any(axis=1))
         return {"plastic_work": np.array(self._work), "sunk_row": rows, "sunk_depth": depth[rows]}
 
@@ -125,11 +133,18 @@ class Passes:
         """Return the passes of a scene before the first; None for a plate without memory."""
         if not scene.is_permanent:
             return None
-        track, count = scene.track, scene.passes
-        lengths = {name: track.solved_steps + (name == "approach") for name in SERIES}
-        series = {name: np.full((count, length), np.nan) for name, length in lengths.items()}
-        sunk = np.zeros((track.n_along, track.n_across))
-        return cls(series, np.full(count, np.nan), sunk)
+        track = scene.track
+        count = scene.passes
+        series = {
+            "release_energy": np.full((count, track.solved_steps), np.nan),
+            "plastic_work": np.full((count, track.solved_steps), np.nan),
+            "approach": np.full((count, track.solved_steps + 1), np.nan),
+        }
+        return cls(
+            series=series,
+            depth=np.full(count, np.nan),
+            sunk=np.zeros((track.n_along, track.n_across)),
+        )
 
     @property
     def finished(self) -> int:
@@ -139,36 +154,41 @@ class Passes:
     @property
     def yielding(self) -> float:
         """Plastic work of the last pass over its release."""
-        work, release = (self.series[name][-1] for name in ("plastic_work", "release_energy"))
-        return float(work.sum() / release.sum())
+        work = self.series["plastic_work"][-1].sum()
+        release = self.series["release_energy"][-1].sum()
+        return float(work / release)
 
     def refuse_yielding(self) -> None:
         """Raise ContactError while the last pass yields: a force law needs a run-in plate."""
         if self.yielding > YIELDING:
             count = len(self.depth)
             raise ContactError(
-                f"a force law needs a plate that has run in, and in pass {count} of {count} the "
-                f"plastic work is {rounded(self.yielding)} of the release, allowed: "
-                f"{rounded(YIELDING)}; raise rolling.passes, or leave out dynamics"
+                "a force law needs a plate that has run in, and in pass"
+                f" {count} of {count} the plastic work is {rounded(self.yielding)} of the release,"
+                f" allowed: {rounded(YIELDING)}; raise rolling.passes, or leave out dynamics"
             )
 
     def missing(self, scene: Scene) -> list[tuple[int, int]]:
         """Return first and last position of the pieces that the present pass lacks."""
         if self.finished == len(self.depth):
             return []
-        return [ends for ends in pass_pieces(scene) if ends[0] not in self._parts]
+        return [(first, last) for first, last in pass_pieces(scene) if first not in self._parts]
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add a piece of the present pass; after the last missing piece the plate sinks."""
-        number, end = self.finished, piece.last + 1
+        number = self.finished
         for name in ("release_energy", "plastic_work"):
             self.series[name][number, piece.first : piece.last] = arrays[name]
-        self.series["approach"][number, end - len(arrays["approach"]) : end] = arrays["approach"]
+        approach = arrays["approach"]
+        end = piece.last + 1
+        self.series["approach"][number, end - len(approach) : end] = approach
         self._parts[piece.first] = arrays
         if self.missing(piece.scene):
             return
-        self.before, self.sunk = self.sunk, self.sunk.copy()
-        for _, part in sorted(self._parts.items()):
+        self.before = self.sunk
+        self.sunk = self.sunk.copy()
+        for first in sorted(self._parts):
+            part = self._parts[first]
             self.sunk[part["sunk_row"]] += part["sunk_depth"]
         self.depth[number] = self.sunk.max()
         self._parts.clear()

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Container
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,14 +35,31 @@ LawKey = tuple[str, tuple[float, ...]]  # vibration and loads [N] of a law
 
 def vibration_key(scene: Scene) -> str:
     """Return a digest that is equal for scenes of equal contact whose force is equal."""
-    data, plate = scene.model_dump(mode="json"), scene.plate
-    bodies = scene.sphere.density_kg_m3, plate.density_kg_m3, plate.thickness_mm
-    parts = [scene.track.steps, bodies, data["dynamics"]]
+    data = scene.model_dump(mode="json")
+    plate = scene.plate
+    rolling = data["rolling"]
+    parts: list[Any] = [
+        rolling["speed_m_s"],
+        scene.track.steps,
+        (scene.sphere.density_kg_m3, plate.density_kg_m3, plate.thickness_mm),
+        data["dynamics"],
+    ]
+    # Keys that a scene leaves out add nothing, so that digests of older runs stay.
     if plate.edges_mm is not None or plate.contact_loss_factor:
         parts.append([data["plate"][name] for name in VIBRATING_PLATE])
-    free = {key: data["rolling"][key] for key in ("resistance", "drop_mm")}
-    free = {key: value for key, value in free.items() if value is not None}
-    return digest([data["rolling"]["speed_m_s"], *parts, *([free] if free else [])])
+    free_motion = {
+        key: rolling[key] for key in ("resistance", "drop_mm") if rolling[key] is not None
+    }
+    if free_motion:
+        parts.append(free_motion)
+    return digest(parts)
+
+
+class MotionOverLaw(NamedTuple):
+    """Motion over a force law, with the vibration and the loads of the law."""
+
+    key: LawKey
+    motion: BodyMotion
 
 
 @dataclass
@@ -84,7 +102,8 @@ class LoadMarches:
 
         The reason is that of the first failed piece, so it does not depend on their order.
         """
-        load, fault = piece.load, arrays.get("fault")
+        load = piece.load
+        fault = arrays.get("fault")
         if fault is None:
             self.seconds += float(arrays["step_time"].sum())
         if piece.kind == "judge":
@@ -98,7 +117,8 @@ class LoadMarches:
             _fill_states(whole, piece, arrays["approach"])
         else:
             self._failures[load][piece.first] = str(fault)
-        if (failures := self._failures[load]) and not self.missing(load):
+        failures = self._failures[load]
+        if failures and not self.missing(load):
             self.faults[load] = failures[min(failures)]
             self.approach.pop(load, None)
 
@@ -148,7 +168,9 @@ class MovingRelease:
 
     def missing(self) -> list[tuple[int, int]]:
         """Return first and last position of the pieces that the march lacks."""
-        return [] if self.fault else _lacking(self.steps["release_energy"], self._failures)
+        if self.fault:
+            return []
+        return _lacking(self.steps["release_energy"], self._failures)
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add a piece; the first piece that failed is the fault of the march when all are there."""
@@ -184,8 +206,13 @@ class StretchMarch:
     @classmethod
     def none(cls, steps: int, fault: str = "") -> StretchMarch:
         """Return the march of a stretch that was not marched, or that failed."""
-        nan = np.full(steps + 1, np.nan)
-        return cls(nan[1:], nan, np.nan, 0.0, fault)
+        return cls(
+            release=np.full(steps, np.nan),
+            approach=np.full(steps + 1, np.nan),
+            plastic_area=math.nan,
+            seconds=0.0,
+            fault=fault,
+        )
 
 
 @dataclass
@@ -205,7 +232,9 @@ class ErrorStretches:
     def fault(self) -> str:
         """The reason of the first failure along the track; empty if there is none."""
         faults = {key: march.fault for key, march in self.marches.items() if march.fault}
-        return faults[min(faults)] if faults else ""
+        if not faults:
+            return ""
+        return faults[min(faults)]
 
     @property
     def seconds(self) -> float:
@@ -217,9 +246,12 @@ class ErrorStretches:
         if "fault" in arrays:
             march = StretchMarch.none(self.steps, f"{piece.level}: {arrays['fault']}")
         else:
-            area, seconds = arrays["plastic_area"][-self.steps :].mean(), arrays["step_time"].sum()
-            series = arrays["release_energy"], arrays["approach"]
-            march = StretchMarch(*series, float(area), float(seconds))
+            march = StretchMarch(
+                release=arrays["release_energy"],
+                approach=arrays["approach"],
+                plastic_area=float(arrays["plastic_area"][-self.steps :].mean()),
+                seconds=float(arrays["step_time"].sum()),
+            )
         self.marches[piece.first, piece.level] = march
 
 
@@ -244,7 +276,7 @@ class Result:
     passes : Passes. Passes over a plate that remembers; the series are of the last. Default: None.
     extremes : dict. Minimum and maximum of the contact force [N] by vibration and loads of the law,
         kept because each takes a motion. They are not stored.
-    motion : tuple. Vibration and loads of the law of the last motion, and this motion; not stored.
+    motion : MotionOverLaw. The last motion, which is not stored. Default: None.
     """
 
     __repr__ = short_repr
@@ -264,19 +296,25 @@ class Result:
     moving: MovingRelease | None = None
     passes: Passes | None = None
     extremes: dict[LawKey, tuple[float, float]] = field(default_factory=dict)
-    motion: tuple[LawKey, BodyMotion] | None = None
+    motion: MotionOverLaw | None = None
 
     @classmethod
     def empty(cls, scene: Scene) -> Result:
         """Return the result of a scene without a sweep, without a solved step."""
         track = scene.track
-        solved = track.solved_steps
+        steps = track.solved_steps
         # Views of a single NaN take no memory in a sweep of many runs before their first piece.
-        series = {name: np.broadcast_to(np.nan, solved) for name in STEP_SERIES}
-        series |= {name: np.broadcast_to(np.nan, solved + 1) for name in STATE_SERIES}
-        result = cls(contact_identity(scene), track.steps, solved, track.step, scene.start, series)
-        result.passes = Passes.empty(scene)
-        return result
+        series = {name: np.broadcast_to(np.nan, steps) for name in STEP_SERIES}
+        series |= {name: np.broadcast_to(np.nan, steps + 1) for name in STATE_SERIES}
+        return cls(
+            identity=contact_identity(scene),
+            steps=track.steps,
+            solved_steps=steps,
+            step=track.step,
+            start=scene.start,
+            series=series,
+            passes=Passes.empty(scene),
+        )
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add the arrays of a piece, as `march_piece` returns them."""
@@ -288,7 +326,8 @@ class Result:
             if piece.number + 1 == len(self.passes.depth):
                 self._add_track(piece, arrays)
         elif piece.kind in ("load", "judge"):
-            self.load_marches = self.load_marches or LoadMarches(self.solved_steps)
+            if self.load_marches is None:
+                self.load_marches = LoadMarches(self.solved_steps)
             self.load_marches.add(piece, arrays)
         elif piece.kind == "moving":
             assert self.moving is not None  # `next_pieces` made it with its forces
@@ -301,12 +340,10 @@ class Result:
         elif "fault" in arrays:
             self.slow_motion = SlowMotion.none()
         else:
-            along, across, cell, *units = arrays["film_place"].tolist()
-            maps = arrays["film_pressure"], arrays["film_release"]
-            places = piece.first, piece.stride, along, across, cell
-            self.slow_motion = SlowMotion(*places, units[0], units[1], *maps)
+            self.slow_motion = _slow_motion(piece, arrays)
 
     def _add_track(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
+        """Add a piece of the track, or of the last pass, with its maps and events."""
         if not self.series["approach"].flags.writeable:
             self.series = {name: values.copy() for name, values in self.series.items()}
         for name in STEP_SERIES:
@@ -315,17 +352,35 @@ class Result:
             _fill_states(self.series[name], piece, arrays[name])
         if "snapshot_place" in arrays:
             distance, along, across = arrays["snapshot_place"].tolist()
-            fields = arrays["snapshot_pressure"], arrays["snapshot_deflection"]
-            self.snapshot = Snapshot(distance, along, across, *fields)
-        for position, distance, along, across, cell in arrays["map_places"].tolist():
-            place, pressure = (distance, along, across, cell), arrays[f"map_{position:.0f}"]
-            self.maps[int(position)] = PressureMap(int(position), *place, pressure)
+            self.snapshot = Snapshot(
+                distance=distance,
+                along=along,
+                across=across,
+                pressure=arrays["snapshot_pressure"],
+                deflection=arrays["snapshot_deflection"],
+            )
+        for place, distance, along, across, cell in arrays["map_places"].tolist():
+            position = int(place)
+            self.maps[position] = PressureMap(
+                position=position,
+                distance=distance,
+                along=along,
+                across=across,
+                cell=cell,
+                pressure=arrays[f"map_{position}"],
+            )
         if "event_node" in arrays:
-            self.event_pieces[piece.first] = {x: arrays[f"event_{x}"] for x in EVENT_COLUMNS}
+            columns = {name: arrays[f"event_{name}"] for name in EVENT_COLUMNS}
+            self.event_pieces[piece.first] = columns
+
+    @property
+    def sunk(self) -> Array | None:
+        """Depth of the nodes below the virgin plate [m] after the passes; None for no passes."""
+        return None if self.passes is None else self.passes.sunk
 
     def left_by_passes(self, heights: Array) -> Array:
         """Return the heights [m] of a plate as its passes leave them."""
-        return heights if self.passes is None else heights - self.passes.sunk
+        return heights if self.sunk is None else heights - self.sunk
 
     def missing(self) -> list[tuple[int, int]]:
         """Return first and last position of the pieces of the track that are not solved yet."""
@@ -356,9 +411,28 @@ class Result:
 
 def _lacking(values: Array, failed: Container[int]) -> list[tuple[int, int]]:
     """Return first and last position of the pieces of unknown steps, but for those that failed."""
-    unknown = np.isnan(values)
-    pieces = track_pieces(len(values))
-    return [(a, b) for a, b in pieces if a not in failed and unknown[a:b].any()]
+    is_unknown = np.isnan(values)
+    return [
+        (first, last)
+        for first, last in track_pieces(len(values))
+        if first not in failed and is_unknown[first:last].any()
+    ]
+
+
+def _slow_motion(piece: Piece, arrays: dict[str, NDArray[Any]]) -> SlowMotion:
+    """Return the slow motion of the arrays of a film."""
+    along, across, cell, pressure_unit, release_unit = arrays["film_place"].tolist()
+    return SlowMotion(
+        first=piece.first,
+        stride=piece.stride,
+        along=along,
+        across=across,
+        cell=cell,
+        pressure_unit=pressure_unit,
+        release_unit=release_unit,
+        pressure=arrays["film_pressure"],
+        release=arrays["film_release"],
+    )
 
 
 def _fill_states(whole: Array, piece: Piece, values: Array) -> None:

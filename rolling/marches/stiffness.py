@@ -25,7 +25,8 @@ from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.scene_surface import heights
 
 LOWER = 0.8  # second load over the load of the scene
-POSITIONS = 4, 12  # minimum and maximum number of positions at the second load
+MIN_POSITIONS = 4  # at the second load
+MAX_POSITIONS = 12
 STEPS_EACH = 50  # of the track for a position, whose cold start costs some eight steps
 
 
@@ -37,12 +38,13 @@ def solved_stiffness(scene: Scene, result: Result) -> Array:
     as in a force law. The stiffness of a smooth contact stands for all where the lower load has no
     solution.
     """
-    left = None if result.passes is None else result.left_by_passes(heights(scene))
+    left = None
+    if result.passes is not None:
+        left = result.left_by_passes(heights(scene))
     contact = replace(rolling_contact(scene, left), load=LOWER * scene.load)
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     steps = result.solved_steps
-    fewest, most = POSITIONS
-    count = max(fewest, min(most, steps // STEPS_EACH))
+    count = max(MIN_POSITIONS, min(MAX_POSITIONS, steps // STEPS_EACH))
     falls = []
     try:
         for place in sorted({k * steps // count for k in range(count)}):
@@ -50,7 +52,8 @@ def solved_stiffness(scene: Scene, result: Result) -> Array:
             falls.append(result.series["approach"][place] - state.approach)
     except ContactError:
         return np.array([of_scene.smooth_stiffness(scene)])
-    body = equivalent_radius(scene), scene.contact_modulus
-    hertz = [closed_forms.hertz_approach(load, *body) for load in (scene.load, contact.load)]
-    secants = (1 - LOWER) * scene.load / np.maximum(falls, MIN_SLOPE * (hertz[0] - hertz[1]))
+    radius = equivalent_radius(scene)
+    upper = closed_forms.hertz_approach(scene.load, radius, scene.contact_modulus)
+    lower = closed_forms.hertz_approach(contact.load, radius, scene.contact_modulus)
+    secants = (1 - LOWER) * scene.load / np.maximum(falls, MIN_SLOPE * (upper - lower))
     return np.asarray(secants * LOWER ** (-1 / 6))

@@ -25,10 +25,11 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-SCENE, PIECES = "scene.yaml", "pieces"
+SCENE = "scene.yaml"
+PIECES = "pieces"
 MARK = "# rolling-contact-noise run folder, format 2"  # the first line of scene.yaml begins so
-LOCK, PART_LOCK = ".lock", ".lock-{}-of-{}"
-LOCK_SECONDS = 2.0  # patience with the momentary look of `status`
+LOCK = ".lock"
+LOCK_SECONDS = 2.0  # of waiting for `status`, which locks a folder for a moment
 MAX_NAMED = 20  # runs of a state that the status names
 STATES = ("done", "running", "waiting", "failed")
 
@@ -65,13 +66,17 @@ def done_runs(folder: Path) -> list[RunFolder]:
     return runs
 
 
-def done_run(folder: Path, act: str) -> RunFolder:
-    """Return the only run of a run folder; raise FolderError where it is not done, or not alone."""
+def done_run(folder: Path, verb: str) -> RunFolder:
+    """Return the only run of a run folder; raise FolderError where it is not done, or not alone.
+
+    The verb tells what a person wants to do with the run, such as "open".
+    """
     runs = stored_runs(folder)
     if len(runs) > 1:
         names = ", ".join(run.folder.name for run in runs[:3])
-        words = f"holds {len(runs)} runs; {act} one of the folders in it"
-        raise FolderError(f"{folder}: {words} ({names}, ...)")
+        raise FolderError(
+            f"{folder}: holds {len(runs)} runs; {verb} one of the folders in it ({names}, ...)"
+        )
     return done_runs(folder)[0]
 
 
@@ -84,9 +89,10 @@ def stored_scene(folder: Path) -> Scene:
     SceneError : its scene cannot be read.
     """
     if not _is_marked(folder):
-        if (folder / RESULT).is_file() and _is_marked(above := folder.absolute().parent):
+        above = folder.absolute().parent
+        if (folder / RESULT).is_file() and _is_marked(above):
             raise FolderError(f"{folder}: a single run of a sweep; name the folder of it, {above}")
-        reason = _foreign(folder) or "no run folder, there is no scene.yaml"
+        reason = _foreign_content(folder) or "no run folder, there is no scene.yaml"
         raise FolderError(f"{folder}: {reason}")
     return file.read_scene(folder / SCENE)
 
@@ -100,18 +106,25 @@ def _is_marked(folder: Path) -> bool:
         return False
 
 
-def _foreign(folder: Path) -> str:
+def _foreign_content(folder: Path) -> str:
     """Say why a folder that exists, or a link, cannot become a run folder; empty if it can."""
     if not folder.exists():
-        return "a link that leads nowhere" if folder.is_symlink() else ""
+        if folder.is_symlink():
+            return "a link that leads nowhere"
+        return ""
     if not folder.is_dir():
         return "not a folder"
     # Locks and files half written may stand in a folder without a scene.
-    own = f"{LOCK}*", f".*{files.PARTIAL}"
-    strangers = [path.name for path in folder.iterdir() if not any(map(path.match, own))]
-    damaged = f"its {SCENE} is not that of a run folder, or damaged" * (SCENE in strangers)
-    held = damaged or f"it holds {', '.join(sorted(strangers)[:3])}"
-    return f"no run folder, {held}" if strangers else ""
+    strangers = [
+        path.name
+        for path in folder.iterdir()
+        if not path.match(f"{LOCK}*") and not path.match(f".*{files.PARTIAL}")
+    ]
+    if SCENE in strangers:
+        return f"no run folder, its {SCENE} is not that of a run folder, or damaged"
+    if strangers:
+        return f"no run folder, it holds {', '.join(sorted(strangers)[:3])}"
+    return ""
 
 
 def refuse_other(folder: Path, scene: Scene) -> bool:
@@ -127,12 +140,15 @@ def refuse_other(folder: Path, scene: Scene) -> bool:
     FolderError : the folder is foreign, or holds another scene.
     """
     if not _is_marked(folder):
-        if reason := _foreign(folder):
+        reason = _foreign_content(folder)
+        if reason:
             raise FolderError(f"{folder}: {reason}; {_way_out(folder)}")
         return False
-    old, new = stored_scene(folder), seen_from(folder, scene)
+    old = stored_scene(folder)
+    new = with_relative_paths(folder, scene)
     lines = differences(old, new)
-    if lines and not (old.sweep and new.sweep and contains(old, new)):
+    adds_runs = old.sweep and new.sweep and contains(old, new)
+    if lines and not adds_runs:
         text = "".join(f"\n  {text}" for text in lines)
         raise FolderError(f"{folder}: holds runs of another scene; {_way_out(folder)}{text}")
     maker = made_by(folder)
@@ -167,22 +183,27 @@ def made_by(folder: Path) -> str:
 
 def free_name(folder: Path) -> Path:
     """Return the first name like that of a folder which does not exist."""
-    number, folder = 2, folder if folder.name else folder.resolve()
-    while (free := folder.with_name(f"{folder.name}-{number}")).exists():
+    if not folder.name:  # such as "."
+        folder = folder.resolve()
+    number = 2
+    while True:
+        free = folder.with_name(f"{folder.name}-{number}")
+        if not free.exists():
+            return free
         number += 1
-    return free
 
 
 def write_scene(folder: Path, scene: Scene) -> None:
     """Write the resolved scene of a run folder."""
     head = f"{MARK}, written by {this_program()}\n"
-    files.write_bytes(folder / SCENE, (head + file.dump(seen_from(folder, scene))).encode())
+    text = head + file.dump(with_relative_paths(folder, scene))
+    files.write_bytes(folder / SCENE, text.encode())
 
 
-def seen_from(folder: Path, scene: Scene) -> Scene:
+def with_relative_paths(folder: Path, scene: Scene) -> Scene:
     """Return a scene whose paths to height files are relative to a run folder."""
 
-    def moved(path: str) -> str:
+    def relative(path: str) -> str:
         if Path(path).is_absolute():
             return path
         # Links are resolved first, because ".." of a linked folder leads elsewhere.
@@ -190,8 +211,10 @@ def seen_from(folder: Path, scene: Scene) -> Scene:
         return Path(os.path.relpath(heights, folder.resolve())).as_posix()
 
     before = scene.to_dict()
-    data = with_paths(before, moved)
-    return scene if data == before else Scene.from_dict(data, folder)
+    data = with_paths(before, relative)
+    if data == before:
+        return scene
+    return Scene.from_dict(data, folder)
 
 
 def default_folder(scene: Scene) -> Path:
@@ -203,7 +226,7 @@ def default_folder(scene: Scene) -> Path:
 
 
 @contextmanager
-def held(folder: Path, part: Part | None = None) -> Iterator[None]:
+def locked(folder: Path, part: Part | None = None) -> Iterator[None]:
     """Hold the lock of a folder, or of a part of its sweep, while a command hands out pieces.
 
     Parts exclude a command for the whole folder, and equal parts exclude each other.
@@ -214,7 +237,12 @@ def held(folder: Path, part: Part | None = None) -> Iterator[None]:
     """
     from filelock import FileLock, Timeout
 
-    path = folder / (LOCK if part is None else PART_LOCK.format(*part))
+    path = folder / LOCK
+    others = [*folder.glob(f"{LOCK}-*")]
+    if part is not None:
+        number, count = part
+        path = folder / f"{LOCK}-{number}-of-{count}"
+        others = [folder / LOCK]
     lock = FileLock(path)
     try:
         lock.acquire(timeout=LOCK_SECONDS)
@@ -223,7 +251,6 @@ def held(folder: Path, part: Part | None = None) -> Iterator[None]:
     except OSError as error:
         raise FolderError(f"{folder}: cannot be written ({error.strerror or error})") from error
     try:
-        others = folder.glob(f"{LOCK}-*") if part is None else [folder / LOCK]
         for other in others:
             if is_locked(other):
                 raise _in_use(folder, other)
@@ -271,10 +298,14 @@ def tidy(folder: Path, runs: Sequence[RunFolder], alone: bool) -> None:
     FolderError : the folder of a run or of the pieces is a link, which leads elsewhere.
     """
     pieces = folder / PIECES
-    for place in (pieces, *pieces.glob("*"), *(run.folder for run in runs if run.values)):
+    real = [pieces, *pieces.glob("*"), *(run.folder for run in runs if run.values)]
+    for place in real:
         if place.is_symlink():
             raise FolderError(f"{place}: a link, but results are written into real folders only")
-    for place in {*([folder] if alone else ()), *(run.folder for run in runs)}:
+    places = {run.folder for run in runs}
+    if alone:
+        places.add(folder)
+    for place in places:
         with suppress(OSError):  # a place that is no folder
             (place / FAILED).unlink(missing_ok=True)
             for path in place.glob(".*.partial"):
@@ -297,13 +328,16 @@ def states(folder: Path) -> dict[str, tuple[str, str]]:
     is_running = any(map(is_locked, folder.glob(f"{LOCK}*")))
     by_name = {}
     for run in stored_runs(folder):
+        state = "waiting"
+        reason = ""
         if run.is_done:
-            state = "done", ""
-        elif (reason := run.failure) is not None:
-            state = "failed", reason
-        else:
-            state = "running" if is_running else "waiting", ""
-        by_name[run.folder.name] = state
+            state = "done"
+        elif (failure := run.failure) is not None:
+            state = "failed"
+            reason = failure
+        elif is_running:
+            state = "running"
+        by_name[run.folder.name] = state, reason
     return by_name
 
 
@@ -312,13 +346,15 @@ def status(folder: Path) -> str:
     runs = states(folder)
     counts = Counter(state for state, _ in runs.values())
     named = ", ".join(f"{counts[state]} {state}" for state in STATES if counts[state])
-    lines = [f"{folder}: {len(runs)} {'run' if len(runs) == 1 else 'runs'}: {named}"]
-    pieces = sum(1 for _ in (folder / PIECES).glob("*/*.npz"))
+    total = "1 run" if len(runs) == 1 else f"{len(runs)} runs"
+    lines = [f"{folder}: {total}: {named}"]
+    pieces = len([*(folder / PIECES).glob("*/*.npz")])
     if pieces:
         lines.append(f"  {pieces} pieces of unfinished runs are solved")
-    failed = [
-        f"  failed: {name}: {text}" for name, (state, text) in runs.items() if state == "failed"
-    ]
+    failed = []
+    for name, (state, reason) in runs.items():
+        if state == "failed":
+            failed.append(f"  failed: {name}: {reason}")
     lines += failed[:MAX_NAMED]
     if len(failed) > MAX_NAMED:
         lines.append(f"  failed: {len(failed) - MAX_NAMED} more")

@@ -1,40 +1,29 @@
-"""Places where tasks are done: this process, processes of this machine, workers of a cluster.
+"""Places where tasks are done: this process, or processes of this machine.
 
-Each pool is a context, to which `submit` hands tasks.
+A pool is used as a context. Its tasks are handed out by `rolling.run.executor`; the pool of a
+cluster is in `rolling.run.cluster`.
 """
 
 from __future__ import annotations
 
-import asyncio
-import json
-import logging
 import multiprocessing
 import os
-import pickle
-import socket
 import sys
-import time
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, cast
-from urllib.parse import urlsplit
+from typing import TYPE_CHECKING, Any, Self
 
 from rolling.check import cost
 from rolling.run import worker
-from rolling.scene.messages import SceneError
-from rolling.terminal import program, progress
+from rolling.terminal import progress
 
 if TYPE_CHECKING:
     from rolling.marches.piece import Piece
     from rolling.scene.scene import Scene
 
-CONNECT_SECONDS = 10.0
-COUNT_SECONDS = 5.0  # between two counts of the workers of a cluster
 MAX_TEAMS = 24  # each needs seven open files, of which some systems allow 256
-PORT = 8786  # of a scheduler whose address names none
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +34,14 @@ class Task:
     function : callable. It stands in a module that can be imported.
     arguments : tuple. The arguments of the call.
     piece : Piece. None for the files of a run.
+    seconds : float, s. Expected time of a piece.
     """
 
     key: tuple[str, str]
     function: Callable[..., Any]
     arguments: tuple[Any, ...]
     piece: Piece | None = None
+    seconds: float = 0.0
 
 
 class Pool(ExitStack):
@@ -63,29 +54,17 @@ class Pool(ExitStack):
 
     teams: Mapping[Any, int] = {0: 1}
     slots = 1
-    _is_told = False  # that a process compiles
+    _has_reported_compiling = False
 
     def __enter__(self) -> Self:
+        """Open the pool: solves in this process report that they compile."""
         from rolling.contact import compiling
 
-        self.enter_context(compiling.reporting(self._tell_compiling))
+        self.enter_context(compiling.reporting(self._report_compiling))
         return self
 
-    def _tell_compiling(self) -> None:
-        """Say once that a process compiles, and let a spare core compile the longest kernels."""
-        if self._is_told:
-            return
-        self._is_told = True
-        progress.compiling()
-        if cost.cores() > 1:
-            with suppress(OSError):  # no process to be had: all is compiled here
-                for part in worker.COMPILED_AHEAD:
-                    compiler = worker.compiler(part)
-                    self.callback(compiler.wait)
-                    self.callback(compiler.kill)  # before the wait; kernels that are done stay
-
     def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
-        """Hand out a task to a team."""
+        """Hand out a task to a team; raise BrokenExecutor where its processes were killed."""
         future: Future[Any] = Future()
         try:
             future.set_result(task.function(*task.arguments))
@@ -93,30 +72,29 @@ class Pool(ExitStack):
             future.set_exception(error)
         return future
 
-    def rebuild(self) -> None:
-        """Replace processes that broke."""
-
-    def look(self) -> None:
+    def poll(self) -> None:
         """Pass on messages of the workers."""
 
-    def reason(self, error: Exception) -> str:
-        """Return the reason why a task failed, or raise its error, which is none of the physics."""
+    def rebuild(self) -> None:
+        """Replace processes that were killed."""
+
+    def failure_reason(self, error: Exception) -> str:
+        """Return the reason why a task failed, or raise an error that is a fault of the program."""
         raise error
 
-
-@contextmanager
-def _worker_environment() -> Iterator[None]:
-    """Set the environment of processes that start in this context."""
-    before = {name: os.environ.get(name) for name in worker.ENVIRONMENT}
-    os.environ.update(worker.ENVIRONMENT)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
+    def _report_compiling(self) -> None:
+        """Say once that a process compiles, and let a spare core compile the longest kernels."""
+        if self._has_reported_compiling:
+            return
+        self._has_reported_compiling = True
+        progress.compiling()
+        if cost.cores() == 1:
+            return
+        with suppress(OSError):  # without another process all is compiled here
+            for part in worker.COMPILED_AHEAD:
+                compiler = worker.compiler(part)
+                self.callback(compiler.wait)
+                self.callback(compiler.kill)  # before the wait; kernels that are done stay
 
 
 class LocalPool(Pool):
@@ -135,18 +113,20 @@ class LocalPool(Pool):
         self.teams = {team: (workers + team) // teams for team in range(teams)}
 
     def __enter__(self) -> Self:
+        """Start the processes, which end with the context."""
         self.enter_context(_worker_environment())
         self._start()
         self.callback(self._stop)
         return self
 
     def _start(self) -> None:
+        """Start an executor for each team."""
         from loky import ProcessPoolExecutor
         from loky.backend import get_context
 
         context = get_context("loky")
         self._compiles = context.Event()
-        self._pools = {
+        self._executors = {
             team: ProcessPoolExecutor(
                 processes,
                 context=context,
@@ -157,32 +137,51 @@ class LocalPool(Pool):
         }
 
     def _stop(self) -> None:
-        for pool in self._pools.values():
-            pool.shutdown(wait=True, kill_workers=True)
+        """End all processes at once."""
+        for executor in self._executors.values():
+            executor.shutdown(wait=True, kill_workers=True)
 
     def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
         """Hand a task to a team, which stores a piece in its file instead of sending it."""
-        has_file = task.function is worker.solve_piece and task.arguments[1] is not None
-        function = worker.store_piece if has_file else task.function
-        future: Future[Any] = self._pools[team].submit(function, *task.arguments)
+        function = task.function
+        if function is worker.solve_piece:
+            _, pieces = task.arguments
+            if pieces is not None:
+                function = worker.store_piece
+        future: Future[Any] = self._executors[team].submit(function, *task.arguments)
         return future
 
+    def poll(self) -> None:
+        """Say once that a process compiles."""
+        if self._compiles.is_set():
+            self._report_compiling()
+
     def rebuild(self) -> None:
-        """Start new processes in place of a pool that broke."""
+        """Start new processes in place of those of a broken pool."""
         self._stop()
         self._start()
 
-    def look(self) -> None:
-        """Say once that a process compiles."""
-        if self._compiles.is_set():
-            self._tell_compiling()
+
+@contextmanager
+def _worker_environment() -> Iterator[None]:
+    """Set the environment of processes that start in this context."""
+    before = {name: os.environ.get(name) for name in worker.ENVIRONMENT}
+    os.environ.update(worker.ENVIRONMENT)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
 
 
 def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
-    """Return a pool for scenes; 0 workers: one per core. One piece needs this process only.
+    """Return a pool for scenes; 0 workers: one per core.
 
-    So does a process of another pool, whatever the number of workers. Scenes with one surface need
-    one team.
+    A single piece needs this process only. So does a process of another pool, whatever the number
+    of workers. Scenes with one surface need one team.
     """
     from rolling.marches.piece import track_pieces
     from rolling.surface.scene_surface import identity
@@ -192,10 +191,7 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
     if workers <= 1 or _is_of_a_pool():
         return Pool()
     try:
-        from loky.backend import get_context
-
-        with _worker_environment():  # of the process that tidies up after workers, too
-            get_context("loky").Lock()  # which needs semaphores, on Linux in /dev/shm
+        _refuse_missing_semaphores()
     # A system without semaphores refuses the import or the call, and a sealed /dev/shm the lock.
     except (ImportError, NotImplementedError, OSError) as error:
         print(
@@ -204,7 +200,16 @@ def local_pool(workers: int, scenes: Sequence[Scene]) -> Pool:
             file=sys.stderr,
         )
         return Pool()
-    return LocalPool(workers, min(workers, len({identity(scene) for scene in scenes}), MAX_TEAMS))
+    surfaces = {identity(scene) for scene in scenes}
+    return LocalPool(workers, teams=min(workers, len(surfaces), MAX_TEAMS))
+
+
+def _refuse_missing_semaphores() -> None:
+    """Make a lock of worker processes, which needs semaphores, on Linux in /dev/shm."""
+    from loky.backend import get_context
+
+    with _worker_environment():  # of the process that tidies up after workers, too
+        get_context("loky").Lock()
 
 
 def _is_of_a_pool() -> bool:
@@ -223,141 +228,3 @@ def _is_of_a_pool() -> bool:
     except ValueError:  # this thread does no task of a worker
         return False
     return True
-
-
-class Cluster(Pool):
-    """Pool of the workers of a Dask scheduler, which share the run folder with this process.
-
-    Each worker is a team, by its address.
-
-    address : str. Address of the scheduler, or the name of its scheduler file.
-    """
-
-    slots = 2
-
-    def __init__(self, address: str) -> None:
-        super().__init__()
-        self.address = address
-
-    def __enter__(self) -> Self:
-        """Connect to the scheduler.
-
-        Raises
-        ------
-        SceneError : Dask is missing, no scheduler answers, or a worker runs another program.
-        """
-        try:
-            import distributed
-        except ImportError as error:
-            install = 'pip install "rolling-contact-noise[cluster]"'
-            raise SceneError([f"--cluster: needs Dask: {install}"]) from error
-        for name in ("distributed", "tornado", "tornado.application", "asyncio"):
-            logging.getLogger(name).setLevel(logging.CRITICAL)
-        address = _answering(self.address)
-        dask: Any = distributed
-        self._client = dask.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
-        self._executor = self._client.get_executor(pure=False)
-        self.callback(self._leave)
-        try:
-            self._refuse_other_programs()
-        except BaseException:
-            self.close()
-            raise
-        self._count()
-        return self
-
-    def _leave(self) -> None:
-        with suppress(Exception):  # a scheduler that is gone cannot be told
-            self._executor.shutdown(wait=False, cancel_futures=True)
-            self._client.close(timeout=2)
-
-    def _refuse_other_programs(self) -> None:
-        own = program.identity()
-        answers = self._client.run(program.identity, on_error="return")
-        others = [f"  {name}: {answer}" for name, answer in answers.items() if answer != own]
-        if others or not answers:
-            lines = "\n".join(others) or "  it has no worker"
-            raise SceneError([f"--cluster: {self.address}: all workers must run {own}\n{lines}"])
-
-    def _count(self) -> None:
-        """Count the workers; without any, tasks wait at the scheduler for the next one."""
-        workers = self._client.scheduler_info(n_workers=-1)["workers"]
-        self.teams, self._counted = dict.fromkeys(workers or self.teams, 1), time.monotonic()
-
-    def submit(self, task: Task, team: Hashable = 0) -> Future[Any]:
-        """Hand a task to the scheduler, which gives it to another worker if one is killed."""
-        content = pickle.dumps((task.function, task.arguments)), program.identity()
-        preferred = {"workers": [team], "allow_other_workers": True}
-        future: Future[Any] = self._executor.submit(worker.act, *content, **preferred)
-        return future
-
-    def rebuild(self) -> None:
-        """Raise ConnectionError: a scheduler cannot be replaced from here."""
-        raise ConnectionError(f"the scheduler at {self.address} is gone")
-
-    def look(self) -> None:
-        """Count the workers now and then; raise ConnectionError when the scheduler is gone."""
-        if self._client.status == "closed":
-            self.rebuild()
-        if self._client.status == "running" and time.monotonic() - self._counted > COUNT_SECONDS:
-            self._count()
-
-    def reason(self, error: Exception) -> str:
-        """Return the reason why a task failed on its workers, or raise its error."""
-        from distributed.scheduler import KilledWorker
-
-        if isinstance(error, KilledWorker):
-            return "its workers were killed again and again; out of memory?"
-        if isinstance(error, worker.OtherProgramError):
-            raise OSError(f"a worker that joined late runs another program: {error}") from error
-        raise error
-
-
-def _answering(text: str) -> str:
-    """Return the address of a scheduler that answers; a scheduler file (.json) may name it.
-
-    A client of Dask waits for ever for a program that takes its call and never answers, so the
-    question comes first.
-    """
-    address, reason = text, "not one of Dask"
-    try:
-        if text.endswith(".json"):
-            address = str(json.loads(Path(text).read_text(encoding="utf-8"))["address"])
-        if not address.rpartition(":")[2].isdecimal():
-            address += f":{PORT}"
-        _call(address)
-        with ThreadPoolExecutor(1) as thread:  # a notebook has a loop of its own in this one
-            thread.submit(asyncio.run, _ask(address)).result()
-    except TimeoutError:
-        reason = "a time-out"
-    except OSError as error:
-        cause: BaseException = error  # Dask wraps the error of the system
-        while cause.__cause__ is not None:
-            cause = cause.__cause__
-        # A time-out has no words of its own.
-        reason = str(getattr(cause, "strerror", None) or cause) or "a time-out"
-    except Exception:  # of any kind where another program answers
-        pass
-    else:
-        return address
-    raise SceneError([f"--cluster: {text}: no scheduler answers ({reason})"])
-
-
-def _call(address: str) -> None:
-    """Open and close a plain connection, whose error is always the system's own.
-
-    Dask tries again and again, and may end with a time-out instead.
-    """
-    place = urlsplit(address if "://" in address else f"tcp://{address}")
-    if place.scheme in ("tcp", "tls") and place.hostname and place.port:
-        socket.create_connection((place.hostname, place.port), CONNECT_SECONDS).close()
-
-
-async def _ask(address: str) -> None:
-    """Connect to an address as a client of Dask does, and hang up."""
-    from distributed import comm, security
-
-    dask: Any = comm
-    arguments = cast(Any, security.Security)().get_connection_args("client")
-    call = dask.connect(address, timeout=CONNECT_SECONDS, **arguments)
-    (await asyncio.wait_for(call, CONNECT_SECONDS + 1)).abort()

@@ -1,59 +1,74 @@
 """Solve runs in memory, or those that a folder lacks; write the files of runs, and read them."""
 
 from collections import Counter
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack, nullcontext, suppress
+from collections.abc import Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
 
 from acoustics.texts import printable
 from rolling.check import refusals
+from rolling.contact.solver import ContactError
 from rolling.marches.piece import contact_identity
-from rolling.marches.result import Result
 from rolling.results import labels, result_file
 from rolling.results.run_folder import FAILED, RESULT, RunFolder
 from rolling.results.run_result import LISTEN, Run, make_run, read_run
 from rolling.run import folder as folders
-from rolling.run import worker
-from rolling.run.executor import RunLoop
-from rolling.run.pools import Cluster, Pool, Task, local_pool
+from rolling.run.cluster import Cluster
+from rolling.run.executor import RunFiles, RunLoop, ended_by_signal
+from rolling.run.pools import Pool, local_pool
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.terminal import defaults, files, progress, shortage, system_errors
 
-Derive = Callable[[Path, Sequence[RunFolder]], object]
 Values = Value | tuple[Value, ...]
 
 
-def simulated(
+def simulate_runs(
     scene: Scene, workers: int, shown: bool | None
 ) -> tuple[dict[Values, Run], dict[str, str]]:
-    """Simulate the runs of a scene; return them by swept values, and failures by label."""
+    """Simulate the runs of a scene in memory: check, march and sound.
+
+    The surface is made by the process that marches a piece. The march is in `march_piece`.
+
+    Returns
+    -------
+    runs, failures : dict, dict. Runs by their swept values, and reasons by label.
+    """
     if type(workers) is not int or workers < 0:
         raise ValueError(f"workers: got {workers!r}, allowed: a whole number >= 0")
     refusals.refuse(scene, workers)
     runs = [RunFolder(values, single, Path()) for values, single in scene.runs()]
-    refusals.refuse_few_addresses([run.scene for run in runs])
-    names, heard = labels.labels(runs), dict[int, Run]()
-
-    def finish(number: int, result: Result) -> None:
-        heard[number] = make_run(runs[number], names[number], result)
-
+    names = labels.labels(runs)
     scenes = [run.scene for run in runs]
-    silence = progress.begin(progress.Level.QUIET) if shown is False else nullcontext()
+    refusals.refuse_few_addresses(scenes)
+    heard: dict[int, Run] = {}
     with ExitStack() as stack:
         stack.enter_context(shortage.as_memory_error())
-        stack.enter_context(silence)  # before the bar, which stays hidden then
+        if shown is False:  # before the bar, which stays hidden then
+            stack.enter_context(progress.begin(progress.Level.QUIET))
         bar = stack.enter_context(progress.Bar(0.0, scene.name, shown))
         pool = stack.enter_context(local_pool(workers, scenes))
-        loop = RunLoop(scenes, lambda number: Result.empty(scenes[number]), finish, bar)
-        loop.run(pool)
-    swept: dict[Values, Run] = {}
-    for _, run in sorted(heard.items()):
-        values = tuple(run.values.values())
-        swept[values[0] if len(values) == 1 else values] = run
-    return swept, {names[number]: reason for number, reason in loop.failures.items()}
+        stack.enter_context(ended_by_signal())
+        loop = RunLoop(scenes, bar)
+        for number, result in loop.finished_runs(pool):
+            assert result is not None  # it is not written into files
+            try:
+                heard[number] = make_run(runs[number], names[number], result)
+            except ContactError as error:
+                loop.fail(number, str(error))
+    by_values = {_swept_values(heard[number]): heard[number] for number in sorted(heard)}
+    failures = {names[number]: reason for number, reason in loop.failures.items()}
+    return by_values, failures
+
+
+def _swept_values(run: Run) -> Values:
+    """Return the value of a run in its sweep, or a tuple where several keys are swept."""
+    values = tuple(run.values.values())
+    if len(values) == 1:
+        return values[0]
+    return values
 
 
 # ---- folders
@@ -62,7 +77,6 @@ def simulated(
 def solve_folder(
     scene: Scene,
     folder: Path,
-    derive: Derive | None = None,
     *,
     sources: Sequence[RunFolder] = (),
     part: folders.Part | None = None,
@@ -75,8 +89,6 @@ def solve_folder(
     ----------
     scene : Scene. A scene with or without a sweep.
     folder : Path. Its run folder, which may exist.
-    derive : callable. It receives folder and runs at the end, to write tables, figures and page.
-        Default: none.
     sources : sequence of RunFolder. Runs elsewhere that are done, whose marches are taken.
     part, workers, cluster : as in `rolling.commands.run_scene`.
 
@@ -92,39 +104,31 @@ def solve_folder(
     if part is not None and not scene.sweep:
         raise SceneError(["sweep: a part is a share of the runs of a sweep, the scene has none"])
     folders.refuse_other(folder, scene)
-    if cluster is not None:  # whose workers have other working folders
+    if cluster is not None:  # its workers have other working folders
         scene = Scene.from_dict(scene.to_dict(), scene.folder.resolve())
         folder = folder.resolve()
-    # An address without a scheduler is refused before anything is written.
-    with nullcontext() if cluster is None else Cluster(cluster) as pool:
-        folder.mkdir(parents=True, exist_ok=True)
-        with folders.held(folder, part):
-            if not folders.refuse_other(folder, scene):
-                folders.write_scene(folder, scene)
-            if not progress.is_quiet():
-                print(f"files: {folder}", flush=True)
-            runs = folders.runs_in(folder, scene)
-            failures = _solve(folder, runs, runs_of_part(runs, part), sources, workers, pool)
-            if not (folder / folders.SCENE).is_file():  # somebody removed the folder meanwhile
-                folders.write_scene(folder, scene)
-            if derive and part is None:
-                derive(folder, runs)
-    if derive and part is not None:
-        _derive_after_parts(folder, runs, derive)
-    return failures
-
-
-def _derive_after_parts(folder: Path, runs: Sequence[RunFolder], derive: Derive) -> None:
-    """Write table, figures and page after the part that ends last, which finds no other at work."""
-    if not all(run.is_done or run.failure for run in runs):
-        return
     with ExitStack() as stack:
-        try:
-            stack.enter_context(folders.held(folder))
-        except files.FolderError:
-            progress.line("other parts are at work; the last one writes table and page")
-            return
-        derive(folder, runs)
+        pool = None
+        if cluster is not None:  # refused before anything is written where no scheduler answers
+            pool = stack.enter_context(Cluster(cluster))
+        folder.mkdir(parents=True, exist_ok=True)
+        stack.enter_context(folders.locked(folder, part))
+        if not folders.refuse_other(folder, scene):
+            folders.write_scene(folder, scene)
+        if not progress.is_quiet():
+            print(f"files: {folder}", flush=True)
+        runs = folders.runs_in(folder, scene)
+        own = runs_of_part(runs, part)
+        folders.tidy(folder, own, alone=len(own) == len(runs))
+        _refuse_edited_heights(own)
+        failures: dict[str, str] = {}
+        if all(run.is_done for run in own):
+            progress.line(f"{folder}: all runs are done")
+        else:
+            failures = _solve_lacking(folder, runs, own, sources, workers, pool)
+        if not (folder / folders.SCENE).is_file():  # somebody removed the folder meanwhile
+            folders.write_scene(folder, scene)
+    return failures
 
 
 def runs_of_part(runs: Sequence[RunFolder], part: folders.Part | None) -> list[RunFolder]:
@@ -134,11 +138,19 @@ def runs_of_part(runs: Sequence[RunFolder], part: folders.Part | None) -> list[R
     number, count = part
     marches = [contact_identity(run.scene) for run in runs]
     places = {march: place for place, march in enumerate(dict.fromkeys(marches))}
-    pairs = zip(runs, marches, strict=True)
-    return [run for run, march in pairs if places[march] % count == number - 1]
+    return [
+        run for run, march in zip(runs, marches, strict=True) if places[march] % count == number - 1
+    ]
 
 
-def _solve(
+def _refuse_edited_heights(runs: Sequence[RunFolder]) -> None:
+    """Raise SceneError where the height file of a run that is done has other bytes now."""
+    for run in runs:
+        if run.is_done and run.scene.height_paths:
+            result_file.read_result(run.folder / RESULT, run.scene)
+
+
+def _solve_lacking(
     folder: Path,
     runs: Sequence[RunFolder],
     own: Sequence[RunFolder],
@@ -146,68 +158,53 @@ def _solve(
     workers: int,
     pool: Pool | None,
 ) -> dict[str, str]:
-    """Solve the runs that are not done, and write their files; return failures by label."""
-    names = dict(zip((run.folder for run in runs), labels.labels(runs), strict=True))
+    """Solve own runs that are not done, and write their files; return failures by label."""
+    label_of = dict(zip((run.folder for run in runs), labels.labels(runs), strict=True))
     lacking = [run for run in own if not run.is_done]
-    folders.tidy(folder, own, alone=len(own) == len(runs))
-    for run in own:
-        if run.is_done and run.scene.height_paths:  # its file may have been edited
-            result_file.read_result(run.folder / RESULT, run.scene)
-    if not lacking:
-        progress.line(f"{folder}: all runs are done")
-        return {}
+    names = [label_of[run.folder] for run in lacking]
     scenes = [run.scene for run in lacking]
     refusals.refuse_few_addresses(scenes)
+    stored: dict[str, RunFolder] = {}  # the first run of each march that is done
+    for run in (*sources, *(run for run in runs if run.is_done)):
+        stored.setdefault(contact_identity(run.scene), run)
+    run_files = RunFiles(
+        runs=lacking,
+        labels=names,
+        pieces=folder / folders.PIECES,
+        stored=stored,
+        film=len(runs) <= defaults.MAX_RUNS_ON_PAGE,
+    )
     marches = [contact_identity(scene) for scene in scenes]
-    left = Counter(marches)  # runs that still need the pieces of a march
-
-    def finish(number: int, result: Result) -> Task:
-        run = lacking[number]
-        arguments = run, names[run.folder], result
-        return Task(("finish", str(number)), worker.finish_run, arguments)
-
-    def finished(number: int) -> None:
-        if left.total() == len(lacking) > 1:
-            sound = lacking[number].folder / LISTEN
-            progress.line(f"the first sound, {names[lacking[number].folder]}: {sound}")
-        left[marches[number]] -= 1
-        if not left[marches[number]]:
-            folders.drop_pieces(folder, marches[number])
-
-    done = [*sources, *(run for run in runs if run.is_done)]
-    stored = {contact_identity(run.scene): run for run in reversed(done)}
-
-    def start(number: int) -> Result:
-        source = stored.get(marches[number])
-        if source is None:
-            return Result.empty(scenes[number])
-        result = result_file.read_result(source.folder / RESULT, source.scene)
-        film = result.slow_motion
-        kept = film if film and len(film.positions) else None  # another stretch may not fail
-        return replace(result, steps=scenes[number].track.steps, extremes={}, slow_motion=kept)
-
+    unfinished = Counter(marches)  # runs that still need the pieces of a march
     advice = f"finished pieces are kept in {folder}; the same command goes on"
-    pieces = folder / folders.PIECES
-    film = len(runs) <= defaults.MAX_RUNS_ON_PAGE
-    with progress.Bar(0.0, scenes[0].name) as bar:
-        loop = RunLoop(scenes, start, finish, bar, finished, pieces, film)
-        try:
-            with nullcontext(pool) if pool else local_pool(workers, scenes) as pool:
-                loop.run(pool)
-        except OSError as error:
-            text = system_errors.sentence(error)
-            if system_errors.is_of_a_place(error) and not progress.has_solved():
-                raise files.FolderError(text) from error
-            raise OSError(f"{text}\n{advice}") from error
-        except KeyboardInterrupt:
-            progress.line(advice)
-            raise
+    try:
+        with ExitStack() as stack:
+            bar = stack.enter_context(progress.Bar(0.0, scenes[0].name))
+            if pool is None:
+                pool = stack.enter_context(local_pool(workers, scenes))
+            stack.enter_context(ended_by_signal())
+            loop = RunLoop(scenes, bar, run_files)
+            for number, _ in loop.finished_runs(pool):
+                if unfinished.total() == len(lacking) > 1:
+                    sound = lacking[number].folder / LISTEN
+                    progress.line(f"the first sound, {names[number]}: {sound}")
+                unfinished[marches[number]] -= 1
+                if unfinished[marches[number]] == 0:
+                    folders.drop_pieces(folder, marches[number])
+    except OSError as error:
+        text = system_errors.sentence(error)
+        if system_errors.is_of_a_place(error) and not progress.has_solved():
+            raise files.FolderError(text) from error
+        raise OSError(f"{text}\n{advice}") from error
+    except KeyboardInterrupt:
+        progress.line(advice)
+        raise
     for number, reason in loop.failures.items():
         run = lacking[number]
         with suppress(OSError, files.FolderError):  # of a folder that cannot be written
             files.make_below(run.home, run.folder)
             files.write_json(run.folder / FAILED, {"reason": reason})
-    return {names[lacking[number].folder]: text for number, text in loop.failures.items()}
+    return {names[number]: reason for number, reason in loop.failures.items()}
 
 
 def open_runs(runs: Sequence[RunFolder]) -> list[Run]:

@@ -61,17 +61,19 @@ def piece_path(pieces: Path, piece: Piece) -> Path:
 @ignoring_underflow
 def solve_piece(piece: Piece, pieces: Path | None) -> Arrays:
     """March a piece, or read its file; a folder of pieces receives the file of a new piece."""
-    path = None if pieces is None else piece_path(pieces, piece)
-    if path is not None and (arrays := read_piece(path)) is not None:
-        return arrays
-    from rolling.marches.piece import march_piece
+    from rolling.marches.march_piece import march_piece
 
+    if pieces is None:
+        return march_piece(piece)
+    path = piece_path(pieces, piece)
+    stored = read_piece(path)
+    if stored is not None:
+        return stored
     arrays = march_piece(piece)
-    if pieces is not None and path is not None:
-        content = io.BytesIO()
-        np.savez(content, allow_pickle=False, **arrays)
-        make_below(pieces.parent, path.parent)
-        write_bytes(path, content.getvalue())
+    content = io.BytesIO()
+    np.savez(content, allow_pickle=False, **arrays)
+    make_below(pieces.parent, path.parent)
+    write_bytes(path, content.getvalue())
     return arrays
 
 
@@ -106,7 +108,7 @@ def finish_run(run: RunFolder, label: str, result: Result) -> None:
     write_run(make_run(run, label, result))
 
 
-def act(task: bytes, program: Program) -> Any:
+def run_task(task: bytes, program: Program) -> Any:
     """Have a pickled task done by the process of this thread of a Dask worker.
 
     The process is one without Dask, whose profiler keeps the frames of all threads, and with them
@@ -121,7 +123,7 @@ def act(task: bytes, program: Program) -> Any:
         raise OtherProgramError(str(identity()))
     for _ in range(MAX_BREAKS):
         if not hasattr(_threads, "process"):
-            _threads.process = _started(f"serve({os.getpid()})", subprocess.PIPE)
+            _threads.process = _start_process(f"serve({os.getpid()})", subprocess.PIPE)
         process = _threads.process
         try:
             process.stdin.write(task)
@@ -141,7 +143,7 @@ def act(task: bytes, program: Program) -> Any:
 def compiler(part: str) -> subprocess.Popen[bytes]:
     """Start a process that compiles a part of the solver into the cache, and says nothing."""
     call = f"compile_ahead({os.getpid()}, {part!r})"
-    return _started(call, subprocess.DEVNULL, subprocess.DEVNULL)
+    return _start_process(call, subprocess.DEVNULL, subprocess.DEVNULL)
 
 
 def compile_ahead(parent: int, part: str) -> None:
@@ -152,20 +154,26 @@ def compile_ahead(parent: int, part: str) -> None:
     getattr(compiling_ahead, part)()
 
 
-def _started(call: str, pipe: int, errors: int | None = None) -> subprocess.Popen[bytes]:
+def _start_process(call: str, pipe: int, errors: int | None = None) -> subprocess.Popen[bytes]:
     """Start a process that calls a function of this module."""
     package = str(Path(__file__).parents[2])
-    text = f"import sys; sys.path.append({package!r}); from rolling.run import worker; "
-    command = [sys.executable, "-P", "-c", f"{text}worker.{call}"]
-    environment = os.environ | ENVIRONMENT
-    return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=errors, env=environment)
+    code = (
+        f"import sys; sys.path.append({package!r}); from rolling.run import worker; worker.{call}"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-P", "-c", code],
+        stdin=pipe,
+        stdout=pipe,
+        stderr=errors,
+        env=os.environ | ENVIRONMENT,
+    )
 
 
 def serve(parent: int) -> None:
     """Do the pickled tasks of standard input, and write their pickled values or errors."""
     begin(parent)
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # a print must not reach the answers
+    values = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # a print must not get among the values
     while True:
         try:
             function, arguments = pickle.load(sys.stdin.buffer)
@@ -175,8 +183,8 @@ def serve(parent: int) -> None:
             value = function(*arguments)
         except Exception as error:
             value = error
-        pickle.dump(value, answers)
-        answers.flush()
+        pickle.dump(value, values)
+        values.flush()
 
 
 def begin(parent: int, compiles: Any = None) -> None:

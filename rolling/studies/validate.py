@@ -29,7 +29,7 @@ from rolling.contact.solver import ContactError, solve_contact
 from rolling.dynamics import drop, of_scene
 from rolling.report import recording
 from rolling.results.run_result import Run
-from rolling.run.solving import Values, simulated
+from rolling.run.solving import Values, simulate_runs
 from rolling.scene import library
 from rolling.scene.file import read_scene
 from rolling.scene.laws import SelfAffineLaw
@@ -228,7 +228,7 @@ def _scene(name: str) -> Scene:
 
 def _runs(scene: Scene) -> dict[Values, Run]:
     """Simulate all runs of a scene in memory."""
-    runs, failures = simulated(scene, 0, False)
+    runs, failures = simulate_runs(scene, 0, False)
     if failures:
         raise ContactError("; ".join(failures.values()))
     return runs

@@ -17,7 +17,7 @@ import sys
 import tempfile
 import time
 from collections import Counter, deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from heapq import heappop, heappush
@@ -32,7 +32,7 @@ import pandas as pd
 
 from rolling import cli
 from rolling.run.backlog import Backlog
-from rolling.run.executor import RunLoop
+from rolling.run.executor import FinishedRun, RunLoop
 from rolling.run.pools import MAX_TEAMS, LocalPool, Pool, Task
 from rolling.surface.scene_surface import heights
 
@@ -77,7 +77,7 @@ def command(seeds: int, pieces: int, workers: int, out: Path) -> list[str]:
 @contextmanager
 def clocked(record: list[tuple[str, float]]):
     """Record the seconds of each task of a pool in this process, and of the loop around them."""
-    submit, run = Pool.submit, RunLoop.run
+    submit, finished_runs = Pool.submit, RunLoop.finished_runs
 
     def timed_submit(pool: Pool, task: Task, *team: Any) -> Any:
         began = time.perf_counter()
@@ -90,16 +90,16 @@ def clocked(record: list[tuple[str, float]]):
         record.append((kind, time.perf_counter() - began))
         return future
 
-    def timed_run(loop: RunLoop, pool: Pool) -> None:
+    def timed_runs(loop: RunLoop, pool: Pool) -> Iterator[FinishedRun]:
         began = time.perf_counter()
-        run(loop, pool)
+        yield from finished_runs(loop, pool)
         record.append(("all", time.perf_counter() - began))
 
-    Pool.submit, RunLoop.run = timed_submit, timed_run
+    Pool.submit, RunLoop.finished_runs = timed_submit, timed_runs
     try:
         yield
     finally:
-        Pool.submit, RunLoop.run = submit, run
+        Pool.submit, RunLoop.finished_runs = submit, finished_runs
 
 
 def measure(seeds: int, pieces: int, folder: Path) -> tuple[Costs, float]:

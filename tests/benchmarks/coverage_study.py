@@ -34,8 +34,8 @@ from acoustics.level import RecordNumbers, SoundLevels
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
+from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
-from rolling.marches.piece import march_piece
 from rolling.marches.result import Result, released_energy
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run

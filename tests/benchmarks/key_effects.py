@@ -21,9 +21,8 @@ import pandas as pd
 from recognition_study import centroid_hz
 from scipy import stats
 
-from rolling.marches.result import Result
 from rolling.results.run_folder import RunFolder
-from rolling.results.run_result import make_run
+from rolling.results.run_result import Run, make_run
 from rolling.run.executor import RunLoop
 from rolling.run.pools import local_pool
 from rolling.scene.file import dump, loads
@@ -153,27 +152,29 @@ def _heights(length_mm: float, width_um: float, seed: int) -> np.ndarray:
 def measured(scenes: Sequence[Scene], workers: int) -> list[dict[str, float]]:
     """Simulate scenes that share their marches, and return level and centroid of each."""
     numbers = dict[int, dict[str, float]]()
-
-    def finish(number: int, result: Result) -> None:
-        run = make_run(RunFolder({}, scenes[number], Path()), "", result)
-        pressure, rate = run.sound.pressure, run.sound.sample_rate
-        names = "laeq_db", "release_laeq_db"
-        levels = {name: run.summary.get(name, run.summary["laeq_db"]) for name in names}
-        centroid = 100 * math.log(centroid_hz(pressure, rate)) if pressure.any() else math.nan
-        numbers[number] = {
-            **{name: math.nan if db is None else db for name, db in levels.items()},
-            "centroid": centroid,
-        }
-        print(f"{len(numbers)} of {len(scenes)}", end="\r", file=sys.stderr, flush=True)
-
     with progress.begin(progress.Level.QUIET), progress.Bar(0.0, "", False) as bar:
-        loop = RunLoop(scenes, lambda number: Result.empty(scenes[number]), finish, bar)
+        loop = RunLoop(scenes, bar)
         with local_pool(workers, scenes) as pool:
-            loop.run(pool)
+            for number, result in loop.finished_runs(pool):
+                run = make_run(RunFolder({}, scenes[number], Path()), "", result)
+                numbers[number] = _numbers(run)
+                print(f"{len(numbers)} of {len(scenes)}", end="\r", file=sys.stderr, flush=True)
     for number, reason in loop.failures.items():
         print(f"{dump(scenes[number])}{reason}", file=sys.stderr)
     failed = dict.fromkeys(("laeq_db", "release_laeq_db", "centroid"), math.nan)
     return [numbers.get(number, failed) for number in range(len(scenes))]
+
+
+def _numbers(run: Run) -> dict[str, float]:
+    """Return levels [dB] and centroid [%] of a run; NaN where it is silent."""
+    pressure, rate = run.sound.pressure, run.sound.sample_rate
+    numbers = {"centroid": math.nan}
+    if pressure.any():
+        numbers["centroid"] = 100 * math.log(centroid_hz(pressure, rate))
+    for name in ("laeq_db", "release_laeq_db"):
+        level = run.summary.get(name, run.summary["laeq_db"])
+        numbers[name] = math.nan if level is None else level
+    return numbers
 
 
 def study(

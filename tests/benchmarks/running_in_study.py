@@ -21,7 +21,8 @@ from rolling.check import cost
 from rolling.contact import closed_forms
 from rolling.contact.solver import ContactError
 from rolling.marches import passes
-from rolling.marches.piece import Piece, contact_identity, march_piece
+from rolling.marches.march_piece import march_piece
+from rolling.marches.piece import Piece, contact_identity
 from rolling.scene.messages import SceneError
 
 RADII_MM, LOADS_N, RA_UM = (0.5, 20.0), (0.1, 15.0), (0.005, 0.6)
@@ -77,7 +78,7 @@ def forgotten(scene: rc.Scene, widths: float) -> float:
     for run_in in (widths, REFERENCE):
         passes.RUN_IN = passes.RUN_IN_GROOVE = run_in
         first = scene.track.solved_steps - STEPS
-        piece = Piece(scene, contact_identity(scene), "pass", first, first + STEPS, 1.0)
+        piece = Piece(scene, contact_identity(scene), "pass", first, first + STEPS)
         releases.append(march_piece(piece)["release_energy"])
     early, endless = releases
     return float(np.sqrt(np.mean((early - endless) ** 2)) / endless.std())

@@ -20,7 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from rolling.contact.half_space import HalfSpace
-from rolling.marches.piece import Piece, contact_identity, march_piece, track_pieces
+from rolling.marches.march_piece import march_piece
+from rolling.marches.piece import Piece, contact_identity, track_pieces
 from rolling.scene import file
 from rolling.scene.scene import Scene
 from rolling.surface.scene_surface import heights
@@ -56,7 +57,7 @@ def simulated(
 ) -> tuple[np.ndarray, list[Arrays]]:
     """Return wall and CPU seconds, workers included, and the arrays of the pieces."""
     identity = contact_identity(scene)
-    pieces = [Piece(scene, identity, "track", *ends, cost=1.0) for ends in todo]
+    pieces = [Piece(scene, identity, "track", first, last) for first, last in todo]
     began = clocks()
     if workers == 1:
         arrays = [march_piece(piece) for piece in pieces]

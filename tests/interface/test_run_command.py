@@ -265,7 +265,7 @@ def test_resound_solves_nothing_and_speed_scales(
 ) -> None:
     first, fast, far = tmp_path / "first", tmp_path / "fast", tmp_path / "far"
     assert run(write(tmp_path), first) == 0
-    monkeypatch.setattr("rolling.marches.piece.march", None)
+    monkeypatch.setattr("rolling.marches.march_piece.march", None)
     words = ["--no-report", "-q", "--workers", "1"]
     speed = ["resound", str(first), "--set", "rolling.speed_m_s=0.2", "--out", str(fast)]
     assert cli.main([*speed, *words]) == 0

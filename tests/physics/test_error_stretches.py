@@ -15,8 +15,9 @@ from scene_text import BODIES, NARROW, PLAIN
 from rolling.check import error_cost
 from rolling.check.error_cost import LEVELS
 from rolling.marches import error_stretches
+from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
-from rolling.marches.piece import Piece, contact_identity, march_piece
+from rolling.marches.piece import Piece, contact_identity
 from rolling.marches.result import Result
 from rolling.results import runs_table
 from rolling.scene.file import loads, read_scene
@@ -59,7 +60,7 @@ def long_scene(*overrides: str) -> Scene:
 def stretch(scene: Scene, level: str, first: int, steps: int = 64) -> dict:
     """March a stretch on a level."""
     identity = contact_identity(scene)
-    return march_piece(Piece(scene, identity, "error", first, first + steps, 1.0, level=level))
+    return march_piece(Piece(scene, identity, "error", first, first + steps, level=level))
 
 
 def errors_of(scene: Scene, result: Result) -> LevelErrors:

@@ -12,8 +12,9 @@ from helpers import march_all
 from rolling.dynamics import of_scene
 from rolling.marches import force_law as laws
 from rolling.marches.force_law import force_law, law_error, law_loads, law_pieces, load_along
+from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
-from rolling.marches.piece import Piece, march_piece
+from rolling.marches.piece import Piece
 from rolling.marches.result import LoadMarches, MovingRelease, Result
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
@@ -150,7 +151,7 @@ def test_the_fault_of_a_load_is_that_of_its_first_piece(order: tuple[int, ...]) 
     for number in order:
         assert marches.missing(2.0) and not marches.fault and not moving.fault
         first, last = 200 * number, 200 * number + 200
-        piece = Piece(given, "", "load", first, last, 1.0, load=2.0)
+        piece = Piece(given, "", "load", first, last, load=2.0)
         marches.add(piece, arrays[number])
         series = dict.fromkeys(("release_energy", "loading_energy", "energy_defect"), np.ones(200))
         moving.add(piece, arrays[number] | ({} if number else series))

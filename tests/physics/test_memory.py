@@ -15,8 +15,8 @@ from rolling.contact.memory import plastic_overlap, sink
 from rolling.contact.solver import ContactError
 from rolling.contact.state import ContactState, RollingContact
 from rolling.marches import passes
+from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
-from rolling.marches.piece import march_piece
 from rolling.marches.result import Result
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene

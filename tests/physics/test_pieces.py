@@ -19,10 +19,11 @@ from rolling.contact.recovery import step_energy
 from rolling.contact.solver import ContactError
 from rolling.contact.state import RollingContact
 from rolling.contact.subcells import half_space_of
-from rolling.marches import piece as piece_module
+from rolling.marches import march_piece as marching
+from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.observers import STATE_SERIES, STEP_SERIES
-from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity, march_piece
+from rolling.marches.piece import PIECE_STEPS, Piece, contact_identity
 from rolling.marches.result import Result
 from rolling.results.summary import joint_error
 from rolling.scene.file import loads, read_scene
@@ -120,7 +121,7 @@ def test_maps_carry_the_load(reference: Result) -> None:
 
 def test_keys_of_pieces_differ_and_name_files(reference: Result) -> None:
     given, forces = scene(), np.full(441, 0.3)
-    base = {"scene": given, "identity": reference.identity, "first": 0, "last": 200, "cost": 1.0}
+    base = {"scene": given, "identity": reference.identity, "first": 0, "last": 200}
     pieces = [
         Piece(**base, kind="track"),
         Piece(**base, kind="load", load=0.2),
@@ -191,7 +192,7 @@ def test_a_contact_over_replaced_heights_is_not_kept(tmp_path: Path) -> None:
     given = measured(tmp_path)
     pieces = next_pieces(given, Result.empty(given))
     expected = march_piece(pieces[0])["approach"]
-    piece_module._last.clear()
+    marching._last_contact.clear()
     path = tmp_path / "heights.npy"
     content = path.read_bytes()
     np.save(path, 1.5 * np.load(path))
@@ -209,7 +210,7 @@ def test_pieces_of_a_track_share_its_contact(monkeypatch: pytest.MonkeyPatch) ->
         made.append(given)
         return rolling_contact(given, *over)
 
-    monkeypatch.setattr(piece_module, "rolling_contact", making)
+    monkeypatch.setattr(marching, "rolling_contact", making)
     given = [scene("rolling.load_n=0.31"), scene("rolling.load_n=0.32")]
     release = [[arrays["release_energy"] for _, arrays in solve(other)[1]] for other in given]
     assert made == given
@@ -232,12 +233,5 @@ def test_a_track_that_cannot_be_solved_raises_and_a_load_returns_its_fault() -> 
         march_piece(piece)
     base = {"scene": given, "identity": contact_identity(given), "first": 0, "last": 20}
     for kind in ("load", "judge"):
-        arrays = march_piece(Piece(**base, kind=kind, cost=1.0, load=1e6))
+        arrays = march_piece(Piece(**base, kind=kind, load=1e6))
         assert list(arrays) == ["fault"] and "can carry" in str(arrays["fault"])
-
-
-def test_each_step_of_a_piece_has_equal_expected_seconds() -> None:
-    given = scene()
-    pieces = next_pieces(given, Result.empty(given))
-    per_step = {round(piece.cost / (piece.last - piece.first), 12) for piece in pieces}
-    assert len(per_step) == 1 and per_step.pop() > 0

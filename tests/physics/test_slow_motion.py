@@ -10,8 +10,8 @@ from scene_text import BODIES, NARROW
 from rolling.check.error_cost import COLD_STEPS
 from rolling.dynamics import of_scene
 from rolling.marches.force_law import force_law
+from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import MIN_MAPS, film_stretch, loudest, next_pieces
-from rolling.marches.piece import march_piece
 from rolling.marches.result import Result
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene

@@ -13,7 +13,8 @@ from helpers import STEEL, assert_solved, make_track, releases, roll, rough, ste
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.recovery import EventTable
 from rolling.contact.subcells import SubcellSpace, cell_means
-from rolling.marches.piece import Piece, contact_identity, march_piece
+from rolling.marches.march_piece import march_piece
+from rolling.marches.piece import Piece, contact_identity
 from rolling.scene.file import loads
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import auto_subcells, on_subcells, rolling_contact
@@ -129,7 +130,7 @@ def test_pieces_do_not_depend_on_other_pieces(subcells: int) -> None:
     borders = [(0, 12), (12, 24), (steps - 12, steps)]
 
     def marched(scene: Scene, first: int, last: int) -> dict[str, np.ndarray]:
-        piece = Piece(scene, contact_identity(scene), "track", first, last, cost=1.0)
+        piece = Piece(scene, contact_identity(scene), "track", first, last)
         return {name: x for name, x in march_piece(piece).items() if name != "step_time"}
 
     forth = [marched(scene, a, b) for a, b in borders]

@@ -151,7 +151,7 @@ def test_a_worker_of_another_program_is_refused_by_name(
 @pytest.mark.parametrize("name", ["version", "sources", "packages"])
 def test_a_late_worker_of_another_program_does_nothing(name: str) -> None:
     with pytest.raises(worker.OtherProgramError, match=r"version .* sources .* python .* numba"):
-        worker.act(b"", program.identity()._replace(**{name: "another"}))
+        worker.run_task(b"", program.identity()._replace(**{name: "another"}))
 
 
 @pytest.mark.slow
@@ -186,7 +186,7 @@ def test_an_address_without_a_scheduler_is_refused_before_anything_is_written(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("rolling.run.pools.CONNECT_SECONDS", 2.0)
+    monkeypatch.setattr("rolling.run.cluster.CONNECT_SECONDS", 2.0)
     scene, out = tmp_path / "scene.yaml", tmp_path / "out"
     scene.write_text(TINY)
     with socket.create_server(("127.0.0.1", 0)) as server:  # which never answers

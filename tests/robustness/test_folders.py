@@ -79,7 +79,7 @@ def test_parts_work_side_by_side_and_not_twice(seeds: Path, tmp_path: Path) -> N
     assert run(seeds, out, "--part", "2/2") == 0
     half = out / ".scene.yaml.0123456789abcdef.partial"
     half.write_text("which the other part renames in a moment")
-    with folders.held(out, (1, 2)):
+    with folders.locked(out, (1, 2)):
         assert run(seeds, out, "--part", "1/2") == 2
         assert run(seeds, out) == 2
         assert run(seeds, out, "--part", "2/2") == 0

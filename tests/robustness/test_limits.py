@@ -134,7 +134,7 @@ def test_lack_of_memory_of_any_kind_is_one_error_in_python(
     def fail(self: object, pool: object) -> None:
         raise error
 
-    monkeypatch.setattr(RunLoop, "run", fail)
+    monkeypatch.setattr(RunLoop, "finished_runs", fail)
     with pytest.raises(MemoryError):
         rolling.simulate(loads(TINY), workers=1)
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from helpers import march_all
 
+from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
-from rolling.marches.piece import march_piece
 from rolling.results import verdict
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run, make_run

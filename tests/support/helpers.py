@@ -17,8 +17,8 @@ from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.subcells import half_space_of
 from rolling.dynamics.force_law import ForceLaw
+from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
-from rolling.marches.piece import march_piece
 from rolling.marches.result import Result
 from rolling.scene.scene import Scene
 
