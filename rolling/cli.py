@@ -29,7 +29,12 @@ if TYPE_CHECKING:
     from rolling.scene.scene import Scene
 
 LOADING = "loading the program"  # with the solver in it, which takes seconds
-OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+# Exit codes
+OK = 0
+FAILED = 1
+BAD_INPUT = 2
+INTERRUPTED = 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -46,15 +51,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     # Plugins of pydantic, which scenes do not use, would be searched in all packages.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "1")
     with streams.lasting() as (output, _):
-        code = _act(argv)
+        code = _run_command(argv)
         output.flush()
         if output.error is not None:
-            _say(f"standard output: {output.error.strerror}; a part of the text is lost")
+            _print_error(f"standard output: {output.error.strerror}; a part of the text is lost")
             code = code or FAILED
     return code
 
 
-def _act(argv: Sequence[str] | None) -> int:
+def _run_command(argv: Sequence[str] | None) -> int:
     """Parse the arguments and run their command; return the exit code."""
     command_line = parser.build(__version__)
     words = sys.argv[1:] if argv is None else list(argv)
@@ -66,7 +71,7 @@ def _act(argv: Sequence[str] | None) -> int:
     if unknown:
         arguments.refuse_unknown_arguments(given.parser, unknown)
     if message := _own_acoustics.fault():
-        _say(message)
+        _print_error(message)
         return BAD_INPUT
     level = Level.NORMAL
     if given.quiet:
@@ -77,17 +82,17 @@ def _act(argv: Sequence[str] | None) -> int:
         with progress.begin(level), streams.plain_warnings():
             return COMMANDS[given.command](given)
     except KeyboardInterrupt:
-        _say("interrupted")
+        _print_error("interrupted")
         return INTERRUPTED
     except Exception as error:
         if shortage.is_of_memory(error):
-            _say(shortage.sentence(error))
+            _print_error(shortage.sentence(error))
             return FAILED
         code = _code_of(error)
         if isinstance(error, OSError):
-            _say(system_errors.sentence(error))
+            _print_error(system_errors.sentence(error))
         else:
-            _say(str(error))
+            _print_error(str(error))
         return code
 
 
@@ -110,7 +115,7 @@ def _code_of(error: Exception) -> int:
     raise error
 
 
-def _say(text: str) -> None:
+def _print_error(text: str) -> None:
     """Print a line for a person on the error stream, apart from the output."""
     print(text, file=sys.stderr)
 
@@ -335,8 +340,8 @@ def _code_of_failures(failures: Mapping[str, str]) -> int:
     if not failures:
         return OK
     for label, reason in failures.items():
-        _say(f"failed: {label}: {reason}")
-    _say("the same command tries them again")
+        _print_error(f"failed: {label}: {reason}")
+    _print_error("the same command tries them again")
     return FAILED
 
 

@@ -76,6 +76,11 @@ def roughness(scene: Scene) -> tuple[float, float]:
     if scene.height_paths:
         statistics = scene_surface(scene).statistics
         return statistics.rq, statistics.rms_slope
+    return law_roughness(scene)
+
+
+def law_roughness(scene: Scene) -> tuple[float, float]:
+    """Estimate rms roughness [m] and rms slope [-] from the laws of a scene alone, as above."""
     parts = [(law.rq_m, law.rms_slope(scene.spacing_um)) for law in scene.laws]
     ball = scene.sphere.surface
     if ball is not None and ball.waviness:
@@ -112,19 +117,26 @@ def window_nodes(scene: Scene, rq: float) -> float:
     return 2 * side / scene.spacing + max(1.0, scene.numerics.step_nodes)
 
 
-def subcells(scene: Scene, is_read: bool = True) -> int:
-    """Estimate the sub-cells along the side of a cell; a file that is not read counts as gentle."""
+def subcells(scene: Scene) -> int:
+    """Estimate the sub-cells along the side of a cell; a height file is read."""
+    if scene.numerics.subcells != "auto" or not scene.height_paths:
+        return law_subcells(scene)
+    if not has_blended_edges(scene):
+        return 1
+    step = refined.median_step(scene_surface(scene).heights)
+    slope = refined.rms_slope(step, scene.spacing)
+    return refined.auto_subcells(slope, scene.contact_modulus, scene.hardness)
+
+
+def law_subcells(scene: Scene) -> int:
+    """Estimate the sub-cells along the side of a cell; a height file counts as gentle."""
     chosen = scene.numerics.subcells
     if chosen != "auto":
         return chosen
-    if not has_blended_edges(scene) or not (is_read or not scene.height_paths):
+    if not has_blended_edges(scene) or scene.height_paths:
         return 1
-    if not scene.height_paths:
-        slope = SLOPE_MARGIN * roughness(scene)[1]
-    else:
-        step = refined.median_step(scene_surface(scene).heights)
-        slope = refined.rms_slope(step, scene.spacing)
-    return refined.auto_subcells(slope, scene.contact_modulus, scene.hardness)
+    _, slope = law_roughness(scene)
+    return refined.auto_subcells(SLOPE_MARGIN * slope, scene.contact_modulus, scene.hardness)
 
 
 def has_blended_edges(scene: Scene) -> bool:
@@ -222,8 +234,11 @@ def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
     """
     parts = {"surface": 0.0, "window": 0.0, "record": 0.0}
     for scene in scenes:
-        track, r = scene.track, subcells(scene, is_read=False)
-        rq = roughness(scene)[0] if not scene.height_paths else 0.0
+        track = scene.track
+        r = law_subcells(scene)
+        rq = 0.0
+        if not scene.height_paths:
+            rq, _ = law_roughness(scene)
         side = min(window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across))
         nodes = surface_nodes(scene)
         window = (WINDOW + WINDOW_SUBCELL * r**2) * side**2

@@ -26,9 +26,9 @@ from rolling.sound.radiators import roughness_gain
 
 
 def stretch_pieces(scene: Scene, result: Result) -> list[Piece]:
-    """Return the marches of stretches that the estimate of a run lacks."""
+    """Return the marches of stretches that the estimate of a complete run lacks."""
     layout = error_cost.layout(scene)
-    if layout is None or not result.complete:
+    if layout is None:
         return []
     marched: Container[tuple[int, str]] = ()
     if result.stretches is not None and result.stretches.steps == layout.steps:

@@ -76,24 +76,26 @@ def law_loads(scene: Scene, result: Result) -> Loads:
     return Loads(loads, [], wanted)
 
 
-def law_pieces(scene: Scene, result: Result) -> list[Piece]:
-    """Return the pieces at other loads that the force law of a run lacks now.
+def first_law_pieces(scene: Scene, result: Result) -> list[Piece]:
+    """Return the pieces at the loads that the force law of a run needs in any case."""
+    loads = [load for load in _first_loads(scene) if load != scene.load]
+    return _load_pieces(scene, result, loads)
 
-    There are none for a scene without dynamics.
-    """
-    if scene.dynamics is None:
-        return []
-    if result.complete:
-        loads = law_loads(scene, result)
-        if not loads.lacking:
-            return _judging_pieces(scene, result, loads.marched)
-        lacking = loads.lacking
-    else:
-        lacking = [load for load in _first_loads(scene) if load != scene.load]
+
+def law_pieces(scene: Scene, result: Result) -> list[Piece]:
+    """Return the pieces at other loads that the force law of a complete run lacks now."""
+    loads = law_loads(scene, result)
+    if loads.lacking:
+        return _load_pieces(scene, result, loads.lacking)
+    return _judging_pieces(scene, result, loads.marched)
+
+
+def _load_pieces(scene: Scene, result: Result, loads: Sequence[float]) -> list[Piece]:
+    """Return the pieces that a run lacks at some loads [N]."""
     marches = result.load_marches or LoadMarches(result.solved_steps)
     return [
         Piece(scene, result.identity, "load", first, last, load=load, sunk=result.sunk)
-        for load in lacking
+        for load in loads
         for first, last in marches.missing(load)
     ]
 

@@ -19,7 +19,13 @@ from rolling.check import cost
 from rolling.check.error_cost import COLD_STEPS
 from rolling.contact.solver import ContactError
 from rolling.marches.error_stretches import own_stretches, stretch_pieces
-from rolling.marches.force_law import law_motion, law_pieces, load_along, own_marches
+from rolling.marches.force_law import (
+    first_law_pieces,
+    law_motion,
+    law_pieces,
+    load_along,
+    own_marches,
+)
 from rolling.marches.passes import Passes
 from rolling.marches.piece import Piece
 from rolling.marches.result import Result, vibration_key
@@ -56,14 +62,20 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
             return pieces
         if scene.dynamics is not None:
             passes.refuse_yielding()
-    pieces = [
-        Piece(scene, result.identity, "track", first, last, sunk=result.sunk)
-        for first, last in result.missing()
-    ]
-    pieces += stretch_pieces(scene, result)
-    law = law_pieces(scene, result)
-    pieces += law
-    if scene.moves_release and result.complete and not law:
+    if not result.complete:
+        pieces = [
+            Piece(scene, result.identity, "track", first, last, sunk=result.sunk)
+            for first, last in result.missing()
+        ]
+        if scene.dynamics is not None:
+            pieces += first_law_pieces(scene, result)
+        return pieces
+    pieces = stretch_pieces(scene, result)
+    law = []
+    if scene.dynamics is not None:
+        law = law_pieces(scene, result)
+        pieces += law
+    if scene.moves_release and not law:
         pieces += _moving_pieces(scene, result)
     if film and not pieces:
         pieces = _film_pieces(scene, result)

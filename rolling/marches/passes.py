@@ -129,10 +129,8 @@ class Passes:
     _parts: dict[int, dict[str, NDArray[Any]]] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def empty(cls, scene: Scene) -> Passes | None:
-        """Return the passes of a scene before the first; None for a plate without memory."""
-        if not scene.is_permanent:
-            return None
+    def empty(cls, scene: Scene) -> Passes:
+        """Return the passes of a scene over a plate that remembers, before the first."""
         track = scene.track
         count = scene.passes
         series = {

@@ -306,6 +306,9 @@ class Result:
         # Views of a single NaN take no memory in a sweep of many runs before their first piece.
         series = {name: np.broadcast_to(np.nan, steps) for name in STEP_SERIES}
         series |= {name: np.broadcast_to(np.nan, steps + 1) for name in STATE_SERIES}
+        passes = None
+        if scene.is_permanent:
+            passes = Passes.empty(scene)
         return cls(
             identity=contact_identity(scene),
             steps=track.steps,
@@ -313,7 +316,7 @@ class Result:
             step=track.step,
             start=scene.start,
             series=series,
-            passes=Passes.empty(scene),
+            passes=passes,
         )
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:

@@ -116,9 +116,12 @@ class RunLoop:
             groups[identity].append(number)
         # Expected seconds of the first run of each group, whose march the others share. Pieces take
         # their time from them, so that the sum of the progress seldom grows.
-        self._unplanned_seconds = {
-            group[0]: forecast.march_seconds(scenes[group[0]]) for group in groups.values()
-        }
+        self._unplanned_seconds: dict[int, float] = {}
+        self._step_seconds: dict[str, float] = {}  # expected, by contact identity
+        for identity, group in groups.items():
+            scene = scenes[group[0]]
+            self._unplanned_seconds[group[0]] = forecast.march_seconds(scene)
+            self._step_seconds[identity] = cost.lap_seconds(scene) / scene.track.solved_steps
         bar.grow(sum(self._unplanned_seconds.values()))
         longest_first = sorted(
             groups.values(), key=lambda group: self._unplanned_seconds[group[0]], reverse=True
@@ -193,7 +196,7 @@ class RunLoop:
             self._bar.grow(-self._unplanned_seconds.pop(number, 0.0))
             self._finish(number)
             return
-        step_seconds = cost.lap_seconds(scene) / result.solved_steps
+        step_seconds = self._step_seconds[self._identities[number]]
         tasks = []
         for piece in pieces:
             key = piece.identity, piece.key

@@ -40,9 +40,9 @@ def simulate_runs(
         raise ValueError(f"workers: got {workers!r}, allowed: a whole number >= 0")
     refusals.refuse(scene, workers)
     runs = [RunFolder(values, single, Path()) for values, single in scene.runs()]
-    names = labels.labels(runs)
     scenes = [run.scene for run in runs]
     refusals.refuse_few_addresses(scenes)
+    names = labels.labels(runs)
     heard: dict[int, Run] = {}
     with ExitStack() as stack:
         stack.enter_context(shortage.as_memory_error())

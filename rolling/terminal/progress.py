@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, Self
@@ -28,54 +28,61 @@ class Level(IntEnum):
 
 
 @dataclass
-class _Voice:
-    """Level of the command at hand; None in a program of somebody else."""
+class _Command:
+    """State of the command that runs.
+
+    level : Level. Amount of text; None in a program of somebody else, which runs no command.
+    has_reported_compiling : bool. Whether the line of the compilation was printed.
+    has_solved : bool. Whether there are results that an error leaves behind.
+    """
 
     level: Level | None = None
     has_reported_compiling: bool = False
-    has_solved: bool = False  # whether the command has results that an error leaves behind
+    has_solved: bool = False
 
 
-_voice = _Voice()
+_command = _Command()
 
 
 @contextmanager
 def begin(level: Level) -> Iterator[None]:
     """Print as much as the level asks for until the command ends."""
-    before = _voice.level, _voice.has_reported_compiling
-    is_command = _voice.level is None
-    _voice.level, _voice.has_reported_compiling = level, False
-    if is_command:
-        _voice.has_solved = False
+    level_before = _command.level
+    reported_before = _command.has_reported_compiling
+    if level_before is None:  # a command begins
+        _command.has_solved = False
+    _command.level = level
+    _command.has_reported_compiling = False
     try:
         yield
     finally:
-        _voice.level, _voice.has_reported_compiling = before
+        _command.level = level_before
+        _command.has_reported_compiling = reported_before
 
 
 def silence() -> None:
     """Print nothing from now on: a worker process leaves the terminal to its parent."""
-    _voice.level = Level.QUIET
+    _command.level = Level.QUIET
 
 
 def solved() -> None:
     """Note that the command has solved something."""
-    _voice.has_solved = True
+    _command.has_solved = True
 
 
 def has_solved() -> bool:
     """Return whether the command, the present or the last, has solved something."""
-    return _voice.has_solved
+    return _command.has_solved
 
 
 def is_quiet() -> bool:
     """Return whether the command prints errors and its folder only."""
-    return _voice.level == Level.QUIET
+    return _command.level == Level.QUIET
 
 
 def line(text: str) -> None:
     """Print a line unless the command is quiet, above a bar if there is one."""
-    if _voice.level is None or is_quiet():
+    if _command.level is None or is_quiet():
         return
     tqdm: Any = getattr(sys.modules.get("tqdm"), "tqdm", None)  # imported with the first bar
     if tqdm is not None:
@@ -86,16 +93,20 @@ def line(text: str) -> None:
 
 def detail(text: str) -> None:
     """Print a line if the command is verbose."""
-    if _voice.level == Level.VERBOSE:
+    if _command.level == Level.VERBOSE:
         line(text)
 
 
 def compiling() -> None:
     """Say that the solver is compiled, the first time in a command or a program."""
-    if not _voice.has_reported_compiling:
-        _voice.has_reported_compiling = True
-        with nullcontext() if _voice.level is not None else begin(Level.NORMAL):
-            line(COMPILING)
+    if _command.has_reported_compiling:
+        return
+    _command.has_reported_compiling = True
+    if _command.level is not None:
+        line(COMPILING)
+        return
+    with begin(Level.NORMAL):
+        line(COMPILING)
 
 
 @contextmanager
@@ -117,25 +128,30 @@ class Bar:
 
     def __init__(self, total: float, name: str, shown: bool | None = None) -> None:
         """Begin with the sum of the progress; `shown` None: where somebody looks."""
-        self._name, self._began, self._line = name, time.monotonic(), time.monotonic()
+        self._name = name
+        self._began = time.monotonic()
+        self._last_line = self._began
+        self._total = total
+        self._done = 0.0
+        self._largest_share = 0.0
         self._bar: Any = None
         if not is_quiet() and shown is not False:
             from tqdm import tqdm
 
-            # tqdm hides a bar for None unless the stream is a terminal
-            hidden = False if shown or in_notebook() else None
+            is_hidden = None  # unless the stream is a terminal
+            if shown or in_notebook():
+                is_hidden = False
             self._bar = tqdm(
-                total=total, desc=name, disable=hidden, file=sys.stderr, bar_format=LAYOUT
+                total=total, desc=name, disable=is_hidden, file=sys.stderr, bar_format=LAYOUT
             )
-        self._total, self._done = total, 0.0
-        self._shown = 0.0  # largest share so far
 
     @property
     def share(self) -> float:
         """Share of the progress that is shown. It rests, and never falls, when the sum grows."""
         if self._total > 0:
-            self._shown = max(self._shown, min(self._done / self._total, 1.0))
-        return self._shown
+            share = min(self._done / self._total, 1.0)
+            self._largest_share = max(self._largest_share, share)
+        return self._largest_share
 
     def __enter__(self) -> Self:
         return self
@@ -156,11 +172,12 @@ class Bar:
     def tick(self) -> None:
         """Show the present time, or print a line if it is due."""
         if self._bar is not None and not self._bar.disable:
-            self._bar.total, self._bar.n = self._total, self.share * self._total
+            self._bar.total = self._total
+            self._bar.n = self.share * self._total
             self._bar.refresh()
-        elif time.monotonic() - self._line > LINE_SECONDS and self._total > 0:
-            self._line = time.monotonic()
-            passed = round(self._line - self._began)
+        elif time.monotonic() - self._last_line > LINE_SECONDS and self._total > 0:
+            self._last_line = time.monotonic()
+            passed = round(self._last_line - self._began)
             line(f"{self._name}: {100 * self.share:.0f} %, {passed} s passed")
 
 

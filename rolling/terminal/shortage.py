@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 WORDS = "not enough memory; take fewer workers or nodes, or allow more (`ulimit -v`)"
-# A library that does not fit is an ImportError, and a thread whose stack does not is a
-# RuntimeError; only their words tell the reason.
-_SIGNS = (
+# A library that does not fit is an ImportError, and a thread whose stack does not fit is a
+# RuntimeError. Only words of the error tell the reason.
+_WORDS_OF_ERRORS = (
     "failed to map segment",
     "cannot allocate memory",
     "can't start new thread",
@@ -19,16 +19,23 @@ _SIGNS = (
 def is_of_memory(error: BaseException | None) -> bool:
     """Tell whether an error, or one that it comes from, says that memory was refused."""
     while error is not None:
-        if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
+        if _says_memory(error):
             return True
-        text = str(error).lower()
-        # A library on a disk that runs no programs cannot be mapped either.
-        is_forbidden = "not permitted" in text or "permission denied" in text
-        if not is_forbidden and any(sign in text for sign in _SIGNS):
-            return True
-        hidden = None if error.__suppress_context__ else error.__context__
-        error = error.__cause__ or hidden
+        if error.__cause__ is not None or error.__suppress_context__:
+            error = error.__cause__
+        else:
+            error = error.__context__
     return False
+
+
+def _says_memory(error: BaseException) -> bool:
+    """Tell whether an error itself says that memory was refused."""
+    if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
+        return True
+    text = str(error).lower()
+    if "not permitted" in text or "permission denied" in text:
+        return False  # a library on a disk that runs no programs cannot be mapped either
+    return any(words in text for words in _WORDS_OF_ERRORS)
 
 
 def sentence(error: BaseException) -> str:
@@ -36,7 +43,9 @@ def sentence(error: BaseException) -> str:
     text = str(error)
     if text.startswith("not enough memory"):
         return text
-    return f"{WORDS} ({text})" if text else WORDS
+    if not text:
+        return WORDS
+    return f"{WORDS} ({text})"
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from typing import Any, TextIO, cast
 
 _JOINERS = "\u200c\u200d"  # of Persian words and of emoji
 # Errors of writing to a pipe or terminal that nobody reads any more.
-_UNHEARD = (errno.EPIPE, errno.EBADF, errno.EIO)
+_WITHOUT_A_READER = (errno.EPIPE, errno.EBADF, errno.EIO)
 
 
 class LastingStream:
@@ -70,7 +70,7 @@ class LastingStream:
         if isinstance(error, ValueError) and not self._stream.closed:
             raise error  # a mistake of the program, not of the stream
         self._lost = True
-        if isinstance(error, OSError) and error.errno not in _UNHEARD:
+        if isinstance(error, OSError) and error.errno not in _WITHOUT_A_READER:
             self.error = error
         # The buffered text would be written once more, and fail, when Python ends.
         with suppress(OSError, ValueError):
@@ -91,13 +91,15 @@ def lasting() -> Iterator[tuple[LastingStream, LastingStream]]:
     for stream in before:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    streams = LastingStream(before[0]), LastingStream(before[1])
-    sys.stdout, sys.stderr = (cast(TextIO, stream) for stream in streams)
+    output = LastingStream(before[0])
+    errors = LastingStream(before[1])
+    sys.stdout = cast(TextIO, output)
+    sys.stderr = cast(TextIO, errors)
     try:
-        yield streams
+        yield output, errors
     finally:
-        for stream in streams:
-            stream.flush()
+        output.flush()
+        errors.flush()
         sys.stdout, sys.stderr = before
 
 
@@ -133,13 +135,21 @@ def harmless(text: str) -> str:
     >>> harmless("\rdone\n\x1b]0;title\x07")
     '\rdone\n\\x1b]0;title\\x07'
     """
-    first, rest = text[:1], text[1:]
-    if first != "\r":
-        first, rest = "", text
+    first = ""
+    rest = text
+    if text.startswith("\r"):
+        first = "\r"
+        rest = text[1:]
     if rest.isprintable():
         return text
-    shown = [letter if _is_shown(letter) else _escaped(letter) for letter in rest]
-    return first + "".join(shown)
+    return first + "".join(map(_without_control, rest))
+
+
+def _without_control(letter: str) -> str:
+    """Return a letter, or its escape if it steers a terminal."""
+    if _is_shown(letter):
+        return letter
+    return _escaped(letter)
 
 
 def _is_shown(letter: str) -> bool:

@@ -3,10 +3,9 @@
 import errno
 from pathlib import Path
 
-_NO_ROOM = "no space is left on the disk; free some, or take another folder"
 _NOT_PERMITTED = "not permitted; change the permissions, or take another folder"
-# Errors that tell of a path: another path, or a mended one, is the way out.
-_PLACES = {
+# Errors of a path; another path, or a mended one, is the way out.
+_OF_A_PATH = {
     errno.ENOENT: "no such file or folder; a folder on the way is missing, or a link dangles",
     errno.EACCES: _NOT_PERMITTED,
     errno.EPERM: _NOT_PERMITTED,
@@ -18,8 +17,9 @@ _PLACES = {
     errno.EEXIST: "a file or a dangling link stands in the place of a folder; remove it, or take"
     " another path",
 }
-_OTHERS = {
-    errno.ENOSPC: _NO_ROOM,
+# Errors of the disk or the machine.
+_OF_THE_MACHINE = {
+    errno.ENOSPC: "no space is left on the disk; free some, or take another folder",
     errno.EDQUOT: "your share of the disk is used up; free some, or take another folder",
     errno.EMFILE: "too many files are open; raise the limit (ulimit -n)",
     errno.ENFILE: "too many files are open on this machine; end other programs",
@@ -29,20 +29,27 @@ _OTHERS = {
 
 def is_of_a_place(error: OSError) -> bool:
     """Return whether an error tells of a path that cannot be used."""
-    return error.errno in _PLACES
+    return error.errno in _OF_A_PATH
 
 
 def sentence(error: OSError) -> str:
     """Write an error of the system with its path, the reason, and the way out."""
-    number, reason = error.errno, error.strerror
+    number = error.errno
+    reason = error.strerror
     if number is None or not reason:
         return str(error)
-    path = error.filename if error.filename is not None else error.filename2
+    path = error.filename
+    if path is None:
+        path = error.filename2
     if path is None and number == errno.ENOENT and _working_folder_is_gone():
         return f"the working folder was deleted ({reason}); change to a folder that exists"
-    words = (_PLACES | _OTHERS).get(number)
-    place = "the system" if path is None else _text(path)
-    return f"{place}: {reason}" if words is None else f"{place}: {words} ({reason})"
+    place = "the system"
+    if path is not None:
+        place = _path_text(path)
+    words = _OF_A_PATH.get(number) or _OF_THE_MACHINE.get(number)
+    if words is None:
+        return f"{place}: {reason}"
+    return f"{place}: {words} ({reason})"
 
 
 def _working_folder_is_gone() -> bool:
@@ -54,6 +61,8 @@ def _working_folder_is_gone() -> bool:
     return False
 
 
-def _text(path: object) -> str:
+def _path_text(path: object) -> str:
     """Write the path of an error, which may be bytes."""
-    return path.decode("utf-8", "backslashreplace") if isinstance(path, bytes) else str(path)
+    if isinstance(path, bytes):
+        return path.decode("utf-8", "backslashreplace")
+    return str(path)

@@ -33,33 +33,37 @@ def scene(*changes: str) -> Scene:
 
 
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("changes", "numbers"),
     [
-        (["rolling.load_n=heavy"], 'got "heavy", allowed: greater than 0, or weight'),
-        (["rolling.resistance=-1"], "rolling.resistance: got -1, allowed: greater than or equal"),
-        (
-            ["rolling.resistance=0.01", "rolling.speed_m_s=[[0, 1], [1, 0.5]]"],
-            "rolling.resistance: only goes with one speed_m_s",
-        ),
-        (["rolling.resistance=1"], "the sphere comes to rest after 0.713801 mm, rolling.distance"),
+        (["rolling.resistance=1"], "after 0.713801 mm"),
         (
             ["rolling.resistance=0.1", "rolling.distance_mm=", "rolling.duration_s=1"],
-            "rolling.duration_s: the sphere comes to rest after 0.14276 s, rolling.duration_s is",
+            "after 0.14276 s",
         ),
-        (["rolling.drop_mm=0"], "rolling.drop_mm: got 0, allowed: greater than 0"),
-        (
-            ["rolling.drop_mm=1", "dynamics=", "plate.thickness_mm="],
-            "rolling.drop_mm: only goes with dynamics",
-        ),
-        (["rolling.drop_mm=1", "sound.source=release"], 'sound.source: got "release", which a'),
-        (["rolling.drop_mm=1", "dynamics.release=true"], "dynamics.release: got true, which a"),
     ],
 )
-def test_message(changes: list[str], message: str) -> None:
+def test_a_track_beyond_the_rest_of_the_sphere_is_refused(changes: list[str], numbers: str) -> None:
+    """A solid sphere rolls 7/10 v^2/(mu g), for 7/5 v/(mu g)."""
+    with pytest.raises(SceneError, match=numbers):
+        scene(*changes)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        ["rolling.load_n=heavy"],
+        ["rolling.resistance=-1"],
+        ["rolling.resistance=0.01", "rolling.speed_m_s=[[0, 1], [1, 0.5]]"],
+        ["rolling.drop_mm=0"],
+        ["rolling.drop_mm=1", "dynamics=", "plate.thickness_mm="],
+        ["rolling.drop_mm=1", "sound.source=release"],
+        ["rolling.drop_mm=1", "dynamics.release=true"],
+    ],
+)
+def test_keys_that_do_not_go_together_are_one_fault(changes: list[str]) -> None:
     with pytest.raises(SceneError) as caught:
         scene(*changes)
     assert len(caught.value.faults) == 1
-    assert message in caught.value.faults[0]
 
 
 def test_the_load_is_the_weight() -> None:

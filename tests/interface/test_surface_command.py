@@ -106,7 +106,6 @@ def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFix
     ("words", "reason"),
     [
         (["nowhere.x3p"], "nowhere.x3p: no such file"),
-        (["nowhere"], "nowhere: no such file"),
         (["scan.xyz", "--spacing-um", "1"], "the file holds its own spacing"),
         (["scan.xyz", "--set", "surface.seed=1"], "--set: only goes with a scene"),
         (["scan.xyz", "--save", "scan.xyz"], "scan.xyz: exists"),
@@ -114,9 +113,7 @@ def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFix
         (["scan.xyz", "--save", "saved.doc"], "--save saved.doc: got the ending .doc"),
         (["scan.xyz", "--save", "none/z.npy"], "--save none/z.npy: no such folder"),
         (["plate.yaml", "--spacing-um", "1"], "only for a file of heights"),
-        (["plate.yaml", "--height-unit", "nm"], "only for a file of heights"),
         (["plate.yaml", "--set", "surface.sed=1"], "nearest: surface.seed"),
-        (["plate.yaml", "--xy-unit", "mm"], "only for a file of heights"),
         (["flat.npy", "--spacing-um", "1", "--xy-unit", "mm"], "only goes with a .xyz file"),
         (["flat.npy"], "--spacing-um: missing"),
         (["gaps.npy", "--spacing-um", "1"], "holds no heights"),

@@ -195,4 +195,4 @@ def test_no_load_follows_beyond_a_failed_one(solved: Result) -> None:
     assert failing and result.load_marches is not None
     assert list(result.load_marches.faults) == [failing]
     assert max(law_loads(given, result).marched) < failing
-    assert not law_pieces(given, result, Piece)
+    assert not law_pieces(given, result)

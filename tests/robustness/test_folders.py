@@ -301,7 +301,7 @@ def test_a_folder_that_was_removed_meanwhile_is_whole_again(
         out.mkdir()
         return {}
 
-    monkeypatch.setattr(solving, "_solve", removed)
+    monkeypatch.setattr(solving, "_solve_lacking", removed)
     run(scene, out)
     monkeypatch.undo()
     assert run(scene, out) == 0 and open_run(out).summary["steps"]
