@@ -317,7 +317,7 @@ def _exhibit(picture: Picture) -> Chart:
     if table is not None and len(table) <= LARGEST_CSV:
         chart["csv"] = table.decode()
     if picture.name in TIMELINES:
-        chart["second"] = seconds(chart["x"]["unit"])
+        chart["second"] = _seconds(chart["x"]["unit"])
     return chart
 
 
@@ -330,7 +330,7 @@ def _comparing_exhibits(runs: Sequence[Run]) -> list[dict[str, Any]]:
     return exhibits
 
 
-def seconds(unit: str) -> float:
+def _seconds(unit: str) -> float:
     """Return the seconds of a unit of time with its prefix."""
     for power, prefix in PREFIXES.items():
         if f"{prefix}s" == unit:

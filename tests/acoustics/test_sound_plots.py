@@ -181,10 +181,8 @@ def test_curves_with_an_order_go_from_dark_to_light(ax) -> None:
 
 def test_third_octaves_mark_levels_less_their_errors_and_hatch_bands_that_are_off() -> None:
     levels, spread = dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 0.5)
-    errors = dict.fromkeys(BAND_NAMES, 0.4) | {"8000": 2.0, "20": None}
-    ax = plots.third_octaves(
-        Figure().subplots(), [("a", levels, spread)], 10.0, errors=[(errors, spread)]
-    )
+    errors = plots.BandErrors(dict.fromkeys(BAND_NAMES, 0.4) | {"8000": 2.0, "20": None}, spread)
+    ax = plots.third_octaves(Figure().subplots(), [("a", levels, spread)], 10.0, errors=[errors])
     (marks,) = [
         line for line in ax.get_lines() if line.get_marker() == "D" and len(line.get_xdata()) > 1
     ]
@@ -196,3 +194,16 @@ def test_third_octaves_mark_levels_less_their_errors_and_hatch_bands_that_are_of
     plain = plots.third_octaves(Figure().subplots(), [("a", levels, spread)], 10.0, errors=[None])
     assert plain.get_ylim() == (45, 55)
     assert not [patch for patch in plain.patches if patch.get_hatch()]
+
+
+def test_marks_show_inside_their_diamonds_and_hatches_name_their_curve() -> None:
+    levels = dict.fromkeys(BAND_NAMES, 50.0)
+    errors = plots.BandErrors(dict.fromkeys(BAND_NAMES, 1.5), dict.fromkeys(BAND_NAMES, 0.1))
+    curves = [(label, levels, levels) for label in "ab"]
+    ax = plots.third_octaves(Figure().subplots(), curves, 10.0, errors=[errors, errors])
+    diamonds = [line for line in ax.get_lines() if line.get_marker() == "D"]
+    marks = [line for line in ax.get_lines() if line.get_marker() in ("o", "s")]
+    assert all(line.get_markerfacecolor() == "none" for line in diamonds)
+    assert min(x.get_zorder() for x in marks) > max(x.get_zorder() for x in diamonds)
+    assert {f"{x}: off by more than 1 dB" for x in "ab"} < {*ax.get_legend_handles_labels()[1]}
+    assert len({(x.get_hatch(), x.get_edgecolor()) for x in ax.patches if x.get_hatch()}) == 2

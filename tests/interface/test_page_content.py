@@ -19,7 +19,7 @@ from ruamel.yaml import YAML
 from acoustics.wav import PEAK
 from rolling.report import film, maps, records, text
 from rolling.report.assumed import assumptions
-from rolling.report.page import css_text, page, seconds
+from rolling.report.page import css_text, page
 from rolling.results import verdict
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
@@ -154,11 +154,6 @@ def test_the_map_shown_is_the_nearest_at_any_time(speed, laps, closes) -> None:
         if closes:
             away = np.minimum(away, lap - away)
         assert away[shown] == pytest.approx(away.min(), abs=1e-9)
-
-
-@pytest.mark.parametrize(("unit", "value"), [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ps", 1e-12)])
-def test_units_of_time_are_read_with_their_prefix(unit: str, value: float) -> None:
-    assert seconds(unit) == pytest.approx(value, rel=1e-12)
 
 
 # ---- film

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -15,6 +15,8 @@ from finished import run_of
 from hard_cases.gaussian_heights import gaussian
 from memory_scenes import MEMORY
 
+from rolling.figures.catalogue import single_picture
+from rolling.figures.picture import Picture
 from rolling.results import labels
 from rolling.results.run_result import Run
 from rolling.scene.file import read_scene
@@ -146,3 +148,10 @@ def made(name: str) -> tuple[Run, ...]:
 def runs_of(*names: str) -> list[Run]:
     """Return the runs of names with labels that tell all of them apart."""
     return labelled([run for name in names for run in made(name)])
+
+
+def single(name: str, run: Run, among: Sequence[Run] = ()) -> Picture:
+    """Return a figure of a run, on the axes of the runs among which it is compared."""
+    drawn = single_picture(name, run, among or [run])
+    assert drawn is not None
+    return drawn
