@@ -295,16 +295,16 @@ def gallery(run_folders: Sequence[Path], out: Path | None = None) -> list[Path]:
     FolderError, SceneError : a folder is no run folder, nothing is done in
         them, a run is damaged, or `out` exists. Nothing is written.
     """
-    from rolling.report import page
+    from rolling.report.gallery import MAX_CARDS, gallery_page
 
     out = out or GALLERY
     _refuse_page(out)
     done, unsolved = _done_and_unsolved(run_folders)
-    if len(done) > page.MAX_CARDS:
-        raise FolderError(f"{len(done)} runs: a gallery shows {page.MAX_CARDS}; name fewer folders")
+    if len(done) > MAX_CARDS:
+        raise FolderError(f"{len(done)} runs: a gallery shows {MAX_CARDS}; name fewer folders")
     with progress.step("reading the runs, making their sound"):
         left_out = [printable(run.folder.resolve().name) for run in unsolved]
-        content = page.gallery(_opened_by_scene(done), len(done), out.parent, left_out)
+        content = gallery_page(_opened_by_scene(done), len(done), out.parent, left_out)
     out.parent.mkdir(parents=True, exist_ok=True)
     files.write_bytes(out, content)
     return [out]

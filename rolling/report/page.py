@@ -1,24 +1,15 @@
 """The report page, on which runs are heard, seen and read: an HTML file without network access.
 
 This module gathers the content of the page as plain text, numbers and data URIs. Layout and
-behaviour are in `assets/`. The gallery is a page of many runs, each with a picture, a sound, its
-level and a sentence.
+behaviour are in `assets/`.
 """
 
-import os
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
-import jinja2
-import numpy as np
 from markupsafe import Markup
 
-from acoustics import wav
-from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES
 from acoustics.plot_style import PREFIXES
 from acoustics.texts import printable
@@ -26,14 +17,13 @@ from rolling import __version__
 from rolling.check.doubt import Doubt
 from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
-from rolling.figures.picture import Picture, slug
+from rolling.figures.picture import Picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import assumed, film, live, maps, records, text
 from rolling.report.charts import Chart, chart_of
+from rolling.report.templates import environment, joined_script
 from rolling.results import runs_table, verdict
-from rolling.results.doubts import REPEATS, UNVALIDATED
-from rolling.results.listening import record_for_ear
-from rolling.results.run_folder import PAGE
+from rolling.results.doubts import REPEATS
 from rolling.results.run_result import Run
 from rolling.terminal import defaults
 
@@ -96,65 +86,10 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         surfaces=_surfaces(shown),
         vibration=[name for name in VIBRATION if any(name in view.pictures for view in views)],
         css=Markup(text.asset("report.css") + text.asset("play.css") + text.asset("chart.css")),
-        js=Markup(joined("page/begin.js" if shown else "page/chart.js")),
-        engine=Markup(joined("engine/worklet.js")),
+        js=Markup(joined_script("page/begin.js" if shown else "page/chart.js")),
+        engine=Markup(joined_script("engine/worklet.js")),
         data=data,
     ).encode()
-
-
-# ---- templates and scripts
-
-
-_IMPORT = re.compile(r'^import \{[^}]*\} from "(\./|\.\./)([\w/]+\.js)";\n', re.MULTILINE)
-
-
-def environment() -> jinja2.Environment:
-    """Return the environment of the page, which escapes values and raises on missing values."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("rolling.report", "assets"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"slug": slug, "css_text": css_text}
-    # NaN must not reach the script of the page, because it is not JSON.
-    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
-    return environment
-
-
-def css_text(title: str) -> Markup:
-    """Write any text as the inside of a string of CSS, all but letters and digits as numbers."""
-    letters = []
-    for letter in title:
-        if letter.isascii() and letter.isalnum():
-            letters.append(letter)
-        else:
-            letters.append(f"\\{ord(letter):06x}")
-    return Markup("".join(letters))
-
-
-def joined(entry: str) -> str:
-    """Join a module of `assets/` with all modules that it imports, each once, imports first.
-
-    The modules then share a scope, so no two of them may declare the same name at their top level.
-    """
-    seen = set[str]()
-    parts = list[str]()
-
-    def gather(name: str) -> None:
-        """Add the text of a module behind the texts of the modules that it imports."""
-        seen.add(name)
-        script = text.asset(name)
-        room = name.rpartition("/")[0]
-        for above, imported in _IMPORT.findall(script):
-            path = f"{room}/{imported}" if above == "./" else imported
-            if path not in seen:
-                gather(path)
-        parts.append(re.sub(r"^export ", "", _IMPORT.sub("", script), flags=re.MULTILINE))
-
-    gather(entry)
-    return "\n".join(parts)
 
 
 def _descriptions(runs: Sequence[Run]) -> list[str]:
@@ -375,93 +310,3 @@ def _surface_key(run: Run) -> str:
     if scene.sphere.surface:
         parts += [scene.sphere.surface, scene.track.turn_nodes]
     return repr(parts)
-
-
-# ---- gallery
-
-
-MAX_CARDS = 200
-# All sounds together weigh about 5 MB: an MP3 of a rough contact takes up to 25 kB per second.
-SECONDS = 8.0  # of a run at most
-MIN_SECONDS = 1.0  # of a run at least
-ALL_SECONDS = 150.0  # of all runs together
-FADE_S = 0.02
-
-
-def gallery(runs: Iterable[Run], count: int, folder: Path, unsolved: Sequence[str] = ()) -> bytes:
-    """Write the page of many runs.
-
-    Each run is heard for 8 s of listen.wav, or for less where all runs together would exceed 150 s,
-    but for 1 s at least.
-
-    Parameters
-    ----------
-    runs : iterable of Run. The runs in the order of the page; each is dropped after its card.
-    count : int. Number of the runs.
-    folder : Path. The folder of the page, from which it links to the pages of the runs.
-    unsolved : sequence of str. Labels of runs that are not solved. Default: none.
-
-    Returns
-    -------
-    bytes
-        The HTML file.
-    """
-    seconds = min(SECONDS, max(MIN_SECONDS, ALL_SECONDS / count))
-    cards = [_card(run, seconds, folder) for run in runs]
-    gains = records.gains([card["peak"] for card in cards], [card["level_db"] for card in cards])
-    template = environment().get_template("gallery.html")
-    return template.render(
-        version=__version__,
-        cards=[*zip(cards, gains, strict=True)],
-        seconds=seconds,
-        unsolved=unsolved,
-        remark=UNVALIDATED,
-        css=Markup(text.asset("report.css") + text.asset("gallery.css")),
-    ).encode()
-
-
-def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
-    """Return title, picture, sound, level and sentence of a run, and the link to its page."""
-    sound = _excerpt(run, seconds)
-    peak = float(np.abs(sound).max())
-    listening = run.summary.get("listening") or {}
-    still = None
-    with left_out_if_it_fails(f"of the contact of {run.label}"):
-        still = film.still(run)
-    return {
-        "title": text.titles([run]),
-        "label": run.label,
-        "level": runs_table.level_text(run.summary, runs_table.level_key(run.summary)),
-        "name": runs_table.level_name(run.summary),
-        "verdict": run.summary.get("verdict"),
-        "sentence": _sentence(run),
-        "picture": still,
-        "sound": records.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
-        "peak": peak,
-        "level_db": listening.get("laeq_db", run.summary["laeq_db"]),
-        "report": _link(run.home / PAGE, folder),
-    }
-
-
-def _link(page: Path, folder: Path) -> str | None:
-    """Return the relative address of a page from a folder; None without a page or a common disk."""
-    if not page.is_file() or page.resolve().drive != folder.resolve().drive:
-        return None
-    return quote(Path(os.path.relpath(page.resolve(), folder.resolve())).as_posix())
-
-
-def _excerpt(run: Run, seconds: float) -> Array:
-    """Return the beginning of the record for the ear [Pa], with a fade at its end."""
-    rate = run.sound.sample_rate
-    part = np.array(record_for_ear(run).pressure[: round(seconds * rate)], dtype=float)
-    fade = min(len(part), round(FADE_S * rate))
-    part.T[..., len(part) - fade :] *= np.linspace(1, 0, fade)  # of all channels
-    return part
-
-
-def _sentence(run: Run) -> str:
-    """Return the description of a scene of one run; in a sweep, a sentence on the run's sound."""
-    description = " ".join((run.scene.description or "").split())
-    if run.values or not description:
-        return text.headline([run])
-    return printable(description).rstrip(".") + "."

@@ -37,7 +37,7 @@ from rolling import __version__
 from rolling.figures.picture import finish, picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import maps, records, text
-from rolling.report.page import environment
+from rolling.report.templates import environment
 from rolling.results import listening
 from rolling.results.run_result import Run
 from rolling.scene.height_files import read_regular

@@ -21,8 +21,7 @@ from report_runs import runs_of
 import rolling.report
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture
-from rolling.report import page as report_page
-from rolling.report import text
+from rolling.report import templates, text
 from rolling.report.charts import COLUMNS, chart_of, numbers
 
 ASSETS = Path(rolling.report.__file__).parent / "assets"
@@ -236,7 +235,7 @@ def opened_charts(tmp_path: Path, opened):
     """Open a page of charts alone."""
 
     def open_charts(*shown: dict[str, Any], **settings: Any):
-        environment = report_page.environment()
+        environment = templates.environment()
         environment.globals["numbered"] = [*shown].index
         body = environment.from_string(
             "<!DOCTYPE html><html lang=en><meta charset=utf-8><title>charts</title>"
@@ -249,7 +248,7 @@ def opened_charts(tmp_path: Path, opened):
             "</script>"
         )
         css = text.asset("report.css") + text.asset("chart.css")
-        js = report_page.joined("page/chart.js")
+        js = templates.joined_script("page/chart.js")
         path = tmp_path / "charts.html"
         path.write_text(body.render(data={"charts": shown}, css=css, js=js))
         return opened(path, **settings)

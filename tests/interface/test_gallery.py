@@ -17,7 +17,7 @@ from PIL import Image
 from report_browser import until
 from report_runs import runs_of
 
-from rolling.report.page import gallery
+from rolling.report.gallery import gallery_page
 from rolling.results.listening import record_for_ear
 
 PHONE = {"width": 390, "height": 844}
@@ -32,7 +32,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (home / "report.html").write_text("the page")
     runs = runs_of("filmed", "flying", "three", "smooth")
     runs[0] = replace(runs[0], folder=home, label='<b> "quoted"')
-    (folder / "gallery.html").write_bytes(gallery(iter(runs), len(runs), folder, ["waiting"]))
+    (folder / "gallery.html").write_bytes(gallery_page(iter(runs), len(runs), folder, ["waiting"]))
     return folder / "gallery.html"
 
 
@@ -88,7 +88,7 @@ def test_sounds_begin_like_the_record_and_stay_short(path: Path) -> None:
     sound = sound[:20000] * (record @ sound[:20000]) / (sound[:20000] @ sound[:20000])
     assert np.std(sound - record) < 0.1 * np.std(record)
     assert all(len(samples) <= 8.1 * 48000 for samples in records(path))
-    many = gallery((runs_of("one")[0] for _ in range(100)), 100, path.parent)
+    many = gallery_page((runs_of("one")[0] for _ in range(100)), 100, path.parent)
     assert len(many) < 8e6
 
 

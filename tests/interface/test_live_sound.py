@@ -13,7 +13,7 @@ from scipy.signal import butter, sosfilt
 from acoustics import level, wav, weighting
 from acoustics.bands import reliable
 from acoustics.rectangular_plate import RectangularPlate
-from rolling.report.page import joined
+from rolling.report.templates import joined_script
 
 STEREO = {"sound.listener_mm": [[100, 150, 500], [250, 60, 700]]}
 EDGED = {**EDGES, "plate.thickness_mm": 10}
@@ -146,10 +146,10 @@ def rendered(opened, tmp_path, call: str, *arguments) -> np.ndarray:
     """Return the channels that Chromium renders by a call to the engine on an empty page."""
     page = tmp_path / "engine.html"
     page.write_text("<!doctype html><title>engine</title>")
-    scripts = joined("engine/prepare.js") + joined("engine/graph.js")
+    scripts = joined_script("engine/prepare.js") + joined_script("engine/graph.js")
     with opened(page) as browser:
         browser.add_script_tag(content=f"{scripts}\nwindow.setTimeout = () => {{}};")
-        url = f"data:text/javascript;charset=utf-8,{quote(joined('engine/worklet.js'))}"
+        url = f"data:text/javascript;charset=utf-8,{quote(joined_script('engine/worklet.js'))}"
         return np.array(browser.evaluate(call, [url, *arguments]))
 
 

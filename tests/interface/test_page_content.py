@@ -19,7 +19,8 @@ from ruamel.yaml import YAML
 from acoustics.wav import PEAK
 from rolling.report import film, maps, records, text
 from rolling.report.assumed import assumptions
-from rolling.report.page import css_text, page
+from rolling.report.page import page
+from rolling.report.templates import css_text
 from rolling.results import verdict
 from rolling.results.run_result import Run
 from rolling.scene.file import loads

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from report_browser import without_browser
 
-from rolling.report import page
+from rolling.report import templates
 
-ASSETS = Path(page.__file__).parent / "assets"
+ASSETS = Path(templates.__file__).parent / "assets"
 MODULES = sorted([*ASSETS.glob("page/*.js"), *ASSETS.glob("engine/*.js")])
 DECLARED = re.compile(
     r"^(?:async )?(?:const|let|var|function\*?|class) (\w+|[{\[][^=]*[}\]])", re.M
@@ -27,7 +27,7 @@ def names_of(script: str) -> list[str]:
 
 @pytest.mark.parametrize("entry", ["page/begin.js", "page/chart.js"])
 def test_joined_scripts_are_javascript_without_doubled_names(entry: str) -> None:
-    script = page.joined(entry)
+    script = templates.joined_script(entry)
     doubled = {name for name, count in Counter(names_of(script)).items() if count > 1}
     assert not doubled and not re.search(r"^(import|export)\b", script, re.M)
     if (node := shutil.which("node")) is None:
