@@ -117,7 +117,7 @@ def _with_overrides(
     Raise SceneError with the faults of wrong overrides.
     """
     faults = []
-    for override in sorted(overrides, key=lambda text: library.names_first(text.partition("=")[0])):
+    for override in sorted(overrides, key=_order_of_override):
         name, equals, text = override.partition("=")
         name = name.strip()
         if not equals or not name:
@@ -143,17 +143,18 @@ def _with_overrides(
     return data
 
 
+def _order_of_override(override: str) -> int:
+    """Return the rank of an override among others."""
+    return library.order_of_change(override.partition("=")[0].strip())
+
+
 # ---- new sound from a stored run
 
 
-RESOUND_KEYS = (
-    "rolling.speed_m_s",
-    "rolling.drop_mm",
-    "sphere.density_kg_m3",
-    *(f"plate.{name}" for name in VIBRATING_PLATE),
-    "dynamics.release",
-    *(f"sound.{name}" for name in Sound.model_fields),
-)
+RESOUND_KEYS = ["rolling.speed_m_s", "rolling.drop_mm", "sphere.density_kg_m3"]
+RESOUND_KEYS += [f"plate.{name}" for name in VIBRATING_PLATE]
+RESOUND_KEYS += ["dynamics.release"]
+RESOUND_KEYS += [f"sound.{name}" for name in Sound.model_fields]
 
 
 def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
@@ -206,7 +207,9 @@ def _time_of_same_track(scene: Scene, changed: Mapping[str, Any]) -> float:
 def _bound_keys(scene: Scene) -> set[str]:
     """Return keys that change the load or the rolling out, and with it the contact or the track."""
     rolls_out = scene.rolling.resistance is not None
-    bound = {"rolling.speed_m_s"} if rolls_out else set[str]()
+    bound = set[str]()
+    if rolls_out:
+        bound.add("rolling.speed_m_s")
     if rolls_out or scene.rolling.load_n == WEIGHT:
         bound.add("sphere.density_kg_m3")
     return bound

@@ -235,6 +235,7 @@ def without_replaced_values(data: Mapping[str, Any], key: str, value: Any) -> Ma
     return {**data, section: kept}
 
 
-def names_first(key: str) -> bool:
-    """Return the order of changes: a name is set before the values that may stand beside it."""
-    return key.rpartition(".")[2] not in {name.key for name in NAMES.values()}
+def order_of_change(key: str) -> int:
+    """Return the rank of a change: a name (0) is set before values that may stand beside it."""
+    names = {name.key for name in NAMES.values()}
+    return 0 if key.rpartition(".")[2] in names else 1

@@ -135,7 +135,9 @@ class Section(BaseModel, metaclass=_SceneErrors):
     @classmethod
     def _within_reason(cls, value: Any) -> Any:
         """Refuse sizes whose powers and quotients overflow or underflow."""
-        for number in np.ravel(value) if isinstance(value, float | tuple) else ():
+        if not isinstance(value, float | tuple):
+            return value
+        for number in np.ravel(value):
             if number and not _SMALLEST <= abs(number) <= 1 / _SMALLEST:
                 sizes = f"a size from {rounded(_SMALLEST)} to {rounded(1 / _SMALLEST)}"
                 raise fault(f"got {quoted(float(number))}, allowed: {sizes}")

@@ -245,7 +245,7 @@ class Scene(quantities.SceneQuantities):
         data = self.to_dict()
         if "dynamics" in by_key:
             del data["sound"]["source"]  # because its default follows the dynamics
-        for key in sorted(by_key, key=library.names_first):
+        for key in sorted(by_key, key=library.order_of_change):
             data = sweeps.with_value(data, key, by_key[key])
         return type(self).from_dict(data, self.folder)
 

@@ -35,11 +35,13 @@ def run_name(values: Mapping[str, Value]) -> str:
     text that is not fit for every file system ends in a digest. Runs without values have an empty
     name.
     """
-    last = [key.rpartition(".")[2] for key in values]
-    name = ",".join(
-        f"{short if last.count(short) == 1 else key}={_written(value)}"
-        for short, (key, value) in zip(last, values.items(), strict=True)
-    )
+    last_parts = [key.rpartition(".")[2] for key in values]
+    parts = []
+    for key, value in values.items():
+        last = key.rpartition(".")[2]
+        label = last if last_parts.count(last) == 1 else key
+        parts.append(f"{label}={_written(value)}")
+    name = ",".join(parts)
     if len(name) <= LONGEST_NAME:
         return name
     exact = ",".join(f"{key}={value!r}" for key, value in values.items())
@@ -180,9 +182,9 @@ def place_in_sweep(key: Key, values: Mapping[str, Value], sweep: Mapping[str, An
 def with_values(data: Mapping[str, Any], forms: Mapping[str, Any]) -> dict[str, Any]:
     """Return the plain values of a scene with the values of one run, sections first."""
     result: Mapping[str, Any] = data
-    for name in sorted(forms, key=lambda name: (name.count("."), library.names_first(name))):
+    for name in sorted(forms, key=lambda name: (name.count("."), library.order_of_change(name))):
         result = library.without_replaced_values(result, name, forms[name])
-        result = _changed(result, key_of(name), forms[name])
+        result = _with_value_at(result, key_of(name), forms[name])
     return {
         name: library.with_named_values(name, part) if name in library.NAMES else part
         for name, part in result.items()
@@ -196,14 +198,14 @@ def with_value(data: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]
         value = library.NONE  # because the material would give its hardness again
     key = key_of(name)
     kept = library.without_replaced_values(data, name, value)
-    result: dict[str, Any] = _changed(kept, key, value)
+    result: dict[str, Any] = _with_value_at(kept, key, value)
     swept = result.get("sweep")
     if len(key) > 1 and key[0] != "sweep" and isinstance(swept, dict):
         result["sweep"] = {other: listed for other, listed in swept.items() if other != name}
     return result
 
 
-def _changed(values: Any, key: Key, form: Any) -> Any:
+def _with_value_at(values: Any, key: Key, form: Any) -> Any:
     """Return plain values with another value at a key; values in place of a section stay."""
     if not key:
         return form
@@ -212,7 +214,7 @@ def _changed(values: Any, key: Key, form: Any) -> Any:
     if not isinstance(values, Mapping):
         return values
     name = str(key[0])
-    return {**values, name: _changed(values.get(name), key[1:], form)}
+    return {**values, name: _with_value_at(values.get(name), key[1:], form)}
 
 
 def with_paths(data: Mapping[str, Any], moved: Callable[[str], str]) -> dict[str, Any]:

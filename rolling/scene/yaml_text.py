@@ -37,7 +37,8 @@ def read_text(path: Path) -> str:
             words += ", a scene file is needed"
         raise SceneError([f"{path}: {words}"]) from error
     except UnicodeDecodeError as error:
-        line, byte = error.object[: error.start].count(b"\n") + 1, error.object[error.start]
+        line = error.object.count(b"\n", 0, error.start) + 1
+        byte = error.object[error.start]
         raise SceneError([f"{path}:{line}: not UTF-8 text (byte {byte:#04x})"]) from error
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -33,33 +32,8 @@ WRONG = {
     "mapping": {"a": 1},
     "complex": 1j,
 }
-FORMULAS = [f for _, f in inspect.getmembers(rc.closed_forms, inspect.isfunction) if f.__doc__]
+# Functions of numbers and arrays stand in test_bad_arguments.py.
 CALLS: dict[str, Callable[[Any], object]] = {
-    "HalfSpace.spacing": lambda x: rc.HalfSpace(x, 230e9),
-    "HalfSpace.contact_modulus": lambda x: rc.HalfSpace(2e-6, x),
-    "deflection": STEEL.deflection,
-    "solve_contact.half_space": lambda x: rc.solve_contact(x, GAP, 1.0),
-    "solve_contact.gap": lambda x: rc.solve_contact(STEEL, x, 1.0),
-    "solve_contact.load": lambda x: rc.solve_contact(STEEL, GAP, x),
-    "solve_contact.hardness": lambda x: rc.solve_contact(STEEL, GAP, 1.0, hardness=x),
-    "solve_contact.tolerance": lambda x: rc.solve_contact(STEEL, GAP, 1.0, tolerance=x),
-    "march.contact": lambda x: next(rc.march(x, 0, 1, STEEL)),
-    "march.half_space": lambda x: next(rc.march(CONTACT, 0, 1, x)),
-    **{
-        f"RollingContact.{name}": lambda x, name=name: replace(CONTACT, **{name: x})
-        for name in ("heights", "spacing", "radius", "contact_modulus", "hardness", "load")
-    },
-    **{
-        f"{formula.__name__}.{k}": lambda x, formula=formula, k=k, count=count: formula(
-            *(x if j == k else 1.0 for j in range(count))
-        )
-        for formula in FORMULAS
-        if not formula.__name__.startswith("_") and formula.__module__ == rc.closed_forms.__name__
-        for count in [len(inspect.signature(formula).parameters)]
-        for k in range(count)
-    },
-    "surface_parameters.heights": lambda x: rc.surface_parameters(x, 1.0),
-    "surface_parameters.spacing_um": lambda x: rc.surface_parameters(GAP, x),
     "simulate": rc.simulate,
     "simulate_sweep": rc.simulate_sweep,
     "save_run": lambda x: rc.save_run(x, "nowhere"),

@@ -121,7 +121,6 @@ def test_a_sweep_over_names_has_the_values_and_labels_of_each() -> None:
     ("changes", "message"),
     [
         ({"plate.material": "steel"}, "nearest: steel-100cr6"),
-        ({"sphere.material": "aluminum"}, "nearest: aluminium-6061-t6"),
         ({"plate.material": 5}, "plate.material: got 5, allowed: steel-100cr6, "),
         ({"surface.finish": "grounded"}, "allowed: ground, honed, polished, lapped, superfinished"),
         (
@@ -129,7 +128,6 @@ def test_a_sweep_over_names_has_the_values_and_labels_of_each() -> None:
             "surface.finish: unknown key of kind smooth",
         ),
         ({"plate.yield_strength_gpa": 1, "plate.hardness_gpa": 3}, "not beside hardness_gpa"),
-        ({"plate.yield_strength_gpa": 1, "plate.hardness_gpa": "none"}, "not beside hardness_gpa"),
         ({"plate.yield_strength_gpa": 14}, "below a fifteenth of youngs_modulus_gpa, 14"),
         ({"plate.hardness_gpa": "hard"}, 'got "hard", allowed: a finite number, or none'),
         ({"sweep": {"plate.material": ["oak", "oke"]}}, "sweep.plate.material[1]: got"),
