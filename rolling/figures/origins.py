@@ -14,7 +14,6 @@ from acoustics.plot_style import COLOURS, MARKERS
 from acoustics.traps import ignoring_underflow
 from rolling.figures.picture import axes_of, distance_text, duration_text, finish
 from rolling.results.run_result import Run
-from rolling.results.summary import pass_numbers
 from rolling.sound.wavelengths import FOLLOWS, MIN_SHARE
 
 MULTIPLES = 10  # of the turn's frequency that are shown and marked
@@ -278,6 +277,6 @@ def running_in_table(run: Run) -> pd.DataFrame:
     """Tabulate levels [dB], release power [W], plastic work [J] and depth [um] of passes."""
     if run.result.passes is None:
         raise ValueError(f"{run.title}: has no passes, its plate has no memory")
-    table = pd.DataFrame(pass_numbers(run))
+    table = pd.DataFrame(run.summary["passes"])
     table.insert(0, "pass", np.arange(len(table)) + 1)
     return table

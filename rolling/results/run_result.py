@@ -18,7 +18,7 @@ from rolling.marches.result import Result, released_energy
 from rolling.results import listening, result_arrays, result_file, runs_table, verdict
 from rolling.results.run_folder import RESULT, SUMMARY, RunFolder, read_summary
 from rolling.results.solved_run import SolvedRun
-from rolling.results.summary import pass_numbers, provenance, record_scatter, summarize
+from rolling.results.summary import provenance, record_scatter, summarize
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, contact_sound
 from rolling.sound.vibration_sound import Vibration, sound_of_vibration, vibrate
@@ -173,10 +173,6 @@ def make_run(
     )
     if summary is None:
         run.summary.update(summarize(run, release))
-        if result.passes is not None:
-            run.summary["passes"] = [*pass_numbers(run)]
-        if scene.sound.listen_s is not None:
-            run.summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return run
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import platform
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import asdict
 from datetime import UTC, datetime
 from functools import cache
@@ -25,9 +25,11 @@ from rolling.check import cost, heights
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.motion import BodyMotion
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
-from rolling.marches import force_law, stiffness
+from rolling.marches import force_law
 from rolling.marches.observers import STATE_SERIES
+from rolling.marches.passes import Passes
 from rolling.marches.result import MovingRelease, Result, released_energy
+from rolling.marches.stiffness import solved_stiffness
 from rolling.results import verdict
 from rolling.results.doubts import doubts
 from rolling.results.run_errors import error_numbers, known, known_bands
@@ -42,6 +44,7 @@ from rolling.surface.scene_surface import SceneSurface, scene_surface
 from rolling.terminal import program
 
 STEADY_S = 1.0  # [s] of a record that does not close, from which on its loudness is that of a tone
+MAXIMA = ("laf_max_db", "las_max_db")  # with a time weighting that a short record may not reach
 _ROUNDING_DB = 1e-6
 _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarray", "pydantic")
 
@@ -49,128 +52,83 @@ _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarr
 def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
     """Collect the numbers of a run, with the sound of its release; levels of silence are None."""
     scene, result, sound, vibration = run.scene, run.result, run.sound, run.vibration
-    surface, times = scene_surface(scene), result.series["step_time"]
-    times = times[np.isfinite(times)]  # unknown of marches that were read from a file
+    surface = scene_surface(scene)
+    is_event = _is_event(sound)
+    band = _missing_band(run)
+    law = _force_law(run)
     moving = result.moving if scene.moves_release else None
-    vibrates, law = sound.source == "vibration", _law(run)
-    origins: dict[str, float | None] = {"record": sound.uncertainty.laeq_db}
-    if vibration is not None and vibrates:
-        origins = {**vibration.parts}
-        if (error := law.get("force_law_error_db")) is not None:
-            origins["force_law"] = error
-    band = _band(run)
-    if band is not None:
-        origins["band"] = float(np.hypot(band.error_db, band.uncertainty_db))
-    spreads = {name.removesuffix("_db"): db for name, db in asdict(sound.uncertainty).items()}
-    del spreads["third_octave"]
-    spreads["lae"] = spreads["laeq"]  # they differ by the duration, or by a comb that ± covers
-    levels = _levels(sound, run.record_laeq_db)
-    for key in ("laf_max", "las_max"):
-        if levels[f"{key}_db"] is None:
-            spreads[key] = None
-    repeats = not vibrates or bool(vibration and vibration.motion.settled)
-    laps = result.steps / result.solved_steps if repeats else 1.0
-    errors = error_numbers(run, origins)
+    stiffness = _solved_stiffness(run)
     summary = {
-        "name": scene.name,
-        "load_n": scene.load,
-        "steps": result.steps,
-        "source": sound.source,
-        "q": None if vibrates or scene.sound.gain_pa_per_w_m2 else scene.sound.q,
-        **levels,
-        "record_laeq_db": run.record_laeq_db,
-        "steady_level_db": sound.steady_level,
-        "uncertainty_db": spreads | {"steady": sound.steady_uncertainty},
-        "third_octave_uncertainty_db": sound.uncertainty.third_octave_db,
-        "record_scatter_db": record_scatter(sound.pressure, laps),
-        **errors,
-        "laeq_band_error_db": None if band is None else band.error_db,
-        "laeq_band_error_uncertainty_db": None if band is None else band.uncertainty_db,
-        "laeq_band_end_hz": None if band is None else band.highest_hz,
-        **_loudness(scene, sound, vibration),
-        "duration_s": sound.duration,
-        "loops": sound.loops,
-        "highest_frequency_hz": sound.highest,
-        "factor_pa_per_w_m2": sound.factor,
-        "release_power_mean_w": release.mean_power,
-        "release_power_rms_w": release.power_rms,
-        "release_power_audible_rms_w": release.audible_rms,
-        "release_power_resolved_rms_w": release.resolved_rms,
+        **_scene(run),
+        **_levels(run, is_event),
+        **_uncertainty(run),
+        **error_numbers(run, _uncertainty_parts(run, law, band)),
+        **_band(band),
+        **_loudness(run, is_event),
+        **_record(sound, release),
         **_contact(scene, result),
-        "tolerance": scene.tolerance,
-        "step_ms": float(np.median(times) * 1e3) if len(times) else None,
-        "seconds": float(times.sum()),
-        "surface": asdict(surface.statistics),
-        "levelling": surface.levelling and _levelling(surface.levelling),
-        **surface.made,
-        **({"preparation": [*map(asdict, surface.preparation)]} if surface.preparation else {}),
+        **_effort(scene, result),
+        **_surface(surface),
         **_turns(scene, surface, sound),
         "wavelength_octaves": [octave._asdict() for octave in run.wavelength_octaves],
-        **(_vibration(scene, release, vibration) if vibration else {}),
-        **law,
-        **(_moving(result, moving) if moving and not moving.fault else {}),
-        **(_estimate(scene, result, release) if scene.dynamics is None else {}),
     }
+    if vibration is not None:
+        summary |= _vibration(scene, release, vibration)
+    summary |= law
+    if moving is not None and not moving.fault:
+        summary |= _moving(result, moving)
+    if scene.dynamics is None:
+        summary |= _vibration_estimate(run, release, stiffness)
     found = doubts(scene, sound, summary, vibration, moving)
     summary["doubts"] = verdict.as_json(found)
     summary["verdict"] = None if summary["laeq_db"] is None else verdict.verdict(found)
+    if result.passes is not None:
+        summary["passes"] = _passes(run, result.passes, stiffness)
+    if scene.sound.listen_s is not None:
+        summary["listening"] = run.long.numbers if run.long else {"refused": run.no_long}
     return summary
 
 
-def record_scatter(pressure: Array, laps: float = 1.0) -> float | None:
-    """Return the scatter of LAeq between thirds of the different laps of a record [dB]."""
-    lap = pressure[: round(len(pressure) / max(1.0, laps))]
-    return uncertainty.record_scatter_db(lap, wav.SAMPLE_RATE_HZ)
-
-
-def provenance(scene: Scene, label: str) -> dict[str, Any]:
-    """Collect the provenance of the numbers: versions, state of the source, machine, seed, run."""
-    packages = (*_PACKAGES, "mosqito") if scene.sound.loudness else _PACKAGES
+def _scene(run: SolvedRun) -> dict[str, Any]:
+    """Return the name, the load and the source of a run, with the q of a release without a gain."""
+    scene, sound = run.scene, run.sound
+    has_q = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
     return {
-        "program": rolling.__version__,
-        "sources": program.identity().sources,
-        "source": _commit(),
-        "python": platform.python_version(),
-        "packages": {name: _version(name) for name in packages},
-        "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
-        "label": label,
-        "seed": getattr(scene.surface, "seed", None),
-        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+        "name": scene.name,
+        "load_n": scene.load,
+        "steps": run.result.steps,
+        "source": sound.source,
+        "q": scene.sound.q if has_q else None,
     }
 
 
-_version = cache(metadata.version)
+# ---- levels and their uncertainty
 
 
-@cache
-def _commit() -> str | None:
-    """Return the commit of the checkout with the mark of changes; None outside a checkout."""
-    root = Path(rolling.__file__).parents[1]
-    git = ["git", "--git-dir", str(root / ".git"), "--work-tree", str(root)]
-    command = [*git, "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=10)
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout.strip() or None
-
-
-def _levels(sound: ContactSound, record_laeq_db: float | None) -> dict[str, Any]:
-    """Return the levels of a record, and whether it is a single event.
+def _levels(run: SolvedRun, is_event: bool) -> dict[str, Any]:
+    """Return the levels of a record.
 
     An open record begins in silence. If it ends before the time weighting has risen to the LAeq of
     the record, its maximum with this weighting says how short it is, and nothing of the sound.
     """
+    sound = run.sound
     levels = asdict(sound.levels)
-    if record_laeq_db is not None:
-        for key in ("laf_max_db", "las_max_db"):
-            maximum = levels[key]
-            if maximum is not None and maximum < record_laeq_db - _ROUNDING_DB:
-                levels[key] = None
+    for key in MAXIMA:
+        if _is_below_laeq(run, levels[key]):
+            levels[key] = None
     return levels | {
         "lae_db": lae_db(sound.pressure, sound.sample_rate),
-        "single_event": _is_event(sound),
+        "single_event": is_event,
+        "record_laeq_db": run.record_laeq_db,
+        "steady_level_db": sound.steady_level,
     }
+
+
+def _is_below_laeq(run: SolvedRun, maximum_db: float | None) -> bool:
+    """Tell whether a maximum with a time weighting lies below the LAeq of its record."""
+    if maximum_db is None or run.record_laeq_db is None:
+        return False
+    return maximum_db < run.record_laeq_db - _ROUNDING_DB
 
 
 def _is_event(sound: ContactSound) -> bool:
@@ -180,40 +138,116 @@ def _is_event(sound: ContactSound) -> bool:
     return not sound.closed and is_single_event(sound.pressure, sound.sample_rate)
 
 
-def _loudness(
-    scene: Scene, sound: ContactSound, vibration: Vibration | None
+def _uncertainty(run: SolvedRun) -> dict[str, Any]:
+    """Return the standard uncertainties of the levels from the length of the record [dB]."""
+    sound, vibration = run.sound, run.vibration
+    stated = asdict(sound.uncertainty)
+    third_octaves = stated.pop("third_octave_db")
+    spreads = {name.removesuffix("_db"): spread for name, spread in stated.items()}
+    spreads["lae"] = spreads["laeq"]  # they differ by the duration, or by a comb that ± covers
+    levels = asdict(sound.levels)
+    for key in MAXIMA:
+        if levels[key] is None or _is_below_laeq(run, levels[key]):
+            spreads[key.removesuffix("_db")] = None
+    spreads["steady"] = sound.steady_uncertainty
+    laps = run.result.steps / run.result.solved_steps
+    if sound.source == "vibration" and not (vibration and vibration.motion.settled):
+        laps = 1.0  # the motion does not repeat from lap to lap
+    return {
+        "uncertainty_db": spreads,
+        "third_octave_uncertainty_db": third_octaves,
+        "record_scatter_db": record_scatter(sound.pressure, laps),
+    }
+
+
+def _uncertainty_parts(
+    run: SolvedRun, law: Mapping[str, Any], band: MissingBand | None
 ) -> dict[str, float | None]:
+    """Return the uncertainties of LAeq [dB] by their origin, but for grid and solver."""
+    parts: dict[str, float | None] = {"record": run.sound.uncertainty.laeq_db}
+    if run.vibration is not None and run.sound.source == "vibration":
+        parts = {**run.vibration.parts}
+        law_error = law.get("force_law_error_db")
+        if law_error is not None:
+            parts["force_law"] = law_error
+    if band is not None:
+        parts["band"] = float(np.hypot(band.error_db, band.uncertainty_db))
+    return parts
+
+
+def record_scatter(pressure: Array, laps: float = 1.0) -> float | None:
+    """Return the scatter of LAeq between thirds of the different laps of a record [dB]."""
+    lap = pressure[: round(len(pressure) / max(1.0, laps))]
+    return uncertainty.record_scatter_db(lap, wav.SAMPLE_RATE_HZ)
+
+
+def _loudness(run: SolvedRun, is_event: bool) -> dict[str, float | None]:
     """Compute loudness and sharpness if the scene requests them.
 
     A steady sound has one loudness. The loudness of falls, impacts and changing speeds, and that of
     a short record, has numbers of its course in time.
     """
-    if not scene.sound.loudness:
+    sound, vibration = run.sound, run.vibration
+    if not run.scene.sound.loudness:
         return {}
-    flies = sound.source == "vibration" and vibration and vibration.motion.flight_share > 0
-    steady = sound.constant_speed and not flies and not _is_event(sound)
-    short = sound.duration < STEADY_S
-    record = sound.pressure, sound.sample_rate, sound.closed
-    numbers: dict[str, float | None] = dict.fromkeys(
-        ("loudness_sone", "sharpness_acum", "loudness_n5_sone", "loudness_max_sone")
-    )
-    if steady and (sound.closed or not short):  # a short record that closes is heard in a loop
-        heard = loudness.loudness(*record)
-        numbers |= {"loudness_sone": heard.sone, "sharpness_acum": heard.acum}
-    if short or not steady:
-        varying = loudness.varying_loudness(*record)
-        numbers |= {"loudness_n5_sone": varying.n5_sone, "loudness_max_sone": varying.max_sone}
+    flies = False
+    if sound.source == "vibration" and vibration is not None:
+        flies = vibration.motion.flight_share > 0
+    is_steady = sound.constant_speed and not flies and not is_event
+    is_short = sound.duration < STEADY_S
+    numbers: dict[str, float | None] = {
+        "loudness_sone": None,
+        "sharpness_acum": None,
+        "loudness_n5_sone": None,
+        "loudness_max_sone": None,
+    }
+    if is_steady and (sound.closed or not is_short):  # a short record that closes is looped
+        steady = loudness.loudness(sound.pressure, sound.sample_rate, sound.closed)
+        numbers["loudness_sone"] = steady.sone
+        numbers["sharpness_acum"] = steady.acum
+    if is_short or not is_steady:
+        varying = loudness.varying_loudness(sound.pressure, sound.sample_rate, sound.closed)
+        numbers["loudness_n5_sone"] = varying.n5_sone
+        numbers["loudness_max_sone"] = varying.max_sone
     return numbers
 
 
-def _band(run: SolvedRun) -> MissingBand | None:
+def _missing_band(run: SolvedRun) -> MissingBand | None:
     """Return the part of the sound that the Nyquist frequency of the steps cuts off."""
-    result, vibration = run.result, None
-    lap, _ = released_energy(run.scene, result)
+    result = run.result
     if run.sound.source == "vibration":
-        lap, vibration = result.series["approach"], run.vibration
-    lap = lap[: result.solved_steps]
+        series, vibration = result.series["approach"], run.vibration
+    else:
+        series, _ = released_energy(run.scene, result)
+        vibration = None
+    lap = series[: result.solved_steps]
     return missing_band(run.scene, run.sound, lap, result.step, vibration)
+
+
+def _band(band: MissingBand | None) -> dict[str, Any]:
+    """Return what the missing band does to LAeq [dB], and where it begins [Hz]."""
+    return {
+        "laeq_band_error_db": None if band is None else band.error_db,
+        "laeq_band_error_uncertainty_db": None if band is None else band.uncertainty_db,
+        "laeq_band_end_hz": None if band is None else band.highest_hz,
+    }
+
+
+def _record(sound: ContactSound, release: ContactSound) -> dict[str, Any]:
+    """Return duration and band of a record, and the powers of its release."""
+    return {
+        "duration_s": sound.duration,
+        "loops": sound.loops,
+        "highest_frequency_hz": sound.highest,
+        "factor_pa_per_w_m2": sound.factor,
+        "release_power_mean_w": release.mean_power,
+        "release_power_rms_w": release.power_rms,
+        "release_power_audible_rms_w": release.audible_rms,
+        "release_power_resolved_rms_w": release.resolved_rms,
+    }
+
+
+# ---- contact and surface
 
 
 def _contact(scene: Scene, result: Result) -> dict[str, Any]:
@@ -259,6 +293,29 @@ def joint_error(scene: Scene, result: Result) -> float | None:
     return largest / float(stored.max())
 
 
+def _effort(scene: Scene, result: Result) -> dict[str, Any]:
+    """Return the tolerance and the time of the march, which a march from a file lacks."""
+    times = result.series["step_time"]
+    times = times[np.isfinite(times)]
+    return {
+        "tolerance": scene.tolerance,
+        "step_ms": float(np.median(times) * 1e3) if len(times) else None,
+        "seconds": float(times.sum()),
+    }
+
+
+def _surface(surface: SceneSurface) -> dict[str, Any]:
+    """Return the roughness of a surface, and how its heights were made or prepared."""
+    numbers = {
+        "surface": asdict(surface.statistics),
+        "levelling": None if surface.levelling is None else _levelling(surface.levelling),
+        **surface.made,
+    }
+    if surface.preparation:
+        numbers["preparation"] = [asdict(step) for step in surface.preparation]
+    return numbers
+
+
 def _levelling(levelling: Levelling) -> dict[str, Any]:
     """Return the tilt removed from the heights of a file, and the seam of the levelled heights."""
     seam = levelling.seams[0]
@@ -278,11 +335,13 @@ def _levelling(levelling: Levelling) -> dict[str, Any]:
 
 def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str, Any]:
     """Return the turns of a sphere with a surface, and how they modulate an octave."""
-    track, constant = scene.track, scene.motion.is_constant(sound.duration)
+    track = scene.track
     if not track.turn_nodes or surface.part_ra is None:
         return {}
     plate_ra, ball_ra = surface.part_ra
-    turn_hz = track.turns / sound.duration if constant else None
+    turn_hz = None
+    if scene.motion.is_constant(sound.duration):
+        turn_hz = track.turns / sound.duration
     numbers = {
         "turns": track.turns,
         "plate_ra_m": plate_ra,
@@ -299,9 +358,9 @@ def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str
         return numbers | {"turn_reason": reason}
     if turn_hz is None:
         return numbers | {"turn_reason": "the speed changes, so the turns have no single frequency"}
-    record = sound.pressure, sound.sample_rate
-    band = modulated_octave(*record, turn_hz, sound.closed, sound.fade)
-    spectrum = envelope_spectrum(*record, band, sound.closed, sound.fade)
+    pressure, rate = sound.pressure, sound.sample_rate
+    band = modulated_octave(pressure, rate, turn_hz, sound.closed, sound.fade)
+    spectrum = envelope_spectrum(pressure, rate, band, sound.closed, sound.fade)
     prominence = spectrum.prominence(turn_hz)
     if prominence is None:
         return numbers | {"turn_reason": _unknown_prominence(scene, turn_hz)}
@@ -330,133 +389,50 @@ def _unknown_prominence(scene: Scene, turn_hz: float) -> str:
     )
 
 
-def _moving(result: Result, moving: MovingRelease) -> dict[str, Any]:
-    """Return the numbers of a release under the moving load."""
-    defect = np.abs(moving.steps["energy_defect"]).max()
-    return {
-        "force_law_error_m": moving.law_error,
-        "moving_release_balance_error": float(defect / result.series["stored_energy"].max()),
-    }
+def _passes(run: SolvedRun, passes: Passes, stiffness: Array | None) -> list[dict[str, Any]]:
+    """Return levels, release power, plastic work and maximum depth of each pass.
+
+    The level of the vibration is an estimate from the approach, for scenes without dynamics.
+    """
+    scene, result = run.scene, run.result
+    steps = np.arange(result.steps) % result.solved_steps
+    places = np.append(steps, steps[-1] + 1)
+    rows = []
+    for k, sound in enumerate(run.pass_sounds):
+        vibration_db = None
+        if scene.dynamics is None:
+            approach = passes.series["approach"][k, places]
+            estimate = radiators.vibration_estimate(
+                scene, approach, result.step, sound.closed, stiffness
+            )
+            vibration_db = estimate.laeq_db
+        row = {
+            "laeq_db": sound.levels.laeq_db,
+            "level_db": sound.levels.level_db,
+            "vibration_estimate_laeq_db": vibration_db,
+            "release_power_mean_w": sound.mean_power,
+            "plastic_work_j": float(passes.series["plastic_work"][k].sum()),
+            "depth_um": float(passes.depth[k]) * 1e6,
+        }
+        rows.append(row)
+    return rows
 
 
-def _law(run: SolvedRun) -> dict[str, Any]:
-    """Return the loads of the force law, its error, and the time of its marches."""
-    vibration, marches = run.vibration, run.result.load_marches
-    if vibration is None or marches is None:
-        return {}
-    loads = vibration.law.load_n.tolist()
-    error = force_law.law_error(run.scene, run.result, loads)
-    return {
-        "force_law_loads": len(loads),
-        "force_law_min_n": loads[0],
-        "force_law_max_n": loads[-1],
-        "force_law_error_n": error and error.newtons,
-        "force_law_error_db": error and error.decibels,
-        "force_law_top_error": error and error.top,
-        "force_law_fault": marches.fault or None,
-    }
+# ---- vibration
 
 
 def _vibration(scene: Scene, release: ContactSound, vibration: Vibration) -> dict[str, Any]:
-    """Return the numbers of a vibration: levels of both sources, force, bodies and motion."""
-    chain, motion, ratio = vibration.chain, vibration.motion, vibration.force_ratio
-    largest = float(motion.force_n.max())
-    # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
-    highest = largest and maximum_pressure(scene, largest)
-    plate, edges = of_scene.plate(scene), of_scene.rectangular_plate(scene)
-    share = plate and max(semi_axes(scene)) / of_scene.thickness_m(scene)
-    mean = "compact_source_level_db" if edges is None else "hemisphere_mean_level_db"
+    """Return the numbers of a vibration: levels of both sources, power, force, bodies, motion."""
     return {
         **_difference(scene, release.levels, vibration.stated_levels),
-        **_fall(scene, motion),
-        mean: _shifted(compact_source_db(scene, vibration), _to_mean_db(vibration)),
+        **_fall(scene, vibration.motion),
+        **_mean_level(scene, vibration),
         **_listeners(scene, vibration),
-        "plate_power_level_db": _total(vibration.plate_power),
-        "ball_power_level_db": _total(vibration.ball_power),
-        "plate_power_third_octave_db": by_band(vibration.plate_power),
-        "ball_power_third_octave_db": by_band(vibration.ball_power),
-        "loss_factor": scene.plate.loss_factor,
-        "force_rms_n": vibration.rms_ratio * vibration.load,
-        "force_rms_ratio": vibration.rms_ratio,
-        "force_max_ratio": float(ratio.max()),
-        "force_min_ratio": float(ratio.min()),
-        "force_third_octave_n": known_bands(vibration.force_bands),
-        "largest_force_n": largest,
-        "impacts_yield": bool(motion.impacts and highest > scene.hardness),
-        "flight_share": motion.flight_share,
-        "impacts": motion.impacts,
-        "ball_mass_kg": chain.mass_kg,
-        "contact_stiffness_n_m": chain.stiffness_n_m,
-        "plate_mobility_s_kg": chain.mobility_s_kg,
-        **({} if edges is None else {"plate_modes": len(edges.orders)}),
-        "resonance_hz": chain.resonance_hz,
-        "resonance_q": known(chain.quality),
-        "resonance_wavelength_m": scene.motion.fastest(scene.duration) / chain.resonance_hz,
-        "critical_hz": plate and plate.critical_hz,
-        "bending_limit_hz": plate and of_scene.bending_limit_hz(scene),
-        "plate_deflection_m": float(np.ptp(motion.plate_m)),
-        "contact_radius_over_thickness": share,
-        "force_outside_share": motion.outside_share,
-        "comb_spread_db": vibration.spreads.get("comb"),
-        "comb_mean_laeq_db": vibration.mean_laeq,
-        "motion_time_step_s": motion.time_step_s,
-        "motion_step_error_db": vibration.spreads.get("time_step"),
-        "motion_balance_error": motion.energy_error,
-        "motion_settled": bool(motion.settled),
-        "motion_laps": motion.laps,
-        "motion_transient_s": known(motion.transient_s),
-    }
-
-
-def _to_mean_db(vibration: Vibration) -> float:
-    """Return the stated LAeq less that of the record [dB]; 0 unless it is the mean over a comb."""
-    stated = vibration.stated_levels.laeq_db
-    own = vibration.levels.laeq_db
-    if stated is None or own is None:
-        return 0.0
-    return stated - own
-
-
-def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
-    """Return places and levels of the listeners of a plate with edges.
-
-    Where LAeq is the mean over a comb, the others differ from it as their records do.
-    """
-    if scene.plate.edges_mm is None:
-        return {}
-    to_mean = _to_mean_db(vibration)
-    places = ([round(1e3 * x, 6) for x in place] for place in scene.listeners)
-    heard = zip(places, vibration.listener_levels(), strict=True)
-    rows = []
-    for at, levels in heard:
-        laeq = _shifted(levels.laeq_db, to_mean)
-        rows.append({"at_mm": at, "laeq_db": laeq, "level_db": levels.level_db})
-    return {"listeners": rows}
-
-
-def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:
-    """Return height and restitution of a fall; its impacts compare with no release."""
-    if scene.rolling.drop_mm is None:
-        return {}
-    return {
-        "drop_mm": scene.rolling.drop_mm,
-        "restitution": drop.restitution(scene, motion),
-        "release_over_vibration_db": None,
-        "equivalent_q": None,
-    }
-
-
-def _estimate(scene: Scene, result: Result, release: ContactSound) -> dict[str, Any]:
-    """Return the estimate of the vibration that a scene without dynamics leaves out."""
-    looped = release.closed and release.constant_speed
-    approach = result.series["approach"] if looped else result.whole("approach")
-    contact = None if scene.is_smooth else stiffness.solved_stiffness(scene, result)
-    estimate = radiators.vibration_estimate(scene, approach, result.step, release.closed, contact)
-    return {
-        "vibration_estimate_laeq_db": estimate.laeq_db,
-        "vibration_estimate_uncertainty_db": estimate.uncertainty_db,
-        "vibration_estimate_force_ratio": estimate.force_ratio,
-        "vibration_estimate_bodies": radiators.bodies_text(scene),
+        **_power(scene, vibration),
+        **_force(scene, vibration),
+        **_chain(scene, vibration),
+        **_limits_of_plate(scene, vibration.motion),
+        **_motion(vibration),
     }
 
 
@@ -485,6 +461,187 @@ def _difference(scene: Scene, release: SoundLevels, vibration: SoundLevels) -> d
     return levels | {"release_over_vibration_db": difference, "equivalent_q": equal}
 
 
+def _fall(scene: Scene, motion: BodyMotion) -> dict[str, float | None]:
+    """Return height and restitution of a fall; its impacts compare with no release."""
+    if scene.rolling.drop_mm is None:
+        return {}
+    return {
+        "drop_mm": scene.rolling.drop_mm,
+        "restitution": drop.restitution(scene, motion),
+        "release_over_vibration_db": None,
+        "equivalent_q": None,
+    }
+
+
+def _mean_level(scene: Scene, vibration: Vibration) -> dict[str, float | None]:
+    """Return the level of a compact source, which a plate with edges has over a half sphere."""
+    level = _shifted(compact_source_db(scene, vibration), _to_mean_db(vibration))
+    if of_scene.rectangular_plate(scene) is None:
+        return {"compact_source_level_db": level}
+    return {"hemisphere_mean_level_db": level}
+
+
+def _listeners(scene: Scene, vibration: Vibration) -> dict[str, Any]:
+    """Return places and levels of the listeners of a plate with edges.
+
+    Where LAeq is the mean over a comb, the others differ from it as their records do.
+    """
+    if scene.plate.edges_mm is None:
+        return {}
+    to_mean_db = _to_mean_db(vibration)
+    rows = []
+    for place_m, levels in zip(scene.listeners, vibration.listener_levels(), strict=True):
+        row = {
+            "at_mm": [round(1e3 * x, 6) for x in place_m],
+            "laeq_db": _shifted(levels.laeq_db, to_mean_db),
+            "level_db": levels.level_db,
+        }
+        rows.append(row)
+    return {"listeners": rows}
+
+
+def _power(scene: Scene, vibration: Vibration) -> dict[str, Any]:
+    """Return the sound power of plate and sphere to one side [dB re 1 pW]."""
+    return {
+        "plate_power_level_db": _total(vibration.plate_power),
+        "ball_power_level_db": _total(vibration.ball_power),
+        "plate_power_third_octave_db": by_band(vibration.plate_power),
+        "ball_power_third_octave_db": by_band(vibration.ball_power),
+        "loss_factor": scene.plate.loss_factor,
+    }
+
+
+def _force(scene: Scene, vibration: Vibration) -> dict[str, Any]:
+    """Return fluctuation and extremes of the contact force, and the impacts."""
+    motion = vibration.motion
+    largest_n = float(motion.force_n.max())
+    # A sphere that yields in an impact leaves a dent, and a contact without memory springs back.
+    impacts_yield = False
+    if motion.impacts and largest_n:
+        impacts_yield = bool(maximum_pressure(scene, largest_n) > scene.hardness)
+    return {
+        "force_rms_n": vibration.rms_ratio * vibration.load,
+        "force_rms_ratio": vibration.rms_ratio,
+        "force_max_ratio": float(vibration.force_ratio.max()),
+        "force_min_ratio": float(vibration.force_ratio.min()),
+        "force_third_octave_n": known_bands(vibration.force_bands),
+        "largest_force_n": largest_n,
+        "impacts_yield": impacts_yield,
+        "flight_share": motion.flight_share,
+        "impacts": motion.impacts,
+    }
+
+
+def _chain(scene: Scene, vibration: Vibration) -> dict[str, Any]:
+    """Return masses, stiffness and resonance of the linear chain."""
+    chain = vibration.chain
+    edges = of_scene.rectangular_plate(scene)
+    numbers = {
+        "ball_mass_kg": chain.mass_kg,
+        "contact_stiffness_n_m": chain.stiffness_n_m,
+        "plate_mobility_s_kg": chain.mobility_s_kg,
+    }
+    if edges is not None:
+        numbers["plate_modes"] = len(edges.orders)
+    fastest = scene.motion.fastest(scene.duration)
+    return numbers | {
+        "resonance_hz": chain.resonance_hz,
+        "resonance_q": known(chain.quality),
+        "resonance_wavelength_m": fastest / chain.resonance_hz,
+    }
+
+
+def _limits_of_plate(scene: Scene, motion: BodyMotion) -> dict[str, Any]:
+    """Return coincidence, and how far the thin plate bends; null for a half-space."""
+    plate = of_scene.plate(scene)
+    critical_hz = bending_limit_hz = share = None
+    if plate is not None:
+        critical_hz = plate.critical_hz
+        bending_limit_hz = of_scene.bending_limit_hz(scene)
+        share = max(semi_axes(scene)) / of_scene.thickness_m(scene)
+    return {
+        "critical_hz": critical_hz,
+        "bending_limit_hz": bending_limit_hz,
+        "plate_deflection_m": float(np.ptp(motion.plate_m)),
+        "contact_radius_over_thickness": share,
+    }
+
+
+def _motion(vibration: Vibration) -> dict[str, Any]:
+    """Return time step, errors and course of the motion, and the comb of a repeated lap."""
+    motion = vibration.motion
+    return {
+        "force_outside_share": motion.outside_share,
+        "comb_spread_db": vibration.spreads.get("comb"),
+        "comb_mean_laeq_db": vibration.mean_laeq,
+        "motion_time_step_s": motion.time_step_s,
+        "motion_step_error_db": vibration.spreads.get("time_step"),
+        "motion_balance_error": motion.energy_error,
+        "motion_settled": bool(motion.settled),
+        "motion_laps": motion.laps,
+        "motion_transient_s": known(motion.transient_s),
+    }
+
+
+def _force_law(run: SolvedRun) -> dict[str, Any]:
+    """Return the loads of the force law and its error."""
+    vibration, marches = run.vibration, run.result.load_marches
+    if vibration is None or marches is None:
+        return {}
+    loads = vibration.law.load_n.tolist()
+    error = force_law.law_error(run.scene, run.result, loads)
+    return {
+        "force_law_loads": len(loads),
+        "force_law_min_n": loads[0],
+        "force_law_max_n": loads[-1],
+        "force_law_error_n": None if error is None else error.newtons,
+        "force_law_error_db": None if error is None else error.decibels,
+        "force_law_top_error": None if error is None else error.top,
+        "force_law_fault": marches.fault or None,
+    }
+
+
+def _moving(result: Result, moving: MovingRelease) -> dict[str, Any]:
+    """Return the errors of a release under the moving load."""
+    defect = np.abs(moving.steps["energy_defect"]).max()
+    return {
+        "force_law_error_m": moving.law_error,
+        "moving_release_balance_error": float(defect / result.series["stored_energy"].max()),
+    }
+
+
+def _solved_stiffness(run: SolvedRun) -> Array | None:
+    """Return the contact stiffness [N/m] of a rough contact whose vibration is estimated."""
+    if run.scene.dynamics is not None or run.scene.is_smooth:
+        return None
+    return solved_stiffness(run.scene, run.result)
+
+
+def _vibration_estimate(
+    run: SolvedRun, release: ContactSound, stiffness: Array | None
+) -> dict[str, Any]:
+    """Return the estimate of the vibration that a scene without dynamics leaves out."""
+    scene, result = run.scene, run.result
+    is_looped = release.closed and release.constant_speed
+    approach = result.series["approach"] if is_looped else result.whole("approach")
+    estimate = radiators.vibration_estimate(scene, approach, result.step, release.closed, stiffness)
+    return {
+        "vibration_estimate_laeq_db": estimate.laeq_db,
+        "vibration_estimate_uncertainty_db": estimate.uncertainty_db,
+        "vibration_estimate_force_ratio": estimate.force_ratio,
+        "vibration_estimate_bodies": radiators.bodies_text(scene),
+    }
+
+
+def _to_mean_db(vibration: Vibration) -> float:
+    """Return the stated LAeq less that of the record [dB]; 0 unless it is the mean over a comb."""
+    stated = vibration.stated_levels.laeq_db
+    own = vibration.levels.laeq_db
+    if stated is None or own is None:
+        return 0.0
+    return stated - own
+
+
 def _shift_to_listener_db(scene: Scene) -> float:
     """Return the level of the release where the vibration is heard over that at distance_m [dB].
 
@@ -507,30 +664,36 @@ def _total(power: Array) -> float | None:
     return level_db(float(finite.sum()), P_REF_W) if len(finite) else None
 
 
-def pass_numbers(run: SolvedRun) -> Iterator[dict[str, Any]]:
-    """Yield levels, release power, plastic work and maximum depth of each pass.
+# ---- provenance
 
-    The level of the vibration is an estimate from the approach, for scenes without dynamics.
-    """
-    scene, result, passes = run.scene, run.result, run.result.passes
-    assert passes is not None  # asked for by the caller
-    steps = np.arange(result.steps) % result.solved_steps
-    places = np.append(steps, steps[-1] + 1)
-    contact = None
-    if scene.dynamics is None and not scene.is_smooth:
-        contact = stiffness.solved_stiffness(scene, result)
-    for k, sound in enumerate(run.pass_sounds):
-        vibration = None
-        if scene.dynamics is None:
-            approach = passes.series["approach"][k, places]
-            vibration = radiators.vibration_estimate(
-                scene, approach, result.step, sound.closed, contact
-            ).laeq_db
-        yield {
-            "laeq_db": sound.levels.laeq_db,
-            "level_db": sound.levels.level_db,
-            "vibration_estimate_laeq_db": vibration,
-            "release_power_mean_w": sound.mean_power,
-            "plastic_work_j": float(passes.series["plastic_work"][k].sum()),
-            "depth_um": float(passes.depth[k]) * 1e6,
-        }
+
+def provenance(scene: Scene, label: str) -> dict[str, Any]:
+    """Collect the provenance of the numbers: versions, state of the source, machine, seed, run."""
+    packages = (*_PACKAGES, "mosqito") if scene.sound.loudness else _PACKAGES
+    return {
+        "program": rolling.__version__,
+        "sources": program.identity().sources,
+        "source": _commit(),
+        "python": platform.python_version(),
+        "packages": {name: _version(name) for name in packages},
+        "machine": f"{platform.system()} {platform.machine()}, {cost.cores()} processors",
+        "label": label,
+        "seed": getattr(scene.surface, "seed", None),
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+_version = cache(metadata.version)
+
+
+@cache
+def _commit() -> str | None:
+    """Return the commit of the checkout with the mark of changes; None outside a checkout."""
+    root = Path(rolling.__file__).parents[1]
+    git = ["git", "--git-dir", str(root / ".git"), "--work-tree", str(root)]
+    command = [*git, "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=10)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip() or None
