@@ -32,28 +32,45 @@ SLOPE_MARGIN = 1.05
 RUN_IN_SHARE = 0.25
 
 SAMPLE_RATE = 48_000  # [Hz], acoustics.wav.SAMPLE_RATE_HZ, which is slow to import
-# Seconds per node and binary logarithm of the nodes: every worker makes a random surface and
-# prepares its edges or its 2 x 2 sub-cells; its statistics are taken once (1 to 20 million nodes).
-MAKING, EDGES, SUBCELL_HEIGHTS, STATISTICS = 5.5e-9, 2e-9, 9e-9, 5.5e-9
-# The same of heights with a skewness and kurtosis (0.3e-7 to 1e-7, and 2.5e-7 where no such heights
-# exist), and bytes per node while they are made.
-MOMENTS, MOMENTS_NODE = 1e-7, 84.0
-# Bytes of the program alone, beside workers, and in a worker; per node of a rough surface and of
-# the window, and more of both per sub-cell; per step and per sample of a record while its sound
-# is made, and as long as runs are compared; per time step of a motion; per recovery event.
-ALONE, PARENT, WORKER = 300e6, 110e6, 230e6
-NODE, NODE_SUBCELL, WINDOW, WINDOW_SUBCELL = 16.0, 16.0, 20.0, 700.0
+# Seconds per node and binary logarithm of the nodes (1 to 20 million nodes). Every worker makes a
+# random surface and prepares its edges or its 2 x 2 sub-cells; its statistics are taken once.
+MAKING = 5.5e-9
+EDGES = 2e-9
+SUBCELL_HEIGHTS = 9e-9
+STATISTICS = 5.5e-9
+MOMENTS = 1e-7  # of heights with skewness and kurtosis: 0.3e-7, and 2.5e-7 if there are none such
+# Bytes of the program.
+ALONE = 300e6
+PARENT = 110e6  # beside workers
+WORKER = 230e6
+# Bytes per node of a rough surface and of the window, and per node and sub-cell.
+NODE = 16.0
+NODE_SUBCELL = 16.0
+NODE_MOMENTS = 84.0  # while heights with skewness and kurtosis are made
+WINDOW = 20.0
+WINDOW_SUBCELL = 700.0
 ESTIMATE = 5.0  # nodes of the windows of an error estimate over those of the window
-STEP, SAMPLE, STEP_KEPT, SAMPLE_KEPT, TIME_STEP, EVENT = 650.0, 280.0, 60.0, 16.0, 300.0, 300.0
+# Bytes of a record while its sound is made, and as long as runs are compared.
+STEP = 650.0
+SAMPLE = 280.0
+TIME_STEP = 300.0  # of a motion
+EVENT = 300.0  # recovery event
+STEP_COMPARED = 60.0
+SAMPLE_COMPARED = 16.0
 EVENTS_PER_NODE = 0.6  # approximate recovery events of a node that the contact passes over
 TIME_STEPS = 40.0  # of a motion in a period of the resonance
 # Bytes on disk: of a run, with 5 s of listen.wav, and per step, sample and event of it.
-RUN_FILES, STEP_FILE, SAMPLE_FILE, EVENT_FILE = 1.7e6, 110.0, 20.0, 41.0
+RUN_FILES = 1.7e6
+STEP_FILE = 110.0
+SAMPLE_FILE = 20.0
+EVENT_FILE = 41.0
 
 
 def cores() -> int:
     """Return the number of cores that this process may use, the default number of workers."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def computing(core_seconds: float) -> str:
@@ -82,11 +99,12 @@ def roughness(scene: Scene) -> tuple[float, float]:
 def law_roughness(scene: Scene) -> tuple[float, float]:
     """Estimate rms roughness [m] and rms slope [-] from the laws of a scene alone, as above."""
     parts = [(law.rq_m, law.rms_slope(scene.spacing_um)) for law in scene.laws]
+    rq = math.hypot(*(rq for rq, _ in parts))
+    slopes = [slope for _, slope in parts]
     ball = scene.sphere.surface
     if ball is not None and ball.waviness:
-        slopes = [k * a * 1e-6 / scene.radius / math.sqrt(2) for k, a in ball.waviness.items()]
-        parts.append((0.0, math.hypot(*slopes)))
-    return math.hypot(*(rq for rq, _ in parts)), math.hypot(*(slope for _, slope in parts))
+        slopes += [k * a * 1e-6 / scene.radius / math.sqrt(2) for k, a in ball.waviness.items()]
+    return rq, math.hypot(*slopes)
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:
@@ -171,7 +189,9 @@ def lap_seconds(scene: Scene) -> float:
 def expected_seconds(scene: Scene) -> float:
     """Estimate the time [s] to march all passes of a scene on one core; a height file is read."""
     seconds = lap_seconds(scene)
-    return seconds * scene.passes * (1 + RUN_IN_SHARE) if scene.is_permanent else seconds
+    if scene.is_permanent:
+        seconds *= scene.passes * (1 + RUN_IN_SHARE)
+    return seconds
 
 
 def bounce_hz(scene: Scene) -> float:
@@ -204,12 +224,15 @@ def surface_seconds(scene: Scene) -> tuple[float, float]:
     """Estimate the times [s] for a random surface in each worker, and then beside the workers."""
     if not scene.laws:
         return 0.0, 0.0
-    nodes, edges = surface_nodes(scene), 0.0
+    making, edges = MAKING, 0.0
+    if _has_moments(scene):
+        making += MOMENTS
     if has_blended_edges(scene):
-        edges = EDGES if (r := subcells(scene)) == 1 else SUBCELL_HEIGHTS * (r / 2) ** 2
-    making = MAKING + MOMENTS * _has_moments(scene)
-    per_node = nodes * math.log2(nodes)
-    return per_node * (making + edges), per_node * (making + STATISTICS)
+        side = subcells(scene)
+        edges = EDGES if side == 1 else SUBCELL_HEIGHTS * (side / 2) ** 2
+    nodes = surface_nodes(scene)
+    counted = nodes * math.log2(nodes)
+    return counted * (making + edges), counted * (making + STATISTICS)
 
 
 def _has_moments(scene: Scene) -> bool:
@@ -229,42 +252,54 @@ def surface_nodes(scene: Scene) -> int:
 def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
     """Estimate the memory [bytes] that runs take in workers, by its largest parts.
 
-    Each worker holds the program, a surface and a window; the record is heard once, and a part of
-    it stays until all runs are compared. A height file is judged by its header.
+    Each worker holds the program, a surface and a window; the sound of one run is made at a time,
+    and a part of each record stays until all runs are compared. Numbers of nodes and steps decide,
+    and a height file is judged by its header.
     """
-    parts = {"surface": 0.0, "window": 0.0, "record": 0.0}
-    for scene in scenes:
-        track = scene.track
-        r = law_subcells(scene)
-        rq = 0.0
-        if not scene.height_paths:
-            rq, _ = law_roughness(scene)
-        side = min(window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across))
-        nodes = surface_nodes(scene)
-        window = (WINDOW + WINDOW_SUBCELL * r**2) * side**2
-        heights = (NODE + NODE_SUBCELL * r**2 + MOMENTS_NODE * _has_moments(scene)) * nodes
-        own = {
-            "surface": heights * (not scene.is_smooth) + 4 * _kept(scene),
-            "window": window * (ESTIMATE if scene.numerics.error_estimate else 1.0),
-            "record": _record(scene),
-        }
-        parts = {name: max(size, own[name]) for name, size in parts.items()}
-    kept = [STEP_KEPT * scene.track.steps + SAMPLE_KEPT * _samples(scene) for scene in scenes]
-    parts["record"] += sum(kept) - max(kept)
-    parts["surface"] *= workers
-    parts["window"] *= workers
-    return parts | {"program": ALONE if workers == 1 else PARENT + WORKER * workers}
+    compared = [
+        STEP_COMPARED * scene.track.steps + SAMPLE_COMPARED * _samples(scene) for scene in scenes
+    ]
+    return {
+        "surface": workers * max(_surface_memory(scene) for scene in scenes),
+        "window": workers * max(_window_memory(scene) for scene in scenes),
+        "record": max(_record(scene) for scene in scenes) + sum(compared) - max(compared),
+        "program": ALONE if workers == 1 else PARENT + WORKER * workers,
+    }
+
+
+def _surface_memory(scene: Scene) -> float:
+    """Estimate the bytes of the heights of a scene, and four times those of its passes."""
+    side = law_subcells(scene)
+    per_node = NODE + NODE_SUBCELL * side**2
+    if _has_moments(scene):
+        per_node += NODE_MOMENTS
+    heights = 0.0 if scene.is_smooth else per_node * surface_nodes(scene)
+    return heights + 4 * _passes(scene)
+
+
+def _window_memory(scene: Scene) -> float:
+    """Estimate the bytes of a window, and of those of an error estimate."""
+    track = scene.track
+    rq = 0.0
+    if not scene.height_paths:
+        rq, _ = law_roughness(scene)
+    nodes = min(window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across)) ** 2
+    size = (WINDOW + WINDOW_SUBCELL * law_subcells(scene) ** 2) * nodes
+    if scene.numerics.error_estimate:
+        size *= ESTIMATE
+    return size
 
 
 def disk(scenes: Sequence[Scene]) -> float:
     """Estimate the size [bytes] of the files of runs."""
-    steps = STEP_FILE * sum(scene.track.steps for scene in scenes)
-    samples = SAMPLE_FILE * sum(map(_samples, scenes))
-    files = RUN_FILES * len(scenes) + steps + samples + EVENT_FILE * sum(map(_events, scenes))
-    return files + sum(map(_kept, scenes))
+    size = 0.0
+    for scene in scenes:
+        size += RUN_FILES + STEP_FILE * scene.track.steps + SAMPLE_FILE * _samples(scene)
+        size += EVENT_FILE * _events(scene) + _passes(scene)
+    return size
 
 
-def _kept(scene: Scene) -> float:
+def _passes(scene: Scene) -> float:
     """Return the bytes of the passes and the sunk surface of a plate with memory."""
     track = scene.track
     if not scene.is_permanent:

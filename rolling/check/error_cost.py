@@ -16,10 +16,12 @@ SHARE = 0.25  # maximum cost of the estimate over the cost of the run
 # It decides only whether a short track has the shortest stretches or none. Their places and lengths
 # do not follow from it, so that a new measurement of the time of a step leaves them as they are.
 ALLOWED_SECONDS = 20.0
-# Minimum and maximum number of stretches. Four give a standard error; more than eight hardly
-# lower it, because longer tracks have longer stretches first.
-STRETCHES = 4, 8
-STRETCH_STEPS = 64, 400  # minimum and maximum number of steps of a stretch
+# Four stretches give a standard error; more than eight hardly lower it, because longer tracks have
+# longer stretches first.
+MIN_STRETCHES = 4
+MAX_STRETCHES = 8
+MIN_STEPS = 64  # of a stretch
+MAX_STEPS = 400
 # Steps that a cold start costs beside its own: 6.5 on the run's grid and 7.7 at half the spacing,
 # the mean of ten scenes at three to five places (3 at Ra 0.01 um and 20 N, 12 to 15 at Ra 1 um).
 COLD_STEPS = 7
@@ -30,9 +32,10 @@ MIN_TOLERANCE = 1e-10  # rounding does not let a solve come closer
 # stretches of a scene, and all numbers that follow from them, have to stay.
 COST_POWER = 1.95
 LEVELS = ("tight", "fine", "coarse")  # marches of a stretch, beside the run itself
-# The level of half the spacing with the detail of the surface's law, and the number of stretches
-# that are marched on it. They are not paid from the share, which would shorten all stretches.
-DETAIL, DETAILED = "detail", 4
+# The level of half the spacing with the detail of the surface's law. It is not paid from the share,
+# which would shorten all stretches.
+DETAIL = "detail"
+DETAILED = 4  # stretches that are marched on it
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,9 @@ def level_cost(scene: Scene, level: str, power: float = COST_POWER) -> float:
         return math.pow(2.0, power)
     # The number of iterations is proportional to the logarithm of the tolerance.
     tighter = math.log(tight_tolerance(scene)) / math.log(scene.tolerance)
-    return tighter * (math.pow(2.0, power) if level == "fine" else 1.0)
+    if level == "fine":
+        return tighter * math.pow(2.0, power)
+    return tighter
 
 
 def marched_steps(scene: Scene) -> int:
@@ -83,17 +88,17 @@ def layout(scene: Scene) -> Layout | None:
     """
     if not scene.numerics.error_estimate or scene.is_smooth:
         return None
-    solved, per_step = scene.track.solved_steps, _step_cost(scene)
-    paid = SHARE * marched_steps(scene) / per_step  # steps and cold starts of all stretches
-    fewest, most = STRETCHES
-    steps = int(min(paid / fewest - COLD_STEPS, solved / fewest, STRETCH_STEPS[1]))
-    if steps < STRETCH_STEPS[0]:
-        steps = STRETCH_STEPS[0]
-        paid = fewest * (steps + COLD_STEPS)
-        if solved < fewest * steps or shortest_seconds(scene) > ALLOWED_SECONDS:
+    solved = scene.track.solved_steps
+    # Steps and cold starts of all stretches.
+    paid = SHARE * marched_steps(scene) / _step_cost(scene)
+    steps = int(min(paid / MIN_STRETCHES - COLD_STEPS, solved / MIN_STRETCHES, MAX_STEPS))
+    if steps < MIN_STEPS:
+        steps = MIN_STEPS
+        paid = MIN_STRETCHES * (steps + COLD_STEPS)
+        if solved < MIN_STRETCHES * steps or shortest_seconds(scene) > ALLOWED_SECONDS:
             return None
     slots = solved // steps
-    count = min(most, slots, int(paid / (steps + COLD_STEPS) + 1e-9))
+    count = min(MAX_STRETCHES, slots, int(paid / (steps + COLD_STEPS) + 1e-9))
     firsts = tuple(k * slots // count * steps for k in range(count))
     marches = [(first, level) for first in firsts for level in LEVELS]
     if has_detail(scene):
@@ -106,7 +111,7 @@ def shortest_seconds(scene: Scene) -> float:
     levels = [*LEVELS, DETAIL] if has_detail(scene) else [*LEVELS]
     power = cost.STEP_LAWS[cost.step_law(scene, cost.roughness(scene)[0])][1]
     per_step = sum(level_cost(scene, level, power) for level in levels)
-    steps = STRETCHES[0] * (STRETCH_STEPS[0] + COLD_STEPS)
+    steps = MIN_STRETCHES * (MIN_STEPS + COLD_STEPS)
     return steps * per_step * cost.step_ms(scene) * 1e-3
 
 
@@ -114,10 +119,11 @@ def too_short(scene: Scene) -> str | None:
     """Explain that a track is too short for an estimate, or return None."""
     if scene.is_smooth or layout(scene) is not None:
         return None
-    solved, fewest = scene.track.solved_steps, STRETCHES[0] * STRETCH_STEPS[0]
+    solved = scene.track.solved_steps
+    fewest = MIN_STRETCHES * MIN_STEPS
     if solved < fewest:
         return f"the track has {solved} different steps, and the estimate needs {fewest}"
-    least = STRETCHES[0] * (STRETCH_STEPS[0] + COLD_STEPS) * _step_cost(scene) / SHARE
+    least = MIN_STRETCHES * (MIN_STEPS + COLD_STEPS) * _step_cost(scene) / SHARE
     needed = math.ceil(least * solved / marched_steps(scene))
     return (
         f"it would take about {shortest_seconds(scene):.0f} s on one core, more than "

@@ -25,6 +25,7 @@ from rolling.check import (
     refusals,
     resolution,
     validity,
+    vibration,
 )
 from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.dynamics.smooth_contact import maximum_pressure, semi_axes
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from rolling.check.probe import Probe
 
 # Keys of the rows of marches whose time follows that of the track.
-OTHER_MARCHES = ("error_estimate", "force_law", validity.OWN_MARCH)
+OTHER_MARCHES = ("error_estimate", "force_law", vibration.OWN_MARCH)
 # Keys of doubts that stand beside every level, and are no warnings.
 BESIDE_LEVELS = (*level.SOURCES, resolution.LEVEL_KEY)
 RUNS_ABREAST = 5  # columns of the table
@@ -216,7 +217,7 @@ def _core_seconds(scenes: Sequence[Scene], rows: Sequence[Sequence[Finding]]) ->
     """
     times: dict[tuple[str, object], float] = {}  # by row and surface, march or run
     for number, (scene, of_run) in enumerate(zip(scenes, rows, strict=True)):
-        own = {validity.OWN_MARCH: number, forecast.SURFACE: scene_surface.identity(scene)}
+        own = {vibration.OWN_MARCH: number, forecast.SURFACE: scene_surface.identity(scene)}
         march = digest(contact_keys(scene))
         slow = _slowness(scene, of_run)
         for finding in of_run:
@@ -287,6 +288,8 @@ def scene_rules(scene: Scene) -> Iterator[Finding | Doubt]:
     if fits:
         yield from heights.rules(scene)
     yield from validity.rules(scene)
+    if scene.dynamics is not None:
+        yield from vibration.rules(scene)
     if fits:
         yield from comb.rules(scene)
     yield from resolution.record(scene)

@@ -13,15 +13,22 @@ from rolling.dynamics import of_scene
 from rolling.scene.scene import Scene
 
 SHORT = 10.0  # [s] below which a forecast is a few seconds
-# Processor seconds of the parts beside the marches: of the command, which loads the program, of
-# each process, which loads the compiled solver, of the files of a run, of the page and of each run
-# on it, and of the figures that compare runs.
-START, WORKER, RUN, PAGE, PAGE_RUN, FIGURES = 1.2, 2.2, 0.5, 0.7, 0.5, 3.0
-STEP, SAMPLE = 6e-6, 6e-6  # per step and per sample of a record, in files and page
-# Per time step of a motion and its mode of a plate with edges, and per mode in the sound of a run.
-TIME_STEP, MODE_STEP, MODE = 3e-7, 3.6e-9, 3e-3
+# Processor seconds of the parts beside the marches.
+START = 1.2  # of the command, which loads the program
+WORKER = 2.2  # of each process, which loads the compiled solver
+RUN = 0.5  # of the files of a run
+PAGE = 0.7
+PAGE_RUN = 0.5  # of each run on the page
+FIGURES = 3.0  # that compare runs
+STEP = 6e-6  # per step of a record, in files and page
+SAMPLE = 6e-6  # per sample of a record, in files and page
+TIME_STEP = 3e-7  # per time step of a motion
+MODE_STEP = 3.6e-9  # per time step and mode of a plate with edges
+MODE = 3e-3  # per mode of a plate, in the sound of a run
 MOTIONS = 3  # of a run: over the first loads, over all loads, and with longer time steps
-RUN_IN_DECAYS, RUN_IN_LAPS = 12.0, 400.0  # of a motion on a closed track
+# A motion on a closed track runs in for so many decay times of the resonance, or laps at most.
+RUN_IN_DECAYS = 12.0
+RUN_IN_LAPS = 400.0
 JUDGED_STEPS = 200  # of the stretch at loads between those of a force law
 MAX_RUNS_ON_PAGE = 24  # with players; more runs have their figures only
 SURFACE = "surface_time"  # key of the row whose time runs with the same surface share
@@ -32,24 +39,30 @@ def law_seconds(scene: Scene) -> tuple[int, float]:
     """Estimate number and time [s] of the marches at other loads for a force law."""
     if scene.dynamics is None:
         return 0, 0.0
-    (falling, seconds), others = cost.fall_seconds(scene), scene.dynamics.loads - 1
-    judged = min(JUDGED_STEPS, scene.track.solved_steps) * cost.step_ms(scene) * 1e-3
-    return others + falling, seconds + others * (cost.lap_seconds(scene) + judged)
+    falls, fall_seconds = cost.fall_seconds(scene)
+    others = scene.dynamics.loads - 1
+    judged_steps = min(JUDGED_STEPS, scene.track.solved_steps)
+    judged_seconds = judged_steps * cost.step_ms(scene) * 1e-3
+    seconds = fall_seconds + others * (cost.lap_seconds(scene) + judged_seconds)
+    return others + falls, seconds
 
 
 def march_seconds(scene: Scene) -> float:
     """Estimate the time [s] of all marches of a run on one core."""
-    seconds = cost.expected_seconds(scene) + error_cost.seconds(scene) + law_seconds(scene)[1]
-    return seconds + (cost.lap_seconds(scene) if scene.moves_release else 0.0)
+    _, of_law = law_seconds(scene)
+    seconds = cost.expected_seconds(scene) + error_cost.seconds(scene) + of_law
+    if scene.moves_release:
+        seconds += cost.lap_seconds(scene)
+    return seconds
 
 
 def motion_seconds(scene: Scene) -> float:
     """Estimate the time [s] in which sphere and plate move and become sound; 0 without dynamics."""
     if scene.dynamics is None:
         return 0.0
-    plate, duration = of_scene.rectangular_plate(scene), scene.duration
+    plate = of_scene.rectangular_plate(scene)
     modes = 0 if plate is None else len(plate.orders)
-    moved = duration
+    duration = moved = scene.duration
     if scene.track.closed and scene.motion.is_constant(duration) and scene.rolling.drop_mm is None:
         decay = of_scene.smooth_chain(scene).own_decay_s
         moved += min(RUN_IN_DECAYS * decay, RUN_IN_LAPS * duration)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import rolling as rc
-from rolling.check import cost, validity
+from rolling.check import cost, force_estimate
 from rolling.scene.messages import SceneError
 
 GROUNDS = ("infinite plate", "plate with edges", "half-space")
@@ -35,7 +35,7 @@ def small_scene(seed: int, steps: int = 1200, step_nodes: int = 1) -> tuple[rc.S
             scene = rc.Scene.from_dict(values)
         except SceneError:
             continue
-        force = (validity.force_rms(scene) or 0.0) / scene.load
+        force = (force_estimate.force_rms(scene) or 0.0) / scene.load
         if nodes <= MAX_NODES and force <= MAX_FORCE_RATIO and cost.step_ms(scene) <= MAX_STEP_MS:
             return scene, ground
 

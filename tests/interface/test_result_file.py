@@ -42,7 +42,8 @@ def test_all_of_a_run_comes_back_to_the_last_bit(
 ) -> None:
     """Everything comes back but the times of the clock, so that nothing is solved again."""
     monkeypatch.setattr(error_cost, "SHARE", 3.0)  # a short run pays for its stretches
-    monkeypatch.setattr(error_cost, "STRETCH_STEPS", (16, 50))
+    monkeypatch.setattr(error_cost, "MIN_STEPS", 16)
+    monkeypatch.setattr(error_cost, "MAX_STEPS", 50)
     filmed = marched(SCENE, ["rolling.duration_s=0.015"], tmp_path / "filmed", film=True)
     moved = marched(VIBRATING, MOVED, tmp_path / "moved")
     estimated = marched(VIBRATING, ESTIMATED, tmp_path / "estimated")

@@ -12,7 +12,7 @@ from scipy import ndimage
 
 from acoustics.level import a_weighted, level_db
 from acoustics.radiation import P_REF_PA
-from rolling.check import comb, error_cost, validity
+from rolling.check import comb, error_cost, force_estimate
 from rolling.dynamics import of_scene
 from rolling.figures.catalogue import single_picture
 from rolling.marches.force_law import force_law
@@ -174,7 +174,7 @@ def test_the_check_knows_that_a_sharp_resonance_misses_the_lines_of_a_lap() -> N
         scene = run.scene.with_({"plate.thickness_mm": thickness, "rolling.speed_m_s": speed})
         speeds = [scene.with_({"rolling.speed_m_s": speed * near}) for near in (0.97, 1, 1.03)]
         forces = [np.std(of_scene.motion(near, law).force_n) for near in speeds]
-        assert 0.5 < validity.force_rms(scene) / np.median(forces) < 2
+        assert 0.5 < force_estimate.force_rms(scene) / np.median(forces) < 2
 
 
 def test_impacts_that_yield_are_marked() -> None:
@@ -223,7 +223,8 @@ JUDGED = ["numerics.error_estimate=true", "rolling.load_n=0.5", "surface.width_u
 
 def test_levels_have_errors_of_grid_solver_and_force_law(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(error_cost, "SHARE", 3.0)  # a short run pays for its stretches
-    monkeypatch.setattr(error_cost, "STRETCH_STEPS", (16, 50))
+    monkeypatch.setattr(error_cost, "MIN_STEPS", 16)
+    monkeypatch.setattr(error_cost, "MAX_STEPS", 50)
     run = marched(VIBRATING, [*JUDGED, "rolling.speed_m_s=0.1", "rolling.distance_mm=0.4"])
     numbers = run.summary
     parts = numbers["laeq_uncertainty_parts_db"]

@@ -12,7 +12,7 @@ from helpers import march_all, roll
 
 from acoustics import envelope_spectrum
 from rolling.check import cost
-from rolling.check.validity import force_rms
+from rolling.check.force_estimate import force_rms
 from rolling.marches.piece import contact_identity
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import make_run

@@ -45,7 +45,8 @@ FLAT = RecordLevels(np.ones(31), np.ones(31), own_factor=False)
 def generous(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let short runs pay for stretches."""
     monkeypatch.setattr(error_cost, "SHARE", 8.0)
-    monkeypatch.setattr(error_cost, "STRETCH_STEPS", (32, 64))
+    monkeypatch.setattr(error_cost, "MIN_STEPS", 32)
+    monkeypatch.setattr(error_cost, "MAX_STEPS", 64)
 
 
 def scene_of(*overrides: str) -> Scene:

@@ -13,7 +13,7 @@ from scene_text import PLAIN
 from scipy.integrate import quad
 
 import rolling as rc
-from rolling.check import validity
+from rolling.check import force_estimate
 from rolling.report.assumed import surface_words
 from rolling.scene import file as scene_file
 from rolling.scene.laws import Roughness, SelfAffineLaw
@@ -224,7 +224,9 @@ def scene(*overrides: str) -> Scene:
 def test_force_estimate_of_a_turned_lay_is_between_those_along_and_across() -> None:
     def force(*keys: str) -> float | None:
         masses = "dynamics={}", "sphere.density_kg_m3=7850", "plate.density_kg_m3=7850"
-        return validity.force_rms(scene("surface.correlation_length_across_um=4", *masses, *keys))
+        return force_estimate.force_rms(
+            scene("surface.correlation_length_across_um=4", *masses, *keys)
+        )
 
     along, across = force(), force("surface.lay_deg=90")
     swapped = force("surface.correlation_length_across_um=20", "surface.correlation_length_um=4")
