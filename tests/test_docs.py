@@ -92,7 +92,8 @@ def _commands(text: str) -> Iterator[list[str]]:
 @pytest.mark.parametrize("page", COMMANDED, ids=_name)
 def test_commands_have_options_scenes_and_keys_of_the_program(page: Path):
     """A word of the usage, such as SCENE or RUN, stands for a scene, a file or a folder."""
-    library, parser = scene_library.scenes(), command_line.build(rolling.__version__)
+    library = scene_library.scenes()
+    parser = command_line.build(rolling.__version__)
     text = _prose(page)
     for words in _commands(text):
         if words == ["COMMAND", "--help"] or (len(words) == 1 and words[0] in cli.COMMANDS):

@@ -53,7 +53,8 @@ def test_a_short_study_gives_the_effects_of_theory_and_of_the_page():
     wanted = [effect for effect in study.effects() if effect.key in EXACT_DB]
     frame = study.study(wanted, [1], 1, ["rolling.distance_mm=0.8"])
     for effect, changes in zip(wanted, study.changes(frame), strict=True):
-        level, release = changes["level"].mean, changes["release"].mean
+        level = changes["level"].mean
+        release = changes["release"].mean
         assert (level, release) == pytest.approx(EXACT_DB[effect.key], abs=1e-6), effect.key
         cells = next((line for line in PAGE.splitlines() if f"|`{effect.key}`|" in line), "")
         if level:

@@ -38,7 +38,8 @@ def test_a_stored_tutorial_has_no_outputs_and_ends_with_a_change(path: Path):
 def test_a_tutorial_runs_and_is_heard_and_seen(path: Path):
     notebook = tutorials.executed(path)
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", ())]
-    warnings = [text for output in outputs if "Warning" in (text := output.get("text", ""))]
+    texts = [output.get("text", "") for output in outputs]
+    warnings = [text for text in texts if "Warning" in text]
     assert not warnings
     text, files = tutorials.page(notebook, path.stem)
     assert "data:audio" not in text and all(name in text for name in files)

@@ -19,6 +19,7 @@ def on_page_content(content, page, config, files):
 
 
 def _mathml(match):
-    tag, tex = match.group(1), html.unescape(match.group(2)).strip()
+    tag = match.group(1)
+    tex = html.unescape(match.group(2)).strip()
     equation = convert(tex[2:-2].strip(), display="block" if tag == "div" else "inline")
     return f'<div class="equation">{equation}</div>' if tag == "div" else equation

@@ -36,7 +36,8 @@ LEFT_OUT = {
     "loudness": "it sounds like the quickstart",
     "events": "it sounds like the quickstart",
 }
-GALLERY_SIZE, PAGE_SIZE = (1400, 1400), (1100, 1520)
+GALLERY_SIZE = (1400, 1400)
+PAGE_SIZE = (1100, 1520)
 COLOURS = 128  # of a picture
 SETTLED_MS = 1500  # until scripts have drawn
 # Settings with which the site runs its scenes on short tracks, to be built in minutes.
@@ -168,11 +169,14 @@ def _make_site(folder: Path) -> None:
             if picture := film.still(run):
                 content = base64.b64decode(picture["png"].partition(",")[2])
                 (folder / f"{stem}.png").write_bytes(content)
-            title = text.titles([run]) + f", {run.label}" * bool(run.values)
+            title = text.titles([run])
+            if run.values:
+                title += f", {run.label}"
             key = runs_table.level_key(run.summary)
             level = f"{runs_table.level_text(run.summary, key)} dB(A)"
             played = f"{run.summary['listening']['laeq_db']:.1f} dB(A)"
-            verdict, words = run.summary["verdict"], runs_table.level_name(run.summary)
+            verdict = run.summary["verdict"]
+            words = runs_table.level_name(run.summary)
             values = title, stem, words, level, played, verdict["word"], verdict["reason"]
             cards[name].append(dict(zip(CARD, values, strict=True)))
     (folder / "cards.json").write_text(json.dumps(cards), encoding="utf-8")

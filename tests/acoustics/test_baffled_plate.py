@@ -21,7 +21,8 @@ CONTACT = 0.172, 0.111
 
 def steel(thickness_m: float, loss_factor: float = 0.01, scale: float = 1.0) -> RectangularPlate:
     stiffness = 210e9 * thickness_m**3 / 12 / (1 - 0.3**2)
-    length, width = scale * EDGES[0], scale * EDGES[1]
+    length = scale * EDGES[0]
+    width = scale * EDGES[1]
     mass = 7850 * thickness_m
     return RectangularPlate(mass, stiffness, loss_factor, length_m=length, width_m=width)
 
@@ -34,7 +35,9 @@ def test_far_field_of_a_mode(order: tuple[int, int], degrees: float) -> None:
 
     At 0 degrees even orders cancel, so the tolerance is 3e-3 of the largest possible integral.
     """
-    f, r, phi = 3000.0, 3000.0, math.radians(degrees)
+    f = 3000.0
+    r = 3000.0
+    phi = math.radians(degrees)
     direction = np.array([math.sin(phi) * 0.8, math.sin(phi) * 0.6, math.cos(phi)])
     place = r * direction + (EDGES[0] / 2, EDGES[1] / 2, 0.0)
     table = mode_pressures(EDGES, np.array([order]), (place[0], place[1], place[2]))
@@ -56,7 +59,8 @@ def test_far_field_of_a_mode(order: tuple[int, int], degrees: float) -> None:
 )
 def test_the_integral_by_brute_force(listener: tuple[float, float, float]) -> None:
     """A midpoint rule of 0.2 mm that halves where a listener is near errs by less than 1 %."""
-    f, orders = 7123.0, np.array([(1, 1), (3, 2), (8, 9)])
+    f = 7123.0
+    orders = np.array([(1, 1), (3, 2), (8, 9)])
     table = mode_pressures(EDGES, orders, listener)
     k = 2 * math.pi * f / SOUND_M_S
     values = table.at(np.array([f]))[0] * np.exp(-1j * k * table.distance_m)
@@ -88,7 +92,8 @@ def test_a_damped_large_plate_is_an_infinite_plate() -> None:
 )
 def test_listeners_above_and_below_mirrored_and_reversed() -> None:
     """Baffle and plate are symmetric about their plane and about the middles of the edges."""
-    plate, f = steel(3e-3), np.geomspace(30, 19e3, 50)
+    plate = steel(3e-3)
+    f = np.geomspace(30, 19e3, 50)
     above = plate.pressure_transfer(f, CONTACT, (0.25, 0.02, 0.7))
     assert np.allclose(-above, plate.pressure_transfer(f, CONTACT, (0.25, 0.02, -0.7)), rtol=1e-9)
     turned = EDGES[0] - CONTACT[0], CONTACT[1]
@@ -98,12 +103,14 @@ def test_listeners_above_and_below_mirrored_and_reversed() -> None:
 
 def test_the_power_of_a_mode_by_two_routes() -> None:
     """Power over wave numbers equals that of the pressure on the plate, 0.1 mm above it, to 1 %."""
-    order, f = np.array([(2, 1)]), 2500.0
+    order = np.array([(2, 1)])
+    f = 2500.0
     nodes, weights = np.polynomial.legendre.leggauss(8)
     power = 0.0
     for u, wu in zip(nodes, weights, strict=True):
         for v, wv in zip(nodes, weights, strict=True):
-            x, y = EDGES[0] * (u + 1) / 2, EDGES[1] * (v + 1) / 2
+            x = EDGES[0] * (u + 1) / 2
+            y = EDGES[1] * (v + 1) / 2
             integral = _integrals(EDGES, order, (x, y, 1e-4), 0.0, f)[0]
             pressure = 1j * AIR_KG_M3 * f * integral  # of a velocity of 1 m/s
             shape = math.sin(2 * math.pi * x / EDGES[0]) * math.sin(math.pi * y / EDGES[1])
@@ -121,7 +128,8 @@ def test_power_in_is_power_radiated_and_lost(thickness: float, loss_factor: floa
     plate = steel(thickness, loss_factor)
     f = np.linspace(1000, 3000, 3000 if loss_factor > 1e-3 else 20_000)
     w = 2 * math.pi * f[:, None]
-    shapes, receptance = plate.shapes(CONTACT)[0], plate.mode_receptance(f)
+    shapes = plate.shapes(CONTACT)[0]
+    receptance = plate.mode_receptance(f)
     fed = np.sum(np.real(1j * w[:, 0] * (receptance @ np.square(shapes))))
     velocities = w * np.abs(receptance) * shapes
     rates = plate.loss_factor * plate.angular_frequency * plate.modal_mass_kg
@@ -139,14 +147,17 @@ def test_far_pressure_carries_the_power() -> None:
 
     Cross terms of modes, which the power leaves out, are small for a loss factor of 0.01.
     """
-    plate, r, contact = steel(10e-3, scale=0.5), 400.0, (0.086, 0.055)
+    plate = steel(10e-3, scale=0.5)
+    r = 400.0
+    contact = (0.086, 0.055)
     f = np.linspace(2000, 4000, 100)
     u, w = np.polynomial.legendre.leggauss(8)
     power = np.zeros(len(f))
     for cosine, weight in zip((u + 1) / 2, w / 2, strict=True):
         for phi in 2 * math.pi * (np.arange(10) + 0.5) / 10:
             sine = math.sqrt(1 - cosine**2)
-            x, y = r * sine * math.cos(phi) + 0.1, r * sine * math.sin(phi) + 0.075
+            x = r * sine * math.cos(phi) + 0.1
+            y = r * sine * math.sin(phi) + 0.075
             pressure = plate.pressure_transfer(f, contact, (x, y, r * cosine))
             power += weight / 10 * np.square(np.abs(pressure))
     power *= 2 * math.pi * r**2 / (AIR_KG_M3 * SOUND_M_S)

@@ -54,7 +54,8 @@ def test_ball_pressure_of_a_sine_force(frequency, mpa):
     pressure = heard(tone(frequency), STEEL)
     assert np.max(np.abs(pressure)) == pytest.approx(1e-3 * mpa, rel=5e-3)
     # A small ball: the derivative twice, once for the dipole and once for its image 2a below.
-    w, ka = 2 * np.pi * 100, 2 * np.pi * 100 * 5e-3 / SOUND_M_S
+    w = 2 * np.pi * 100
+    ka = 2 * np.pi * 100 * 5e-3 / SOUND_M_S
     slow = heard(tone(100), STEEL)
     dipole = 3 * AIR_KG_M3 / (8 * np.pi * 7850 * SOUND_M_S) * w
     np.testing.assert_allclose(slow, -dipole * 2 * ka * tone(100), atol=1e-4 * dipole * ka)

@@ -64,7 +64,8 @@ def test_a_line_on_an_edge_belongs_to_the_band_above():
 
 @pytest.mark.law("Third octaves: white noise grows with the bandwidth, within 4.34 / sqrt(B T) dB.")
 def test_white_noise_grows_with_the_bandwidth_within_the_stated_uncertainty():
-    rate, n = 48000.0, 480000
+    rate = 48000.0
+    n = 480000
     noise = np.random.default_rng(3).standard_normal(n)
     power = third_octave_mean_square(*line_spectrum(noise, rate))
     expected = BANDWIDTH_HZ / (rate / 2.0)

@@ -20,7 +20,8 @@ WHOLE = ("laeq_db", "level_db", "laf_max_db", "las_max_db", "lz_peak_db")
 
 
 def record(kind, n, seed):
-    rng, t = np.random.default_rng(seed), np.arange(n) / RATE
+    rng = np.random.default_rng(seed)
+    t = np.arange(n) / RATE
     return {
         "silence": np.zeros(n),
         "steady": np.ones(n),

@@ -31,7 +31,11 @@ def tone(frequency_hz, amplitude=1.0, n=24000, rate=RATE):
 )
 def test_sine_through_the_whole_chain(frequency_hz, band):
     # The power over a step of 20 us is the mean of 1 mW + 10 uW sin over it, in closed form.
-    mean_w, amplitude_w, step_rate, n, distance = 1e-3, 1e-5, 50000.0, 25000, 2.0
+    mean_w = 1e-3
+    amplitude_w = 1e-5
+    step_rate = 50000.0
+    n = 25000
+    distance = 2.0
     phase = 2.0 * np.pi * frequency_hz * np.arange(n + 1) / step_rate + 0.4
     means = mean_w - amplitude_w * np.diff(np.cos(phase)) * step_rate / (2.0 * np.pi * frequency_hz)
 

@@ -71,7 +71,8 @@ def test_clicks_are_found_beside_a_louder_band_of_noise() -> None:
 def ticking(turns: float, pulse: float, texture: float = 0.0, seed: int = 1) -> np.ndarray:
     """Return noise of some turns of 30 ms, with a ringing pulse and a texture in each of them."""
     random = np.random.default_rng(seed)
-    count, turn = round(turns * 0.03 * RATE), round(0.03 * RATE)
+    count = round(turns * 0.03 * RATE)
+    turn = round(0.03 * RATE)
     time = np.arange(turn) / RATE
     ring = np.where(time < 0.01, 0.0, np.exp(-(time - 0.01) / 5e-4)) * np.sin(3e4 * time)
     once_per_turn = pulse * ring + texture * random.standard_normal(turn)

@@ -42,7 +42,8 @@ def test_level_law_between_records(gain, expected):
 
 @pytest.mark.law("Radiation: with a given gain sounds superpose.")
 def test_a_given_gain_superposes():
-    a, b = NOISE, NOISE[::-1]
+    a = NOISE
+    b = NOISE[::-1]
     together = sound_pressure(a + b, 5.0)[0]
     np.testing.assert_allclose(
         together, sound_pressure(a, 5.0)[0] + sound_pressure(b, 5.0)[0], rtol=0, atol=1e-20

@@ -59,7 +59,8 @@ def test_blends_keep_the_variance_and_no_stretch_repeats() -> None:
     stretches = process.stretches(np.random.default_rng(1))
     rows = np.stack([next(stretches)[0] for _ in range(24)])
     power = np.mean(rows**2, axis=0)
-    blended, rest = power[: process.blend].mean(), power[process.blend :].mean()
+    blended = power[: process.blend].mean()
+    rest = power[process.blend :].mean()
     assert blended == pytest.approx(rest, rel=0.15)  # 500 positions of 24 stretches: 7 %
     assert abs(np.corrcoef(rows[0], rows[1])[0, 1]) < 0.1
     joint = np.abs(np.diff(rows.ravel()))

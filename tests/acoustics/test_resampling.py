@@ -49,7 +49,8 @@ def test_step_mean_at_nyquist_holds_nothing_of_the_boundaries():
 def test_resampling_is_exact_for_what_both_lengths_carry(n, n_out, seed):
     rng = np.random.default_rng(seed)
     highest = (min(n, n_out) - 1) // 2
-    amplitude, phase = rng.standard_normal(highest + 1), rng.uniform(0.0, 6.28, highest + 1)
+    amplitude = rng.standard_normal(highest + 1)
+    phase = rng.uniform(0.0, 6.28, highest + 1)
 
     def at(t):  # t in periods
         return np.cos(2.0 * np.pi * np.outer(t, np.arange(highest + 1)) + phase) @ amplitude
@@ -60,7 +61,8 @@ def test_resampling_is_exact_for_what_both_lengths_carry(n, n_out, seed):
 
 
 def test_30_khz_is_absent_after_resampling_to_48_khz():
-    n, n_out = 100_000, 48_000  # one second
+    n = 100_000  # samples of one second
+    n_out = 48_000
     # the phase reduced first: exact to rounding
     high = np.sin(2.0 * np.pi * (30_000 * np.arange(n) % n) / n)
     # The issue asks for 80 dB of rejection; what is left is rounding, -300 dB.
@@ -72,7 +74,8 @@ def test_30_khz_is_absent_after_resampling_to_48_khz():
 def test_no_ripple_below_20_khz_and_80_db_above_the_band():
     # An impulse holds all frequencies equally: after the chain its lines are the frequency
     # response.
-    n, n_out = 100_000, 48_000
+    n = 100_000
+    n_out = 48_000
     impulse = np.zeros(n)
     impulse[123] = 1.0
     out = band_limit(resample_closed(impulse, n_out), 48_000.0)
@@ -89,7 +92,8 @@ def test_band_edges_are_taken_as_the_third_octaves_take_them():
     # Lower edge inside, upper edge outside; the mean always outside. The sines are rounded by 1e-13
     # at 600 rad.
     t = np.arange(1000) / 1000.0
-    low, high = np.sin(2.0 * np.pi * 100.0 * t), np.sin(2.0 * np.pi * 200.0 * t)
+    low = np.sin(2.0 * np.pi * 100.0 * t)
+    high = np.sin(2.0 * np.pi * 200.0 * t)
     np.testing.assert_allclose(
         band_limit(5.0 + low + high, 1000.0, (100.0, 200.0)), low, atol=1e-12
     )

@@ -79,7 +79,8 @@ def test_third_octaves_grey_where_bt_is_below_5(ax):
     np.testing.assert_allclose(ax.get_xticks(), MID_HZ)
     assert legend(ax) == ["5 N, Z", "20 N, Z", "B T < 5: uncertain by 2 dB or more"]
     # 0.5 s: bands up to 40 Hz are grey, from 50 Hz on coloured.
-    grey, coloured = [], []
+    grey = []
+    coloured = []
     for line in (line for line in ax.get_lines() if len(line.get_xdata())):
         red, green, blue = to_rgb(line.get_color())
         (grey if red == green == blue else coloured).append(line.get_xdata())
@@ -127,7 +128,8 @@ def test_more_curves_than_three_are_means_and_none_looks_like_another(ax):
 def test_envelope_keeps_every_extreme():
     # 200,000 values, one of them up and one down: what is drawn has both, at most two points a
     # column, times rising.
-    time, power = np.arange(200_000) / 2e4, np.ones(200_000)
+    time = np.arange(200_000) / 2e4
+    power = np.ones(200_000)
     power[[123_456, 77]] = 5.0, -3.0
     t, p = envelope(time, power)
     assert len(t) <= 2 * 1500 and np.all(np.diff(t) >= 0.0)
@@ -180,7 +182,8 @@ def test_curves_with_an_order_go_from_dark_to_light(ax) -> None:
 
 
 def test_third_octaves_mark_levels_less_their_errors_and_hatch_bands_that_are_off() -> None:
-    levels, spread = dict.fromkeys(BAND_NAMES, 50.0), dict.fromkeys(BAND_NAMES, 0.5)
+    levels = dict.fromkeys(BAND_NAMES, 50.0)
+    spread = dict.fromkeys(BAND_NAMES, 0.5)
     errors = plots.BandErrors(dict.fromkeys(BAND_NAMES, 0.4) | {"8000": 2.0, "20": None}, spread)
     ax = plots.third_octaves(Figure().subplots(), [("a", levels, spread)], 10.0, errors=[errors])
     (marks,) = [

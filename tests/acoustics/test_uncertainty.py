@@ -31,7 +31,8 @@ def noise(seed, n, slope, low, high):
 
 def spread(records, duration, slope, low, high, own_factor, band):
     """Return the observed over the stated standard deviation of every level."""
-    observed, stated = [], []
+    observed = []
+    stated = []
     for seed in range(records):
         fluctuation = 1e-6 * noise(seed, round(duration * RATE), slope, low, high)
         pressure, _ = sound_pressure(fluctuation, None if own_factor else 1e3)
@@ -102,7 +103,8 @@ def test_bands_of_an_even_spectrum_state_bt_and_with_an_own_factor_what_it_takes
     fixed = level_uncertainty(record, RATE, levels, False).third_octave_db
     # The number of lines that M observed lines give scatters by 2/sqrt(M), and its root by half of
     # that; three of these. From 1 kHz on, M is 115 and more.
-    stated, even = list(fixed.values())[17:28], band_uncertainty_db(0.5)[17:28]
+    stated = list(fixed.values())[17:28]
+    even = band_uncertainty_db(0.5)[17:28]
     tolerance = 3.0 / np.sqrt(BANDWIDTH_HZ[17:28] * 0.5)
     assert np.all(np.abs(stated / even - 1.0) < tolerance)
     assert fixed["12500"] is None and fixed["20000"] is None  # as the levels
@@ -126,7 +128,9 @@ def test_a_band_of_a_resonance_scatters_as_it_states(duration, resonance, loss, 
     frequency = np.fft.rfftfreq(n, 1.0 / RATE)
     response = 1.0 / (resonance**2 - frequency**2 + 1j * loss * resonance * frequency) + 2e-9
     response *= (frequency > 17.8) & (frequency < 22387.0)
-    observed, stated, levels = [], [], None
+    observed = []
+    stated = []
+    levels = None
     for seed in range(200):
         lines = np.fft.rfft(np.random.default_rng(seed).standard_normal(n))
         record = 1e4 * np.fft.irfft(lines * response, n)
@@ -170,7 +174,8 @@ def test_steady_level_spreads_as_it_states(duration, cut):
     n = round(duration * RATE)
     frequency = np.fft.rfftfreq(n, 1.0 / RATE)
     gain = 1.0 if cut is None else 1.0 / np.sqrt(1.0 + (frequency / cut) ** 2)
-    observed, stated = [], []
+    observed = []
+    stated = []
     for seed in range(400):
         power = 1.0 + 0.5 * np.fft.irfft(
             np.fft.rfft(np.random.default_rng(seed).standard_normal(n)) * gain, n

@@ -63,7 +63,8 @@ def test_same_record_same_bytes_at_another_second():
     def write():
         return wav.calibrated(NOISE, "same", "title"), wav.listening(NOISE, 1.0, "same", "title")
 
-    first, second = write(), int(time.time())
+    first = write()
+    second = int(time.time())
     while int(time.time()) == second:  # libsndfile's time stamp counts seconds
         time.sleep(0.02)
     assert write() == first
@@ -76,7 +77,8 @@ def chunks_of(wav_bytes):
     """Name and content of each chunk, read by the rules of RIFF alone."""
     assert wav_bytes[:4] == b"RIFF" and wav_bytes[8:12] == b"WAVE"
     assert struct.unpack("<I", wav_bytes[4:8])[0] == len(wav_bytes) - 8
-    chunks, place = [], 12
+    chunks = []
+    place = 12
     while place < len(wav_bytes):
         name = wav_bytes[place : place + 4]
         (size,) = struct.unpack("<I", wav_bytes[place + 4 : place + 8])
@@ -100,7 +102,8 @@ def test_a_record_that_loops_has_its_loop_points(bits, samples):
     *others, (name, content) = chunks_of(write(True))
     assert name == b"smpl" and len(content) == 60
     assert others == chunks_of(write(False)) and b"smpl" not in dict(others)
-    sampler, loop = content[:36], content[36:]
+    sampler = content[:36]
+    loop = content[36:]
     expected = {0: 0, 4: 0, 8: 20833, 12: 60, 16: 0, 20: 0, 24: 0, 28: 1, 32: 0}
     assert {at: int.from_bytes(sampler[at : at + 4], "little") for at in expected} == expected
     # Identifier, forward, first and last sample, no fraction, for ever.

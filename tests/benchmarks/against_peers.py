@@ -87,7 +87,8 @@ def on_full_grid(state: ContactState) -> np.ndarray:
 
 def ours(name: str, tolerance: float, steps: int) -> Solved:
     track = sequence_track(name, tolerance)
-    states, clock = [], [time.process_time()]
+    states = []
+    clock = [time.process_time()]
     for state in march(track, 0, steps, HalfSpace(track.spacing, track.contact_modulus)):
         clock.append(time.process_time())
         states.append(state)

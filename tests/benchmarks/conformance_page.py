@@ -96,12 +96,12 @@ def _cells(row: Row, decimals: int) -> tuple[str, ...]:
     share = _number(row.share, 1)
     if math.isinf(row.expected):
         computed = f"> {MAX_DB:g}" if math.isinf(row.computed) else _number(row.computed, decimals)
-        difference, lower, upper = "", _number(row.lower, decimals), ""
+        difference = ""
+        lower = _number(row.lower, decimals)
+        upper = ""
     else:
-        computed, difference = (
-            _number(row.computed, decimals),
-            _number(row.difference, decimals, signed=True),
-        )
+        computed = _number(row.computed, decimals)
+        difference = _number(row.difference, decimals, signed=True)
         lower, upper = (_number(limit, decimals, signed=True) for limit in (row.lower, row.upper))
     return (
         _number(row.expected, decimals),
@@ -121,13 +121,18 @@ def _number(value: float, decimals: int, signed: bool = False) -> str:
     if math.isinf(value):
         return "∞" if value > 0.0 else ""
     rounded = round(value, decimals) + 0.0  # turns -0.0 into 0.0
-    return f"{rounded:{'+' if signed and rounded else ''}.{decimals}f}"
+    if signed and rounded:
+        return f"{rounded:+.{decimals}f}"
+    return f"{rounded:.{decimals}f}"
 
 
 def _markdown(heads: Sequence[str], rows: Iterable[Sequence[object]], align: str) -> str:
     """Write a Markdown table with padded columns; ``align`` holds l or r for each."""
-    cells = [list(map(str, heads)), *(list(map(str, row)) for row in rows)]
-    widths = [max(3, *(len(cell) for cell in column)) for column in zip(*cells, strict=True)]
+    cells = [[str(cell) for cell in row] for row in [heads, *rows]]
+    widths = []
+    for k in range(len(cells[0])):
+        longest = max(len(row[k]) for row in cells)
+        widths.append(max(3, longest))
 
     def line(row: Sequence[str]) -> str:
         padded = (

@@ -24,7 +24,8 @@ from pathlib import Path
 
 import numpy as np
 
-TOLERANCE, MAX_ITERATIONS = 1e-8, 20000
+TOLERANCE = 1e-8
+MAX_ITERATIONS = 20000
 LOAD_TOLERANCE = 1e-6  # of the secants of slippy
 Solved = tuple[np.ndarray, np.ndarray]  # pressure and deflection
 
@@ -36,7 +37,8 @@ def tamaas(gap: np.ndarray, load: float, hardness: float) -> Solved:
     assert np.isinf(hardness)
     tm.set_log_level(tm.LogLevel.error)
     model = tm.Model(tm.model_type.basic_2d, [1.0, 1.0], list(gap.shape))
-    model.E, model.nu = 1.0, 0.0
+    model.E = 1.0
+    model.nu = 0.0
     tm.ModelFactory.registerNonPeriodic(model, "dcfft")
     solver = tm.PolonskyKeerRey(model, np.ascontiguousarray(gap.min() - gap), TOLERANCE)
     solver.setIntegralOperator("dcfft")
@@ -76,17 +78,20 @@ def slippy(gap: np.ndarray, load: float, hardness: float) -> Solved:
     from slippy.contact import Elastic, _step_utils
     from slippy.core import plan_convolve
 
-    (side, _), cell = gap.shape, 1 / gap.size
+    side = gap.shape[0]
+    cell = 1 / gap.size
     solid = Elastic("solid", {"E": 1.0, "v": 0.0}, use_frequency_domain=False)
     love = solid.influence_matrix(["zz"], [1 / side] * 2, (2 * side, 2 * side))["zz"]
     everywhere = np.ones(gap.shape, dtype=bool)
     deflect = plan_convolve(np.zeros(gap.shape), love, everywhere, circular=(False, False))
-    pressure, before = np.zeros(gap.size), None
+    pressure = np.zeros(gap.size)
+    before = None
     approach = float(np.sort(gap, axis=None)[gap.size // 100])
     slope = 0.5 * load / (approach - gap.min())
     for _ in range(40):
         with contextlib.redirect_stdout(io.StringIO()):
-            start, overlap = pressure, approach - gap.ravel()
+            start = pressure
+            overlap = approach - gap.ravel()
             solved, _ = _step_utils.bccg(
                 deflect, overlap, TOLERANCE, MAX_ITERATIONS, start, 0, hardness
             )
@@ -105,14 +110,17 @@ def slippy(gap: np.ndarray, load: float, hardness: float) -> Solved:
 SOLVERS: dict[str, Callable[[np.ndarray, float, float], Solved]] = {
     "tamaas": tamaas, "ContactMechanics": contact_mechanics, "slippy": slippy,
 }  # fmt: skip
-ELASTIC, YIELDING = ((math.inf, 10), (math.inf, 50)), ((6, 10), (6, 50))  # hardness [GPa], load [N]
+# Pairs of hardness [GPa] and load [N].
+ELASTIC = ((math.inf, 10), (math.inf, 50))
+YIELDING = ((6, 10), (6, 50))
 CONTACTS = {"tamaas": ELASTIC} | dict.fromkeys(("ContactMechanics", "slippy"), ELASTIC + YIELDING)
 
 
 def solve(name: str, file: str) -> None:
     """Print the figures of one solver for the contact of a file, as JSON in its units."""
     stored = np.load(file)
-    gap, hardness = stored["gap"], float(stored["hardness"])
+    gap = stored["gap"]
+    hardness = float(stored["hardness"])
     pressure, deflection = SOLVERS[name](gap, float(stored["load"]), hardness)
     plastic = pressure >= hardness * (1 - TOLERANCE)
     between = (pressure > 0) & ~plastic
@@ -139,7 +147,8 @@ def main(peers: list[str]) -> None:
 
     _, scene = next(iter(read_scene(validate.FOLDER / "rough-contact.yaml").runs()))
     gap, spacing = validate.rough_gap(scene, validate.COARSE)
-    side, modulus = len(gap) * spacing, scene.contact_modulus
+    side = len(gap) * spacing
+    modulus = scene.contact_modulus
     print("# python tests/benchmarks/contact_figures.py > scenarios/validation/contact_solvers.csv")
     print("# hardness in GPa, load in N, areas in um2, pressure in GPa, approach in um")
     print("solver,hardness,load,area,plastic area,pressure,approach")

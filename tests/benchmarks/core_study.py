@@ -37,7 +37,9 @@ from rolling.run.pools import MAX_TEAMS, LocalPool, Pool, Task
 from rolling.surface.scene_surface import heights
 
 QUICKSTART = Path(__file__).parents[2] / "scenarios" / "quickstart.yaml"
-PIECE_M, SPEED_M_S = 400e-6, 0.1  # of the quickstart: 200 steps of a node
+# A piece of the quickstart has 200 steps of a node.
+PIECE_M = 400e-6
+SPEED_M_S = 0.1
 SECOND = round(SPEED_M_S / PIECE_M)  # pieces of a second of sound
 PART = 64  # cores of a part, and most cores of a machine; more have a team each in a cluster
 
@@ -77,7 +79,8 @@ def command(seeds: int, pieces: int, workers: int, out: Path) -> list[str]:
 @contextmanager
 def clocked(record: list[tuple[str, float]]):
     """Record the seconds of each task of a pool in this process, and of the loop around them."""
-    submit, finished_runs = Pool.submit, RunLoop.finished_runs
+    submit = Pool.submit
+    finished_runs = RunLoop.finished_runs
 
     def timed_submit(pool: Pool, task: Task, *team: Any) -> Any:
         began = time.perf_counter()
@@ -95,11 +98,13 @@ def clocked(record: list[tuple[str, float]]):
         yield from finished_runs(loop, pool)
         record.append(("all", time.perf_counter() - began))
 
-    Pool.submit, RunLoop.finished_runs = timed_submit, timed_runs
+    Pool.submit = timed_submit
+    RunLoop.finished_runs = timed_runs
     try:
         yield
     finally:
-        Pool.submit, RunLoop.finished_runs = submit, finished_runs
+        Pool.submit = submit
+        RunLoop.finished_runs = finished_runs
 
 
 def measure(seeds: int, pieces: int, folder: Path) -> tuple[Costs, float]:
@@ -138,11 +143,13 @@ def start_of_worker(folder: Path) -> float:
 
 def simulate(costs: Costs, seeds: int, pieces: int, cores: int) -> dict[str, float]:
     """Simulate a sweep on so many workers of one pool; return wall time [s] and shares of it."""
-    rng, surface = np.random.default_rng(1), costs.surface * pieces * PIECE_M
+    rng = np.random.default_rng(1)
+    surface = costs.surface * pieces * PIECE_M
     pool = LocalPool(cores, min(cores, seeds, MAX_TEAMS) if cores <= PART else cores)
     backlog = Backlog((run, (run, "begin")) for run in range(seeds))
     lacking = Counter(dict.fromkeys(range(seeds), pieces))
-    in_hand, last = Counter[Any](), dict[tuple[Any, int], int]()
+    in_hand = Counter[Any]()
+    last = dict[tuple[Any, int], int]()
     # Processes of each team with the time since when they are idle, and tasks by the time.
     idle = {team: [(costs.start, number) for number in range(n)] for team, n in pool.teams.items()}
     waiting = {team: deque[tuple[float, int, str]]() for team in pool.teams}
@@ -156,7 +163,8 @@ def simulate(costs: Costs, seeds: int, pieces: int, cores: int) -> dict[str, flo
             taken = float(rng.choice(costs.pieces)) if kind == "piece" else costs.finish
             made = 0.0 if last.get((team, number)) == run else surface
             last[team, number] = run
-            work, surfaces = work + taken, surfaces + made
+            work = work + taken
+            surfaces = surfaces + made
             heappush(flying, (max(since, handed) + taken + made, team, number, run, kind))
 
     while backlog or flying:

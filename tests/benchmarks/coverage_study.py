@@ -46,7 +46,8 @@ from rolling.studies.accuracy_variants import Variant, variant_contact
 SCENES = 12
 STEPS = 640  # of a scene for pairs, a lap of 128 correlation lengths
 GRID_STEPS = 2560  # of a scene for the errors of the grid, which are estimated from stretches
-FINER, TOLERANCE = 3, 1e-6  # of the reference
+FINER = 3  # divisor of the spacing of the reference
+TOLERANCE = 1e-6  # of the reference
 RANGES: dict[str, tuple[float, float]] = {  # drawn evenly over the logarithm
     "radius_mm": (1.0, 20.0),
     "youngs_modulus_gpa": (3.0, 400.0),
@@ -79,13 +80,12 @@ def scene_of(number: int, seed: int, steps: int, **changes: Any) -> rc.Scene:
         low, high = np.log(RANGES[name])
         return float(np.exp(random.uniform(low, high)))
 
-    radius_mm, young_gpa, poisson = (
-        drawn("radius_mm"),
-        drawn("youngs_modulus_gpa"),
-        float(random.uniform(0.2, 0.4)),
-    )
+    radius_mm = drawn("radius_mm")
+    young_gpa = drawn("youngs_modulus_gpa")
+    poisson = float(random.uniform(0.2, 0.4))
     length_um = drawn("correlation_length_um")
-    spacing_um, hertz_um = length_um / 5, length_um * drawn("hertz_radius_in_lengths")
+    spacing_um = length_um / 5
+    hertz_um = length_um * drawn("hertz_radius_in_lengths")
     modulus_pa = young_gpa * 1e9 / (1 - poisson**2)
     deflection_um = hertz_um**2 / (1e3 * radius_mm)
     width_nodes = 2 * math.ceil(hertz_um * 1.3 / spacing_um + 18)
@@ -195,7 +195,8 @@ def _over_uncertainty(
     """Yield the difference of two levels over their joint uncertainty, if both are known."""
     if None in levels or None in uncertainties:
         return
-    (a, b), (u, v) = levels, uncertainties
+    a, b = levels
+    u, v = uncertainties
     assert a is not None and b is not None and u is not None and v is not None
     yield difference._replace(ratio=(a - b) / math.hypot(u, v))
 
@@ -207,7 +208,8 @@ def of_grid(number: int, seed: int) -> Iterator[Difference]:
     """Yield estimated less true errors of the grid over their uncertainty."""
     changes = {"numerics.error_estimate": True}
     scene = scene_of(number, seed, GRID_STEPS, **changes)
-    result, place = solved(scene), RunFolder({}, scene, Path())
+    result = solved(scene)
+    place = RunFolder({}, scene, Path())
     vibrating = make_run(place, "", result)
     released_scene = scene.with_({"sound.source": "release"})
     runs = {
@@ -224,7 +226,8 @@ def of_grid(number: int, seed: int) -> Iterator[Difference]:
         return
     true = reference(scene, result, vibrating.vibration)
     for source, run in known.items():
-        numbers, levels = run.summary, true[source]
+        numbers = run.summary
+        levels = true[source]
         pairs = [
             (
                 "LAeq, grid",
@@ -239,11 +242,10 @@ def of_grid(number: int, seed: int) -> Iterator[Difference]:
                 off -= numbers["laeq_db"] - levels.laeq_db
                 yield Difference(source, kind, number, off / numbers[spread])
         for band in BAND_NAMES:
-            error, own = numbers["grid_error_db"][band], numbers["third_octave_db"][band]
-            level, spread_db = (
-                levels.third_octave_db[band],
-                numbers["grid_error_uncertainty_db"][band],
-            )
+            error = numbers["grid_error_db"][band]
+            own = numbers["third_octave_db"][band]
+            level = levels.third_octave_db[band]
+            spread_db = numbers["grid_error_uncertainty_db"][band]
             if error is None or own is None or level is None or not spread_db:
                 continue
             off = error + (numbers["solver_error_db"][band] or 0.0) - (own - level)
@@ -258,7 +260,8 @@ def _has_estimate(run: Run) -> bool:
 def reference(scene: rc.Scene, result: Result, vibration: Vibration) -> dict[str, SoundLevels]:
     """Return the levels of both sources on a fine grid at a tight tolerance."""
     own = vibration.law
-    release, approach = np.empty(0), []
+    release = np.empty(0)
+    approach = []
     for load in own.load_n:
         energy, depth = _marched_finely(scene.with_({"rolling.load_n": float(load)}))
         approach.append(depth)
@@ -275,9 +278,12 @@ def reference(scene: rc.Scene, result: Result, vibration: Vibration) -> dict[str
 def _marched_finely(scene: rc.Scene) -> tuple[Array, Array]:
     """Return release [J] and approach [m] of a lap on the fine grid."""
     variant = Variant(FINER, scene.numerics.step_nodes, TOLERANCE, scene.numerics.edges, "single")
-    contact, steps = variant_contact(scene, variant), scene.track.lap_steps
+    contact = variant_contact(scene, variant)
+    steps = scene.track.lap_steps
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
-    release, approach, old = np.empty(steps), np.empty(steps), None
+    release = np.empty(steps)
+    approach = np.empty(steps)
+    old = None
     for state in march(contact, 0, steps, half_space):
         if old is not None:
             release[old.position] = step_energy(old, state, half_space).release
@@ -313,7 +319,8 @@ def table(differences: Sequence[Difference]) -> pd.DataFrame:
 
 def _share(sizes: Array, limit: float) -> str:
     """Write the share of sizes within a limit with its counting error [%]."""
-    share, count = float(np.mean(sizes < limit)), len(sizes)
+    share = float(np.mean(sizes < limit))
+    count = len(sizes)
     # With one difference more on either side, so that 0 and 100 % have an error, too.
     likely = (share * count + 1) / (count + 2)
     return f"{100 * share:.0f} ± {100 * math.sqrt(likely * (1 - likely) / count):.0f}"
@@ -328,7 +335,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--grids", type=int, default=1, help="seeds for errors of the grid (1)")
     parser.add_argument("--out", type=Path, help="CSV of all differences (default: none)")
     given = parser.parse_args(arguments)
-    found, began = list[Difference](), time.process_time()
+    found = list[Difference]()
+    began = time.process_time()
     for number in range(given.first, given.first + given.scenes):
         for pair in range(given.pairs):
             seeds = 2 * pair + 1, 2 * pair + 2

@@ -24,10 +24,14 @@ from rolling.contact.subcells import half_space_of
 from rolling.surface.contact_of_scene import auto_subcells, on_subcells
 from rolling.surface.refined import dies_out, subcell_heights
 
-SPACING, NODES = 2e-6, (256, 192)
+SPACING = 2e-6
+NODES = (256, 192)
 SPEED = 0.1  # [m/s], for the frequencies of the bands
-FINEST, REFERENCE_TOLERANCE, TOLERANCE = 4, 1e-6, 1e-4
-STEPS, START = 60, 20  # positions: the stretch, and its beginning
+FINEST = 4
+REFERENCE_TOLERANCE = 1e-6
+TOLERANCE = 1e-4
+STEPS = 60  # positions of the stretch
+START = 20  # position of its beginning
 BANDS_HZ = (4000.0, 8000.0, 16000.0)  # octaves
 
 
@@ -154,7 +158,8 @@ def roll(contact: RollingContact, steps: int) -> Stretch:
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     list(march(contact, 0, 1, half_space))
     began = time.process_time()
-    states, release = [], []
+    states = []
+    release = []
     old = None
     for state in march(contact, 0, steps, half_space):
         if old is not None:

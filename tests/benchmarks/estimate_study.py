@@ -34,7 +34,8 @@ from rolling.surface.scene_surface import heights
 
 BANDS = [name for name in BAND_NAMES if 100 <= float(name) <= 16000]
 DURATION_S = 0.16  # 8,000 steps
-FINEST, TOLERANCE = 4, 1e-6  # of the reference
+FINEST = 4  # divisor of the spacing of the reference
+TOLERANCE = 1e-6  # of the reference
 SCENES: dict[str, dict[str, Any]] = {  # changes of the base scene
     "Ra 0.1": {},
     "Ra 0.05, L 8, 4 GPa, 0.2 N": {
@@ -120,12 +121,10 @@ def reference(scene: rc.Scene) -> tuple[Array, float]:
 
 def with_detail(scene: rc.Scene) -> Array:
     """March the whole track on a quarter of the spacing with the detail of the surface's law."""
-    contact, surface, z, spacing = (
-        rolling_contact(scene),
-        scene.surface,
-        heights(scene),
-        scene.spacing,
-    )
+    contact = rolling_contact(scene)
+    surface = scene.surface
+    z = heights(scene)
+    spacing = scene.spacing
     (law,) = scene.laws
     for octave in (1, 2):
         z = continued(z, spacing, [(law.rq_m, law)], (surface.seed, octave))
@@ -135,11 +134,9 @@ def with_detail(scene: rc.Scene) -> Array:
     finer = replace(
         contact, heights=cells, spacing=spacing / contact.subcells, start=start, slopes=False
     )
-    release, old, half_space = (
-        np.empty(scene.track.n_along),
-        None,
-        half_space_of(finer.spacing, finer.contact_modulus, finer.subcells),
-    )
+    release = np.empty(scene.track.n_along)
+    old = None
+    half_space = half_space_of(finer.spacing, finer.contact_modulus, finer.subcells)
     for state in march(finer, 0, len(release), half_space):
         if old is not None:
             release[old.position] = step_energy(old, state, half_space).release
@@ -153,7 +150,8 @@ def compare(scene: rc.Scene) -> tuple[pd.DataFrame, dict[str, Any]]:
     Bands that are too short to be read are left out: they hold a few lines, whose errors scatter.
     """
     run = rc.simulate(scene, workers=1, progress=False)
-    (fine, plastic), numbers = reference(scene), run.summary
+    fine, plastic = reference(scene)
+    numbers = run.summary
     levels = _levels(scene, fine)
     certain = dict(zip(BAND_NAMES, reliable(run.sound.duration), strict=True))
     errors = {
@@ -221,7 +219,8 @@ def _detail_row(scene: rc.Scene, numbers: dict[str, Any]) -> dict[str, str]:
 
 def _row(table: pd.DataFrame, numbers: dict[str, Any]) -> dict[str, Any]:
     """Return stated and true errors of LAeq and bands."""
-    laeq, bands = table.loc["LAeq"], table.drop(index="LAeq")
+    laeq = table.loc["LAeq"]
+    bands = table.drop(index="LAeq")
     spread = numbers["grid_signal_uncertainty_db"]
     return {
         "LAeq error, estimated dB": f"{laeq.estimated:+.2f} ± {laeq.uncertainty:.2f}",

@@ -39,13 +39,15 @@ def measure(source: str, words: Sequence[str], cores: int) -> dict[str, float | 
     """Check and run a scene, and return the times [s]."""
     scene = rc.read_scene(source, words)
     seconds = scene.check().seconds
-    began, before = time.perf_counter(), _processor_seconds()
+    began = time.perf_counter()
+    before = _processor_seconds()
     with tempfile.TemporaryDirectory() as folder:
         sets = [part for word in words for part in ("--set", word)]
         command = [sys.executable, "-m", "rolling", "run", source, *sets]
         options = ["--out", str(Path(folder) / "run"), "--workers", str(cores)]
         subprocess.run([*command, *options], check=True, capture_output=True)
-    processor, wall = _processor_seconds() - before, time.perf_counter() - began
+    processor = _processor_seconds() - before
+    wall = time.perf_counter() - began
     return {
         "forecast s": seconds / cores,
         "words": forecast.takes(seconds),

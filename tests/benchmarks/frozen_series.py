@@ -80,7 +80,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         before = {label: old for label, old in before.items() if label in now}
     changed = 0
     for label in sorted(before.keys() | now.keys()):
-        old, new = before.get(label, {}), now.get(label, {})
+        old = before.get(label, {})
+        new = now.get(label, {})
         for series in sorted(old.keys() | new.keys()):
             if old.get(series) != new.get(series):
                 print(f"{label}: {series}: {old.get(series)} -> {new.get(series)}")

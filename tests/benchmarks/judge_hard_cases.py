@@ -20,7 +20,8 @@ from hard_cases.named_cases import CASES, SOLVED, HardCase, laps
 from hard_cases.random_cases import GENERATORS, found_cases, random_case
 from tqdm import tqdm
 
-RANDOM, SHARE = 2000, 4  # random scenes; each other generator makes a quarter of their number
+RANDOM = 2000  # random scenes
+SHARE = 4  # of random scenes over those of each other generator
 LONG_STEPS = 100_000
 
 Task = HardCase | tuple[str, int]  # a case, or the generator and the seed of one

@@ -95,7 +95,8 @@ def unmeasured() -> dict[str, str]:
 def _effect(title: str, name: str, row: Mapping[str, Any]) -> Effect:
     """Read an effect from its row."""
     on = row.get("on", "")
-    before, key = STUDY["on"].get(on, []), _dotted(title, name)
+    before = STUDY["on"].get(on, [])
+    key = _dotted(title, name)
     data: Any = scene(before).to_dict()
     setting = f"{key}={row['to']}"
     if title == "faults":
@@ -128,7 +129,8 @@ def _flow(value: Any) -> str:
 def write_files(folder: Path, seeds: Sequence[int]) -> None:
     """Write the height files of seeds [um]: a scan, a line of it, and a turn of the sphere."""
     for seed in seeds:
-        rng, heights = np.random.default_rng(seed), 1e6 * _heights(1.0, 1000, seed)
+        rng = np.random.default_rng(seed)
+        heights = 1e6 * _heights(1.0, 1000, seed)
         x, y = np.meshgrid(*(np.linspace(-1, 1, n) for n in heights.shape), indexing="ij")
         scan = heights + 1.0 * x + 0.5 * y + 0.5 * x**2  # tilt and form
         places = rng.choice(scan.size, 60, replace=False)
@@ -167,7 +169,8 @@ def measured(scenes: Sequence[Scene], workers: int) -> list[dict[str, float]]:
 
 def _numbers(run: Run) -> dict[str, float]:
     """Return levels [dB] and centroid [%] of a run; NaN where it is silent."""
-    pressure, rate = run.sound.pressure, run.sound.sample_rate
+    pressure = run.sound.pressure
+    rate = run.sound.sample_rate
     numbers = {"centroid": math.nan}
     if pressure.any():
         numbers["centroid"] = 100 * math.log(centroid_hz(pressure, rate))
@@ -181,7 +184,8 @@ def study(
     wanted: Sequence[Effect], seeds: Sequence[int], workers: int = 0, shorter: Overrides = ()
 ) -> pd.DataFrame:
     """Measure effects; return one row for each effect and seed, with the numbers of both scenes."""
-    rows, unique = [], dict[str, Scene]()
+    rows = []
+    unique = dict[str, Scene]()
     with TemporaryDirectory() as name:
         folder = Path(name)
         if "FOLDER" in str(wanted):
@@ -241,7 +245,8 @@ def changes(frame: pd.DataFrame) -> Iterator[dict[str, Change]]:
                 difference = 100 * np.expm1(difference / 100)
             error = difference.std(ddof=1) / math.sqrt(number) if number > 1 else math.nan
             bound = max(factor * error, MIN[measure])
-            mean, most = difference.mean(), np.abs(difference).max()
+            mean = difference.mean()
+            most = np.abs(difference).max()
             result[measure] = Change(float(mean), float(error), float(most), float(bound))
         yield result
 
@@ -292,7 +297,8 @@ def _base_numbers(listed: Sequence[Effect], frame: pd.DataFrame) -> str:
     """Write the numbers of the base scene with their standard deviation over seeds."""
     first = next(number for number, effect in enumerate(listed) if not effect.on)
     rows = frame[frame["effect"] == first]
-    level, release = rows["laeq_db before"], rows["release_laeq_db before"]
+    level = rows["laeq_db before"]
+    release = rows["release_laeq_db before"]
     hertz = np.exp(rows["centroid before"] / 100)
     return (
         f"Over {len(rows)} seeds its level is {level.mean():.1f} ± {level.std():.1f} dB(A), its "
@@ -324,7 +330,8 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def write_page(text: str) -> None:
     """Replace the part of the page between its marks."""
     page = PAGE.read_text(encoding="utf-8")
-    begin, end = f"<!-- effects: written by `{COMMAND}` -->", "<!-- end of effects -->"
+    begin = f"<!-- effects: written by `{COMMAND}` -->"
+    end = "<!-- end of effects -->"
     head, _, rest = page.partition(begin)
     tail = rest.partition(end)[2]
     PAGE.write_text(f"{head}{begin}\n\n{text}\n\n{end}{tail}", encoding="utf-8")

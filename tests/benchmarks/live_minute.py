@@ -62,7 +62,8 @@ def main() -> None:
         page.goto(path.resolve().as_uri())
         page.click("#play-roll")
         page.wait_for_timeout(3000)  # preparation and compilation
-        begun, taken = page.evaluate(CLOCK), processor_seconds()
+        begun = page.evaluate(CLOCK)
+        taken = processor_seconds()
         page.wait_for_timeout(1000 * given.seconds)
         wall, sounded = page.evaluate(CLOCK)
         playing = processor_seconds() - taken
@@ -72,7 +73,8 @@ def main() -> None:
         page.wait_for_timeout(1000 * given.seconds)
         stopped = processor_seconds() - taken
         browser.close()
-    seconds, lag = wall - begun[0], (wall - begun[0]) - (sounded - begun[1])
+    seconds = wall - begun[0]
+    lag = (wall - begun[0]) - (sounded - begun[1])
     print(f"{seconds:.1f} s: lag {lag:+.3f} s")
     print(f"share of a core: {playing / seconds:.3f} while it plays, ", end="")
     print(f"{stopped / given.seconds:.3f} after Stop")

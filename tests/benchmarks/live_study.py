@@ -22,7 +22,8 @@ from acoustics.bands import BAND_NAMES, reliable
 from rolling.dynamics.force_law import ForceLaw
 from rolling.scene.scene import Scene
 
-THIN, THICK = EDGES | {"plate.thickness_mm": 1}, EDGES | {"plate.thickness_mm": 10}
+THIN = EDGES | {"plate.thickness_mm": 1}
+THICK = EDGES | {"plate.thickness_mm": 10}
 STEREO = {"sound.listener_mm": [[100, 150, 500], [250, 60, 700]]}
 BELOW = {"sound.listener_mm": [100, 150, -500]}
 HALF_SPACE = {"plate.thickness_mm": None, "plate.loss_factor": None}
@@ -68,7 +69,8 @@ RENDER = """
 
 def differences(got: np.ndarray, wanted: level.SoundLevels, highest: float) -> tuple[str, float]:
     """Return the largest difference of a reliable third octave in words, and that of LAeq [dB]."""
-    found, seconds = level.sound_levels(got, wav.SAMPLE_RATE_HZ, highest), len(got) / 48000
+    found = level.sound_levels(got, wav.SAMPLE_RATE_HZ, highest)
+    seconds = len(got) / 48000
     bands = [
         (found.third_octave_db[name] - wanted.third_octave_db[name], name)
         for name, known in zip(BAND_NAMES, reliable(seconds), strict=True)
@@ -132,7 +134,8 @@ def kept_modes(base: Scene, law: ForceLaw) -> None:
         every = level.laeq_db(record(run, settings, 24_000)[0][0], 48000)
         for most in (30, 100, 300):
             (got,), prepared = record(run, settings, 24_000, most)
-            heard, kept = level.laeq_db(got, 48000), prepared["kept"]
+            heard = level.laeq_db(got, 48000)
+            kept = prepared["kept"]
             print(
                 f"| {thickness} mm | {kept['modes']} of {kept['of']} | {kept['costDb']:.2f} dB |"
                 f" {abs(heard - every):.2f} dB |",

@@ -111,10 +111,14 @@ def levels_of(pressure: Array, rate: int, highest: float) -> tuple[SoundLevels, 
 def compare(run: Run, parts: int = PARTS, lengths: float = LENGTHS) -> pd.DataFrame:
     """Compare the continuation of each part of a solved track with the whole track."""
     assert run.vibration is not None
-    scene, law, rate = run.scene, run.vibration.law, run.sound.sample_rate
-    solved, spread = run.vibration.levels, run.vibration.uncertainty
+    scene = run.scene
+    law = run.vibration.law
+    rate = run.sound.sample_rate
+    solved = run.vibration.levels
+    spread = run.vibration.uncertainty
     seconds = run.sound.duration * lengths
-    solved_kurtosis, motion = kurtosis(run.sound.pressure), run.vibration.motion
+    solved_kurtosis = kurtosis(run.sound.pressure)
+    motion = run.vibration.motion
     rows = []
     for part in range(parts):
         short = part_of(law, part, parts)
@@ -123,7 +127,8 @@ def compare(run: Run, parts: int = PARTS, lengths: float = LENGTHS) -> pd.DataFr
         per_second, own_kurtosis = rates(listening)
         agree = []
         for name in BAND_NAMES:
-            level, of_long = own.third_octave_db[name], solved.third_octave_db[name]
+            level = own.third_octave_db[name]
+            of_long = solved.third_octave_db[name]
             error = spread.third_octave_db[name]
             if level is not None and of_long is not None and error is not None:
                 # A part of the track is less certain by the root of the number of parts.
@@ -156,7 +161,8 @@ def main(arguments: Sequence[str]) -> int:
     for kind in given.kinds:
         run = rc.simulate(scene_of(kind, given.length), workers=1, progress=False)
         table = compare(run)
-        mean, rms = table.mean(), float(np.sqrt(np.mean(np.square(table["level"]))))
+        mean = table.mean()
+        rms = float(np.sqrt(np.mean(np.square(table["level"]))))
         print(
             f"| {kind} | {mean['level']:+.1f}, {rms:.1f}, {mean['stated']:.1f} |"
             f" {100 * mean['bands']:.0f} % | {mean['solved kurtosis']:.2f},"

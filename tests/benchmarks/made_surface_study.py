@@ -13,7 +13,9 @@ import numpy as np
 from rolling.scene.laws import HeightLaw, Roughness, SelfAffineLaw
 from rolling.surface import made
 
-SHAPE, SPACING, SEEDS = (1024, 256), 1e-6, (1, 2, 3)
+SHAPE = (1024, 256)
+SPACING = 1e-6
+SEEDS = (1, 2, 3)
 PAIRS = ((-0.8, 4.0), (-2.0, 8.0), (0.0, 2.0), (0.9, 3.1), (0.5, 10.0))
 HARDER = (3, -3, 15), (10, 0, 1.2), (10, 1.5, 4), (30, 5, 60), (85, 0, 10), (85, -3, 15)
 

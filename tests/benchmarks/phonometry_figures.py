@@ -17,8 +17,13 @@ import phonometry as ph
 
 SOUND_M_S = 343.2  # of this program, so that the laws alone differ
 RATE = 48000
-YOUNG_PA, POISSON, DENSITY_KG_M3 = 210e9, 0.3, 7850.0  # plates.yaml has the same plates
-THICKNESSES_MM, RADIATOR_MM, EDGES_M = (2, 5, 10), 5, (1.2, 0.8)
+# The plates of plates.yaml.
+YOUNG_PA = 210e9
+POISSON = 0.3
+DENSITY_KG_M3 = 7850.0
+THICKNESSES_MM = (2, 5, 10)
+RADIATOR_MM = 5
+EDGES_M = (1.2, 0.8)
 BANDS = (315, 800, 2000, 3150, 8000)
 TONES = (31.5, 250, 1000, 8000)
 NOMINAL = {20: 100, 32: 1600, 40: 10000}

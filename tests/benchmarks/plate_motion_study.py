@@ -25,7 +25,8 @@ CASES = (  # thickness [mm], speed [m/s], loss factor
     *((1, 0.3, 0.01), (3, 0.3, 0.01), (3, 1, 0.01), (10, 0.3, 0.01), (10, 1, 0.01)),
     *((3, 1, 0.001), (10, 0.3, 0.001)),
 )
-STEPS, REFERENCE = (28, 40, 80), 320  # in a period of the resonance
+STEPS = (28, 40, 80)  # in a period of the resonance
+REFERENCE = 320  # steps in a period of the resonance
 HEARD_HZ = 20, 20e3
 
 
@@ -56,7 +57,8 @@ def main() -> None:
     scene = rc.read_scene(SCENE).with_(sweep={}, error_estimate=False, speed_m_s=0.3)
     run = rc.simulate(scene, workers=2, progress=False)
     assert run.vibration is not None
-    law, load = run.vibration.law, scene.load
+    law = run.vibration.law
+    load = scene.load
     assert law.period_m is not None
     roughness = -np.fft.rfft(law.approach(law.position_m, load)) / len(law.position_m)
     print("| plate, speed, loss factor | motion | linear chain |\n|---|---|---|")

@@ -35,7 +35,9 @@ SCENES = (
 )
 SEEDS = 4
 APART = 3.0  # times the scatter over seeds by which two scenes differ in a measure
-SLOW_HZ, FAST_HZ = (0.5, 8.0), (8.0, 50.0)  # bands of the modulation
+# Bands of the modulation.
+SLOW_HZ = (0.5, 8.0)
+FAST_HZ = (8.0, 50.0)
 _ENVELOPE_HZ = 400.0  # rate of the envelope
 _SEGMENT_S = 0.5  # of the mean spectrum, from which the decay of modes follows
 
@@ -80,7 +82,9 @@ def modulation(pressure: Array, rate: float, band: tuple[float, float]) -> float
 
 def measures(listening: Listening) -> dict[str, float]:
     """Return the measures of a long record."""
-    pressure, rate, numbers = listening.pressure, listening.sample_rate, listening.numbers
+    pressure = listening.pressure
+    rate = listening.sample_rate
+    numbers = listening.numbers
     return {
         "LAeq, dB(A)": numbers["laeq_db"],
         "centroid, Hz": centroid_hz(pressure, rate),
@@ -112,7 +116,8 @@ def records(name: str, seeds: int) -> Iterator[dict[str, float | str]]:
 
 def differing(table: pd.DataFrame) -> pd.DataFrame:
     """List for each pair of scenes the measures that differ by more than `APART` scatters."""
-    means, scatters = table.groupby("scene").mean(), table.groupby("scene").std()
+    means = table.groupby("scene").mean()
+    scatters = table.groupby("scene").std()
     rows = []
     for first, second in itertools.combinations(means.index, 2):
         distance = np.abs(means.loc[first] - means.loc[second])

@@ -25,10 +25,13 @@ from rolling.marches.march_piece import march_piece
 from rolling.marches.piece import Piece, contact_identity
 from rolling.scene.messages import SceneError
 
-RADII_MM, LOADS_N, RA_UM = (0.5, 20.0), (0.1, 15.0), (0.005, 0.6)
+RADII_MM = (0.5, 20.0)
+LOADS_N = (0.1, 15.0)
+RA_UM = (0.005, 0.6)
 HARDNESSES_GPA = (0.3, 6.0)
 NODES = 12  # in the radius of the contact, of which 5 are a correlation length
-REFERENCE, STEPS = 10.0, 60  # widths that count as endless, and steps that are compared
+REFERENCE = 10.0  # widths that count as endless
+STEPS = 60  # that are compared
 ROWS = ((0.1, 10.0, 2.0), (0.3, 20.0, 2.0), (0.3, 20.0, 1.0))  # Ra, length, spacing [um]
 BANDS_HZ = ((20.0, 1e3), (1e3, 4e3), (4e3, 1e4), (1e4, 2e4))
 SPEED = 0.1  # [m/s]
@@ -86,7 +89,8 @@ def forgotten(scene: rc.Scene, widths: float) -> float:
 
 def starts(count: int, seed: int) -> Iterator[dict[str, float]]:
     """Yield numbers and errors of random scenes whose Hertz pressure stays below the hardness."""
-    rng, found = np.random.default_rng(seed), 0
+    rng = np.random.default_rng(seed)
+    found = 0
     while found < count:
         scene = random_scene(rng)
         contact = scene.load, scene.radius, scene.contact_modulus

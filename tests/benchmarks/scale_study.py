@@ -32,7 +32,8 @@ surface:
 rolling: {{load_n: 0.005, speed_m_s: 0.1, duration_s: 0.0005}}
 sweep: {{surface.seed: {seeds}}}
 """
-PARTS, LOST = 5, 2  # parts of the sweep, and the part that is killed
+PARTS = 5  # of the sweep
+LOST = 2  # number of the part that is killed
 
 
 def rolling(*words: object) -> subprocess.Popen[bytes]:
@@ -103,9 +104,11 @@ def digests(folder: Path) -> dict[str, str]:
 def _measured(way: Callable[[Path, Path], None], folder: Path, runs: int) -> dict[str, float]:
     """Return CPU and wall time [s] of so many runs in a way, and the number of their files."""
     folder.mkdir(exist_ok=True)
-    scene, out = folder / f"{runs}.yaml", folder / str(runs)
+    scene = folder / f"{runs}.yaml"
+    out = folder / str(runs)
     scene.write_text(SCENE.format(seeds=list(range(1, runs + 1))))
-    before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    began = time.monotonic()
     way(scene, out)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
@@ -135,7 +138,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             results.append(digests(Path(name) / way / str(runs)))
     print(pd.DataFrame.from_dict(costs, orient="index").to_string(float_format="{:.1f}".format))
     same = all(result == results[0] for result in results) and len(results[0]) == runs
-    print(f"results of all ways: {'the same bytes' if same else 'DIFFERENT'}")
+    print("results of all ways:", "the same bytes" if same else "DIFFERENT")
     return int(not same)
 
 

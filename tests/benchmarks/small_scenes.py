@@ -12,7 +12,9 @@ from rolling.check import cost, force_estimate
 from rolling.scene.messages import SceneError
 
 GROUNDS = ("infinite plate", "plate with edges", "half-space")
-MAX_NODES, MAX_STEP_MS = 150, 2.5  # of a window and a step, so that a scene takes seconds
+# Limits of a window and a step with which a scene takes seconds.
+MAX_NODES = 150
+MAX_STEP_MS = 2.5
 MAX_FORCE_RATIO = 0.4  # expected fluctuation of the force over the load
 GRAVITY = 9.81
 
@@ -48,7 +50,9 @@ def _values(
     def decade(low: float, high: float) -> float:
         return float(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.4g}")
 
-    radius, modulus, length = decade(1, 20), decade(3, 400), decade(5, 40)
+    radius = decade(1, 20)
+    modulus = decade(3, 400)
+    length = decade(5, 40)
     sphere = {"radius_mm": radius, "density_kg_m3": float(rng.choice([1200, 2500, 7850]))}
     if rng.random() < 0.5:
         sphere |= {"youngs_modulus_gpa": decade(10, 300), "poissons_ratio": 0.28}

@@ -93,7 +93,8 @@ def convolving_seconds(half_space: HalfSpace, states: list[ContactState]) -> np.
     seconds = {}
     for single in (False, True):
         transforms = half_space.convolution(rows - 1, columns - 1, single)
-        convolve, every = apply_of(1, single), np.empty(0, np.int64)
+        convolve = apply_of(1, single)
+        every = np.empty(0, np.int64)
         clock = []
         for _ in range(31):
             transforms.real[:] = 1.0
@@ -118,7 +119,9 @@ class Timed:
 def timed_march(track: RollingContact, steps: int) -> Timed:
     """March and compute the release as a run does, without the cold start."""
     half_space = HalfSpace(track.spacing, track.contact_modulus)
-    states, release, clock = [], [], []
+    states = []
+    release = []
+    clock = []
     for state in march(track, 0, steps, half_space):
         if states:
             release.append(step_energy(states[-1], state, half_space).release)
@@ -169,11 +172,10 @@ def measure_steps(steps: int) -> list[Row]:
     error = float(
         20 * np.log10(np.sqrt(np.mean((march_20_n.release - exact) ** 2)) / np.std(exact))
     )
-    step_ms, bare_ms = 1e3 * np.median(march_20_n.seconds), 1e3 * np.median(yardstick)
-    scene, per_step = (
-        f"20 N, tolerance {track.tolerance:g}, {steps} steps",
-        counts(march_20_n.states),
-    )
+    step_ms = 1e3 * np.median(march_20_n.seconds)
+    bare_ms = 1e3 * np.median(yardstick)
+    scene = f"20 N, tolerance {track.tolerance:g}, {steps} steps"
+    per_step = counts(march_20_n.states)
     detail = f"{scene}; {step_ms:.2f} ms / {bare_ms:.3f} ms"
     numbers = {
         "ratio": ratio,
@@ -220,7 +222,8 @@ def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) ->
 
     The program uses the loosest tolerance whose median gap error is small enough.
     """
-    name, peer = rival.sequence, rival.peer
+    name = rival.sequence
+    peer = rival.peer
     other = None
     if python:
         other = quickest(theirs(name, peer, python, rival.tolerance, steps) for _ in range(repeats))
@@ -239,13 +242,15 @@ def measure_rival(rival: Rival, python: str | None, steps: int, repeats: int) ->
         None,
         detail,
     )
-    row.iterations, row.convolutions = own.iterations, own.convolutions
+    row.iterations = own.iterations
+    row.convolutions = own.convolutions
     row.numbers = {"steps": steps, "gap_error_limit_m": most, "ours": asdict(own)}
     if other is None:
         row.value = f"not run: give --{peer} PYTHON"
         return row
     ratio = other.ms / own.ms
-    row.value, row.met = f"{ratio:.1f}", ratio >= rival.target and own.gap_error <= most
+    row.value = f"{ratio:.1f}"
+    row.met = ratio >= rival.target and own.gap_error <= most
     row.detail += (
         f"; {peer} {other.ms:.0f} ms at {other.tolerance:g}, gap error {other.gap_error:.1e} m"
     )
@@ -291,7 +296,8 @@ def measure_whole_runs(steps: int) -> list[Row]:
     growth, of_march = (
         (one[b] - short[b]) / (steps - fewer) for b in ("peak_bytes", "march_bytes")
     )
-    scalars, surface = 8 * len(STEP_SERIES + STATE_SERIES), 8 * scene_20_n().surface.n_across
+    scalars = 8 * len(STEP_SERIES + STATE_SERIES)
+    surface = 8 * scene_20_n().surface.n_across
     sound = (two["seconds"] - two["start_up_s"]) / steps * STEPS_PER_SECOND + two["start_up_s"]
     per_step = {name: two[name] for name in ("iterations", "convolutions")}
     split = (
@@ -353,7 +359,9 @@ def table(rows: list[Row]) -> str:
         "|---|---|---|---|---|---|---|",
     ]
     for row in rows:
-        met = "" if row.met is None else "yes" if row.met else "**no**"
+        met = ""
+        if row.met is not None:
+            met = "yes" if row.met else "**no**"
         per_step = " | ".join(
             "" if n is None else f"{n:.1f}" for n in (row.iterations, row.convolutions)
         )

@@ -40,7 +40,8 @@ HERE = Path(__file__).parent
 QUICKSTART = HERE.parent.parent / "scenarios" / "quickstart.yaml"
 OUTPUTS = HERE.parent.parent / "outputs" / "benchmarks"
 WIDTHS = (40, 70, 110, 180, 350, 600, 1000, 2000)
-ELASTIC, SHARP = "plate.hardness_gpa=null", "numerics.edges=sharp"
+ELASTIC = "plate.hardness_gpa=null"
+SHARP = "numerics.edges=sharp"
 WHOLE = (SHARP, "numerics.subcells=1")
 KINDS = {
     "elastic, smooth": (ELASTIC, "surface.roughness_ra_um=0.0001", *WHOLE),
@@ -101,7 +102,8 @@ def scene_of(kind: str, width: float) -> Scene | None:
     def wide(scene: Scene) -> bool:
         return cost.window_nodes(scene, cost.roughness(scene)[0]) > width
 
-    low, high = 0.1, 1e6
+    low = 0.1
+    high = 1e6
     if wide(under(low)):
         return None
     for _ in range(24):
@@ -141,7 +143,8 @@ def bare_seconds(half_space: HalfSpace, nodes: tuple[int, int], single: bool) ->
     """Return the seconds of the transforms of a block of so many rows and columns of nodes."""
     transforms = half_space.convolution(nodes[0] - 1, nodes[1] - 1, single=single)
     transforms.real[:] = 0.0
-    convolve, every = apply_of(1, single), np.empty(0, np.int64)
+    convolve = apply_of(1, single)
+    every = np.empty(0, np.int64)
     taken = []
     for _ in range(9):
         began = time.thread_time()
@@ -172,7 +175,8 @@ def table(costs: list[Cost]) -> str:
         mine = [c for c in costs if c.kind == kind]
         at_100, power = fit(mine)
         nodes = f"{mine[0].width:.0f} to {mine[-1].width:.0f}"
-        law, bare = fit(mine, "law")[1], fit(mine, "bare")[1]
+        law = fit(mine, "law")[1]
+        bare = fit(mine, "bare")[1]
         fits.append(
             f"| {kind} | {nodes} | {at_100:.1f} ms (n/100)^{power:.2f} | {law:.2f} | {bare:.2f} |"
         )

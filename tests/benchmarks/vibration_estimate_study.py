@@ -30,7 +30,8 @@ def compare(seed: int) -> dict[str, float | str]:
     """Return levels, uncertainty and stiffnesses of a scene."""
     scene, ground = small_scene(seed)
     run = rc.simulate(scene, workers=1, progress=False)
-    result, numbers = run.result, run.summary
+    result = run.result
+    numbers = run.summary
     law = numbers["contact_stiffness_n_m"]
     area = 2 * scene.contact_modulus * np.sqrt(result.series["contact_area"] / math.pi)
     solved = solved_stiffness(scene, result)
@@ -39,7 +40,9 @@ def compare(seed: int) -> dict[str, float | str]:
         "area": float(1 / np.mean(1 / area)),
         "smooth": of_scene.smooth_stiffness(scene),
     }
-    approach, step, closed = result.series["approach"], result.step, run.sound.closed
+    approach = result.series["approach"]
+    step = result.step
+    closed = run.sound.closed
     estimate = vibration_estimate(scene, approach, step, closed, solved)
     return {
         "seed": seed,
@@ -71,7 +74,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         spread = np.sqrt(np.mean(np.square(np.log(table[name]))))
         print(f"stiffness by {name}: {100 * spread:.0f} % rms from the force law")
     linear = table[table["force ratio"] <= LINEAR]
-    off, stated = linear["off dB"].abs(), linear["± dB"]
+    off = linear["off dB"].abs()
+    stated = linear["± dB"]
     count = len(linear)
     print(f"{count} scenes with a force ratio up to {LINEAR}:")
     print(f"{(off <= GOAL_DB).sum()} within {GOAL_DB:g} dB, {(off <= stated).sum()} within ±")

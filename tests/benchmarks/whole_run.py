@@ -27,7 +27,9 @@ from rolling.scene.scene import Scene
 from rolling.surface.scene_surface import heights
 
 QUICKSTART = Path(__file__).parent.parent.parent / "scenarios" / "quickstart.yaml"
-SPEED, SPACING = 0.1, 2e-6  # of that scene
+# Speed and spacing of that scene.
+SPEED = 0.1
+SPACING = 2e-6
 
 
 def scene_20_n(*overrides: str) -> Scene:
@@ -103,10 +105,12 @@ def run(steps: int, workers: int) -> dict[str, float]:
 
 def convolutions_per_second(seconds: float) -> float:
     """Count convolutions of windows about as large as the scene's."""
-    scene, pressure = scene_20_n(), np.random.default_rng(0).uniform(0, 1e9, (96, 96))
+    scene = scene_20_n()
+    pressure = np.random.default_rng(0).uniform(0, 1e9, (96, 96))
     half_space = HalfSpace(scene.spacing, scene.contact_modulus)
     half_space.deflection(pressure)  # plans its transforms
-    began, before = time.perf_counter(), half_space.count
+    began = time.perf_counter()
+    before = half_space.count
     while (took := time.perf_counter() - began) < seconds:
         half_space.deflection(pressure)
     return (half_space.count - before) / took

@@ -34,7 +34,8 @@ def test_colour_is_the_mean_of_the_a_weighted_log_frequency(heard) -> None:
 
 
 def test_the_loudest_run_is_compared_with_the_quietest(heard) -> None:
-    low, high = with_record(heard[0], tone(500), 50.0), with_record(heard[2], tone(2000), 62.0)
+    low = with_record(heard[0], tone(500), 50.0)
+    high = with_record(heard[2], tone(2000), 62.0)
     assert text.headline([low, high]) == ("Load 2 N is 12 dB louder than load 0.5 N and brighter.")
     assert "Load 2 N: 80 % of the A-weighted power lies between 2 kHz and 2 kHz" in text.reason(
         [low, high]

@@ -176,8 +176,10 @@ def test_white_noise_and_flat_heights_have_no_correlation_length() -> None:
 
 
 def pits(width: float) -> np.ndarray:
-    rows, columns = np.arange(200)[:, None], np.arange(80)[None, :]
-    rng, heights = np.random.default_rng(0), np.zeros((200, 80))
+    rows = np.arange(200)[:, None]
+    columns = np.arange(80)[None, :]
+    rng = np.random.default_rng(0)
+    heights = np.zeros((200, 80))
     for _ in range(8):
         r2 = (rows - rng.integers(20, 180)) ** 2 + (columns - rng.integers(20, 60)) ** 2
         heights -= 1e-6 * np.exp(-r2 / width**2)

@@ -12,8 +12,11 @@ from rolling.dynamics.bodies import Chain, contact_stiffness
 from rolling.dynamics.force_law import ForceLaw
 from rolling.dynamics.motion import BodyMotion, Stepping, Travel, move
 
-RADIUS, LOAD = 5e-3, 20.0
-YOUNG, POISSON, DENSITY = 206e9, 0.3, 7850.0
+RADIUS = 5e-3
+LOAD = 20.0
+YOUNG = 206e9
+POISSON = 0.3
+DENSITY = 7850.0
 RIGID_BALL = YOUNG / (1 - POISSON**2)  # contact modulus of a rigid ball on an elastic plate
 BOTH_ELASTIC = RIGID_BALL / 2
 MASS = sphere_mass(RADIUS, DENSITY)
@@ -87,13 +90,15 @@ def zener(inelasticity: float) -> float:
     """Return the restitution of Zener's equation s'' + (1 + l d/dt) s^(3/2) = 0 by scipy."""
 
     def rate(_: float, state: np.ndarray) -> list[float]:
-        root, speed = np.sqrt(max(state[0], 0.0)), state[1]
+        root = np.sqrt(max(state[0], 0.0))
+        speed = state[1]
         return [speed, -(root**3) - 1.5 * inelasticity * root * speed]
 
     def apart(_: float, state: np.ndarray) -> float:
         return float(state[0])
 
-    apart.terminal, apart.direction = True, -1  # type: ignore[attr-defined]
+    apart.terminal = True  # type: ignore[attr-defined]
+    apart.direction = -1  # type: ignore[attr-defined]
     solution = solve_ivp(rate, (0, 100), [0.0, 1.0], events=apart, rtol=1e-8, atol=1e-10)
     return -float(solution.y[1, -1])
 
@@ -231,7 +236,8 @@ def test_energy_balance_on_a_rough_track() -> None:
     The integrals are sums over the record, so they close with the square of the time step.
     """
     law = track_law(ROUGH)
-    mobility, speed = plate(10), 1.0
+    mobility = plate(10)
+    speed = 1.0
     errors = []
     for per_period in (100, 200):
         motion = move(law, bodies(law, mobility), LOAD, speed, stepping=Stepping(per_period))

@@ -27,9 +27,12 @@ ROUGH = {"kind": "gaussian", "roughness_ra_um": 0.005, "correlation_length_um": 
 @pytest.mark.law("Ball surface: a rough ball on a smooth plate is a smooth ball on the same field.")
 def test_a_rough_ball_on_a_smooth_plate_is_a_smooth_ball_on_that_field() -> None:
     """Bit by bit, over one turn and the beginning of the next."""
-    scene, ra, length = small_ball(**ROUGH), 0.005 * 1e-6, 10 * 1e-6
+    scene = small_ball(**ROUGH)
+    ra = 0.005 * 1e-6
+    length = 10 * 1e-6
     field = gaussian((TURN, 16), scene.spacing, ra, (length, length), "gaussian", (4, 1))
-    rough, smooth = rolling_contact(scene), rolling_contact(small_ball(), field)
+    rough = rolling_contact(scene)
+    smooth = rolling_contact(small_ball(), field)
     for ours, theirs in zip(roll(rough, 290, 330), roll(smooth, 290, 330), strict=True):
         assert np.array_equal(ours.pressure, theirs.pressure)
         assert ours.approach == theirs.approach
@@ -78,7 +81,8 @@ def test_the_sum_holds_on_a_track_that_does_not_close(
     scene = scene.with_(
         {"rolling.start_um": start_um, "surface": {**law, "spacing_um": 2, "width_um": 32}}
     )
-    track, total = scene.track, heights(scene)
+    track = scene.track
+    total = heights(scene)
     assert not track.closed
     assert track.solved_steps == track.steps == round(0.9e-3 / track.step)
     assert scene.sphere.surface is not None
@@ -123,7 +127,8 @@ def test_a_pit_of_the_ball_ticks_once_per_turn() -> None:
     assert run.summary["turns"] == pytest.approx(5)
     turn_hz = run.summary["turn_hz"]
     assert turn_hz == pytest.approx(0.03 / 0.628e-3)
-    sound, band = run.sound, run.summary["turn_band_hz"]
+    sound = run.sound
+    band = run.summary["turn_band_hz"]
     spectrum = envelope_spectrum(sound.pressure, sound.sample_rate, band, sound.closed)
     about = np.median(spectrum.modulation[spectrum.frequency_hz < 6 * turn_hz])
     for multiple in range(1, 6):

@@ -44,7 +44,8 @@ def test_release_is_closer_to_a_fine_grid_for_few_more_convolutions(
     docs/accuracy.md has longer tracks, other surfaces and finer references.
     """
     steps = 80
-    sharp, soft = roll(coarse, 0, steps), roll(blended(coarse), 0, steps)
+    sharp = roll(coarse, 0, steps)
+    soft = roll(blended(coarse), 0, steps)
     fine = replace(coarse, heights=refined(coarse.heights, 3), spacing=coarse.spacing / 3)
     finest = roll(blended(fine), 0, steps)
     reference = releases(fine, finest)
@@ -149,7 +150,8 @@ def test_mirrored_track_swaps_loading_and_release(subcells: int) -> None:
 @pytest.mark.law("Blended edges: an elastic contact is not changed.")
 def test_without_hardness_nothing_is_blended(coarse: RollingContact) -> None:
     elastic = replace(coarse, hardness=np.inf)
-    one, other = roll(elastic, 0, 3), roll(replace(elastic, blended=True), 0, 3)
+    one = roll(elastic, 0, 3)
+    other = roll(replace(elastic, blended=True), 0, 3)
     assert all(np.array_equal(a.pressure, b.pressure) for a, b in zip(one, other, strict=True))
 
 
@@ -181,7 +183,8 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
 def test_where_nothing_yields_no_area_is_plastic() -> None:
     """A hardness that no pressure reaches leaves the areas of sharp edges."""
     track = make_track(rough(100, 100, 1e-8), load=0.3, hardness=HARDNESS, tolerance=1e-6)
-    sharp, soft = roll(track, 0, 5), roll(blended(track), 0, 5)
+    sharp = roll(track, 0, 5)
+    soft = roll(blended(track), 0, 5)
     for state in (*sharp, *soft):
         assert state.max_pressure < HARDNESS and state.plastic_area == 0
     areas = [np.mean([state.contact_area for state in states]) for states in (sharp, soft)]
@@ -241,9 +244,11 @@ def test_a_position_below_the_hardness_is_elastic(hardness: float, subcells: int
 @pytest.mark.parametrize("subcells", [1, 2])
 def test_random_contacts_yield_exactly_where_they_reach_the_hardness(subcells: int) -> None:
     """100 random contacts, of which a good part stays below the hardness: no false yielding."""
-    rng, below = np.random.default_rng(28), 0
+    rng = np.random.default_rng(28)
+    below = 0
     for seed in range(100):
-        spacing, length = 2e-6, rng.uniform(4e-6, 40e-6)
+        spacing = 2e-6
+        length = rng.uniform(4e-6, 40e-6)
         heights = gaussian(
             (64, 48), spacing, 10 ** rng.uniform(-8.5, -7), (length, length), "gaussian", seed
         )

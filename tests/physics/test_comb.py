@@ -11,7 +11,8 @@ from rolling.dynamics.force_law import ForceLaw
 from rolling.scene.file import loads
 from rolling.sound.vibration_sound import Vibration, vibrate
 
-NODES, SPACING = 1500, 2e-6
+NODES = 1500
+SPACING = 2e-6
 SCENE = ["rolling.load_n=20", f"rolling.distance_mm={NODES * SPACING * 1e3:g}", "sound.ball=false"]
 
 

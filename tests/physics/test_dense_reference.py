@@ -30,7 +30,8 @@ def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: floa
         assert_solved(track, state)  # nothing outside the block that the dense method is given
         w = state.loaded
         block = Window(w.row - 4, w.column - 3, w.rows + 8, w.columns + 6)
-        e, mine = track.gap(state.position, block), state.window.moved(state.pressure, block)
+        e = track.gap(state.position, block)
+        mine = state.window.moved(state.pressure, block)
         pressure, approach = dense_contact(e, track.load, track.spacing, STEEL, hardness)
         peak = pressure.max()
         assert (peak == hardness) == (hardness < np.inf)
@@ -43,7 +44,8 @@ def test_fft_path_equals_the_dense_method(shape: tuple[int, int], hardness: floa
 @pytest.mark.law("Dense method: the influence matrix meets Hertz.")
 def test_dense_method_meets_hertz() -> None:
     """The reference is 0.2 % below Hertz at a / spacing = 4.3, as measured."""
-    spacing, load = 10e-6, 5.0
+    spacing = 10e-6
+    load = 5.0
     x = (np.arange(15) - 7) * spacing
     _, approach = dense_contact((x[:, None] ** 2 + x**2) / 0.01, load, spacing, STEEL)
     assert approach == pytest.approx(closed_forms.hertz_approach(load, 5e-3, STEEL), rel=0.005)

@@ -134,7 +134,8 @@ def test_a_solve_on_a_wider_window_goes_on_in_larger_fields(
 ) -> None:
     """A load that rises at once widens the window beyond the fields after a first solve."""
     rising = replace(track, hardness=np.inf, loads=np.array([0.5, 0.5, 2.0, 2.0]))
-    complete, later = solver.complete, []
+    complete = solver.complete
+    later = []
 
     def watching(space: HalfSpace, kernel: Callable[..., tuple], *given: Any) -> tuple:
         def watched(*arguments: Any) -> tuple:
@@ -163,7 +164,8 @@ def _moving(
     track: RollingContact, gap: np.ndarray, p: np.ndarray, u: np.ndarray, rest: float
 ) -> tuple[float, np.ndarray]:
     """Return the number of nodes at rest and the candidates of a state of the contact."""
-    g, listed = gap + u, np.empty(p.size, np.int64)
+    g = gap + u
+    listed = np.empty(p.size, np.int64)
     approach = _condition_kernels.approach_of(p.ravel(), g.ravel(), track.hardness)
     reach = kernels.NEAR * u.max()
     found = _candidate_kernels.candidates(

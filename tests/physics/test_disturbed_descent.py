@@ -37,7 +37,9 @@ def test_without_a_last_step_the_load_is_exact(
     track: RollingContact, monkeypatch: pytest.MonkeyPatch, blended: bool
 ) -> None:
     """The nodes that carry the load are listed anew, whatever a failed step left in the list."""
-    step_at, carry, carried = kernels.step_at, _solver_kernels.carry_load, []
+    step_at = kernels.step_at
+    carry = _solver_kernels.carry_load
+    carried = []
 
     def without_last(address: int, arguments: tuple) -> Any:
         return step_at(address, (*arguments[:-1], False))
@@ -67,7 +69,8 @@ def test_deflection_by_few_nodes_is_that_of_the_transforms(
 ) -> None:
     """Summed pair by pair or transformed, a direction has the same deflection to 1e-6."""
     errors: list[float] = []
-    convolve, directly = kernels.convolve, _solver_kernels.sum_directly
+    convolve = kernels.convolve
+    directly = _solver_kernels.sum_directly
     summed: list[bool] = []
 
     def summing(*arguments: Any) -> bool:
@@ -75,7 +78,8 @@ def test_deflection_by_few_nodes_is_that_of_the_transforms(
         return summed[-1]
 
     def both(system: Any, entry: np.ndarray, block: tuple, *others: Any) -> None:
-        image, node = system.transform.image, system.transform.node
+        image = system.transform.image
+        node = system.transform.node
         direction = image.copy()
         summed.clear()
         convolve(system, entry, block, *others)
@@ -97,7 +101,10 @@ def test_edges_ahead_of_a_step_are_closer_to_those_of_the_solution(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The gaps of the model tell where edges will be better than the extrapolated gaps do."""
-    step_at, system_of, led, listed = kernels.step_at, kernels.system_of, [], []
+    step_at = kernels.step_at
+    system_of = kernels.system_of
+    led = []
+    listed = []
 
     def listing(fields: tuple, node: np.ndarray, *arguments: Any) -> Any:
         listed.append(node.copy())
@@ -114,7 +121,8 @@ def test_edges_ahead_of_a_step_are_closer_to_those_of_the_solution(
     monkeypatch.setattr(kernels, "system_of", listing)
     monkeypatch.setattr(kernels, "step_at", recording)
     track = make_track(rough(100, 100, 2e-7), load=0.2, hardness=2.1e9, tolerance=1e-4)
-    track, space = replace(track, blended=True), space_of(track)
+    space = space_of(track)
+    track = replace(track, blended=True)
     list(march(track, 0, 5, space))  # a step begins anew where it lacks transforms
     led.clear()
     states = list(march(track, 0, 5, space))[2:]

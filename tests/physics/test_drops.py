@@ -60,9 +60,11 @@ def test_restitution(thickness: float, zener: float) -> None:
     assert first == pytest.approx(drop.fall_s(given), rel=0.002)  # at g, for the mass of the steps
 
 
-STEEL_BODY, GLASS_BODY = (7850.0, 206.0, 0.3), (2500.0, 70.0, 0.22)
+STEEL_BODY = (7850.0, 206.0, 0.3)
+GLASS_BODY = (2500.0, 70.0, 0.22)
 ALUMINIUM_BODY = (2700.0, 70.0, 0.33)
-CEMENTED_CARBIDE, BRONZE = (15000.0, 600.0, 0.22), (8900.0, 120.0, 0.34)
+CEMENTED_CARBIDE = (15000.0, 600.0, 0.22)
+BRONZE = (8900.0, 120.0, 0.34)
 HIGHEST_MODE_HZ = 200e3
 
 
@@ -76,7 +78,8 @@ def fallen_on_all_modes(given: Scene) -> float:
     assert plate.density_kg_m3 and plate.edges_mm and plate.thickness_mm
     sides = 1e-3 * np.array(plate.edges_mm)
     point = 1e-3 * np.array(plate.contact_ends_mm["contact_mm"])
-    young, thickness = 1e9 * plate.youngs_modulus_gpa, 1e-3 * plate.thickness_mm
+    young = 1e9 * plate.youngs_modulus_gpa
+    thickness = 1e-3 * plate.thickness_mm
     bending = young * thickness**3 / (12 * (1 - plate.poissons_ratio**2))
     area_mass = plate.density_kg_m3 * thickness
     wave = np.sqrt(bending / area_mass)
@@ -87,13 +90,18 @@ def fallen_on_all_modes(given: Scene) -> float:
     frequency = wave * (along[:, None] ** 2 + across**2)
     shape = np.sin(along * point[0])[:, None] * np.sin(across * point[1])
     kept = frequency < 2 * np.pi * HIGHEST_MODE_HZ
-    frequency, shape = frequency[kept], shape[kept]
+    frequency = frequency[kept]
+    shape = shape[kept]
     modal_mass = area_mass * sides.prod() / 4
     beyond = 1 / (8 * np.sqrt(bending * area_mass)) / (np.pi**2 * HIGHEST_MODE_HZ)
     hertz = 4 / 3 * given.contact_modulus * given.radius**0.5
-    step, speed = drop.impact_s(given) / 2000, drop.speed_m_s(given)
-    depth, velocity, force = 0.0, speed, 0.0
-    modes, rates = np.zeros_like(frequency), np.zeros_like(frequency)
+    step = drop.impact_s(given) / 2000
+    speed = drop.speed_m_s(given)
+    depth = 0.0
+    velocity = speed
+    force = 0.0
+    modes = np.zeros_like(frequency)
+    rates = np.zeros_like(frequency)
     while velocity > 0 or force > 0:
         approach = depth - shape @ modes
         for _ in range(4):  # Newton's method for the force that indents the modes beyond, too

@@ -57,7 +57,8 @@ def test_a_moving_contact_is_a_fixed_one_during_a_pulse() -> None:
     """Pulses at three points of a path at 0.3 m/s: each lasts 0.5 mm, so 2 % are left."""
     path = ("plate.contact_mm=[30, 40]", "plate.contact_path=to-and-fro")
     path += ("plate.contact_end_mm=[50, 60]",)
-    times, samples = (0.03, 0.11, 0.17), 12_000
+    times = (0.03, 0.11, 0.17)
+    samples = 12_000
     moving = heard(pulses(samples, *times), False, *path, "sound.listener_mm=[90, 20, 400]")[0]
     points = 1e3 * of_scene.contact_points(loads(VIBRATING, (*EDGES, *path)), np.array(times))
     fixed = np.zeros(samples)

@@ -15,12 +15,15 @@ from rolling.dynamics import drop, smooth_contact
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 
-LOAD, RADIUS = 20.0, 5e-3
+LOAD = 20.0
+RADIUS = 5e-3
 
 
 def hertz(radius: float, radius_across: float) -> tuple[float, float, float, float]:
     """Return semi-axes, approach and pressure by K and E (Johnson, eq. 4.28 to 4.32), on a rim."""
-    wanted, low, high = max(radius, radius_across) / min(radius, radius_across), 1e-6, 1 - 1e-12
+    wanted = max(radius, radius_across) / min(radius, radius_across)
+    low = 1e-6
+    high = 1 - 1e-12
     for _ in range(200):  # the ratio of the radii falls with the ratio of the semi-axes
         k = math.sqrt(low * high)
         e2 = 1 - k**2
@@ -74,7 +77,8 @@ def test_closed_form_is_that_of_complete_integrals(ratio: float) -> None:
 )
 def test_long_ellipse_is_a_cylinder() -> None:
     """The load per length w in the middle is pi a p0 / 2; the closed form is off by (a/b)^2."""
-    radius, across = RADIUS, 1e5 * RADIUS
+    radius = RADIUS
+    across = 1e5 * RADIUS
     equivalent, *shape = closed_forms.hertz_ellipse(radius, across)
     contact = closed_forms.hertz_radius(LOAD, equivalent, STEEL)
     pressure = 1.5 * LOAD / (math.pi * contact**2 * shape[0] * shape[1])
@@ -117,7 +121,8 @@ def test_dynamics_have_the_mass_of_the_radius_and_the_stiffness_of_both() -> Non
     """The stiffness 2 E* a of the equivalent sphere is dW / d(approach), here over 1e-4 of W."""
     scene = scene_of(radius_across_mm=5e3 * RADIUS)
     assert scene.mass == scene_of().mass
-    radius, step = smooth_contact.equivalent_radius(scene), 1e-4
+    radius = smooth_contact.equivalent_radius(scene)
+    step = 1e-4
     modulus = scene.contact_modulus
     rise = [closed_forms.hertz_approach(LOAD * (1 + x), radius, modulus) for x in (-step, step)]
     stiffness = 2 * modulus * closed_forms.hertz_radius(LOAD, radius, modulus)

@@ -16,7 +16,8 @@ from rolling.sound.error_estimate import (
     worst_uncertainty_db,
 )
 
-STEP, SPEED = 2e-6, 0.1  # steps of 2 um at 0.1 m/s: 50 kHz
+STEP = 2e-6  # at 0.1 m/s: 50 kHz
+SPEED = 0.1
 STEPS = 200
 FLAT = RecordLevels(np.ones(31), np.ones(31), own_factor=False)
 
@@ -146,14 +147,16 @@ def test_independent_noise_is_found_within_its_standard_error() -> None:
     """Twice the standard errors hold for 95 % of the bands."""
     noise = 10 ** (-12 / 20)
     added = 10 * np.log10(1 + noise**2)
-    outside, total = 0, 0
+    outside = 0
+    total = 0
     for seed in range(60):
         found = errors_of(stretches(noise=noise, seed=seed))
         judged = slice(band("2000"), band("20000"))
         # The mean square falls fourfold, the signal's order 1 extrapolates as if it fell twofold.
         expected = 2 * (added - 10 * np.log10(1 + noise**2 / 4))
         off = np.abs(found.grid_db[judged] - expected) > 2 * found.grid_uncertainty_db[:-1][judged]
-        outside, total = outside + int(off.sum()), total + off.size
+        outside = outside + int(off.sum())
+        total = total + off.size
         assert found.grid_signal_db == pytest.approx(-12, abs=1.0)
     assert outside < 0.06 * total
 
@@ -256,7 +259,8 @@ def test_standard_errors_are_those_over_other_stretches() -> None:
 
 def test_standard_errors_of_four_stretches_hold_as_often_as_those_of_gaussian_errors() -> None:
     """Gaussian errors lie in 68 % within one and in 95 % within two standard errors."""
-    gain, noise = 0.5, 0.1
+    gain = 0.5
+    noise = 0.1
     offs = []
     for seed in range(100):
         found = errors_of(stretches(gain_db=gain, noise=noise, count=4, seed=seed))
@@ -329,7 +333,8 @@ def test_bands_of_a_stretch_without_enough_lines_join_the_next() -> None:
     assert BAND_NAMES[powers.groups[0][-1]] == "3150"
     assert np.isfinite(level_errors(powers, FLAT).grid_db).all()
     for group in powers.groups[1:]:
-        low, high = EDGES_HZ[group[0]], EDGES_HZ[group[-1] + 1]
+        low = EDGES_HZ[group[0]]
+        high = EDGES_HZ[group[-1] + 1]
         assert high - low >= 1000
 
 

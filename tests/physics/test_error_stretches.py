@@ -89,7 +89,8 @@ def test_stretches_cost_no_more_than_their_share_of_the_run(change: str, seconds
 def test_stretches_lie_all_along_the_track_without_overlap() -> None:
     for seconds, count in ((0.5, 4), (4, 8)):
         given = long_scene(f"rolling.duration_s={seconds}")
-        layout, solved = error_cost.layout(given), given.track.solved_steps
+        layout = error_cost.layout(given)
+        solved = given.track.solved_steps
         assert layout is not None and len(layout.firsts) == count
         assert np.diff(layout.firsts).min() >= layout.steps
         assert layout.firsts[-1] + layout.steps <= solved
@@ -140,7 +141,8 @@ def test_a_measured_error_of_the_grid_stands_for_a_rule() -> None:
     """Few nodes across the Hertz radius are doubtful; the estimate measures what they leave."""
     measured = scene_of("rolling.load_n=0.01", "rolling.duration_s=0.006")
     by_rule = measured.with_({"numerics.error_estimate": False})
-    of_rule, run = run_of(by_rule), run_of(measured)
+    of_rule = run_of(by_rule)
+    run = run_of(measured)
     assert "hertz_nodes" in doubt_lines(of_rule) and "hertz_nodes" not in doubt_lines(run)
     assert run.summary["laeq_grid_error_db"] is not None
 
@@ -206,7 +208,9 @@ def test_four_stretches_have_the_detail_of_an_exponential_law() -> None:
     """Without the detail below 2 um an exponential surface is too loud at 16 kHz."""
     scene = scene_of("surface.autocorrelation=exponential", "surface.roughness_ra_um=0.03")
     run = run_of(scene)
-    result, numbers, layout = run.result, run.summary, error_cost.layout(scene)
+    result = run.result
+    numbers = run.summary
+    layout = error_cost.layout(scene)
     assert numbers["laeq_uncertainty_parts_db"]["subgrid"] > abs(numbers["laeq_subgrid_error_db"])
     assert "from missing detail below the spacing" in runs_table.error_line("run", numbers)
     assert result.stretches is not None and layout is not None
@@ -282,6 +286,7 @@ def test_a_faster_ball_hears_less_of_the_grid() -> None:
     result = march_all(scene)
     faster = scene.with_(speed_m_s=0.3, duration_s=0.008 / 3)
     assert contact_identity(faster) == result.identity
-    errors, of_faster = errors_of(scene, result), errors_of(faster, result)
+    errors = errors_of(scene, result)
+    of_faster = errors_of(faster, result)
     assert of_faster.grid_db[-1] != errors.grid_db[-1]
     assert of_faster.grid_signal_db < errors.grid_signal_db

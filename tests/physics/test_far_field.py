@@ -57,11 +57,13 @@ def table_matrix() -> np.ndarray:
     """Return the far-field coefficients between all pairs of coarse nodes."""
     rows, columns, tile = coarse_grid(*SHAPE)
     i, j = (k.ravel() * float(tile) for k in np.mgrid[:rows, :columns])
-    along, across = np.abs(np.subtract.outer(i, i)), np.abs(np.subtract.outer(j, j))
+    along = np.abs(np.subtract.outer(i, i))
+    across = np.abs(np.subtract.outer(j, j))
     near = half_space_of_stencil()
     out = np.empty(along.shape)
     for k in np.ndindex(*out.shape):
-        x, y = along[k], across[k]
+        x = along[k]
+        y = across[k]
         forgotten = max(x, y) >= FORGOTTEN
         out[k] = love(np.array([x]), np.array([y]))[0, 0] - (
             0 if forgotten else near[int(x), int(y)]
@@ -88,7 +90,8 @@ def test_stencil_inverts_the_near_half_space() -> None:
 
 def test_restriction_and_interpolation_are_adjoint() -> None:
     """Both have the bilinear weights; the border takes no part."""
-    rng, far = np.random.default_rng(3), far_grid()
+    rng = np.random.default_rng(3)
+    far = far_grid()
     values = rng.normal(size=SHAPE).astype(np.float32)
     kernels.restrict(values, far.tile, far.row_length, far.loads)
     inner = np.zeros(SHAPE)
@@ -107,7 +110,8 @@ def test_far_field_is_that_of_love() -> None:
     """Loads on nodes a few tiles away deflect a node as Love says, to 3 %."""
     far = far_grid()
     values = np.zeros(SHAPE, np.float32)
-    values[8, 9], values[11, 28] = 1.0, 0.5
+    values[8, 9] = 1.0
+    values[11, 28] = 0.5
     kernels.restrict(values, far.tile, far.row_length, far.loads)
     kernels.field_of(far.loads, far.table, far.field)
     expected = table_matrix() @ coarse(far, far.loads).ravel()
@@ -124,18 +128,21 @@ def test_far_field_is_that_of_love() -> None:
 @pytest.mark.parametrize("free", [0.15, 1.0])
 def test_answer_solves_the_coarse_system(free: float) -> None:
     """The answers of free nodes close the field of all loads but for a common approach."""
-    rng, far = np.random.default_rng(4), far_grid()
+    rng = np.random.default_rng(4)
+    far = far_grid()
     marked = np.zeros(SHAPE, np.float32)
     marked[INNER] = rng.random(marked[INNER].shape) < free
     changes = np.where(marked > 0, rng.normal(size=SHAPE), 0.0).astype(np.float32)
     kernels.restrict(marked, far.tile, far.row_length, far.stiffness)
     kernels.restrict(changes, far.tile, far.row_length, far.loads)
-    loads, count = coarse(far, far.loads).ravel(), coarse(far, far.stiffness).ravel()
+    loads = coarse(far, far.loads).ravel()
+    count = coarse(far, far.stiffness).ravel()
     kernels.answer(far)
     stiffness = count / (far.own + count / far.tile**2 * (far.common - far.own))
     np.testing.assert_allclose(coarse(far, far.stiffness).ravel(), stiffness, rtol=1e-5)
     # The same system, solved directly: answers x and the approach that keeps their sum.
-    bearing, d = stiffness > 0, table_matrix()
+    bearing = stiffness > 0
+    d = table_matrix()
     n = int(bearing.sum())
     system = np.ones((n + 1, n + 1))
     system[:n, :n] = d[np.ix_(bearing, bearing)] + np.diag(1 / stiffness[bearing])
@@ -149,7 +156,8 @@ def test_answer_solves_the_coarse_system(free: float) -> None:
 
 def test_known_loads_have_no_field() -> None:
     """A far field that the gaps have already is not added again."""
-    rng, far = np.random.default_rng(5), far_grid()
+    rng = np.random.default_rng(5)
+    far = far_grid()
     values = rng.normal(size=SHAPE).astype(np.float32)
     for grid in (far.loads, far.known, far.stiffness):
         kernels.restrict(np.abs(values), far.tile, far.row_length, grid)

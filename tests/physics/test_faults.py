@@ -10,7 +10,8 @@ import pytest
 from rolling.scene.laws import SurfaceFault
 from rolling.surface.heights import add_faults
 
-NODES, SPACING = (400, 101), 1e-6
+NODES = (400, 101)
+SPACING = 1e-6
 MIDDLE = 50  # column of the line of the sphere
 NOTHING = 1e-9  # share of the depth
 

@@ -128,7 +128,8 @@ def test_hertz_law_keeps_its_heights() -> None:
     assert law.approach(2.0, 20.0) == pytest.approx(hertz_approach(20.0, 5e-3, STEEL) - 2e-8)
 
 
-STEPS, TIME_STEP = 16, 1.5e-6
+STEPS = 16
+TIME_STEP = 1.5e-6
 MASS = sphere_mass(5e-3, 7850)
 MOBILITY = ThinPlate(78.5, 206e9 * 1e-6 / 12 / (1 - 0.3**2)).mobility_s_kg
 
@@ -143,7 +144,9 @@ def solved_inside(contact: RollingContact, start: float) -> np.ndarray:
 
     Step i is at position 2 i + 1. The force is sought with a fixed stiffness.
     """
-    approach, velocity, force = start, 0.0, contact.load
+    approach = start
+    velocity = 0.0
+    force = contact.load
     give = TIME_STEP**2 / (2 * MASS) + TIME_STEP * MOBILITY
     forces = []
     for i in range(STEPS):
@@ -187,7 +190,8 @@ def test_law_goes_on_as_hertz(known: bool) -> None:
     """Without that slope it keeps its own; with it, the last 0.35 of its way are straight."""
     hertz = hertz_approach(1.0, 5e-3, STEEL)
     law = replace(uneven_law(3), smooth_slope=hertz if known else None)
-    top, x = float(law.load_n[-1]), law.position_m
+    top = float(law.load_n[-1])
+    x = law.position_m
 
     def slope(force: float) -> np.ndarray:
         rise = law.approach(x, force * (1 + 1e-4)) - law.approach(x, force)

@@ -30,7 +30,8 @@ def test_love_coefficients_agree_with_the_influence_matrix() -> None:
 
     Corner terms of size r cancel to 1 / r, and plain logarithms to less: measured 4e-12.
     """
-    rows, columns = 21, 14
+    rows = 21
+    columns = 14
     dense = influence_matrix(nodes(rows, columns), SPACING, STEEL)[0].reshape(rows, columns)
     closed = love(np.arange(rows), np.arange(columns)) * SPACING / (np.pi * STEEL)
     assert np.abs(closed / dense - 1).max() < 2e-11
@@ -96,7 +97,8 @@ def test_deflection_is_linear_and_symmetric() -> None:
     rng = np.random.default_rng(5)
     p1, p2 = rng.random((2, 27, 14)) * 1e9
     space = HalfSpace(SPACING, STEEL)
-    u1, u2 = space.deflection(p1), space.deflection(p2)
+    u1 = space.deflection(p1)
+    u2 = space.deflection(p2)
     assert np.abs(space.deflection(p1 + 3 * p2) - u1 - 3 * u2).max() < 3e-15 * u2.max() * 4
     assert np.vdot(p1, u2) == pytest.approx(np.vdot(p2, u1), rel=3e-15)
 
@@ -104,7 +106,8 @@ def test_deflection_is_linear_and_symmetric() -> None:
 @pytest.mark.parametrize("reach", [1, 8, 9, 127, 1000, 8192])
 def test_padding_keeps_nodes_apart_at_little_waste(reach: int) -> None:
     """A length is at most a third longer than needed across the track, and twice along it."""
-    along, across = padded_length(reach), padded_length(reach, across=True)
+    along = padded_length(reach)
+    across = padded_length(reach, across=True)
     assert 2 * reach <= across <= max(16, 1.34 * 2 * reach)
     assert 2 * reach <= along <= max(16, 2.0 * 2 * reach)
 
@@ -137,7 +140,8 @@ def test_pressures_that_cancel_deflect_the_plate(subcells: int) -> None:
     """A difference of pressures may be negative, and its sum over a cell or a row zero."""
     space = half_space_of(SPACING, STEEL, subcells)
     difference = np.zeros((40, 44))
-    difference[2, 2:4], difference[30, 36:40] = (1e9, -1e9), (1e9, -1e9, -1e9, 1e9)
+    difference[2, 2:4] = (1e9, -1e9)
+    difference[30, 36:40] = (1e9, -1e9, -1e9, 1e9)
     parts = [np.where(difference > 0, difference, 0.0), np.where(difference < 0, difference, 0.0)]
     expected = space.deflection(parts[0]) + space.deflection(parts[1])
     assert np.abs(space.deflection(difference) - expected).max() < 1e-14 * np.abs(expected).max()
@@ -148,7 +152,8 @@ def test_single_precision_is_told_from_double_by_1e_7() -> None:
     space = HalfSpace(SPACING, STEEL)
     pressure = rng.random((40, 30)) * 1e9
     single = space.convolution(39, 29, single=True)
-    every, got = np.empty(0, np.int64), np.empty_like(pressure)
+    every = np.empty(0, np.int64)
+    got = np.empty_like(pressure)
     _transform_kernels.load(pressure, single.real)
     _transform_kernels.apply_of(1, True)(single.entry, 40, 30, every)
     _transform_kernels.read(single.real, space.unit, got)
@@ -180,7 +185,8 @@ def test_kept_spectra_stay_within_their_memory(monkeypatch: pytest.MonkeyPatch) 
     first = half_space.half_spectrum(40, 48, 1, love)
     assert half_space.half_spectrum(40, 48, 1, love) is first
     made = [weakref.ref(half_space.half_spectrum(n, n, 1, love)) for n in range(64, 240, 8)]
-    kept = [spectrum for reference in made if (spectrum := reference()) is not None]
+    spectra = [reference() for reference in made]
+    kept = [spectrum for spectrum in spectra if spectrum is not None]
     assert len(kept) > 1 and sum(spectrum.nbytes for spectrum in kept) <= 2**18
     assert half_space.half_spectrum(232, 232, 1, love) is kept[-1]
     half_space.half_spectrum(400, 400, 1, love)  # more than the limit, and displaces none

@@ -10,7 +10,8 @@ from rolling.contact import closed_forms
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.solver import ContactError, solve_contact
 
-LOAD, RADIUS = 20.0, 5e-3
+LOAD = 20.0
+RADIUS = 5e-3
 A = closed_forms.hertz_radius(LOAD, RADIUS, STEEL)  # 69 um
 SPACINGS = (8e-6, 4e-6, 2e-6, 1e-6)
 
@@ -81,7 +82,8 @@ def test_pressure_profile_is_the_hertz_ellipse(series: list) -> None:
 
     No grid resolves the square root at the edge.
     """
-    state, spacing = series[-1], SPACINGS[-1]
+    state = series[-1]
+    spacing = SPACINGS[-1]
     middle = state.loaded.column + (state.loaded.columns - 1) / 2
     assert 0 <= middle - (round(240e-6 / spacing) - 1) / 2 <= 0.5
     x = (state.window.row + np.arange(state.window.rows)) * spacing

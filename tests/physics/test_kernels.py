@@ -62,7 +62,8 @@ def test_events_of_a_small_contact_add_up(kind: str) -> None:
 def test_a_small_contact_does_not_depend_on_where_it_came_from() -> None:
     """The last of three positions, marched and solved alone, agrees with a tighter solve."""
     track = small("capped")
-    marched, alone = roll(track, 0, 2)[-1], roll(track, 2, 2)[0]
+    marched = roll(track, 0, 2)[-1]
+    alone = roll(track, 2, 2)[0]
     tight = replace(track, tolerance=1e-9)
     finer = roll(tight, 2, 2)[0]
     for state in (marched, alone):

@@ -11,7 +11,8 @@ from helpers import assert_solved, make_track, measures, roll, rough
 from rolling.contact.state import NEAR_CELLS, SURE
 from rolling.contact.subcells import half_space_of
 
-SPACING, MODULUS = 1e-6, 1e11
+SPACING = 1e-6
+MODULUS = 1e11
 
 
 @pytest.mark.parametrize("subcells", [1, 2, 4])
@@ -22,7 +23,8 @@ def test_no_deflection_is_below_that_at_the_root_mean_square_distance(
     """Single nodes, and loads far apart, in the middle or beside the centre of the sphere."""
     rng = np.random.default_rng(seed)
     side = 24 * subcells
-    pressure, few = np.zeros((side, side)), int(10 ** rng.uniform(0, 2.5))
+    pressure = np.zeros((side, side))
+    few = int(10 ** rng.uniform(0, 2.5))
     low, high = np.sort(rng.integers(0, side, 2))
     pressure[tuple(rng.integers(low, high + 1, (2, few)))] = 1e9 * rng.random(few)
     mean = np.average(np.argwhere(pressure), axis=0, weights=pressure[pressure > 0])
@@ -51,10 +53,12 @@ def test_windows_are_smaller_than_the_overlap_and_hold_all_contact(
     track = make_track(rough(256, 256, 1e-7), load=load, hardness=hardness, tolerance=1e-4)
     step = track.spacing * subcells
     track = replace(track, blended=np.isfinite(hardness), subcells=subcells, step=step)
-    states, shares = roll(track, 0, 12)[2:], []
+    states = roll(track, 0, 12)[2:]
+    shares = []
     for state in states:
         assert_solved(track, state)
-        overlap, window = track.overlap(state.position, state.approach), state.window
+        overlap = track.overlap(state.position, state.approach)
+        window = state.window
         shares.append(window.rows * window.columns / (overlap.rows * overlap.columns))
     assert np.mean(shares) < share
     assert np.mean([state.convolutions for state in states]) < convolutions

@@ -63,7 +63,8 @@ def test_levels_spread_over_seeds_as_a_run_states() -> None:
 def test_a_track_gone_round_twice_is_known_no_better() -> None:
     lap = noise(3, 12500)
     short = scene_file.loads(PLAIN.replace("0.01", "0.25"))
-    once, twice = sound_of(lap, scene=short), sound_of(np.tile(lap, 2), lap_steps=12500)
+    once = sound_of(lap, scene=short)
+    twice = sound_of(np.tile(lap, 2), lap_steps=12500)
     assert twice.steady_uncertainty == pytest.approx(once.steady_uncertainty, rel=1e-9)
     assert twice.uncertainty.laeq_db == pytest.approx(once.uncertainty.laeq_db, rel=1e-6)
     assert twice.uncertainty.third_octave_db["100"] == pytest.approx(

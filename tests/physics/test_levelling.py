@@ -20,12 +20,14 @@ def made(shape: tuple[int, int], lengths: tuple[float, float], law: str, seed: i
 
 def dents(shape: tuple[int, int], across: bool, rng: np.random.Generator) -> np.ndarray:
     """Return up to a dozen pits, or grooves across the track, wrapped around."""
-    rows, columns = np.arange(shape[0])[:, None], np.arange(shape[1])[None, :]
+    rows = np.arange(shape[0])[:, None]
+    columns = np.arange(shape[1])[None, :]
     heights = np.zeros(shape)
     for _ in range(rng.integers(1, 13)):
         along = np.abs(rows - rng.integers(shape[0]))
         aside = np.abs(columns - rng.integers(shape[1]))
-        along, aside = np.minimum(along, shape[0] - along), np.minimum(aside, shape[1] - aside)
+        along = np.minimum(along, shape[0] - along)
+        aside = np.minimum(aside, shape[1] - aside)
         width = rng.uniform(1, max(2, min(shape) / 6))
         heights -= rng.exponential(1e-6) * np.exp(
             -(along**2 + (0 if across else 1) * aside**2) / width**2

@@ -70,7 +70,8 @@ def test_a_changing_speed_ends_at_its_last_speed_and_at_rest(run: Run) -> None:
     scene = with_speed(run.scene, (0.4, 0.0), 0.2)
     force = forces(run, scene, 0.3)
     assert float(scene.motion.distance(0.3)) == pytest.approx(0.04)
-    late, early = force[-len(force) // 6 :], force[: len(force) // 6]
+    late = force[-len(force) // 6 :]
+    early = force[: len(force) // 6]
     assert np.std(late) < 1e-3 * np.std(early)  # it rests and rings out
 
 

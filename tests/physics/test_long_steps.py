@@ -25,7 +25,8 @@ surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, \
 spacing_um: 2, width_um: 128, seed: 3}
 rolling: {load_n: 0.5, speed_m_s: 1, duration_s: 0.002}
 """  # 20.1 um of Hertz radius: four of them are 80.4 um, 40.2 nodes
-LOAD, RADIUS = 20.0, 5e-3
+LOAD = 20.0
+RADIUS = 5e-3
 A = closed_forms.hertz_radius(LOAD, RADIUS, STEEL)
 NODES = 8  # per radius, twice as many for the smooth sphere
 

@@ -71,7 +71,8 @@ def test_skewness_and_kurtosis_keep_the_waves_of_the_gaussian_surface(law, pair:
     np.testing.assert_array_equal(heights, made.of_law(SHAPE, SPACING, law, 4))
     described = made.described("it", heights, SPACING, law)["it"]
     assert (described["skewness"], described["kurtosis"]) == pytest.approx(moments(heights))
-    errors, chances = described["spectrum_error_db"], described["spectrum_chance_db"]
+    errors = described["spectrum_error_db"]
+    chances = described["spectrum_chance_db"]
     assert all(abs(errors[octave]) < 4 * chances[octave] + 0.01 for octave in errors)
 
 
@@ -119,12 +120,15 @@ def test_self_affine_sizes_are_integrals_of_the_spectrum(hurst: float) -> None:
 @pytest.mark.law("Surface: a self-affine surface has the spectrum of its law, and ends with it.")
 def test_self_affine_spectrum_follows_its_law() -> None:
     """Rings of the mean of 12 surfaces are within 4 standard errors of 1/sqrt(waves)."""
-    law, count = affine(hurst=0.6, rolloff_um=16), 12
+    law = affine(hurst=0.6, rolloff_um=16)
+    count = 12
     qx, qy = wave_numbers(SHAPE)
-    q, total = np.hypot(qx, qy), np.zeros(SHAPE)
+    q = np.hypot(qx, qy)
+    total = np.zeros(SHAPE)
     for seed in range(count):
         total += np.abs(np.fft.fft2(made.of_law(SHAPE, SPACING, law, seed))) ** 2 / count
-    first, last = 2e6 * np.pi / 16, 2e6 * np.pi / 4
+    first = 2e6 * np.pi / 16
+    last = 2e6 * np.pi / 4
     assert total[q > last * 1.001].max() < 1e-20 * total.max()
     wanted = np.where((q > 0) & (q < last * 1.001), np.maximum(q / first, 1) ** -3.2, 0.0)
     wanted *= law.rq_m**2 * total.size**2 / wanted.sum()
@@ -164,7 +168,8 @@ def test_lay_turns_the_ellipse_of_the_autocorrelation(lay: float) -> None:
 
     Over 10 surfaces of 200 patches each the angle is certain within 1 degree, 3 are allowed.
     """
-    law, tensor = roughness(correlation_length_across_um=16, lay_deg=lay), np.zeros((2, 2))
+    law = roughness(correlation_length_across_um=16, lay_deg=lay)
+    tensor = np.zeros((2, 2))
     qx, qy = wave_numbers(SHAPE)
     for seed in range(10):
         z = made.of_law(SHAPE, SPACING, law, seed)
@@ -198,9 +203,12 @@ def test_a_turned_lay_on_a_narrow_period_has_the_spectrum_of_its_law(name: str, 
     The nearest lag alone left steps: Sdq was 1.68 times that of the Gaussian law on 64 nodes.
     """
     lengths = {"correlation_length_um": 100, "correlation_length_across_um": 10, "lay_deg": 37}
-    law, shape, spacing = roughness(autocorrelation=name, **lengths), (512, nodes), 2e-6
+    law = roughness(autocorrelation=name, **lengths)
+    shape = (512, nodes)
+    spacing = 2e-6
     density = surface.spectral_density(shape, spacing, law)
-    along, across = np.fft.fftfreq(shape[0], spacing), np.fft.rfftfreq(nodes, spacing)
+    along = np.fft.fftfreq(shape[0], spacing)
+    across = np.fft.rfftfreq(nodes, spacing)
     waves = 2 * np.pi * along[:, None], 2 * np.pi * across
     kept = np.hypot(*waves) < 2 * np.pi / 32e-6
     both = density, made.plane_density(law, *waves)
@@ -228,7 +236,8 @@ def test_force_estimate_of_a_turned_lay_is_between_those_along_and_across() -> N
             scene("surface.correlation_length_across_um=4", *masses, *keys)
         )
 
-    along, across = force(), force("surface.lay_deg=90")
+    along = force()
+    across = force("surface.lay_deg=90")
     swapped = force("surface.correlation_length_across_um=20", "surface.correlation_length_um=4")
     if scene().surface.correlation_length_um == 20:
         assert across == swapped

@@ -48,7 +48,8 @@ DUST[np.random.default_rng(1).random(DUST.shape) < 1e-3] += 30
 CONE = np.maximum.reduce(
     [np.maximum(0, 1 - np.hypot(X - i, Y - j) / 9) for i, j in ((20, 30), (90, 64), (64, 110))]
 )
-FINE, COARSE = rough(0.5), rough(8.0)
+FINE = rough(0.5)
+COARSE = rough(8.0)
 HONEST: dict[str, Array] = {
     "rough": COARSE,
     "white": FINE,

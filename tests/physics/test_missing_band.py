@@ -12,7 +12,9 @@ from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import contact_sound
 from rolling.sound.missing_band import missing_band
 
-STEP, STEPS, LONGER = 1e-6, 8192, 4
+STEP = 1e-6
+STEPS = 8192
+LONGER = 4
 FOLDED_DB = 0.35  # what waves that long steps fold back add to the last octave
 
 
@@ -65,7 +67,8 @@ def test_steps_that_resolve_hearing_miss_nothing() -> None:
 
 
 def test_a_track_of_few_steps_cannot_tell() -> None:
-    scene, few = heard(0.02), release(-3.0)[:40]
+    scene = heard(0.02)
+    few = release(-3.0)[:40]
     sound = contact_sound(scene, few, LONGER * STEP, closed=True)
     assert missing_band(scene, sound, few, LONGER * STEP) is None
 

@@ -26,7 +26,8 @@ def kernel() -> np.ndarray:
 
 def pressures_of(moves: np.ndarray) -> np.ndarray:
     """Return the changes of pressure by changes of gap, on the nodes that move."""
-    padded, stencil = np.pad(moves, 2), kernel()
+    padded = np.pad(moves, 2)
+    stencil = kernel()
     n, m = moves.shape
     return sum(stencil[a, b] * padded[a : a + n, b : b + m] for a in range(5) for b in range(5))
 
@@ -92,13 +93,16 @@ def test_stencil_lets_sweeps_converge() -> None:
 @pytest.mark.parametrize("offset", [(0, 0), (2, -3), (-4, 5), (9, 1), (30, 0), (0, -30)])
 def test_changes_are_those_since_the_previous_position(offset: tuple[int, int]) -> None:
     """Off the previous window pressures began at 0, and deflections count as unchanged."""
-    rng, state = np.random.default_rng(4), model(5)
+    rng = np.random.default_rng(4)
+    state = model(5)
     p, u = rng.random((2, 13, 11))
     p_before, u_before = rng.random((2, 9, 10))
     row, column, rows, columns = block = (3, 2, SIDE - 6, SIDE - 6)
-    inner, nodes = slice(3, -3), np.s_[row : row + rows, column : column + columns]
+    inner = slice(3, -3)
+    nodes = np.s_[row : row + rows, column : column + columns]
     at = np.arange(SIDE * SIDE, dtype=np.uint32).reshape(SIDE, SIDE)[inner, inner].ravel()
-    held, gaps = p[nodes].ravel(), state.gap[inner, inner].astype(float)
+    held = p[nodes].ravel()
+    gaps = state.gap[inner, inner].astype(float)
     free = Nodes(held, np.zeros_like(held), np.empty(0), np.empty(0))
     scratch = np.empty_like(held), np.empty_like(held)
     approach = _model_kernels.extrapolate_model(
@@ -117,7 +121,8 @@ def test_changes_are_those_since_the_previous_position(offset: tuple[int, int]) 
     opened = np.where(known > 0, 2.0 * (u - known), 0.0)[nodes]
     np.testing.assert_allclose(state.change[inner, inner], change, atol=1e-6)
     np.testing.assert_allclose(state.gap[inner, inner], gaps + opened, atol=1e-6)
-    following, heights = held + change.ravel(), (gaps + opened).ravel() / 2.0
+    following = held + change.ravel()
+    heights = (gaps + opened).ravel() / 2.0
     assert approach == pytest.approx(0.5 + heights[following > 0].mean(), abs=1e-6)
 
 
@@ -131,11 +136,13 @@ def test_sweep_is_that_of_plain_arrays(compliant: bool, side: int) -> None:
     state = model(1, compliant, side)
     assert (state.gap.size > _model_kernels.CHUNK) == (side > SIDE)
     change, gap = (x[INNER, INNER].astype(float) for x in (state.change, state.gap))
-    low, high = state.low[INNER, INNER], state.high[INNER, INNER]
+    low = state.low[INNER, INNER]
+    high = state.high[INNER, INNER]
     share = state.softening[INNER, INNER] if compliant else 1.0
     for _ in range(3):
         moves = np.clip((change - gap) * share, low, high) - change
-        gap, change = gap + moves, change + pressures_of(moves)
+        gap = gap + moves
+        change = change + pressures_of(moves)
     _model_kernels.settle_model(state, 3)
     np.testing.assert_allclose(state.change[INNER, INNER], change, rtol=0, atol=1e-5)
     np.testing.assert_allclose(state.gap[INNER, INNER], gap, rtol=0, atol=1e-5)
@@ -148,11 +155,13 @@ def test_sweep_is_that_of_plain_arrays(compliant: bool, side: int) -> None:
 def test_sweeps_over_strips_leave_all_other_nodes_at_rest(compliant: bool) -> None:
     """Nodes of strips move as in plain arrays, by columns of the stencil within their strip."""
     state = model(3, compliant)
-    first, last = 2 * SIDE, (SIDE - 2) * SIDE
+    first = 2 * SIDE
+    last = (SIDE - 2) * SIDE
     strips = np.array([[first + 5, first + 69], [last - 37, last]])
     state = state._replace(strips=strips.astype(np.uint64))
     change, gap = (x.astype(float).ravel() for x in (state.change, state.gap))
-    low, high = state.low.ravel(), state.high.ravel()
+    low = state.low.ravel()
+    high = state.high.ravel()
     share = state.softening.ravel() if compliant else 1.0
     inside = np.zeros(SIDE**2, bool)
     for a, b in strips:
@@ -171,9 +180,11 @@ def test_sweeps_over_strips_leave_all_other_nodes_at_rest(compliant: bool) -> No
                 sums[c, 2:-2] += stencil[r, c] * padded[at : at + b - a]
             change[a:b] += sum(sums[c, c : c + b - a] for c in range(5))
         gap += moves
-        change[~inner], gap[~inner & inside] = 0.0, 0.0
+        change[~inner] = 0.0
+        gap[~inner & inside] = 0.0
     _model_kernels.settle_model(state, 3)
-    got_change, got_gap = state.change.ravel(), state.gap.ravel()
+    got_change = state.change.ravel()
+    got_gap = state.gap.ravel()
     np.testing.assert_allclose(got_change[inner], change[inner], rtol=0, atol=1e-5)
     np.testing.assert_allclose(got_gap[inner], gap[inner], rtol=0, atol=1e-5)
     assert not got_change[~inside].any()
@@ -192,7 +203,8 @@ def test_sweeps_lower_the_energy_and_settle(seed: int) -> None:
     assert (falls > -1e-5).all()
     assert falls[0] > 0.1
     _model_kernels.settle_model(state, 60)
-    change, gap = state.change[INNER, INNER], state.gap[INNER, INNER]
+    change = state.change[INNER, INNER]
+    gap = state.gap[INNER, INNER]
     settled = np.clip(change - gap, state.low[INNER, INNER], state.high[INNER, INNER])
     np.testing.assert_allclose(change, settled, rtol=0, atol=1e-4)
     np.testing.assert_allclose(change, pressures_of(gap - start), rtol=0, atol=1e-5)
@@ -201,12 +213,17 @@ def test_sweeps_lower_the_energy_and_settle(seed: int) -> None:
 def test_projection_is_the_nearest_feasible_pressure() -> None:
     """It is the trial plus one shift within the bounds, carries the load, and spares the rest."""
     rng = np.random.default_rng(5)
-    n, free, bound = 60, 40, 5
+    n = 60
+    free = 40
+    bound = 5
     p = rng.uniform(0, 1, n)
-    limits, order = Limits(1.0, float(p.sum())), rng.permutation(n).astype(np.uint32)
-    trial, direction = rng.normal(0.4, 1, n), np.empty(n)
+    limits = Limits(1.0, float(p.sum()))
+    order = rng.permutation(n).astype(np.uint32)
+    trial = rng.normal(0.4, 1, n)
+    direction = np.empty(n)
     trial[order[free : free + bound]] = 1.0
-    asked, moving = trial.copy(), order[:free]
+    asked = trial.copy()
+    moving = order[:free]
     sets = Sets(order, free, bound)
     slope, longest = _condition_kernels.project(
         p, rng.normal(size=n), 0.1, trial, sets, limits, direction

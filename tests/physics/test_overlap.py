@@ -10,7 +10,8 @@ from rolling.contact.state import maxima_of
 
 pytestmark = pytest.mark.kernel
 
-SPACING, RADIUS = 2e-6, 1e-3
+SPACING = 2e-6
+RADIUS = 1e-3
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -19,7 +20,8 @@ def test_the_overlap_is_that_of_a_plain_search(seed: int) -> None:
     rng = np.random.default_rng(seed)
     along, across = rng.integers(12, 60, 2)
     heights = rng.normal(size=(along, across)) * 10 ** rng.uniform(-8, -6)
-    x, y = rng.uniform(-1, 2) * along * SPACING, rng.uniform(0, 1) * across * SPACING
+    x = rng.uniform(-1, 2) * along * SPACING
+    y = rng.uniform(0, 1) * across * SPACING
     approach = rng.uniform(-0.5, 1) * heights.max()
     radius_across = RADIUS * (10 ** rng.uniform(-2, 2) if seed % 2 else 1.0)
     # All nodes that the search may reach: a period to each side.
@@ -52,10 +54,12 @@ def test_the_overlap_is_that_of_a_plain_search(seed: int) -> None:
 @pytest.mark.parametrize("offset", [(0, 0), (3, -4), (-6, 2), (40, 0), (0, 40), (-40, -40)])
 def test_blocks_are_copied_where_both_exist(offset: tuple[int, int], continued: bool) -> None:
     """Nodes that a window lacks are 0 or their nearest node; a window far away shares none."""
-    source, target = np.random.default_rng(1).random((9, 11)), np.full((12, 8), np.nan)
+    source = np.random.default_rng(1).random((9, 11))
+    target = np.full((12, 8), np.nan)
     _window_kernels.copy_block(source, target, *offset, continued)
     for i, j in np.ndindex(*target.shape):
-        a, b = i - offset[0], j - offset[1]
+        a = i - offset[0]
+        b = j - offset[1]
         nearest = np.clip(a, 0, 8), np.clip(b, 0, 10)
         held = continued or (a, b) == nearest
         assert target[i, j] == (source[nearest] if held else 0.0)
@@ -65,7 +69,9 @@ def test_blocks_are_copied_where_both_exist(offset: tuple[int, int], continued: 
 def test_deflections_change_once_more_where_both_are_known(offset: tuple[int, int]) -> None:
     """Deflections off the window before are unknown and stay."""
     rng = np.random.default_rng(2)
-    u, before, out = rng.random((12, 8)), rng.random((9, 11)), np.empty((12, 8))
+    u = rng.random((12, 8))
+    before = rng.random((9, 11))
+    out = np.empty((12, 8))
     _window_kernels.extrapolate_deflection(u, before, *offset, out)
     shared = np.zeros((12, 8))
     _window_kernels.copy_block(before, shared, *offset, False)

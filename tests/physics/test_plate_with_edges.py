@@ -37,7 +37,8 @@ SOFT = 1e-20  # stiffness of a contact whose steps are in tune with nothing
 def rectangle(
     thickness_mm: float, sides: tuple[float, float] = SIDES, loss_factor: float = 0.01
 ) -> RectangularPlate:
-    bending, (length, width) = vars(sheet(thickness_mm)), sides
+    bending = vars(sheet(thickness_mm))
+    (length, width) = sides
     own = bending | {"loss_factor": loss_factor, "length_m": length, "width_m": width}
     return RectangularPlate(**own)
 
@@ -68,12 +69,16 @@ def within_hearing(motion: BodyMotion) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("damping", [0.005, 0.7, 1.0, 1.5])
 def test_single_mode(damping: float) -> None:
     """Displacement and velocity agree with the matrix exponential, critical damping too."""
-    w, mass, step, force = 2e4, 0.3, 3e-5, 2.0
+    w = 2e4
+    mass = 0.3
+    step = 3e-5
+    force = 2.0
     one = np.ones(1)
     reach = one / (w * np.sqrt(mass))
     modes = Modes(w * one, damping * one, reach, one, np.zeros(0, np.int64), np.ones(2), POINT)
     stepped = Chain(1.0, 0.0, SOFT, modes).steps(step)
-    elastic, kinetic = np.array([0.02]), np.array([-0.01])
+    elastic = np.array([0.02])
+    kinetic = np.array([-0.01])
     start = np.array([elastic[0] * reach[0], kinetic[0] / np.sqrt(mass), 1.0])
     rate = [[0, 1, 0], [-(w**2), -2 * damping * w, force / mass], [0, 0, 0]]
     kernels.move_modes(force, stepped.reach, stepped, elastic, kinetic)
@@ -189,7 +194,8 @@ def test_power_in_is_power_lost(contact: float) -> None:
     slope = track_work(law, motion.position_m, motion.approach_m)
     frequency, lines = within_hearing(motion)
     mobilities = own.mobilities(frequency)
-    ball, sheet = mobilities["ball"], mobilities["plate"]
+    ball = mobilities["ball"]
+    sheet = mobilities["plate"]
     damper = own.stiffness_n_m * own.contact_time_s * np.square(np.abs(ball + sheet))
     loss = np.sum(np.square(np.abs(lines)) / 2 * (sheet.real + damper))
     assert 0.5 * slope.mean() == pytest.approx(loss, rel=0.01)
@@ -228,7 +234,8 @@ def test_stretches_continue() -> None:
     """A state that is carried on gives the motion without a break, bit by bit."""
     law = track_law(waves(64, 1, 1e-8))
     own = bodies(law, 10)
-    stepped, table = own.steps(1.5e-6), law.table
+    stepped = own.steps(1.5e-6)
+    table = law.table
     state = at_rest(stepped, POINT, float(law.approach(0.0, LOAD)), 0.0, 0.0)
     places = 1.5e-6 * (np.arange(300) + 0.5)
     whole = advance(table, stepped, LOAD, state, places, POINT)

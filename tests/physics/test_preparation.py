@@ -33,7 +33,8 @@ def test_transmission_of_the_gaussian_filter(axis: int, wraps: bool, ratio: floa
 
     Sums over whole waves far from the edges are exact to the reach of the weights, 3e-6.
     """
-    n, wave = 512, 32
+    n = 512
+    wave = 32
     line = np.cos(2 * np.pi * np.arange(n) / wave)
     z = np.moveaxis(np.tile(line, (40, 1)), 1, axis)
     passed = preparation.smoothed(z, (UM, UM), wave / ratio * UM, wraps)
@@ -48,7 +49,8 @@ def test_the_filter_ends_at_the_edges() -> None:
     A step at one edge changes the other by 0.3 if the filter wraps. The plane of the step rises by
     1.4e-3 a node, and is off by three nodes at most.
     """
-    x, y = np.arange(90.0)[:, None], np.arange(70.0)
+    x = np.arange(90.0)[:, None]
+    y = np.arange(70.0)
     plane = 3 * x - 2 * y + 5
     out = preparation.smoothed(plane, (UM, 2 * UM), 20 * UM, wraps=False)
     np.testing.assert_allclose(out, plane, atol=1e-10)
@@ -61,7 +63,8 @@ def test_the_filter_ends_at_the_edges() -> None:
 @pytest.mark.law("Preparation: filled points fulfil the equation of Laplace.")
 def test_gaps_are_filled_harmonically() -> None:
     """x^2 - y^2 + x y is harmonic on the grid too, so that its gaps are filled exactly."""
-    x, y = np.arange(40.0)[:, None], np.arange(33.0)
+    x = np.arange(40.0)[:, None]
+    y = np.arange(33.0)
     exact = x**2 - y**2 + 0.3 * x * y - 7 * x
     gappy = exact.copy()
     gappy[5:20, 7:22] = gappy[30, 3] = np.nan
@@ -144,7 +147,8 @@ def test_a_blend_keeps_the_roughness_and_leaves_no_seam() -> None:
 
     A zone holds some 20 independent patches, so a crop leaves 16 % and 24 of them 3 %.
     """
-    ratios, seams = [], 0
+    ratios = []
+    seams = 0
     for seed in range(24):
         z = rough(200, 120, seed=seed)
         out, text = preparation.blended(z, (40, 24), UM)
@@ -173,7 +177,8 @@ def prepared(folder: Path, z: np.ndarray, **keys: object) -> tuple:
 
 def test_steps_follow_the_standard_and_each_begins_where_the_last_ended(tmp_path: Path) -> None:
     z = rough(120, 100) + 1e-8 * np.arange(120)[:, None]
-    z[10, 10], z[50:60, 40:50] = 1e-5, np.nan
+    z[10, 10] = 1e-5
+    z[50:60, 40:50] = np.nan
     out, how, effects = prepared(
         tmp_path, z, outliers=6, unmeasured="fill", s_filter_um=4, level="plane", l_filter_um=80,
         periodic="blend", overlap_um=20,
@@ -211,9 +216,11 @@ def test_statistics_of_a_plane_wave() -> None:
 def test_resampling_keeps_waves_and_lengths() -> None:
     """Cubic splines hold a wave of 16 nodes within 1e-3 between its nodes."""
     grid = HeightGrid((2 * UM, 3 * UM), 1.5 * UM, (106, 119), (0, 0), (106, 119))
-    x, y = 2.0 * np.arange(80)[:, None], 3.0 * np.arange(60)
+    x = 2.0 * np.arange(80)[:, None]
+    y = 3.0 * np.arange(60)
     out = preparation.resampled(np.cos(x * np.pi / 16) * np.cos(y * np.pi / 24), grid, False)
-    x, y = 1.5 * np.arange(106)[:, None], 1.5 * np.arange(119)
+    x = 1.5 * np.arange(106)[:, None]
+    y = 1.5 * np.arange(119)
     want = np.cos(x * np.pi / 16) * np.cos(y * np.pi / 24)
     assert np.abs(out - want)[8:-8, 8:-8].max() < 1e-3
 

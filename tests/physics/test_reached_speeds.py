@@ -36,7 +36,8 @@ def test_a_speed_after_the_end_is_not_in_the_record() -> None:
 
     An earlier version claimed 25 MHz, filled all bands and did not close.
     """
-    plain, later = sound_at("0.1", noise()), sound_at(LATER, noise())
+    plain = sound_at("0.1", noise())
+    later = sound_at(LATER, noise())
     assert plain.highest == pytest.approx(25e3) and later.highest == pytest.approx(25e3)
     assert later.closed and later.constant_speed
     assert later.pressure == pytest.approx(plain.pressure, abs=1e-9 * np.abs(plain.pressure).max())

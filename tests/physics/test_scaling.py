@@ -30,7 +30,8 @@ def test_modulus_hardness_and_load_times_c(plate: str, factor: float) -> None:
         hardness=HARDNESS[plate] * factor,
         contact_modulus=base.contact_modulus * factor,
     )
-    one, other = roll(base, 0, 4), roll(scaled, 0, 4)
+    one = roll(base, 0, 4)
+    other = roll(scaled, 0, 4)
     for a, b in zip(one, other, strict=True):
         np.testing.assert_allclose(
             b.deflection, a.deflection, rtol=0, atol=1e-8 * a.deflection.max()

@@ -28,7 +28,8 @@ def test_capped_track_keeps_no_memory() -> None:
     Half of the contact is plastic.
     """
     track = make_track(rough(50, 60, 1e-7), load=0.1, hardness=1.2e9, tolerance=1e-8)
-    one, later = roll(track, 0, 0)[0], roll(track, 50 * 1000, 50 * 1000)[0]
+    one = roll(track, 0, 0)[0]
+    later = roll(track, 50 * 1000, 50 * 1000)[0]
     assert one.plastic_area > 0.3 * one.contact_area
     assert later.plastic_area == one.plastic_area
     np.testing.assert_allclose(later.pressure, one.pressure, rtol=0, atol=1e-6 * one.max_pressure)

@@ -23,7 +23,8 @@ from helpers import (
 
 from rolling.contact import closed_forms, recovery, solver
 
-LOAD, RADIUS = 20.0, 5e-3
+LOAD = 20.0
+RADIUS = 5e-3
 A = closed_forms.hertz_radius(LOAD, RADIUS, STEEL)  # 69 um
 PER_METRE = closed_forms.smooth_release_power(LOAD, 1.0, RADIUS, STEEL)
 
@@ -99,7 +100,8 @@ def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: fl
     to the required 1e-6.
     """
     track = smooth_track(hardness=hardness, tolerance=1e-8)
-    space, rng = space_of(track), np.random.default_rng(0)
+    space = space_of(track)
+    rng = np.random.default_rng(0)
     states = roll(track, 0, 8)
     solved = []
     for state in states:

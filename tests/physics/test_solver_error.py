@@ -88,7 +88,8 @@ def test_a_release_below_the_solver_error_is_silent_and_says_so() -> None:
 
 
 def test_doubts_by_the_distance_from_the_error() -> None:
-    rough, smooth = loads(ROUGH.replace("RA", "0.1")), loads(SMOOTH)
+    rough = loads(ROUGH.replace("RA", "0.1"))
+    smooth = loads(SMOOTH)
     assert "stands 6 dB above the solver's error" in str(solver_doubt(rough, 2.0, 1.0))
     assert "counts as silent" in str(solver_doubt(rough, 1.0, 1.0))
     assert solver_doubt(rough, 3.2, 1.0) is None

@@ -9,7 +9,9 @@ from scene_text import PLAIN
 from rolling.scene.file import loads
 from rolling.sound.contact_sound import contact_sound
 
-STEP, STEPS = 2e-6, 1000  # a lap of 2 mm: 20 ms at 0.1 m/s
+# A lap of 2 mm takes 20 ms at 0.1 m/s.
+STEP = 2e-6
+STEPS = 1000
 LINES = np.array([4, 9, 25, 60])  # cycles per lap: 200 Hz to 3 kHz at 0.1 m/s
 
 

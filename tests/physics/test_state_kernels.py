@@ -10,7 +10,8 @@ from rolling.contact import _condition_kernels, _window_kernels
 
 pytestmark = pytest.mark.kernel
 
-HARDNESS, LEVELLED = 2e9, 1e-8
+HARDNESS = 2e9
+LEVELLED = 1e-8
 EMPTY = np.empty(0)
 
 
@@ -32,7 +33,8 @@ def test_approach_and_violation_are_those_of_plain_arrays(seed: int, blended: bo
     approach = expected[free].mean()
     violation = np.where(p > 0, expected - approach, -np.inf)
     violation = np.maximum(violation, np.where(p < HARDNESS, approach - expected, -np.inf))
-    flat, g = [x.ravel() for x in (gap, u, p)], np.empty(p.size)
+    flat = [x.ravel() for x in (gap, u, p)]
+    g = np.empty(p.size)
     got = _condition_kernels.state_of(*flat, edge.ravel() if blended else EMPTY, HARDNESS, g, True)
     np.testing.assert_allclose(g, expected.ravel(), rtol=1e-13, atol=1e-21)
     assert got == pytest.approx((approach, u.max(), violation.max()), rel=1e-12)
@@ -41,7 +43,8 @@ def test_approach_and_violation_are_those_of_plain_arrays(seed: int, blended: bo
 
 
 def test_approach_without_a_free_node_is_the_middle_of_the_bounds() -> None:
-    p, g = np.array([0.0, HARDNESS, 0.0, HARDNESS]), np.array([4e-6, 1e-6, 3e-6, 2e-6])
+    p = np.array([0.0, HARDNESS, 0.0, HARDNESS])
+    g = np.array([4e-6, 1e-6, 3e-6, 2e-6])
     assert _condition_kernels.approach_of(p, g, HARDNESS) == pytest.approx(2.5e-6)
     assert _condition_kernels.approach_of(p[1::2], g[1::2], HARDNESS) == 2e-6  # no node is open
 
@@ -66,7 +69,8 @@ def test_measures_of_loaded_nodes_are_those_of_plain_arrays(seed: int, blended: 
         crossed = np.where(crosses, edge / np.maximum(edge, 0.5 * edge + LEVELLED), 0.0)
     share = p / HARDNESS
     rows, columns = np.nonzero(p)
-    centre, reach = (6.3, 4.8), 17.0
+    centre = (6.3, 4.8)
+    reach = 17.0
     along, across = np.mgrid[: p.shape[0], : p.shape[1]] - np.reshape(centre, (2, 1, 1))
     moment = np.hypot((p * along).sum(), (p * across).sum())
     square = (p * (along**2 + across**2)).sum() + 2 * reach * moment
@@ -90,7 +94,8 @@ def test_work_of_nodes_is_that_of_plain_arrays(offset: tuple[int, int], left_end
     _, u_new, p_new, _ = state(2)
     expected = np.zeros_like(p_new)
     for i, j in np.ndindex(p_old.shape):
-        a, b = i + offset[0], j + offset[1]
+        a = i + offset[0]
+        b = j + offset[1]
         if 0 <= a < expected.shape[0] and 0 <= b < expected.shape[1]:
             p = p_old[i, j] if left_end else (p_old[i, j] + p_new[a, b]) / 2
             expected[a, b] = p * (u_old[i, j] - u_new[a, b]) * 4e-12
@@ -113,7 +118,8 @@ def test_range_of_loaded_nodes(loaded: tuple[int, ...]) -> None:
 def test_overlap_at_the_hardness_is_that_of_plain_arrays(seed: int) -> None:
     gap, u, p, edge = state(seed)
     capped = p >= HARDNESS
-    flat, approach = [x.ravel() for x in (gap, u, p)], 2e-7
+    flat = [x.ravel() for x in (gap, u, p)]
+    approach = 2e-7
     expected = max(float((approach - gap - u)[capped].max()), 0.0)
     overlap = _condition_kernels.yielding_overlap(*flat, HARDNESS, approach, np.inf)
     assert overlap == pytest.approx(expected, rel=1e-12)

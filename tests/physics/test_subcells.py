@@ -43,7 +43,8 @@ def patches(subcells: int) -> np.ndarray:
 @pytest.mark.parametrize(("subcells", "error"), [(2, 0.010), (4, 0.018)])
 def test_deflection_is_that_of_the_fine_grid(subcells: int, error: float) -> None:
     """Rms over the rms of the deflection about its mean, on patches: measured 0.8 and 1.4 %."""
-    p, spacing = patches(subcells), 2e-6 / subcells
+    p = patches(subcells)
+    spacing = 2e-6 / subcells
     fine = HalfSpace(spacing, STEEL).deflection(p)
     by_cells = SubcellSpace(spacing, STEEL, subcells).deflection(p)
     loaded = p > 0
@@ -86,7 +87,8 @@ def test_blocks_of_a_transform_leave_nothing_behind(subcells: int) -> None:
 def test_further_contacts_on_a_surface_share_its_maxima() -> None:
     """They are those of the surface, and other heights or edges have their own."""
     scene = loads(CLOSED)
-    first, second = rolling_contact(scene), rolling_contact(scene.with_(load_n=1.0))
+    first = rolling_contact(scene)
+    second = rolling_contact(scene.with_(load_n=1.0))
     assert second.maxima is first.maxima
     assert np.array_equal(first.maxima.rows, first.maxima.tops.max(axis=1))
     assert first.maxima.highest == first.maxima.tops.max() > first.heights.max()

@@ -55,7 +55,9 @@ def test_a_continued_surface_follows_its_law_and_keeps_its_long_waves(
     law: str, lengths: tuple[float, float]
 ) -> None:
     """Lags below the spacing follow the law; 12 surfaces leave 1 % of the variance uncertain."""
-    rq, total, size = 1e-7 * np.sqrt(np.pi / 2), 0.0, (160, 96)
+    rq = 1e-7 * np.sqrt(np.pi / 2)
+    total = 0.0
+    size = (160, 96)
     roughness = Roughness(
         autocorrelation=law,
         roughness_ra_um=0.1,
@@ -90,7 +92,8 @@ def test_autocorrelation_follows_its_law_along_and_across(
     One surface holds about A / (pi Lx Ly) independent patches, so its estimate is uncertain by
     up to sqrt(2 pi Lx Ly / A); five times that over sqrt(24) is allowed at each of 60 lags.
     """
-    shape, count = (240, 180), 24
+    shape = (240, 180)
+    count = 24
     total = np.zeros(shape)
     for seed in range(count):
         z = generate(law, shape, lengths=lengths, seed=seed)
@@ -127,7 +130,8 @@ def test_the_seam_is_like_the_interior(axis: int) -> None:
 
     Over 40 surfaces about 40 * 9 of them are independent.
     """
-    inside, seam = [], []
+    inside = []
+    seam = []
     for seed in range(40):
         z = generate(shape=(90, 90), seed=seed)
         inside.append(np.mean(np.diff(z, axis=axis) ** 2))
@@ -167,7 +171,8 @@ def test_statistics_of_a_sine() -> None:
 
     The sinc is over one spacing. Even sampling makes these exact.
     """
-    n, amplitude = 4096, 1e-6
+    n = 4096
+    amplitude = 1e-6
     z = amplitude * np.sin(2 * np.pi * (np.arange(n) + 0.5) / n)[:, None] + np.zeros(7)
     got = surface.statistics(z + 5e-3, SPACING)
     assert got.rq == pytest.approx(amplitude / np.sqrt(2), rel=1e-9)
@@ -244,7 +249,8 @@ def test_surfaces_that_runs_share_are_made_and_described_once(
     monkeypatch: pytest.MonkeyPatch, most: float, times: int
 ) -> None:
     """A sweep that alternates between two small surfaces; of large ones only the last is kept."""
-    made, make = [], scene_surface._make
+    made = []
+    make = scene_surface._make
     monkeypatch.setattr(scene_surface, "_make", lambda given: made.append(given) or make(given))
     monkeypatch.setattr(scene_surface, "_kept", {})
     monkeypatch.setattr(scene_surface, "_MAX_KEPT", most)

@@ -61,13 +61,17 @@ def test_the_core_is_the_line_through_the_flattest_section(curve: Curve) -> None
     begin = starts[np.argmin(curve(starts) - curve(starts + 0.4))]
     own, weight = np.polynomial.legendre.leggauss(200)
     heights = curve(begin + 0.2 * (own + 1))
-    mean, slope = heights @ weight / 2, 1.5 * (heights * own) @ weight / 0.2  # of the line
+    # Mean and slope of the line of the core.
+    mean = heights @ weight / 2
+    slope = 1.5 * (heights * own) @ weight / 0.2
     top = mean - slope * (begin + 0.2)
     bottom = top + slope
     ratio = (np.arange(2_000_000) + 0.5) / 2_000_000
     z = curve(ratio)
-    peaks, dales = np.maximum(z - top, 0), np.maximum(bottom - z, 0)
-    above, below = np.mean(z > top), np.mean(z < bottom)
+    peaks = np.maximum(z - top, 0)
+    dales = np.maximum(bottom - z, 0)
+    above = np.mean(z > top)
+    below = np.mean(z < bottom)
     want = {
         "Sk": top - bottom,
         "Spk": 2 * peaks.mean() / above,

@@ -33,13 +33,16 @@ def test_a_sine_follows_the_chain() -> None:
     The gain is averaged over the interval of the line, which changes it by less than 0.1 dB here.
     """
     scene = loads(VIBRATING, (*WITHOUT_DYNAMICS, "sound.ball=false", "plate.density_kg_m3="))
-    steps, step, lines = 2400, 2e-6, 64
+    steps = 2400
+    step = 2e-6
+    lines = 64
     approach = 1e-9 * np.cos(2 * np.pi * lines * np.arange(steps + 1) / steps)
     frequency = lines * 0.3 / (steps * step)  # 4 kHz
     w = 2 * math.pi * frequency
     mass = 4 / 3 * math.pi * 5e-3**3 * 7850
     radius = (0.75 * 1 * 5e-3 / scene.contact_modulus) ** (1 / 3)
-    stiffness, area = 2 * scene.contact_modulus * radius, 7850 * 10e-3
+    stiffness = 2 * scene.contact_modulus * radius
+    area = 7850 * 10e-3
     bending = 210e9 * 10e-3**3 / (12 * (1 - 0.3**2))
     mobility = 1 / (8 * math.sqrt(bending * area))
     force = 1e-9 / abs(-1 / (mass * w**2) + 1 / stiffness + mobility / (1j * w))
@@ -57,7 +60,8 @@ def test_the_estimate_meets_the_motion(rolled: Run, density: float) -> None:
     Most of the ± is that of the comb: lines of this short lap are 625 Hz apart.
     """
     scene = rolled.scene.with_({"sphere.density_kg_m3": density})
-    moved, held = heard_again(rolled, scene).summary, held_again(rolled, scene)
+    moved = heard_again(rolled, scene).summary
+    held = held_again(rolled, scene)
     departure = held["vibration_estimate_laeq_db"] - moved["vibration_laeq_db"]
     assert abs(departure) < 2 * held["vibration_estimate_uncertainty_db"] < 12
     assert held["vibration_estimate_bodies"].endswith("on a 10 mm plate of 7850 kg/m³")
@@ -85,7 +89,8 @@ def test_the_stiffness_of_a_rough_contact_is_that_of_its_force_law(rough: Run) -
 
     The study found 7 % rms on 38 scenes.
     """
-    law, smooth = rough.summary["contact_stiffness_n_m"], of_scene.smooth_stiffness(rough.scene)
+    law = rough.summary["contact_stiffness_n_m"]
+    smooth = of_scene.smooth_stiffness(rough.scene)
     assert smooth > 1.2 * law
     stiffness = solved_stiffness(rough.scene, rough.result)
     assert 1 / np.mean(1 / stiffness) == pytest.approx(law, rel=0.12)
@@ -107,7 +112,8 @@ def test_the_estimate_has_the_band_of_the_run(rolled: Run) -> None:
     """
     slow = rolled.scene.with_({"rolling.speed_m_s": 0.025})
     run = heard_again(rolled, slow)
-    numbers, law = run.summary, run.summary["contact_stiffness_n_m"]
+    numbers = run.summary
+    law = run.summary["contact_stiffness_n_m"]
     assert numbers["highest_frequency_hz"] < 0.95 * numbers["resonance_hz"] < 12e3
     approach = run.result.series["approach"]
     estimate = vibration_estimate(slow, approach, run.result.step, run.sound.closed, law)
@@ -147,7 +153,8 @@ def test_a_compact_source_has_the_power_of_the_plate(rolled: Run, thickness: flo
     """
     changes = {"plate.thickness_mm": thickness, "sound.ball": False, "sound.distance_m": 2}
     summary = heard_again(rolled, rolled.scene.with_(changes)).summary
-    level, bands = summary["compact_source_level_db"], summary["plate_power_third_octave_db"]
+    level = summary["compact_source_level_db"]
+    bands = summary["plate_power_third_octave_db"]
     names = [name for name, db in bands.items() if db is not None]
     weights = a_weighting_db(np.array([float(name) for name in names]))
     powers = [
@@ -171,7 +178,9 @@ def test_thirds_scatter_as_the_level_of_a_record_does() -> None:
 
     Both are estimated within 5 %.
     """
-    rng, scatters, levels = np.random.default_rng(1), [], []
+    rng = np.random.default_rng(1)
+    scatters = []
+    levels = []
     for _ in range(300):
         noise = rng.standard_normal(4800)
         scatters.append(record_scatter_db(noise, 48000) / 1.32)

@@ -74,7 +74,8 @@ def test_release_error_falls_with_the_tolerance() -> None:
 
 def test_a_march_twice_is_the_same_to_the_bit() -> None:
     track = make_track(rough(60, 60, 2e-7), load=0.5, hardness=2.1e9, tolerance=1e-4)
-    one, other = roll(track, 0, 5), roll(replace(track), 0, 5)
+    one = roll(track, 0, 5)
+    other = roll(replace(track), 0, 5)
     assert all(np.array_equal(a.pressure, b.pressure) for a, b in zip(one, other, strict=True))
 
 

@@ -42,7 +42,8 @@ def test_a_tone_belongs_to_the_octave_of_speed_over_frequency() -> None:
 def test_the_share_that_follows_is_one_for_the_mean_under_hertz_pressure_and_none_for_noise() -> (
     None
 ):
-    scene, rng = small(), np.random.default_rng(1)
+    scene = small()
+    rng = np.random.default_rng(1)
     heights = rng.normal(size=(STEPS, 32))
     radius = semi_axes(scene)[0] / scene.spacing
     x, y = np.meshgrid(np.arange(-6, 7), np.arange(-6, 7), indexing="ij")

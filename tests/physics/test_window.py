@@ -59,12 +59,14 @@ def test_overlap_holds_every_node_below_the_approach() -> None:
         x = (i + big.row) * track.spacing - track.position(k)
         y = (j + big.column) * track.spacing - track.mid_width
         near = (abs(x) <= 33.5 * track.spacing) & (abs(y) <= 41.5 * track.spacing)
-        i, j = i[near] + big.row, j[near] + big.column
+        i = i[near] + big.row
+        j = j[near] + big.column
         found = track.overlap(k, approach)
         if not near.any():
             assert found is None
         else:
-            rows, columns = np.ptp(i) + 1, np.ptp(j) + 1
+            rows = np.ptp(i) + 1
+            columns = np.ptp(j) + 1
             assert found == Window(i.min(), j.min(), rows, columns)
 
 
@@ -107,12 +109,14 @@ def test_release_counts_nodes_that_lost_contact() -> None:
     track = make_track(rough(60, 60, 1e-6), load=0.01, tolerance=1e-8)
     states = roll(track, 0, 12)
     everything = Window(-60, -30, 150, 120)
-    space, whole = space_of(track), []
+    space = space_of(track)
+    whole = []
     for state in states:
         p = state.window.moved(state.pressure, everything)
         whole.append((p, space.deflection(p)))
     for k, released in enumerate(releases(track, states)):
-        (p, u), (q, v) = whole[k], whole[k + 1]
+        p, u = whole[k]
+        q, v = whole[k + 1]
         work = (p + q) / 2 * (u - v) * track.spacing**2
         assert released == pytest.approx(work[work > 0].sum(), rel=1e-9)
 
@@ -120,9 +124,13 @@ def test_release_counts_nodes_that_lost_contact() -> None:
 @pytest.mark.parametrize("ahead", [-5, -1, 0])
 def test_a_lone_node_touches_the_sphere_with_the_near_side_of_its_cell(ahead: int) -> None:
     """The gap is 10 nm at its middle, and the sphere falls by 30 nm from there to its near side."""
-    load, modulus, spacing, radius = 1.5e-3, 1e11, 1e-6, 2e-4
+    load = 1.5e-3
+    modulus = 1e11
+    spacing = 1e-6
+    radius = 2e-4
     heights = np.zeros((61, 61))
-    heights[30, 30], heights[30, 33] = 0.26e-6, 0.2e-6
+    heights[30, 30] = 0.26e-6
+    heights[30, 33] = 0.2e-6
     place = spacing, radius, modulus, 1e9, load, spacing, 30 * spacing, 1e-5
     (alone,) = roll(RollingContact(heights, *place, blended=True), 0, 0)
     apart = 12 * spacing
@@ -143,7 +151,8 @@ def test_a_march_has_the_states_of_cold_starts(load: float, subcells: int) -> No
 
     The load is that of so many nodes at the hardness.
     """
-    spacing, hardness = 2e-6, 2.1e9
+    spacing = 2e-6
+    hardness = 2.1e9
     for seed, length in enumerate((3, 8)):
         lengths = length * spacing, length * spacing
         heights = gaussian((128, 128), spacing, 2e-7, lengths, "exponential", seed)

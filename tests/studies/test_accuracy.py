@@ -63,7 +63,8 @@ def row(table: pd.DataFrame, curve: str) -> pd.Series:
 
 def test_errors_fall_with_the_spacing(table: pd.DataFrame) -> None:
     """The elastic release has order 2, 12 dB for half the spacing; the contact area has order 1."""
-    own, fine = row(table, "the scene"), row(table, "spacing, sharp edges")
+    own = row(table, "the scene")
+    fine = row(table, "spacing, sharp edges")
     assert fine.spacing_um == own.spacing_um / 2
     assert 9 < own.error_signal_db - fine.error_signal_db < 15
     assert abs(fine.error_contact_area_percent) < 0.6 * abs(own.error_contact_area_percent)
@@ -79,7 +80,8 @@ def test_errors_of_the_solve_fall_with_the_tolerance(table: pd.DataFrame) -> Non
 
 
 def test_the_reference_has_no_error_and_all_others_have(table: pd.DataFrame) -> None:
-    best, others = row(table, "reference"), table[table.curve != "reference"]
+    best = row(table, "reference")
+    others = table[table.curve != "reference"]
     assert best.error_laeq_db == 0 and best.worst_band_db == 0
     assert (others.error_laeq_db.abs() > 0).all() and (others.worst_band_db > 0).all()
     assert (table.seconds_per_second > 0).all()
@@ -175,7 +177,8 @@ def test_the_same_command_finds_its_study_and_another_scene_is_refused(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.main(command) == 0
-    printed, out = capsys.readouterr().out, tmp_path / "out"
+    printed = capsys.readouterr().out
+    out = tmp_path / "out"
     names = {"accuracy.nc", "accuracy.csv", "accuracy.png"}
     assert {path.name for path in out.iterdir()} == names
     before = (out / "accuracy.nc").stat().st_mtime_ns
@@ -191,7 +194,8 @@ def test_the_same_command_finds_its_study_and_another_scene_is_refused(
 def test_a_failed_variant_is_named_and_a_failed_scene_ends_the_study(
     command: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    march, failing = variants.march_variant, {1e-2}
+    march = variants.march_variant
+    failing = {1e-2}
 
     def marched(scene, variant, *rest):
         if variant.tolerance in failing:

@@ -15,7 +15,8 @@ def test_estimates_agree_with_a_finer_grid_on_the_whole_track() -> None:
     for seed in (31, 32, 33):
         scene = scene_of("Ra 0.1", **{"rolling.load_n": 0.1, "surface.seed": seed})
         table, row = compare(scene)
-        laeq, bands = table.loc["LAeq"], table.drop(index="LAeq")
+        laeq = table.loc["LAeq"]
+        bands = table.drop(index="LAeq")
         assert len(bands) > 10
         right += [*bands.right]
         assert laeq.right and laeq.off < 0.3

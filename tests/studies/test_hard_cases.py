@@ -51,7 +51,8 @@ def names(pattern: str) -> list[str]:
 
 @pytest.mark.parametrize("name", NAMED)
 def test_every_state_of_a_named_case_passes_independent_checks(name: str) -> None:
-    case, (outcome, states) = NAMED[name], judged(name)
+    case = NAMED[name]
+    (outcome, states) = judged(name)
     assert not outcome.violations
     assert outcome.result in case.right
     assert len(states) == (case.steps + 1 if outcome.result == SOLVED else 0)
@@ -132,7 +133,8 @@ def test_ridges_make_windows_that_are_not_square(name: str) -> None:
 
 @pytest.mark.law("Periodic surface: the contact crosses the seam as any other place.")
 def test_seam_of_the_periodic_surface() -> None:
-    across_it, inside = solved("seam")[1], solved("seam moved away")[1]
+    across_it = solved("seam")[1]
+    inside = solved("seam moved away")[1]
     assert across_it[0].loaded.row < 60 <= across_it[0].loaded.row + across_it[0].loaded.rows - 1
     for state, other in zip(across_it, inside, strict=True):
         assert state.approach == pytest.approx(other.approach, abs=1e-7 * state.deflection.max())

@@ -72,7 +72,8 @@ def test_readings_are_the_articles_cases() -> None:
     for twin, reading in TWINS.items():
         runs = runs_of(reading)
         for settings, scene in runs_of(twin).items():
-            ours, theirs = scene.to_dict(), runs[settings].to_dict()
+            ours = scene.to_dict()
+            theirs = runs[settings].to_dict()
             assert theirs["plate"].pop("hardness_gpa") and "hardness_gpa" not in ours["plate"]
             for data in (ours, theirs):
                 del data["name"], data["numerics"]["tolerance"]

@@ -69,7 +69,8 @@ def test_counts_of_the_sequences(name: str) -> None:
 
 
 def test_peers_are_given_the_gaps_we_solve() -> None:
-    track, k = sequence_track("C", 1e-6), 3
+    track = sequence_track("C", 1e-6)
+    k = 3
     on_plate = track.gap(k, Window(k, 0, sequences.N, sequences.N))
     assert np.abs(on_plate - sequences.gap("C", k)).max() < 1e-18  # of gaps up to 26 um
 
@@ -77,14 +78,16 @@ def test_peers_are_given_the_gaps_we_solve() -> None:
 @pytest.mark.parametrize("name", ["A", "B"])
 def test_check_sees_a_wrong_pressure(name: str) -> None:
     """The right pressure has the error that the solver states, and wrong pressures far more."""
-    k, tolerance = 1, 1e-6
+    k = 1
+    tolerance = 1e-6
     state = roll(sequence_track(name, tolerance), 0, k)[k]
     right = on_full_grid(state)
     error = sequences.violation(name, k, right)
     assert error < 2 * tolerance * state.deflection.max()
     # One node aside, one too far along, 0.1 % too much everywhere (in B above the hardness), a
     # loaded node forgotten, tension.
-    forgotten, pulled = right.copy(), right.copy()
+    forgotten = right.copy()
+    pulled = right.copy()
     forgotten[np.unravel_index(right.argmax(), right.shape)] = 0.0
     pulled[0, 0] = -1e-3 * right.max()
     wrong = [np.roll(right, 1, axis=1), np.roll(right, 1, axis=0), 1.001 * right, forgotten, pulled]

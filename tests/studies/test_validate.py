@@ -68,7 +68,8 @@ def test_form_of_the_page() -> None:
     rows = validate.rows_of(CASE, wrong())
     page = validate.page({"numbers": rows}, CONTENT | {"cases": {"numbers": CASE}})
     table = [line for line in page.splitlines() if line.startswith("|")]
-    kinds, table = table[:5], table[5:]
+    kinds = table[:5]
+    table = table[5:]
     assert kinds[3:] == [
         "|norm|a norm's table|1|1|0.90|yes|",
         "|formula|closed form|2|2|inf|**no**|",

@@ -28,7 +28,11 @@ PREFERENCES = {
 
 
 def firefox_path() -> str | None:
-    return next((path for name in NAMES if (path := shutil.which(name))), None)
+    for name in NAMES:
+        path = shutil.which(name)
+        if path is not None:
+            return path
+    return None
 
 
 class Firefox:
@@ -37,7 +41,9 @@ class Firefox:
     def __init__(self, program: str, profile: Path) -> None:
         texts = (f"user_pref({json.dumps(k)}, {json.dumps(v)});" for k, v in PREFERENCES.items())
         (profile / "user.js").write_text("\n".join(texts))
-        self._loop, self._last, self.complaints = IOLoop(make_current=False), 0, list[str]()
+        self._loop = IOLoop(make_current=False)
+        self._last = 0
+        self.complaints = list[str]()
         self._thread = ThreadPoolExecutor(1)  # playwright has a loop in this one
         words = [program, "--headless", "--no-remote", "--remote-debugging-port=0", "--profile"]
         said = profile / "said.txt"

@@ -85,7 +85,9 @@ def roughness(count: int, rms: float, rng: np.random.Generator) -> Array:
 
 def force_law(scene: Scene, profile: Array | None = None) -> ForceLaw:
     """Return the law on the track of a scene, lifted by a profile [m]; default: a rough contact."""
-    count, spacing, rng = scene.track.steps, scene.track.step, np.random.default_rng(1)
+    count = scene.track.steps
+    spacing = scene.track.step
+    rng = np.random.default_rng(1)
     loads = scene.load * np.array([0.7, 1.0, 1.4])
     approach = np.cbrt(9 * loads**2 / (16 * scene.radius * scene.contact_modulus**2))
     slope = np.ones(count) if profile is not None else 1 + roughness(count, 0.02, rng)
@@ -115,7 +117,8 @@ def vibration_data(scene: Scene, law: ForceLaw, vibrating: Vibration) -> dict[st
 
 def release(scene: Scene) -> tuple[ContactSound, dict[str, Any]]:
     """Return the sound of a rough release, and its data for the engine."""
-    step, rng = scene.track.step, np.random.default_rng(2)
+    step = scene.track.step
+    rng = np.random.default_rng(2)
     energy = 1e-9 * (1 + 0.1 * roughness(scene.track.steps, 1.0, rng))
     sound = contact_sound(scene, energy, step, True)
     heard = {"q": scene.sound.q, "distance": scene.sound.distance_m, "gain": None}

@@ -223,7 +223,8 @@ def _flipped(content: bytes, chance: random.Random) -> bytes:
 
 def _text(values: np.ndarray, chance: random.Random) -> bytes:
     """Write heights as text with broken fields and lines of other lengths."""
-    separator, end = chance.choice([",", ";", "\t", " ", ", "]), chance.choice(["\n", "\r\n", "\r"])
+    separator = chance.choice([",", ";", "\t", " ", ", "])
+    end = chance.choice(["\n", "\r\n", "\r"])
     rows = [[str(x) for x in row] for row in np.atleast_2d(values).tolist()]
     for _ in range(chance.choice([0, 0, 1, 2])):
         if rows and rows[0]:
@@ -299,7 +300,8 @@ def outcome(make: Callable[[], Scene]) -> str:
     Warnings of libraries are errors too: the program says what is wrong itself.
     """
     ignored: list[Any] = []
-    before, sys.unraisablehook = sys.unraisablehook, ignored.append
+    before = sys.unraisablehook
+    sys.unraisablehook = ignored.append
     try:
         with warnings.catch_warnings(), np.errstate(divide="raise", invalid="raise", over="raise"):
             warnings.simplefilter("error")

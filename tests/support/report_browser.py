@@ -73,7 +73,11 @@ PIXELS = """(canvas, places) => {
 
 
 def browser_path() -> str | None:
-    return next((path for name in BROWSERS if (path := shutil.which(name))), None)
+    for name in BROWSERS:
+        path = shutil.which(name)
+        if path is not None:
+            return path
+    return None
 
 
 def without_browser(missing: str) -> None:

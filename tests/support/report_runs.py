@@ -113,7 +113,8 @@ def labelled(runs: list[Run]) -> list[Run]:
 
 
 def _seeds() -> list[Run]:
-    scene, pairs = scene_of(SEEDS), [(load, seed) for load in (0.1, 0.2) for seed in (1, 2, 3)]
+    scene = scene_of(SEEDS)
+    pairs = [(load, seed) for load in (0.1, 0.2) for seed in (1, 2, 3)]
     return [
         solved(scene.with_(load_n=load, seed=seed), {"rolling.load_n": load, "surface.seed": seed})
         for load, seed in pairs

@@ -225,7 +225,8 @@ def open_attenuation(record: OpenRecord, band: int, part: Callable[[MaskPoint], 
     rate_hz = float(np.clip(12.0 * math.ceil(MID_HZ[band]), 2400.0, SAMPLE_RATE_HZ))
     rows = []
     for point in filter(part, mask_points()):
-        frequency_hz, duration_s = point.ratio * float(MID_HZ[band]), record.duration_s
+        frequency_hz = point.ratio * float(MID_HZ[band])
+        duration_s = record.duration_s
         line = frequency_hz * duration_s
         if point.at_edge:
             upwards = point.inside == (point.side < 0)
@@ -257,7 +258,8 @@ def min_lines_inside() -> float:
     The scan covers cut records from B T = 4 to 8; a scan up to 40 gave the same. The leakage of a
     cut record depends only on the number of lines in the band.
     """
-    band, rate_hz = BAND_NAMES.index("100"), 2400.0
+    band = BAND_NAMES.index("100")
+    rate_hz = 2400.0
     inside = [point for point in mask_points() if point.inside and not point.at_edge]
     minimum = lines = 4.0
     while lines < 8.0:

@@ -61,7 +61,9 @@ def a_weighting() -> Table:
 def tone_bursts() -> Table:
     """Measure maximum and exposure levels of 4 kHz bursts, minus the level of the steady tone."""
     steady_db = known(sound_levels(tone(4000.0, SAMPLE_RATE_HZ), SAMPLE_RATE_HZ).laeq_db)
-    fast, slow, exposure = [], [], []
+    fast = []
+    slow = []
+    exposure = []
     for row in standards.TONE_BURSTS:
         record = np.zeros(round(1.5 * SAMPLE_RATE_HZ))
         burst = tone(4000.0, round(row.duration_ms * 1e-3 * SAMPLE_RATE_HZ), phase=0.0)
@@ -126,7 +128,8 @@ def decay_rates() -> Table:
     rows = []
     for row, time_constant_s in zip(standards.DECAY_RATES, (FAST_S, SLOW_S), strict=True):
         running = running_mean_square(weighted, SAMPLE_RATE_HZ, time_constant_s, closed=False)
-        first, last = running[round(1.1 * SAMPLE_RATE_HZ)], running[round(2.1 * SAMPLE_RATE_HZ)]
+        first = running[round(1.1 * SAMPLE_RATE_HZ)]
+        last = running[round(2.1 * SAMPLE_RATE_HZ)]
         computed = known(level_db(float(first))) - known(level_db(float(last)))
         rows.append(Row((row.weighting,), row.rate_db_s, computed, row.lower_db_s, row.upper_db_s))
     return Table(

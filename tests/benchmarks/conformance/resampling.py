@@ -120,7 +120,8 @@ def alias_rejection() -> Table:
 
 def varying_speed() -> Table:
     """Measure the error of interpolation between samples, and of a track at varying speed."""
-    samples, rows = 5000, []
+    samples = 5000
+    rows = []
     index = np.linspace(0.0, samples, 7 * samples, endpoint=False) + 0.123
     for share in (0.1, 0.25, 0.5, 0.8, 0.9):
         omega = 2.0 * np.pi * round(share * samples / 2.0) / samples
@@ -153,7 +154,10 @@ def varying_speed() -> Table:
 
 def _sweep_error(top_hz: float) -> float:
     """Return the relative mean square error of a sine along a track at rising speed."""
-    step_m, slow, fast, duration_s = 2e-6, 0.1, 0.2, 0.5
+    step_m = 2e-6
+    slow = 0.1
+    fast = 0.2
+    duration_s = 0.5
     samples = round(duration_s * SAMPLE_RATE_HZ)
     oversampling = math.ceil(fast / step_m / SAMPLE_RATE_HZ)
     steps = round(0.5 * (slow + fast) * duration_s / step_m)

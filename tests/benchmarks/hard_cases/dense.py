@@ -32,7 +32,8 @@ def influence_matrix(points: Array, spacing: float, contact_modulus: float) -> A
     # Corner antiderivative of 1/r, each logarithm written as it stands in Love's paper; corners
     # never fall on an axis.
     for sign, a, b in ((1, half, half), (1, -half, -half), (-1, half, -half), (-1, -half, half)):
-        x, y = dx + a, dy + b
+        x = dx + a
+        y = dy + b
         r = np.hypot(x, y)
         total += sign * (x * np.log(y + r) + y * np.log(x + r))
     return total / (np.pi * contact_modulus)
@@ -65,7 +66,8 @@ def dense_contact(
         np.meshgrid(np.arange(m) * spacing, np.arange(n) * spacing, indexing="ij"), axis=-1
     ).reshape(-1, 2)
     matrix = influence_matrix(grid, spacing, contact_modulus)
-    e, total = shape.ravel(), load / spacing**2
+    e = shape.ravel()
+    total = load / spacing**2
     order = np.argsort(e)
     free = np.zeros(e.size, dtype=bool)
     free[order[: max(4, e.size // 8)]] = True
@@ -78,17 +80,20 @@ def dense_contact(
             short = hardness * capped.sum() < total
             bound = np.flatnonzero(~capped if short else capped)
             node = bound[np.argmin(gap[bound]) if short else np.argmax(gap[bound])]
-            free[node], capped[node] = True, False
+            free[node] = True
+            capped[node] = False
         p, approach = _solve_sets(matrix, e, free, capped, hardness, total)
         gap = e + matrix @ p - approach
-        low, high = free & (p < 0), free & (p > hardness)
+        low = free & (p < 0)
+        high = free & (p > hardness)
         enter = ~free & ~capped & (gap < -1e-13 * scale)
         leave = capped & (gap > 1e-13 * scale)
         if not (low.any() or high.any() or enter.any() or leave.any()):
             return p.reshape(m, n), approach
         # Pressures are corrected before gaps, because simultaneous corrections can cycle.
         if low.any() or high.any():
-            enter[:], leave[:] = False, False
+            enter[:] = False
+            leave[:] = False
         free = (free & ~low & ~high) | enter | leave
         capped = (capped & ~leave) | high
     raise RuntimeError("the active set did not settle in 500 changes")
@@ -109,7 +114,8 @@ def _solve_sets(
     inside = np.flatnonzero(free)
     system = np.zeros((inside.size + 1, inside.size + 1))
     system[:-1, :-1] = matrix[np.ix_(inside, inside)]
-    system[:-1, -1], system[-1, :-1] = -1.0, 1.0
+    system[:-1, -1] = -1.0
+    system[-1, :-1] = 1.0
     known = (
         matrix[np.ix_(inside, np.flatnonzero(capped))].sum(axis=1) * hardness
         if capped.any()

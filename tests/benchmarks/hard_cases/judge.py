@@ -84,7 +84,9 @@ def _compile_kernels() -> None:
 
 def _judge(case: HardCase, keep: list[ContactState] | None) -> Outcome:
     """Judge a case where the kernels are compiled."""
-    trial, result, message = _Trial(case, keep), SOLVED, ""
+    trial = _Trial(case, keep)
+    result = SOLVED
+    message = ""
     track = case.build()
     try:
         with warnings.catch_warnings():
@@ -117,7 +119,8 @@ class _Trial:
     """The march of a case, whose states are checked at once, so that it needs little memory."""
 
     def __init__(self, case: HardCase, keep: list[ContactState] | None) -> None:
-        self.case, self.keep = case, keep
+        self.case = case
+        self.keep = keep
         self.violations: list[str] = []
         self.iterations: list[int] = []
         self.approaches: list[float] = []

@@ -21,12 +21,10 @@ from rolling.contact.state import RollingContact
 STEEL = 210e9 / (1 - 0.3**2)  # E* [Pa] of the plate under a rigid sphere
 CELL = 4e-12  # [m2], area of a node at the common spacing of 2 um
 
-SOLVED, CAPACITY, WIDTH, ROOM = (
-    "solved",
-    "load above capacity",
-    "contact wider than the surface",
-    "window beyond all room",
-)
+SOLVED = "solved"
+CAPACITY = "load above capacity"
+WIDTH = "contact wider than the surface"
+ROOM = "window beyond all room"
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,8 @@ def love_coefficients(x: Nodes, y: Nodes) -> Array:
     """
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
     for a, b in ((0.5, 0.5), (0.5, -0.5), (-0.5, 0.5), (-0.5, -0.5)):
-        s, t = x + a, y + b
+        s = x + a
+        t = y + b
         r = np.hypot(s, t)
         # log(t + r) = log((t + r)(r + |t|) / (r + |t|)): for t < 0 written as log(s^2 / (r - t)),
         # which does not cancel.
@@ -60,10 +61,8 @@ def gap_and_deflection(
 ) -> tuple[Array, Array, Array]:
     """Compute gap [m], deflection [m] and pressure [Pa] on the window grown by `around` nodes."""
     w = state.window
-    rows, columns = (
-        np.arange(-around, w.rows + around) + w.row,
-        np.arange(-around, w.columns + around) + w.column,
-    )
+    rows = np.arange(-around, w.rows + around) + w.row
+    columns = np.arange(-around, w.columns + around) + w.column
     p = np.pad(state.pressure, around)
     m, n = p.shape
     if track.subcells > 1:
@@ -155,7 +154,8 @@ def violations(
 
     own = _levelled(track)
     between = (p > 0) & (p < track.hardness) & (edge > 0) & (p.max() >= track.hardness)
-    c, s = edge[between], p[between] / track.hardness
+    c = edge[between]
+    s = p[between] / track.hardness
     crossed = np.minimum(1, 2 * c / (c + 2 * own))
     # A cell that bears little touches on a small share, which no difference of counts may round.
     whole = np.count_nonzero(p > 0) - np.count_nonzero(between)
@@ -193,7 +193,8 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
     columns = _low_lines(track, state, (across - 1) / 2, nodes, track.heights.max(axis=0))
     if not rows.size or not columns.size:
         return 0.0
-    w, deepest = state.window, 0.0
+    w = state.window
+    deepest = 0.0
     beside = ~((columns >= w.column) & (columns < w.column + w.columns))
     for piece in np.array_split(rows, 1 + rows.size * columns.size // BLOCK):
         before_or_after = ~((piece >= w.row) & (piece < w.row + w.rows))
@@ -210,7 +211,8 @@ def contact_outside(track: RollingContact, state: ContactState) -> float:
         i, j = np.nonzero((room + wide > 0) & (before_or_after[:, None] | beside[None, :]))
         if not i.size:
             continue
-        rows_here, columns_here = piece[i], columns[j]
+        rows_here = piece[i]
+        columns_here = columns[j]
         depth = room[i, j] - _deflection_at(track, state, rows_here, columns_here)
         if blended:
             along, across = (
@@ -240,7 +242,9 @@ def _deflection_at(
 ) -> Array:
     """Compute the deflection [m] at single nodes, each by a sum over the loaded nodes."""
     i, j = np.nonzero(state.pressure)
-    p, i, j = state.pressure[i, j], i + state.window.row, j + state.window.column
+    p = state.pressure[i, j]
+    i = i + state.window.row
+    j = j + state.window.column
     u = np.empty(rows.size)
     for piece in np.array_split(np.arange(rows.size), 1 + rows.size * p.size // BLOCK):
         u[piece] = love_coefficients(rows[piece, None] - i, columns[piece, None] - j) @ p

@@ -65,11 +65,9 @@ def random_scene(seed: int) -> tuple[RollingContact, str]:
     """
     rng = np.random.default_rng([20250117, seed])
     along, across = (int(n) for n in rng.integers(16, 65, 2))
-    load, modulus, radius = (
-        10 ** rng.uniform(-6, 4),
-        10 ** rng.uniform(3, 12),
-        10 ** rng.uniform(-4.3, 0),
-    )
+    load = 10 ** rng.uniform(-6, 4)
+    modulus = 10 ** rng.uniform(3, 12)
+    radius = 10 ** rng.uniform(-4.3, 0)
     nodes = 10 ** rng.uniform(np.log10(0.02), np.log10(20)) * (5 if rng.random() < 0.1 else 1)
     spacing = closed_forms.hertz_radius(load, radius, modulus) / nodes
     peak = closed_forms.hertz_pressure(load, radius, modulus)
@@ -80,7 +78,8 @@ def random_scene(seed: int) -> tuple[RollingContact, str]:
         heights = rough(along, across, spacing * 10 ** rng.uniform(-6, 1), seed, spacing, length)
     feature = str(rng.choice(["plain", "spike", "hole", "cliff", "trench"]))
     size = spacing * 10 ** rng.uniform(-3, 1.5)
-    i, j = rng.integers(along), rng.integers(across)
+    i = rng.integers(along)
+    j = rng.integers(across)
     if feature in ("spike", "hole"):
         heights[i, j] += size if feature == "spike" else -size
     elif feature == "cliff":
@@ -122,11 +121,9 @@ def odd_scene(seed: int) -> tuple[RollingContact, str]:
     """
     rng = np.random.default_rng([20250118, seed])
     shape = _odd_shape(rng)
-    load, modulus, radius = (
-        10 ** rng.uniform(-6, 4),
-        10 ** rng.uniform(3, 12),
-        10 ** rng.uniform(-4.3, 0),
-    )
+    load = 10 ** rng.uniform(-6, 4)
+    modulus = 10 ** rng.uniform(3, 12)
+    radius = 10 ** rng.uniform(-4.3, 0)
     nodes = 10 ** rng.uniform(-1, np.log10(max(min(shape) / 2.5, 1)))
     spacing = closed_forms.hertz_radius(load, radius, modulus) / nodes
     if rng.random() < 0.25:  # like a stylus, the paraboloid leaves the plate within a node
@@ -169,7 +166,8 @@ def _rounding(track: RollingContact) -> float:
 def _odd_shape(rng: np.random.Generator) -> tuple[int, int]:
     """Draw the shape of a plate: long, wide, small or any."""
     kind = rng.choice(["long", "wide", "small", "any"])
-    few, many = int(rng.integers(5, 17)), int(rng.integers(150, 201))
+    few = int(rng.integers(5, 17))
+    many = int(rng.integers(150, 201))
     if kind == "long":
         return many, few
     if kind == "wide":

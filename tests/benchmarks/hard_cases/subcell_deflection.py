@@ -48,8 +48,10 @@ def deflection(p: Array, r: int, coefficients: Coefficients) -> Array:
     (m, n) array
         Deflection of the sub-cells.
     """
-    m, n = p.shape[0] // r, p.shape[1] // r
-    along, across = _matrix(m, r), _matrix(n, r)
+    m = p.shape[0] // r
+    n = p.shape[1] // r
+    along = _matrix(m, r)
+    across = _matrix(n, r)
     cells = along.T @ p @ across / r**2  # with a border of one cell
     between = _between(m + 2, n + 2, r, coefficients)
     smooth = fftconvolve(cells, between)[m + 1 : 2 * m + 3, n + 1 : 2 * n + 3]
@@ -70,7 +72,8 @@ def _between(m: int, n: int, r: int, coefficients: Coefficients) -> Array:
 
     The distances are all within (m, n) cells.
     """
-    rows, columns = np.arange(1 - m * r, m * r), np.arange(1 - n * r, n * r)
+    rows = np.arange(1 - m * r, m * r)
+    columns = np.arange(1 - n * r, n * r)
     triangle = np.convolve(np.ones(r), np.ones(r)) / r
     fine = coefficients(rows[:, None], columns[None, :])
     mean = fftconvolve(fine, np.outer(triangle, triangle), mode="same")
@@ -93,7 +96,8 @@ def _within(p: Array, r: int, coefficients: Coefficients) -> Array:
         2 + a[:, None] - a[None, :], 2 + b[:, None] - b[None, :]
     ]
     block = exact - both @ between @ both.T / r**2
-    m, n = p.shape[0] // r, p.shape[1] // r
+    m = p.shape[0] // r
+    n = p.shape[1] // r
     own = p.reshape(m, r, n, r).transpose(0, 2, 1, 3).reshape(m, n, r * r) @ block
     result: Array = own.reshape(m, n, r, r).transpose(0, 2, 1, 3).reshape(m * r, n * r)
     return result

@@ -14,7 +14,10 @@ from sequences import CONTACT_MODULUS, SEQUENCES, SPACING, N, arguments, gap, mo
 name, tolerance, steps, out = arguments()
 width = N * SPACING
 solver = aspher.ContactSolver(grid_size=N, domain_size=width, E_star=CONTACT_MODULUS, backend="fft")
-start, seconds, convolutions, pressures = None, [], [], []
+start = None
+seconds = []
+convolutions = []
+pressures = []
 for k in range(steps + 1):
     shape = gap(name, k).ravel()
     began = process_time()

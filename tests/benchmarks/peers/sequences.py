@@ -15,8 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
-N, SPACING, RADIUS = 256, 2e-6, 5e-3
-YOUNGS_MODULUS, POISSONS_RATIO = 210e9, 0.3
+N = 256
+SPACING = 2e-6
+RADIUS = 5e-3
+YOUNGS_MODULUS = 210e9
+POISSONS_RATIO = 0.3
 CONTACT_MODULUS = YOUNGS_MODULUS / (1 - POISSONS_RATIO**2)
 CORRELATION_LENGTH = 10e-6
 # pressure over the highest (or off the hardness, over the hardness) that counts as none
@@ -55,7 +58,8 @@ def heights(name: str) -> np.ndarray:
 
 def gap(name: str, k: int) -> np.ndarray:
     """Return the undeformed gap [m] at position k."""
-    along, across = (np.arange(N) - N // 2) * SPACING, (np.arange(N) - (N - 1) / 2) * SPACING
+    along = (np.arange(N) - N // 2) * SPACING
+    across = (np.arange(N) - (N - 1) / 2) * SPACING
     return (along[:, None] ** 2 + across**2) / (2 * RADIUS) - np.roll(heights(name), -k, axis=0)
 
 
@@ -68,7 +72,8 @@ def moved_on(pressure: np.ndarray) -> np.ndarray:
 def _influence() -> np.ndarray:
     """Return the transform of Love's coefficients [m/Pa] on the doubled grid."""
     corner = np.arange(-N, N + 1) - 0.5  # of squares around nodes -N ... N - 1
-    s, t = corner[:, None], corner[None, :]
+    s = corner[:, None]
+    t = corner[None, :]
     potential = s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
     love = np.diff(np.diff(potential, axis=0), axis=1) * SPACING / (np.pi * CONTACT_MODULUS)
     return np.fft.rfft2(np.fft.ifftshift(love))
@@ -88,10 +93,8 @@ def violation(name: str, k: int, pressure: np.ndarray) -> float:
     apart.
     """
     hardness = SEQUENCES[name].hardness
-    unloaded, capped = (
-        pressure <= NEGLIGIBLE * pressure.max(),
-        pressure >= hardness * (1 - NEGLIGIBLE),
-    )
+    unloaded = pressure <= NEGLIGIBLE * pressure.max()
+    capped = pressure >= hardness * (1 - NEGLIGIBLE)
     between = ~unloaded & ~capped
     open_by = gap(name, k) + deflection(pressure)
     approach = (

@@ -30,7 +30,8 @@ from slippy.contact import Elastic, _step_utils  # noqa: E402
 from slippy.core import plan_convolve  # noqa: E402
 
 slippy.CORES = 1
-MAX_SECANTS, MAX_ITERATIONS = 15, 2000
+MAX_SECANTS = 15
+MAX_ITERATIONS = 2000
 # times the tolerance: the load need not be met better than the pressures are known
 LOAD_TOLERANCE = 10
 
@@ -58,7 +59,9 @@ class Rolling:
     """The state that a position passes on: pressure, approach and slope of the load."""
 
     def __init__(self, load: float, hardness: float, shape: np.ndarray) -> None:
-        self.load, self.hardness, self.deflect = load, hardness, Deflection()
+        self.load = load
+        self.hardness = hardness
+        self.deflect = Deflection()
         self.pressure = np.zeros(N * N)
         # A first guess: as many nodes overlap as carry the load at the hardness, and Hertz's
         # approach on top (1 um at 50 N).
@@ -96,9 +99,12 @@ class Rolling:
 name, tolerance, steps, out = arguments()
 sequence = SEQUENCES[name]
 rolling = Rolling(sequence.load, sequence.hardness, gap(name, 0).ravel())
-seconds, convolutions, pressures = [], [], []
+seconds = []
+convolutions = []
+pressures = []
 for k in range(steps + 1):
-    shape, count = gap(name, k).ravel(), rolling.deflect.count
+    shape = gap(name, k).ravel()
+    count = rolling.deflect.count
     began = process_time()
     rolling.pressure = moved_on(rolling.pressure.reshape(N, N)).ravel()
     rolling.solve(shape, tolerance)
