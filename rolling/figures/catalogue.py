@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
 from acoustics.traps import ignoring_underflow
 from rolling.figures import contact, origins, sound, sweep, vibration
-from rolling.figures.picture import Picture, listed, picture, slug
+from rolling.figures.picture import Picture, csv_bytes, listed, picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.results.run_result import Run
 from rolling.scene.messages import nearest
@@ -84,12 +84,25 @@ class FigureKind:
     shares_scales: bool = False
 
     def picture(self, name: str, shown: Run | Sequence[Run], among: Sequence[Run] = ()) -> Picture:
-        """Draw the figure of runs, or of one run on the axes of all runs `among` which it is."""
-        draw = partial(self.draw, shown)
-        if self.shares_scales:
-            draw = partial(self.draw, shown, among=among)
+        """Draw and tabulate the figure of runs, or of one run on the axes of all runs `among`."""
         table = None if self.table is None else self.table(shown)
-        return picture(name, draw, table)
+        return picture(name, self._drawing(shown, among), table)
+
+    def file(
+        self, name: str, shown: Run | Sequence[Run], form: str, among: Sequence[Run] = ()
+    ) -> bytes | None:
+        """Return the figure as the bytes of a png, svg or csv file; a map has no csv."""
+        if form != "csv":
+            return picture(name, self._drawing(shown, among)).file(form)
+        if self.table is None:
+            return None
+        return csv_bytes(self.table(shown))
+
+    def _drawing(self, shown: Run | Sequence[Run], among: Sequence[Run]) -> Callable[..., Axes]:
+        """Return the function that draws the figure of runs on axes."""
+        if self.shares_scales:
+            return partial(self.draw, shown, among=among)
+        return partial(self.draw, shown)
 
 
 COMPARING = {
@@ -202,14 +215,15 @@ def plot_run(
             raise ValueError(f"{name}: no figure, allowed: {', '.join(FIGURES)}{like}")
     paths = list[Path]()
     for name in names or FIGURES:
-        if names and not _is_there(name, shown, form):
+        subjects = _subjects(name, shown)
+        if names and (not subjects or (form == "csv" and FIGURES[name].table is None)):
             raise ValueError(f"{name}: the runs have no such figure in {form}")
         contents = dict[Path, bytes]()
-        for stem, drawn in _pictures(name, shown):
-            with left_out_if_it_fails(stem):
-                content = drawn.file(form)
+        for subject in subjects:
+            with left_out_if_it_fails(subject.title):
+                content = FIGURES[name].file(name, subject.shown, form, among=shown)
                 if content is not None:
-                    contents[folder / f"{stem}.{form}"] = content
+                    contents[folder / f"{subject.stem}.{form}"] = content
         if contents:
             folder.mkdir(parents=True, exist_ok=True)
         for path, content in contents.items():
@@ -218,23 +232,22 @@ def plot_run(
     return paths
 
 
-def _is_there(name: str, runs: Sequence[Run], form: str) -> bool:
-    """Tell whether runs have a figure; a map has no csv."""
+class _Subject(NamedTuple):
+    """Runs or a run that have a figure, with its title in warnings and the stem of its file."""
+
+    shown: Run | Sequence[Run]
+    title: str
+    stem: str
+
+
+def _subjects(name: str, runs: Sequence[Run]) -> list[_Subject]:
+    """Return all runs together for a figure that compares runs, otherwise each run that has it."""
     kind = FIGURES[name]
-    if form == "csv" and kind.table is None:
-        return False
-    if name in SINGLE:
-        return any(kind.is_shown(run) for run in runs)
-    return kind.is_shown(runs)
-
-
-def _pictures(name: str, runs: Sequence[Run]) -> Iterator[tuple[str, Picture]]:
-    """Draw a figure of all runs or of each run, with the stem of its file."""
     if name not in SINGLE:
-        for drawn in comparing_pictures(runs, [name]):
-            yield name, drawn
-        return
+        return [_Subject(runs, title=name, stem=name)] if kind.is_shown(runs) else []
+    subjects = []
     for run in runs:
-        own = single_picture(name, run, among=runs)
-        if own is not None:
-            yield (name if len(runs) == 1 else f"{name}-{slug(run.label)}"), own
+        if kind.is_shown(run):
+            stem = name if len(runs) == 1 else f"{name}-{slug(run.label)}"
+            subjects.append(_Subject(run, title=f"{name} of {run.label}", stem=stem))
+    return subjects

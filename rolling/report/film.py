@@ -61,7 +61,7 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     cells_along, cells_across = slow.pressure.shape[1:]
     pressures = maps.shades(slow.pressure * slow.pressure_unit, max_gpa * 1e9)
     veil = bytes([0]) + bytes([VEIL]) * maps.SHADES
-    shares = heard_shares(run)
+    shares = audible_shares(run)
     audible = [rate for rate in AUDIBLE_RATES if shares[rate] >= MOSTLY]
     return {
         "sheets": [
@@ -106,7 +106,7 @@ def slow_motion(run: Run) -> SlowMotion | None:
     return slow
 
 
-def heard_shares(run: Run) -> dict[int, float]:
+def audible_shares(run: Run) -> dict[int, float]:
     """Return the share of the A-weighted power above `AUDIBLE_HZ` by the rate of slowing."""
     if run.sound.levels.laeq_db is None:
         return dict.fromkeys(RATES, 0.0)
