@@ -58,21 +58,41 @@ class RunFolder:
 # ---- summary
 
 
-MAX_SUMMARY = 10_000_000
+MAX_SUMMARY = 10_000_000  # bytes
+# Keys of every summary. Those that are no text, mapping or list have a number or null.
 _NEEDED = (
-    *("laeq_db", "level_db", "steady_level_db", "uncertainty_db", "source", "doubts", "surface"),
-    *("third_octave_db", "levelling", "plastic_ratio", "steps", "step_ms"),
+    "laeq_db",
+    "level_db",
+    "steady_level_db",
+    "uncertainty_db",
+    "source",
+    "doubts",
+    "surface",
+    "third_octave_db",
+    "levelling",
+    "plastic_ratio",
+    "steps",
+    "step_ms",
 )
 _MAPPINGS = (
-    *("surface", "uncertainty_db", "third_octave_db", "third_octave_a_db"),
-    *("provenance", "packages", "listen", "listening", "error_estimate", "levelling"),
+    "surface",
+    "uncertainty_db",
+    "third_octave_db",
+    "third_octave_a_db",
+    "provenance",
+    "packages",
+    "listen",
+    "listening",
+    "error_estimate",
+    "levelling",
 )
 _TEXTS = ("name", "label", "source", "text", "advice", "word", "reason")
-# Names that a mapping has at least, or each mapping in a list.
-_FIELDS = {"verdict": "word reason decibels key", "preparation": "step text"}
+_VERDICT = ("word", "reason", "decibels", "key")
+_PREPARATION = ("step", "text")  # of each step
 _DOUBT = ("key", "text", "advice", "severity", "decibels")
 _SEVERITIES = {severity.word for severity in Severity}
 _UNITS = "db|n|hz|s|ms|w|m|m2|pa|kg|sone|acum|ratio|share|mm|um|restitution"
+# Keys of numbers, and of mappings of numbers.
 _NUMBER = re.compile(rf"surface|steps|impacts|seconds|pascal_.*|.*_({_UNITS})")
 
 
@@ -83,55 +103,79 @@ def read_summary(path: Path) -> dict[str, Any]:
     ------
     FolderError : the file is damaged, or not written by this program.
     """
+    advice = "delete it, and the same command solves the run again"
     try:
-        summary = json.loads(read_regular(path, MAX_SUMMARY), parse_constant=_refuse)
-        if not isinstance(summary, dict):
-            raise ValueError("no object of names and values")
-        if missing := [key for key in _NEEDED if key not in summary]:
-            raise ValueError(f"{missing[0]} is missing")
-        wrong = (key for key, value in summary.items() if not _fits(key, value))
-        if key := next(wrong, None):
-            raise ValueError(f"{key} is of another kind")
-    except (OSError, ValueError, RecursionError) as error:
-        reason = (isinstance(error, OSError) and error.strerror) or str(error)
-        advice = "delete it, and the same command solves the run again"
+        summary = json.loads(read_regular(path, MAX_SUMMARY), parse_constant=_refuse_constant)
+        _refuse_other_summary(summary)
+    except OSError as error:
+        reason = error.strerror or str(error)
         raise FolderError(f"{path}: not readable ({reason}); {advice}") from error
-    return summary
+    except (ValueError, RecursionError) as error:
+        raise FolderError(f"{path}: not readable ({error}); {advice}") from error
+    return dict(summary)
 
 
-def _refuse(constant: str) -> None:
+def _refuse_constant(constant: str) -> None:
+    """Refuse NaN and infinity, which JSON does not have."""
     raise ValueError(f"{constant} is no number")
+
+
+def _refuse_other_summary(summary: Any) -> None:
+    """Raise ValueError unless a value is a summary, whose values are of the kinds of their keys."""
+    if not isinstance(summary, dict):
+        raise ValueError("no object of names and values")
+    for key in _NEEDED:
+        if key not in summary:
+            raise ValueError(f"{key} is missing")
+    for key, value in summary.items():
+        if not _fits(key, value):
+            raise ValueError(f"{key} is of another kind")
 
 
 def _fits(key: str, value: Any) -> bool:
     """Return whether a value is of the kind that its key says."""
     if key == "doubts":
-        return isinstance(value, list) and all(map(_is_doubt, value))
+        return isinstance(value, list) and all(_is_doubt(item) for item in value)
+    if key == "verdict":
+        return value is None or _has_fields(value, _VERDICT)
+    if key == "preparation":
+        return isinstance(value, list) and all(_has_fields(step, _PREPARATION) for step in value)
     if key in _TEXTS:
-        return isinstance(value, str | None)
-    if (fields := _FIELDS.get(key)) and (key, value) != ("verdict", None):
-        parts = [value] if key == "verdict" else value
-        return isinstance(parts, list) and all(
-            isinstance(part, dict) and {*fields.split()} <= {*part} and _fits("", part)
-            for part in parts
-        )
-    if isinstance(value, dict) and not (key in _NEEDED and key not in _MAPPINGS):
-        if _NUMBER.fullmatch(key):
-            return all(map(_is_number, value.values()))
-        return all(_fits(name, inner) for name, inner in value.items())
+        return value is None or isinstance(value, str)
     if key in _MAPPINGS:
-        return key == "levelling" and value is None
-    if isinstance(value, list) and key not in _NEEDED:
+        if key == "levelling" and value is None:
+            return True
+        return isinstance(value, dict) and _fits_mapping(key, value)
+    if key in _NEEDED:
+        return _is_number(value)
+    if isinstance(value, dict):
+        return _fits_mapping(key, value)
+    if isinstance(value, list):
         return all(_fits(key, item) for item in value)
     return _is_number(value) or not _NUMBER.fullmatch(key)
 
 
+def _fits_mapping(key: str, mapping: dict[str, Any]) -> bool:
+    """Return whether the values of a mapping fit; under the key of a number all are numbers."""
+    if _NUMBER.fullmatch(key):
+        return all(_is_number(value) for value in mapping.values())
+    return all(_fits(name, value) for name, value in mapping.items())
+
+
+def _has_fields(value: Any, fields: tuple[str, ...]) -> bool:
+    """Return whether a value is a mapping with these names at least, whose values fit."""
+    if not isinstance(value, dict) or not set(fields) <= value.keys():
+        return False
+    return _fits_mapping("", value)
+
+
 def _is_doubt(value: Any) -> bool:
     """Return whether a value is a doubt, as `verdict.as_json` writes it."""
-    if not isinstance(value, dict) or {*value} != {*_DOUBT}:
+    if not isinstance(value, dict) or value.keys() != set(_DOUBT):
         return False
-    texts = all(isinstance(value[name], str) for name in ("key", "text", "advice", "severity"))
-    return texts and value["severity"] in _SEVERITIES and _is_number(value["decibels"])
+    if not all(isinstance(value[name], str) for name in ("key", "text", "advice", "severity")):
+        return False
+    return value["severity"] in _SEVERITIES and _is_number(value["decibels"])
 
 
 def _is_number(value: Any) -> bool:

@@ -115,33 +115,42 @@ class Run(SolvedRun):
         return result_file.result_tree(self)
 
     def __repr__(self) -> str:
-        level = runs_table.level_text(self.summary, runs_table.level_key(self.summary))
-        judged = self.summary.get("verdict")
-        word = f", {judged['word']}" if judged else ""
+        key = runs_table.level_key(self.summary)
         name = runs_table.level_name(self.summary)
-        return f"<run {self.title}: {name} {level} dB(A){word}, {self.result.steps} steps>"
+        text = f"{self.title}: {name} {runs_table.level_text(self.summary, key)} dB(A)"
+        judged = self.summary.get("verdict")
+        if judged:
+            text += f", {judged['word']}"
+        return f"<run {text}, {self.result.steps} steps>"
 
     def _repr_html_(self) -> str:
         """Write levels and doubts for a notebook."""
-        judged = self.summary.get("verdict")
-        levels = dict[str, str]()
-        for key in runs_table.shown_levels(self.summary):
-            name, unit = runs_table.LEVELS[key]
-            text = runs_table.level_text(self.summary, key)
-            if text != "-":
-                levels[name] = f"{text} {unit}"
-        first, _ = runs_table.LEVELS[runs_table.level_key(self.summary)]
-        rows = {
-            runs_table.level_name(self.summary): levels.pop(first),
-            "beside it": runs_table.beside_text([self.summary]),
-            "verdict": judged and f"{judged['word']}: {judged['reason']}",
-            **levels,
-        }
-        lines = (f"<td>{name}</td><td>{html.escape(x)}</td>" for name, x in rows.items() if x)
-        table = "".join(f"<tr>{line}</tr>" for line in lines)
-        texts = (html.escape(doubt.line) for doubt in verdict.listed(self.summary))
-        doubts = "".join(f"<li>{text}</li>" for text in texts)
+        table = ""
+        for name, text in _levels_in_words(self.summary).items():
+            table += f"<tr><td>{name}</td><td>{html.escape(text)}</td></tr>"
+        doubts = ""
+        for doubt in verdict.listed(self.summary):
+            doubts += f"<li>{html.escape(doubt.line)}</li>"
         return f"<h4>{html.escape(self.title)}</h4><table>{table}</table><ul>{doubts}</ul>"
+
+
+def _levels_in_words(summary: dict[str, Any]) -> dict[str, str]:
+    """Return the levels of a run in words by name, the first read first, and its verdict."""
+    first = runs_table.level_key(summary)
+    _, unit = runs_table.LEVELS[first]
+    rows = {runs_table.level_name(summary): f"{runs_table.level_text(summary, first)} {unit}"}
+    beside = runs_table.beside_text([summary])
+    if beside:
+        rows["beside it"] = beside
+    judged = summary.get("verdict")
+    if judged:
+        rows["verdict"] = f"{judged['word']}: {judged['reason']}"
+    for key in runs_table.shown_levels(summary):
+        name, unit = runs_table.LEVELS[key]
+        text = runs_table.level_text(summary, key)
+        if key != first and text != "-":
+            rows[name] = f"{text} {unit}"
+    return rows
 
 
 def make_run(

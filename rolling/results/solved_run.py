@@ -173,11 +173,14 @@ class SolvedRun(RunFolder):
         """
         step = self.result.step
         _, speed = middle_speeds(self.scene.motion, self.result.steps, step)
-        series = {name: self.result.whole(name) for name in STEP_SERIES} | {"speed": speed}
+        series = {name: self.result.whole(name) for name in STEP_SERIES}
+        series["speed"] = speed
         for kind in ("release", "loading"):
             series[f"{kind}_per_metre"] = series[f"{kind}_energy"] * (1 / step)
             series[f"{kind}_power"] = series[f"{kind}_energy"] * (speed / step)
-        return MappingProxyType(series | {name: self.result.whole(name) for name in STATE_SERIES})
+        for name in STATE_SERIES:
+            series[name] = self.result.whole(name)
+        return MappingProxyType(series)
 
     @property
     def release_power(self) -> Array:
@@ -204,5 +207,6 @@ class SolvedRun(RunFolder):
     @cached_property
     def position_time(self) -> Array:
         """(steps + 1,) s. Time at each position."""
-        ends, motion = np.arange(self.result.steps + 1) * self.result.step, self.scene.motion
+        motion = self.scene.motion
+        ends = np.arange(self.result.steps + 1) * self.result.step
         return np.asarray(motion.time(np.minimum(ends, motion.final_distance)), dtype=float)
