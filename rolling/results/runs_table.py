@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -88,10 +88,9 @@ def numbers(summary: Mapping[str, Any]) -> dict[str, Any]:
         elif key == "uncertainty_db":
             cells |= {f"{name}_uncertainty_db": spread for name, spread in value.items()}
         elif key == "surface":
-            cells |= {
-                f"surface_{name}{'_m' if name in _METRES else ''}": number
-                for name, number in value.items()
-            }
+            for name, number in value.items():
+                unit = "_m" if name in _METRES else ""
+                cells[f"surface_{name}{unit}"] = number
         elif key == "levelling" and value:
             cells |= {f"levelling_{name}": inner for name, inner in value.items()}
         elif key == "verdict" and value:
@@ -117,10 +116,11 @@ def seed_statistics(table: pd.DataFrame, over: str = SEED) -> pd.DataFrame:
     import pandas as pd
 
     keys = [name for name in table.index.names if name not in ("run", "folder", over)]
-    stated = {name: f"{_spread(name)}_uncertainty_db" for name in LEVELS} | {
-        f"{kind}_{band}": f"{BANDS[2]}_{band}" for kind in BANDS[:2] for band in BAND_NAMES
-    }
-    stated = {name: spread for name, spread in stated.items() if name in table}
+    uncertainties = {name: f"{_spread(name)}_uncertainty_db" for name in LEVELS}
+    for kind in ("third_octave_db", "third_octave_a_db"):
+        for band in BAND_NAMES:
+            uncertainties[f"{kind}_{band}"] = f"third_octave_uncertainty_db_{band}"
+    stated = {name: spread for name, spread in uncertainties.items() if name in table}
     values = table[[*stated]].astype(float)
     spreads = table[[*stated.values()]].astype(float).set_axis([*stated], axis=1)
     groups = [table.index.get_level_values(key) for key in keys] or [np.zeros(len(table), int)]
@@ -251,10 +251,14 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
     if sources == {"vibration"}:
         words = f"the release with q = 1 is {above} dB above it: an upper bound"
         for key, name in MEANS.items():
-            if present := [level_beside(summary, key) for summary in known if key in summary]:
+            present = [level_beside(summary, key) for summary in known if key in summary]
+            if present:
                 mean = _range(present, 1)
-                words += f"; {of_event}{name}: {f'{mean} dB(A)' if mean else 'not available'}"
-        return words + (_others(known[0]) if len(known) == 1 else "")
+                level = f"{mean} dB(A)" if mean else "not available"
+                words += f"; {of_event}{name}: {level}"
+        if len(known) == 1:
+            words += _others(known[0])
+        return words
     if level := _range([level_beside(summary, "vibration_laeq_db") for summary in known], 1):
         if any(summary["release_laeq_db"] != summary["laeq_db"] for summary in known):
             return (
@@ -308,42 +312,62 @@ def _range(levels: Sequence[float | None], digits: int = 0) -> str:
     return " to ".join(ends)
 
 
-def _cells(summary: Mapping[str, Any]) -> dict[str, str]:
+class Head(NamedTuple):
+    """Two lines of a head of the table of levels."""
+
+    name: str
+    unit: str = ""
+
+
+def _cells(summary: Mapping[str, Any]) -> dict[Head, str]:
     """Return the cells of a run in the table of levels by their heads."""
-    source, q = summary["source"], summary.get("q") or 1
-    event, falls = bool(summary.get("single_event")), "drop_mm" in summary
-    quantity = "LAE" if event else "LAeq"
-    place = "listener" if summary.get("listeners") else "axis"
-    unit = "dB(A), 1 s" if event else "dB(A)"
-    level = f"{quantity}, {place}|{unit}"
-    if source != "vibration":
-        level = f"LAE, released|q = {q:g}, {unit}" if event else f"released power|q = {q:g}, {unit}"
-    if fixed := _fixed_gain(summary):
-        level = f"{quantity}, fixed gain|{unit}" if event else f"fixed gain|{unit}"
-    cells = {level: level_text(summary, level_key(summary))}
-    if event:
-        cells["LAFmax|dB(A)"] = level_text(summary, "laf_max_db")
-    as_event = ", LAE" if event else ""
-    if source == "vibration":
-        mean = "half sphere|mean" if summary.get("listeners") else "compact|source"
-        key = next((key for key in MEANS if key in summary), None)
-        compact = level_beside(summary, key) if key else None
-        cells[mean + as_event] = "n/a" if compact is None else f"{compact:.1f}"
-        head, other = f"release|q = 1{as_event}", level_beside(summary, "release_laeq_db")
-    elif (other := level_beside(summary, "vibration_laeq_db")) is not None:
-        head = f"vibration|dB(A){as_event}"
-    else:
-        head, other = (
-            f"vibration|estimated{as_event}",
-            level_beside(summary, "vibration_estimate_laeq_db"),
-        )
-    above = None if fixed else above_vibration_db(summary)
+    cells = {_level_head(summary): level_text(summary, level_key(summary))}
+    if summary.get("single_event"):
+        cells[Head("LAFmax", "dB(A)")] = level_text(summary, "laf_max_db")
+    cells |= _cells_beside(summary)
     judged = summary.get("verdict")
-    if not falls:  # the release of a ball that rolls is none of a fall
-        cells[head] = "-" if other is None else f"{other:.1f}"
-        cells["apart|dB"] = "-" if above is None else f"{above:.0f}"
-    cells["verdict|"] = judged["word"] if judged else "-"
-    cells["plastic|ratio"] = f"{summary['plastic_ratio']:.3f}"
+    cells[Head("verdict")] = judged["word"] if judged else "-"
+    cells[Head("plastic", "ratio")] = f"{summary['plastic_ratio']:.3f}"
+    return cells
+
+
+def _level_head(summary: Mapping[str, Any]) -> Head:
+    """Return the head of the level of a run that is read first."""
+    event = summary.get("single_event")
+    quantity, unit = ("LAE", "dB(A), 1 s") if event else ("LAeq", "dB(A)")
+    if _fixed_gain(summary):
+        return Head("LAE, fixed gain" if event else "fixed gain", unit)
+    if summary["source"] == "vibration":
+        place = "listener" if summary.get("listeners") else "axis"
+        return Head(f"{quantity}, {place}", unit)
+    q = summary.get("q") or 1
+    return Head("LAE, released" if event else "released power", f"q = {q:g}, {unit}")
+
+
+def _cells_beside(summary: Mapping[str, Any]) -> dict[Head, str]:
+    """Return the cells of the levels beside that of a run, and how far they are apart."""
+    cells = {}
+    as_event = ", LAE" if summary.get("single_event") else ""
+    if summary["source"] == "vibration":
+        key = next((key for key in MEANS if key in summary), None)
+        mean = level_beside(summary, key) if key else None
+        head = Head("compact", f"source{as_event}")
+        if summary.get("listeners"):
+            head = Head("half sphere", f"mean{as_event}")
+        cells[head] = "n/a" if mean is None else f"{mean:.1f}"
+        head = Head("release", f"q = 1{as_event}")
+        other = level_beside(summary, "release_laeq_db")
+    else:
+        head = Head("vibration", f"dB(A){as_event}")
+        other = level_beside(summary, "vibration_laeq_db")
+        if other is None:
+            head = Head("vibration", f"estimated{as_event}")
+            other = level_beside(summary, "vibration_estimate_laeq_db")
+    if "drop_mm" in summary:  # the release of a ball that rolls is none of a fall
+        return cells
+    above = None if _fixed_gain(summary) else above_vibration_db(summary)
+    cells[head] = "-" if other is None else f"{other:.1f}"
+    cells[Head("apart", "dB")] = "-" if above is None else f"{above:.0f}"
     return cells
 
 
@@ -354,40 +378,56 @@ def levels_table(runs: Sequence[RunFolder]) -> str:
     solved = [(label, summary) for label, summary in stored if summary is not None]
     by_run = {label: _cells(summary) for label, summary in solved}
     heads = list(dict.fromkeys(head for cells in by_run.values() for head in cells))
-    rows = [["run", *(head.split("|")[0] for head in heads)]]
+    rows = [["run", *(head.name for head in heads)]]
     if heads:
-        rows.append(["", *(head.split("|")[1] for head in heads)])
-    rows += [[name, *(by_run.get(name, {}).get(head, "-") for head in heads)] for name in names]
-    errors = [wrapped(line) for label, summary in solved if (line := error_line(label, summary))]
-    judged = [wrapped(f"{word}: {reason}") for word, reason in verdict.verdicts(solved)]
-    beside = beside_text([summary for _, summary in solved])
-    lines = [wrapped(f"{beside[0].upper()}{beside[1:]}.")] if beside else []
-    lines += [*judged, *errors, *_remarks(solved)]
-    return "\n".join([columns(rows), *(["", *lines] if solved else [])])
+        rows.append(["", *(head.unit for head in heads)])
+    for name in names:
+        cells = by_run.get(name, {})
+        rows.append([name, *(cells.get(head, "-") for head in heads)])
+    if not solved:
+        return columns(rows)
+    return "\n".join([columns(rows), "", *map(wrapped, _remarks(solved))])
 
 
 def _remarks(runs: Sequence[tuple[str, Mapping[str, Any]]]) -> list[str]:
-    """Write what holds for the levels, the surfaces, the notes and the warnings."""
+    """Write what stands below the levels: reasons, errors, surfaces, notes and warnings."""
+    lines = []
     summaries = [summary for _, summary in runs]
-    surfaces = dict.fromkeys(surface_text(summary) for summary in summaries)
-    prepared = [step for summary in summaries for step in summary.get("preparation", ())]
-    names = TABLES["steps"]
-    texts = (f"{names.get(str(x['step']), x['step'])}: {x['text']}" for x in prepared)
-    steps = [*dict.fromkeys(texts)]
-    if (more := len(steps) - MAX_STEPS) > 0:
-        steps[MAX_STEPS:] = [f"{more} more steps of the preparation: in each summary.json"]
-    levelled = filter(None, (summary["levelling"] for summary in summaries))
-    tilted = (x["text"] for x in levelled if x["slope_along"] or x["slope_across"])
-    tilts = [f"tilt: {text}" for text in dict.fromkeys(tilted)]
+    beside = beside_text(summaries)
+    if beside:
+        lines.append(f"{beside[0].upper()}{beside[1:]}.")
+    lines += [f"{word}: {reason}" for word, reason in verdict.verdicts(runs)]
+    lines += filter(None, (error_line(label, summary) for label, summary in runs))
+    lines += [verdict.headline(runs), ""]
+    lines += dict.fromkeys(surface_text(summary) for summary in summaries)
+    lines += _preparation(summaries)
     noted = (*REPEATS, TURNS)
-    notes = [f"note: {doubt.text}" for doubt in verdict.notes(runs) if doubt.key in noted]
+    lines += [f"note: {doubt.text}" for doubt in verdict.notes(runs) if doubt.key in noted]
     warnings = [f"warning: {doubt.text}" for doubt in verdict.warnings(runs)]
+    lines += warnings[:MAX_WARNINGS]
     more = len(warnings) - MAX_WARNINGS
     if more > 0:
         others = "1 more warning" if more == 1 else f"{more} more warnings"
-        warnings[MAX_WARNINGS:] = [f"{others}: on the page, and by `rolling check`"]
-    lines = (verdict.headline(runs), "", *surfaces, *steps, *tilts, *notes, *warnings)
-    return [wrapped(line) for line in lines]
+        lines.append(f"{others}: on the page, and by `rolling check`")
+    return lines
+
+
+def _preparation(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Write the steps that prepared height files, each once, and the tilts that were removed."""
+    steps = dict[str, None]()
+    tilts = dict[str, None]()
+    for summary in summaries:
+        for step in summary.get("preparation", ()):
+            name = TABLES["steps"].get(str(step["step"]), step["step"])
+            steps[f"{name}: {step['text']}"] = None
+        levelling = summary["levelling"]
+        if levelling and (levelling["slope_along"] or levelling["slope_across"]):
+            tilts[f"tilt: {levelling['text']}"] = None
+    lines = [*steps][:MAX_STEPS]
+    more = len(steps) - MAX_STEPS
+    if more > 0:
+        lines.append(f"{more} more steps of the preparation: in each summary.json")
+    return [*lines, *tilts]
 
 
 def surface_text(summary: Mapping[str, Any]) -> str:
