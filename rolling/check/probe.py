@@ -8,10 +8,10 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 from acoustics.numbers import clock, rounded, si
@@ -40,12 +40,21 @@ MAX_SECONDS = 60.0  # expected time of the solved positions, of one run and of a
 MAX_RUNS = 12
 
 
-# Quantities of a solved position in SI units, the nodes of its window, and the minimum time of the
-# warm steps that follow it.
-POSITION = [
-    *((name, "f8") for name in ("contact_area", "plastic_area", "max_pressure", "step_ms")),
-    *((name, "i8") for name in ("rows", "columns")),
-]
+class Position(NamedTuple):
+    """A solved position.
+
+    contact_area, plastic_area : float, m2.
+    max_pressure : float, Pa.
+    step_ms : float, ms. Minimum time of the warm steps that follow it.
+    rows, columns : int. Nodes of the window of the last of them.
+    """
+
+    contact_area: float
+    plastic_area: float
+    max_pressure: float
+    step_ms: float
+    rows: int
+    columns: int
 
 
 @dataclass(frozen=True)
@@ -54,7 +63,7 @@ class Probe:
 
     Attributes
     ----------
-    solved : (positions,) array of POSITION
+    solved : tuple of Position
         Solved positions.
     tried : int
         Number of positions.
@@ -66,7 +75,7 @@ class Probe:
         Time in which the surface was made; hardly any where it was there already.
     """
 
-    solved: NDArray[np.void] = field(default_factory=lambda: np.empty(0, POSITION))
+    solved: tuple[Position, ...] = ()
     tried: int = 0
     failures: tuple[str, ...] = ()
     left_out: str = ""
@@ -74,8 +83,9 @@ class Probe:
 
     def findings(self, scene: Scene) -> Iterator[Finding | Doubt]:
         """State the numbers of the solved positions, in place of closed forms and cost model."""
-        solved, count = self.solved, len(self.solved)
-        value = f"none: {self.left_out}" if self.left_out else f"{count} of {self.tried}"
+        value = f"{len(self.solved)} of {self.tried}"
+        if self.left_out:
+            value = f"none: {self.left_out}"
         yield Finding("positions", "positions solved", value)
         if self.failures:
             yield Doubt(
@@ -84,36 +94,47 @@ class Probe:
                 f"will the run: {self.failures[0]}",
                 Severity.REFUSED,
             )
-        if not count:
-            return
-        slow = float(solved["step_ms"].mean()) / cost.step_ms(scene)
-        seconds = slow * cost.expected_seconds(scene)
-        step = _ranged(solved["step_ms"], lambda ms: f"{rounded(ms)} ms")
-        rows, columns = solved["rows"], solved["columns"]
-        mean, least, most = (
-            f"{statistic(rows):.0f} x {statistic(columns):.0f}"
-            for statistic in (np.mean, np.min, np.max)
-        )
-        window = f"{mean} nodes"
+        if self.solved:
+            yield from self._times(scene)
+            yield from self._contact(scene)
+
+    def _times(self, scene: Scene) -> Iterator[Finding]:
+        """State window and time of a step, and the time of the march that follows from it."""
+        making, _ = cost.surface_seconds(scene)
+        if making:
+            yield from surface_time(scene, max(1.0, self.surface_s / making))
+        rows = np.array([position.rows for position in self.solved])
+        columns = np.array([position.columns for position in self.solved])
+        least = f"{rows.min()} x {columns.min()}"
+        most = f"{rows.max()} x {columns.max()}"
+        window = f"{rows.mean():.0f} x {columns.mean():.0f} nodes"
         if least != most:
             window += f" ({least} to {most})"
-        if making := cost.surface_seconds(scene)[0]:
-            yield from surface_time(scene, max(1.0, self.surface_s / making))
         yield Finding("window", "window", window)
+        step_ms = np.array([position.step_ms for position in self.solved])
+        step = _ranged(step_ms, lambda ms: f"{rounded(ms)} ms")
         yield Finding("step_time", "time of a step", f"{step} on 1 core")
+        slow = float(step_ms.mean()) / cost.step_ms(scene)
+        seconds = slow * cost.expected_seconds(scene)
         yield Finding("expected_time", "time of the march", cost.computing(seconds), seconds)
-        yield Finding("contact_area", "contact area", _ranged(solved["contact_area"], _area))
+
+    def _contact(self, scene: Scene) -> Iterator[Finding]:
+        """State areas and maximum pressure, and on which share of the contact the plate yields."""
+        contact_area = np.array([position.contact_area for position in self.solved])
+        plastic_area = np.array([position.plastic_area for position in self.solved])
+        pressure = np.array([position.max_pressure for position in self.solved])
+        yield Finding("contact_area", "contact area", _ranged(contact_area, _area))
         if math.isfinite(scene.hardness):
-            plastic_area, contact_area = solved["plastic_area"], solved["contact_area"]
-            share = 100 * plastic_area / contact_area
             says = "stays elastic where solved"
-            if whole := 100 * plastic_area.sum() / contact_area.sum():
-                range_ = f"{rounded(share.min())} to {rounded(share.max())} %"
-                says = f"yields on {rounded(whole)} % of the contact ({range_})"
+            whole = 100 * plastic_area.sum() / contact_area.sum()
+            if whole:
+                share = 100 * plastic_area / contact_area
+                extremes = f"{rounded(share.min())} to {rounded(share.max())} %"
+                says = f"yields on {rounded(whole)} % of the contact ({extremes})"
             yield Finding("hardness", "hardness", f"{si(scene.hardness, 'Pa')}, {says}")
             yield Finding("plastic_area", "plastic area", _ranged(plastic_area, _area))
-        pressure = _ranged(solved["max_pressure"], lambda value: si(value, "Pa"))
-        yield Finding("max_pressure", "maximum pressure", pressure)
+        words = _ranged(pressure, lambda value: si(value, "Pa"))
+        yield Finding("max_pressure", "maximum pressure", words)
 
 
 def _ranged(values: Array, text: Callable[[float], str]) -> str:
@@ -124,6 +145,7 @@ def _ranged(values: Array, text: Callable[[float], str]) -> str:
 
 
 def _area(value: float) -> str:
+    """Write an area [m2] in square micrometres, without an exponent."""
     return f"{float(f'{value * 1e12:.3g}'):.15g} um2"
 
 
@@ -157,25 +179,22 @@ def probe(
     """
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     places = sorted({k * steps // POSITIONS for k in range(POSITIONS)})
-    solved: list[tuple[float, ...]] = []
+    solved: list[Position] = []
     failures: list[str] = []
     with suppress(ContactError):  # the same position fails again below
-        _position(contact, 0, half_space)
+        _solve(contact, 0, half_space)
     for place in places:
         try:
-            solved.append(_position(contact, place, half_space))
+            solved.append(_solve(contact, place, half_space))
         except ContactError as error:
             failures.append(str(error))
         tell(1)
     tell(POSITIONS - len(places))  # a track may have fewer steps than positions
-    return Probe(np.array(solved, POSITION), len(places), tuple(failures))
+    return Probe(tuple(solved), len(places), tuple(failures))
 
 
-def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[float, ...]:
-    """Solve position k from a cold start, and time the warm steps after it with their release.
-
-    Return the entries of POSITION; the window is that of the last step.
-    """
+def _solve(contact: RollingContact, k: int, half_space: HalfSpace) -> Position:
+    """Solve position k from a cold start, and time the warm steps after it with their release."""
     states: list[ContactState] = []
     times: list[float] = []
     began = time.process_time()  # other programs may hold the processor
@@ -184,10 +203,15 @@ def _position(contact: RollingContact, k: int, half_space: HalfSpace) -> tuple[f
             step_energy(states[-1], state, half_space)
         times.append(time.process_time() - began)
         states.append(state)
-    window, first = states[-1].window.cells(contact.subcells), states[0]
-    step_ms = 1e3 * float(np.min(np.diff(times)))  # other programs only add to it
-    areas = first.contact_area, first.plastic_area, first.max_pressure
-    return (*areas, step_ms, window.rows, window.columns)
+    window = states[-1].window.cells(contact.subcells)
+    return Position(
+        contact_area=states[0].contact_area,
+        plastic_area=states[0].plastic_area,
+        max_pressure=states[0].max_pressure,
+        step_ms=1e3 * float(np.min(np.diff(times))),  # other programs only add to it
+        rows=window.rows,
+        columns=window.columns,
+    )
 
 
 def _left_out(scenes: Sequence[Scene]) -> list[str]:
@@ -195,7 +219,8 @@ def _left_out(scenes: Sequence[Scene]) -> list[str]:
     reasons: list[str] = []
     seconds, made = 0.0, set[object]()
     for scene in scenes:
-        nodes = 0 if isinstance(scene.surface, HeightFile) else cost.surface_nodes(scene)
+        is_read = isinstance(scene.surface, HeightFile)
+        nodes = 0 if is_read else cost.surface_nodes(scene)
         solving = POSITIONS * (1 + COLD_STEPS + WARM_STEPS) * cost.step_ms(scene) * 1e-3
         reason = ""
         if nodes > MAX_NODES:

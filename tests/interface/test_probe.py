@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from checked import Row, checked
 
+from acoustics.arrays import Array
 from rolling.check import findings, probe
 from rolling.contact import march
 from rolling.contact.subcells import half_space_of
@@ -27,6 +28,11 @@ rolling: {load_n: 1, speed_m_s: 0.1, duration_s: 0.008}
 
 def scene(*overrides: str) -> Scene:
     return file.loads(TEXT, overrides)
+
+
+def solved_values(got: probe.Probe, name: str) -> Array:
+    """Return a quantity of all solved positions."""
+    return np.array([getattr(position, name) for position in got.solved])
 
 
 def solved(given: Scene) -> dict[str, Row]:
@@ -69,11 +75,14 @@ def test_numbers_are_those_of_a_march() -> None:
     )
     places = np.arange(8) * 400 // 8
     for name in ("contact_area", "plastic_area", "max_pressure"):
-        values, marched = got.solved[name], np.array([getattr(state, name) for state in states])
+        values, marched = (
+            solved_values(got, name),
+            np.array([getattr(state, name) for state in states]),
+        )
         np.testing.assert_allclose(values, marched[places], rtol=0.02)
         assert values.min() * (1 - 1e-9) <= marched.mean() <= values.max() * (1 + 1e-9)
     windows = np.array([(state.window.rows, state.window.columns) for state in states])
-    mean = [got.solved[name].mean() for name in ("rows", "columns")]
+    mean = [solved_values(got, name).mean() for name in ("rows", "columns")]
     np.testing.assert_allclose(mean, windows.mean(axis=0), rtol=0.15)
 
 
@@ -81,7 +90,7 @@ def test_the_expected_time_is_that_of_the_solved_steps() -> None:
     given = scene("rolling.duration_s=0.004")
     (got,) = probe.probes([given])
     finding = next(f for f in got.findings(given) if f.key == "expected_time")
-    seconds = got.solved["step_ms"].mean() * 1e-3 * given.track.solved_steps
+    seconds = solved_values(got, "step_ms").mean() * 1e-3 * given.track.solved_steps
     assert finding.seconds == pytest.approx(seconds)
 
 
@@ -117,7 +126,7 @@ def test_probes_stand_in_the_order_of_the_runs() -> None:
     """Runs that share a surface are solved in succession, whatever their order."""
     sweep = "sweep.rolling.load_n=[1, 2]", "sweep.surface.seed=[1, 2]"
     areas = [
-        got.solved["contact_area"].mean()
+        solved_values(got, "contact_area").mean()
         for got in probe.probes([r for _, r in scene(*sweep).runs()])
     ]
     assert min(areas[2:]) > 1.5 * max(areas[:2])  # seeds vary fastest
