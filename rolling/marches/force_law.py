@@ -59,7 +59,7 @@ def law_loads(scene: Scene, result: Result) -> Loads:
     Loads are added in batches, each up to the extremes over the law before. None follows beyond a
     load that failed. Raise ContactError where a motion is not possible.
     """
-    assert result.complete
+    assert result.is_complete
     marches = result.load_marches or LoadMarches(result.solved_steps)
     loads = [scene.load]
     wanted = set[float]()
@@ -71,8 +71,8 @@ def law_loads(scene: Scene, result: Result) -> Loads:
             return Loads(loads, lacking, wanted)
         faults = wanted & marches.faults.keys()  # another run of the march may have more
         loads = sorted({*loads, *further} - faults)
-        least, most = _extremes(scene, result, loads)
-        further = _beyond(scene, loads, faults, least, most)
+        least, most = _force_extremes(scene, result, loads)
+        further = _loads_beyond(scene, loads, faults, least, most)
     return Loads(loads, [], wanted)
 
 
@@ -134,7 +134,7 @@ def _of_loads(by_load: dict[float, Value], loads: Container[float]) -> dict[floa
 
 def _judging_loads(scene: Scene, result: Result, loads: Sequence[float]) -> list[float]:
     """Return the loads [N] whose marches judge a law: between its loads, and the largest force."""
-    return [*_between(loads), *_beyond_top(scene, result, loads)]
+    return [*_loads_between(loads), *_largest_force_beyond(scene, result, loads)]
 
 
 def _first_loads(scene: Scene) -> list[float]:
@@ -146,7 +146,7 @@ def _first_loads(scene: Scene) -> list[float]:
     return [*lighter, scene.load, *heavier]
 
 
-def _ladder(scene: Scene, sign: int) -> Iterator[float]:
+def _neighbouring_loads(scene: Scene, sign: int) -> Iterator[float]:
     """Yield loads [N] above (1) or below (-1) the scene's: by the span, and far from it wider."""
     assert scene.dynamics is not None
     if scene.rolling.drop_mm is not None:
@@ -166,16 +166,16 @@ def _ladder(scene: Scene, sign: int) -> Iterator[float]:
         ratio *= wide
 
 
-def _extremes(scene: Scene, result: Result, loads: Sequence[float]) -> tuple[float, float]:
+def _force_extremes(scene: Scene, result: Result, loads: Sequence[float]) -> tuple[float, float]:
     """Return minimum and maximum force [N] over a law, from one motion for each law."""
     key = vibration_key(scene), tuple(loads)
     if key not in result.extremes:
-        force = _motion(scene, result, loads).force_n
+        force = _motion_over(scene, result, loads).force_n
         result.extremes[key] = float(force.min()), float(force.max())
     return result.extremes[key]
 
 
-def _motion(scene: Scene, result: Result, loads: Sequence[float]) -> BodyMotion:
+def _motion_over(scene: Scene, result: Result, loads: Sequence[float]) -> BodyMotion:
     """Return the motion over a law, which the result keeps until the next."""
     key = vibration_key(scene), tuple(loads)
     if result.motion is None or result.motion.key != key:
@@ -186,17 +186,17 @@ def _motion(scene: Scene, result: Result, loads: Sequence[float]) -> BodyMotion:
 
 def law_motion(scene: Scene, result: Result) -> BodyMotion:
     """Return the motion over the force law of a run whose marches are there."""
-    return _motion(scene, result, law_loads(scene, result).marched)
+    return _motion_over(scene, result, law_loads(scene, result).marched)
 
 
-def _beyond(
+def _loads_beyond(
     scene: Scene, loads: Sequence[float], faults: Container[float], least: float, most: float
 ) -> list[float]:
     """Return loads beyond the given ones up to the extremes of the force [N], or to a fault."""
     further = []
     for sign, extreme in ((1, most), (-1, least)):
         inner = scene.load
-        for load in _ladder(scene, sign):
+        for load in _neighbouring_loads(scene, sign):
             is_enough = sign * (extreme - inner) <= 0
             if is_enough or load in faults:
                 break
@@ -206,16 +206,16 @@ def _beyond(
     return further
 
 
-def _beyond_top(scene: Scene, result: Result, loads: Sequence[float]) -> list[float]:
+def _largest_force_beyond(scene: Scene, result: Result, loads: Sequence[float]) -> list[float]:
     """Return the largest force [N], in two digits, where it lies beyond the loads of a law."""
-    _, most = _extremes(scene, result, loads)
+    _, most = _force_extremes(scene, result, loads)
     largest = float(f"{most:.2g}")
     if largest <= loads[-1]:
         return []
     return [largest]
 
 
-def _between(loads: Sequence[float]) -> list[float]:
+def _loads_between(loads: Sequence[float]) -> list[float]:
     """Return the geometric means of neighbouring loads [N]."""
     return [math.sqrt(low * high) for low, high in pairwise(loads)]
 
@@ -297,7 +297,7 @@ def law_error(scene: Scene, result: Result, loads: Sequence[float]) -> LawError 
     if result.load_marches is None:
         return None
     judging = result.load_marches.judging
-    between = [load for load in _between(loads) if load in judging]
+    between = [load for load in _loads_between(loads) if load in judging]
     if not between:
         return None
     steps = len(judging[between[0]]) - 1
@@ -305,7 +305,7 @@ def law_error(scene: Scene, result: Result, loads: Sequence[float]) -> LawError 
     newtons = np.array([_rms_error(law, load, judging[load], result.step) for load in between])
     ratio = float(np.max(newtons / np.abs(np.array(between) - scene.load)))
     top = None
-    for load in _beyond_top(scene, result, loads):
+    for load in _largest_force_beyond(scene, result, loads):
         if load in judging:
             top = _rms_error(law, load, judging[load], result.step) / load
     return LawError(
@@ -356,8 +356,8 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     if repeats:
         lap = steps * result.step
     positions = np.arange(steps + 1, dtype=float) * result.step
-    force = _at(positions, places, motion.force_n[moved], lap)
-    approach = _at(positions, places, motion.approach_m[moved], lap)
+    force = _interpolated(positions, places, motion.force_n[moved], lap)
+    approach = _interpolated(positions, places, motion.approach_m[moved], lap)
     if repeats:
         force[-1] = force[0]  # to the last digit
     if not force.min() > 0:
@@ -365,7 +365,7 @@ def load_along(scene: Scene, result: Result) -> MovingRelease:
     return MovingRelease(key, force, approach)
 
 
-def _at(positions: Array, places: Array, values: Array, lap: float | None) -> Array:
+def _interpolated(positions: Array, places: Array, values: Array, lap: float | None) -> Array:
     """Interpolate values between places [m]; they repeat after a lap [m], unless it is None."""
     from scipy.interpolate import CubicSpline  # slow to import, for motions only
 

@@ -62,7 +62,7 @@ def next_pieces(scene: Scene, result: Result, film: bool = False) -> list[Piece]
             return pieces
         if scene.dynamics is not None:
             passes.refuse_yielding()
-    if not result.complete:
+    if not result.is_complete:
         pieces = [
             Piece(scene, result.identity, "track", first, last, sunk=result.sunk)
             for first, last in result.missing()
@@ -169,7 +169,7 @@ def film_stretch(scene: Scene, result: Result) -> range | None:
 
     Return None for a smooth surface, which has no events, and for a run that is too short.
     """
-    if scene.is_smooth or not result.complete:
+    if scene.is_smooth or not result.is_complete:
         return None
     try:
         if scene.dynamics is not None and scene.sound.source == "vibration":

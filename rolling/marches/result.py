@@ -95,7 +95,7 @@ class LoadMarches:
         if load in self.faults:
             return []
         approach = self.approach.get(load, np.full(self.steps + 1, np.nan))
-        return _lacking(approach[1:], self._failures[load])
+        return _missing_pieces(approach[1:], self._failures[load])
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add a piece; a load with a failed piece is dropped when its other pieces are there.
@@ -170,7 +170,7 @@ class MovingRelease:
         """Return first and last position of the pieces that the march lacks."""
         if self.fault:
             return []
-        return _lacking(self.steps["release_energy"], self._failures)
+        return _missing_pieces(self.steps["release_energy"], self._failures)
 
     def add(self, piece: Piece, arrays: dict[str, NDArray[Any]]) -> None:
         """Add a piece; the first piece that failed is the fault of the march when all are there."""
@@ -387,10 +387,10 @@ class Result:
 
     def missing(self) -> list[tuple[int, int]]:
         """Return first and last position of the pieces of the track that are not solved yet."""
-        return _lacking(self.series["release_energy"], ())
+        return _missing_pieces(self.series["release_energy"], ())
 
     @property
-    def complete(self) -> bool:
+    def is_complete(self) -> bool:
         """Whether all steps of the track are solved."""
         return not self.missing()
 
@@ -407,12 +407,12 @@ class Result:
         if not self.event_pieces:
             return None
         table = join_events([self.event_pieces[first] for first in sorted(self.event_pieces)])
-        if self.complete:  # it is joined only once
+        if self.is_complete:  # it is joined only once
             self.event_pieces = {0: table}
         return table
 
 
-def _lacking(values: Array, failed: Container[int]) -> list[tuple[int, int]]:
+def _missing_pieces(values: Array, failed: Container[int]) -> list[tuple[int, int]]:
     """Return first and last position of the pieces of unknown steps, but for those that failed."""
     is_unknown = np.isnan(values)
     return [

@@ -29,11 +29,6 @@ WITH_DOCTESTS = sorted(
 )
 
 
-def test_there_are_five_examples() -> None:
-    """The examples are Hertz, a contact, a load sweep, an own surface and acoustics alone."""
-    assert len(EXAMPLES) >= 5
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("script", EXAMPLES, ids=lambda script: script.stem)
 def test_example_runs(script: Path, tmp_path: Path) -> None:

@@ -188,7 +188,7 @@ def test_no_load_follows_beyond_a_failed_one(solved: Result) -> None:
     result, failing = Result.empty(given), ""
     while pieces := next_pieces(given, result):
         batch = {piece.load for piece in pieces if piece.kind == "load"}
-        failing = max(batch) if batch and result.complete and not failing else failing
+        failing = max(batch) if batch and result.is_complete and not failing else failing
         for piece in pieces:
             arrays = march_piece(piece) if piece.load != failing else {"fault": np.array("no")}
             result.add(piece, arrays)

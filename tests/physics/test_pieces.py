@@ -83,9 +83,9 @@ def test_pieces_in_any_order_make_the_same_result(reference: Result) -> None:
     result, marched = solve(scene("recovery.events=true"))
     random.Random(1).shuffle(marched)
     for piece, arrays in marched:
-        assert not result.complete
+        assert not result.is_complete
         result.add(piece, arrays)
-    assert result.complete and not result.missing()
+    assert result.is_complete and not result.missing()
     for name in {*STEP_SERIES, *STATE_SERIES} - {"step_time"}:  # a time of the clock
         assert np.array_equal(result.series[name], reference.series[name]), name
     assert result.maps.keys() == reference.maps.keys()

@@ -183,7 +183,7 @@ def test_a_hostile_file_is_refused_by_its_declarations(
 
 def test_an_untouched_file_with_a_new_digest_is_read(path: Path) -> None:
     spoil(path, lambda file: None)
-    assert read_result(path, SCENE).complete
+    assert read_result(path, SCENE).is_complete
 
 
 def test_files_that_are_none_are_refused(path: Path, tmp_path: Path) -> None:
@@ -198,7 +198,7 @@ def test_files_that_are_none_are_refused(path: Path, tmp_path: Path) -> None:
 def test_the_result_of_another_scene_is_refused(path: Path) -> None:
     """Speed and listener do not matter to the contact, but load and surface do."""
     faster = SCENE.with_({"rolling.speed_m_s": 0.2, "rolling.duration_s": 0.00025})
-    assert read_result(path, faster.with_({"sound.distance_m": 3})).complete
+    assert read_result(path, faster.with_({"sound.distance_m": 3})).is_complete
     for change in ({"rolling.load_n": 0.006}, {"surface.seed": 2}):
         with pytest.raises(FolderError, match="another scene or surface"):
             read_result(path, SCENE.with_(change))
