@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,38 @@ from rolling.sound.vibration_sound import Vibration
 
 LINEAR = 0.3  # rms of the contact force over the load up to which sphere and plate are linear
 _NAN = np.full(len(BAND_NAMES) + 1, math.nan)
-_UNKNOWN = error_estimate.LevelErrors(math.nan, False, _NAN, _NAN, _NAN, *[math.nan] * 3)
+
+
+class RunErrors(NamedTuple):
+    """Errors of a run, and the facts of their estimate.
+
+    levels : LevelErrors. Errors of levels and of the signal.
+    detail_db : (2, bands + 1) array, dB. Error of missing detail, and its standard uncertainty,
+        over the bands with LAeq at their end.
+    plastic : pair of float. Error of the plastic area over its size, and its standard uncertainty.
+    facts : dict. How the errors were estimated, or the reason why they were not.
+    """
+
+    levels: error_estimate.LevelErrors
+    detail_db: Array
+    plastic: tuple[float, float]
+    facts: dict[str, Any]
+
+
+def _unknown(reason: str) -> RunErrors:
+    """Return errors that are unknown for a reason."""
+    levels = error_estimate.LevelErrors(
+        order=math.nan,
+        order_measured=False,
+        grid_db=_NAN,
+        grid_uncertainty_db=_NAN,
+        solver_db=_NAN,
+        grid_signal_db=math.nan,
+        grid_signal_uncertainty_db=math.nan,
+        solver_signal_db=math.nan,
+    )
+    detail = np.stack([_NAN, _NAN])
+    return RunErrors(levels, detail, (math.nan, math.nan), {"reason": reason})
 
 
 def error_numbers(run: SolvedRun, spreads: Mapping[str, float | None]) -> dict[str, Any]:
@@ -34,17 +65,11 @@ def error_numbers(run: SolvedRun, spreads: Mapping[str, float | None]) -> dict[s
 
     `spreads` are uncertainties of LAeq [dB] by their origin: the record and, of a vibration, more.
     """
-    scene, result, sound = run.scene, run.result, run.sound
-    if not scene.numerics.error_estimate:
+    if not run.scene.numerics.error_estimate:
         return {}
-    levels, detail, plastic = _UNKNOWN, np.stack([_NAN, _NAN]), (math.nan, math.nan)
-    vibrating = run.vibration if sound.source == "vibration" else None
-    if reason := (_not_linear(vibrating) if vibrating else "") or _reason(scene, result, sound):
-        estimate: dict[str, Any] = {"reason": reason}
-    else:
-        levels, detail, estimate = _estimate(run)
-        areas = (error_stretches.plastic_areas(scene, result, grid) for grid in ("tight", "fine"))
-        plastic = error_estimate.mean_error(*areas)
+    reason = _reason_against(run)
+    errors = _unknown(reason) if reason else _estimate(run)
+    levels, detail = errors.levels, errors.detail_db
     # The level is not corrected for the error of the grid, which therefore counts whole.
     parts = dict.fromkeys(("record", "grid", "solver")) | dict(spreads)
     parts["grid"] = known(math.hypot(levels.grid_db[-1], levels.grid_uncertainty_db[-1]))
@@ -62,14 +87,14 @@ def error_numbers(run: SolvedRun, spreads: Mapping[str, float | None]) -> dict[s
     return {
         **{name: known_bands(values[:-1]) for name, values in arrays.items()},
         **{f"laeq_{name}": known(float(values[-1])) for name, values in arrays.items()},
-        "plastic_ratio_grid_error": known(plastic[0]),
-        "plastic_ratio_grid_error_uncertainty": known(plastic[1]),
+        "plastic_ratio_grid_error": known(errors.plastic[0]),
+        "plastic_ratio_grid_error_uncertainty": known(errors.plastic[1]),
         "grid_signal_db": known(levels.grid_signal_db),
         "grid_signal_uncertainty_db": known(levels.grid_signal_uncertainty_db),
         "solver_signal_db": known(levels.solver_signal_db),
         "laeq_uncertainty_db": None if reason else total,
         "laeq_uncertainty_parts_db": parts,
-        "error_estimate": estimate,
+        "error_estimate": errors.facts,
     }
 
 
@@ -89,8 +114,8 @@ def known(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _estimate(run: SolvedRun) -> tuple[error_estimate.LevelErrors, Array, dict[str, Any]]:
-    """Return errors of levels, errors from missing detail, and the facts of the estimate."""
+def _estimate(run: SolvedRun) -> RunErrors:
+    """Estimate the errors of a run from its stretches."""
     scene, result, sound = run.scene, run.result, run.sound
     powers = error_stretches.stretch_powers(scene, result)
     own_factor = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
@@ -101,14 +126,27 @@ def _estimate(run: SolvedRun) -> tuple[error_estimate.LevelErrors, Array, dict[s
     if with_detail := error_stretches.detail_powers(scene, result):
         detail = error_estimate.detail_errors(with_detail, record)
     levels = error_estimate.level_errors(powers, record)
-    estimate = {
+    plastic = error_estimate.mean_error(
+        error_stretches.plastic_areas(scene, result, "tight"),
+        error_stretches.plastic_areas(scene, result, "fine"),
+    )
+    facts = {
         "stretches": len(error_stretches.stretch_firsts(scene, result)),
         "steps": result.stretches.steps if result.stretches else 0,
         "order": levels.order,
         "order_measured": levels.order_measured,
         "worst_uncertainty_db": known(error_estimate.worst_uncertainty_db(powers)),
     }
-    return levels, detail, estimate
+    return RunErrors(levels, detail, plastic, facts)
+
+
+def _reason_against(run: SolvedRun) -> str:
+    """Explain why a run has no estimate; empty where it has one."""
+    if run.vibration is not None and run.sound.source == "vibration":
+        reason = _not_linear(run.vibration)
+        if reason:
+            return reason
+    return _reason(run.scene, run.result, run.sound)
 
 
 def _not_linear(vibration: Vibration) -> str:
@@ -122,15 +160,15 @@ def _not_linear(vibration: Vibration) -> str:
     return f"{words}, and no linear chain carries an error of the approach to the sound then"
 
 
-def _reason(scene: Scene, result: Result, sound: ContactSound) -> str | None:
-    """Explain why a run has no estimate, or return None."""
+def _reason(scene: Scene, result: Result, sound: ContactSound) -> str:
+    """Explain why stretches tell no errors of a sound; empty where they do."""
     if scene.is_smooth:
         return "a smooth surface makes no sound whose error could be estimated"
     if result.stretches and result.stretches.fault:
         return f"a stretch could not be solved again: {result.stretches.fault}"
     if not error_stretches.stretch_firsts(scene, result):
         return error_cost.too_short(scene) or "its stretches are not marched"
-    return "the record is silent" if sound.levels.level_db is None else None
+    return "the record is silent" if sound.levels.level_db is None else ""
 
 
 def known_bands(values: Array) -> dict[str, float | None]:
