@@ -69,9 +69,10 @@ def test_equal_roughness_of_ball_and_plate_adds_three_decibels() -> None:
     assert two == pytest.approx(np.sqrt(2) * one, rel=0.01)
 
 
-@pytest.mark.parametrize("start_um", [0.0, -700.3, 5000.0])
-@pytest.mark.parametrize("step", ["0.5", "1", "3"])
-@pytest.mark.parametrize("rough_plate", [False, True])
+@pytest.mark.parametrize(
+    ("start_um", "step", "rough_plate"),
+    [(0.0, "1", False), (0.0, "0.5", True), (-700.3, "3", True), (5000.0, "1", True)],
+)
 def test_the_sum_holds_on_a_track_that_does_not_close(
     start_um: float, step: str, rough_plate: bool
 ) -> None:

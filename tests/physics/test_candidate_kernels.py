@@ -16,9 +16,9 @@ CROSS = ndimage.generate_binary_structure(2, 1)
 
 
 @pytest.mark.kernel
-@pytest.mark.parametrize("shape", [(1, 1), (1, 9), (7, 1), (5, 8), (13, 11), (31, 40)])
-@pytest.mark.parametrize("share", [0.0, 0.02, 0.3, 1.0])
-@pytest.mark.parametrize(("neighbours", "subcells"), [(False, 1), (True, 1), (True, 2), (False, 4)])
+@pytest.mark.parametrize("shape", [(1, 1), (1, 9), (7, 1), (13, 11)])
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize(("neighbours", "subcells"), [(False, 1), (True, 2)])
 def test_candidates_are_those_of_plain_arrays(
     shape: tuple[int, int], share: float, neighbours: bool, subcells: int
 ) -> None:
@@ -50,8 +50,8 @@ def test_candidates_are_those_of_plain_arrays(
         assert block == [*first, *sizes]
 
 
-@pytest.mark.parametrize(("rows", "row"), [(4100, 10), (1500, 31), (650, 64), (206, 200)])
-@pytest.mark.parametrize("share", [0.0001, 0.001, 0.01, 0.1, 1.0])
+@pytest.mark.parametrize(("rows", "row"), [(4100, 10), (206, 200)])
+@pytest.mark.parametrize("share", [0.0001, 0.01, 1.0])
 def test_strips_hold_all_nodes_near_candidates(rows: int, row: int, share: float) -> None:
     """Strips are apart, in order and within the rows that move, and hold the reach of a stencil."""
     grid = np.zeros((rows, row), bool)

@@ -200,9 +200,9 @@ def test_bouncing_marble() -> None:
     assert motion.energy_error < 1e-9
 
 
-@pytest.mark.parametrize("thickness", ["5", ""])
 @pytest.mark.parametrize(
-    ("radius", "height"), [(0.5, 0.01), (0.5, 300), (5, 0.01), (50, 0.01), (50, 300)]
+    ("radius", "height", "thickness"),
+    [(0.5, 0.01, "5"), (0.5, 300, ""), (50, 0.01, ""), (50, 300, "5")],
 )
 def test_spheres_of_all_sizes(radius: float, height: float, thickness: str) -> None:
     given = scene(

@@ -72,7 +72,7 @@ def errors_of(scene: Scene, result: Result) -> LevelErrors:
 
 
 @pytest.mark.parametrize("change", ["rolling.load_n=20", "numerics.tolerance=1e-6"])
-@pytest.mark.parametrize("seconds", [0.2, 0.5, 1.5, 5.0])
+@pytest.mark.parametrize("seconds", [0.2, 5.0])
 def test_stretches_cost_no_more_than_their_share_of_the_run(change: str, seconds: float) -> None:
     given = long_scene(change, f"rolling.duration_s={seconds}")
     layout = error_cost.layout(given)

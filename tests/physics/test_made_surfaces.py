@@ -51,11 +51,15 @@ def wave_numbers(shape: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.law("Surface: made heights have their skewness, kurtosis and spectrum at once.")
-@pytest.mark.parametrize("pair", [(0, 2.1), (-1.3, 5.5), (0.7, 2.9), (1.5, 7), (-0.4, 12)])
 @pytest.mark.parametrize(
-    "law",
-    [roughness(), roughness(autocorrelation="exponential", correlation_length_um=12), affine()],
-    ids=["gaussian", "exponential", "self-affine"],
+    ("law", "pair"),
+    [
+        (roughness(), (0, 2.1)),
+        (roughness(), (-1.3, 5.5)),
+        (roughness(), (0.7, 2.9)),
+        (roughness(autocorrelation="exponential", correlation_length_um=12), (1.5, 7)),
+        (affine(), (-0.4, 12)),
+    ],
 )
 def test_skewness_and_kurtosis_keep_the_waves_of_the_gaussian_surface(law, pair: tuple) -> None:
     """Both moments are within 0.005, and each wave has the share of the same seed's Gaussian one.
@@ -88,7 +92,7 @@ def test_unreachable_pairs_end_as_near_as_they_come(pair: tuple, reached: float)
 
 
 @pytest.mark.parametrize("skewness", [0.0, 0.4, -2.0, 6.0])
-@pytest.mark.parametrize("excess", [0.05, 0.9, 2.0, 3.5, 9.0])
+@pytest.mark.parametrize("excess", [0.05, 2.0, 9.0])
 def test_johnson_heights_have_their_moments(skewness: float, excess: float) -> None:
     """Any kurtosis above skewness^2 + 1; 2e5 quantiles miss up to 7 % of long tails."""
     wanted = skewness, skewness**2 + 1 + excess * (1 + skewness**2)

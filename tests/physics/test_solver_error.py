@@ -41,13 +41,9 @@ def heard(scene: Scene) -> ContactSound:
     "overrides",
     [
         (),
-        ("numerics.tolerance=1e-3",),
-        ("numerics.tolerance=1e-6",),
         ("rolling.speed_m_s=[[0, 0], [0.004, 0.24]]",),
         (YIELDING, "numerics.tolerance=1e-7"),
-        BELOW_A_NODE,
         (*BELOW_A_NODE, "numerics.tolerance=1e-3"),
-        (*BELOW_A_NODE, "numerics.tolerance=1e-7"),
         (*BELOW_A_NODE, YIELDING),
         (*BELOW_A_NODE, "rolling.speed_m_s=[[0, 0.12], [0.003, 0.36]]"),
         ("numerics.step_nodes=53", "rolling.speed_m_s=7", "rolling.duration_s=0.0018"),
@@ -96,9 +92,7 @@ def test_doubts_by_the_distance_from_the_error() -> None:
     assert solver_doubt(smooth, 0.5, 1.0) is None
 
 
-@pytest.mark.parametrize(
-    "speed", ["0.01", "0.12", "3", "[[0, 0.1], [0.05, 3]]", "[[0, 0], [0.01, 0.5], [0.011, 0.02]]"]
-)
+@pytest.mark.parametrize("speed", ["0.01", "3", "[[0, 0], [0.01, 0.5], [0.011, 0.02]]"])
 @pytest.mark.parametrize("closed", [True, False])
 def test_an_error_that_is_white_along_the_track_is_known_in_the_band(
     speed: str, closed: bool

@@ -174,9 +174,7 @@ def test_unmeasured_nodes_do_not_count() -> None:
 
 
 @pytest.mark.parametrize("wrap", [True, False])
-@pytest.mark.parametrize(
-    "shape", [(1, 1), (1, 2), (2, 1), (2, 2), (3, 1), (1, 64), (64, 1), (5, 3)]
-)
+@pytest.mark.parametrize("shape", [(1, 1), (1, 2), (2, 2), (64, 1), (5, 3)])
 def test_tiny_surfaces(shape: tuple[int, int], wrap: bool) -> None:
     """Every parameter is a number or NaN, never a warning; flat surfaces have no shape."""
     undefined = {"Ssk", "Sku", "Sal", "Str", "Std"}

@@ -77,8 +77,8 @@ def test_rows_side_by_side_come_back(side: int, rows: int, columns: int) -> None
     np.testing.assert_array_equal(out, 3.0 * pressure)
 
 
-@pytest.mark.parametrize("m", [2, 6, 10, 16, 20, 24, 80])
-@pytest.mark.parametrize("n", [4, 10, 16])
+@pytest.mark.parametrize("m", [2, 6, 16, 80])
+@pytest.mark.parametrize("n", [4, 10])
 def test_pairs_of_rows_share_a_transform(m: int, n: int) -> None:
     """Any even lengths, columns with and without a middle frequency, whole or in halves."""
     transforms = Convolution(m, n, False, half_spectrum(m, n, 1, love))
@@ -90,7 +90,7 @@ def test_pairs_of_rows_share_a_transform(m: int, n: int) -> None:
 
 
 @pytest.mark.parametrize("single", [False, True])
-@pytest.mark.parametrize("nodes", [9, 33, 40, 64, 100, 128, 137, 171, 245, 310, 390])
+@pytest.mark.parametrize("nodes", [9, 40, 137, 245, 390])
 def test_lengths_of_all_kinds_give_the_deflection(nodes: int, single: bool) -> None:
     """Columns as a whole, in halves, in place or not agree with a transform by numpy."""
     space = HalfSpace(1e-6, 1e11)

@@ -164,6 +164,7 @@ def test_a_softer_plate_is_beyond_the_contacts_of_other_solvers(
     assert not validate.rows_of(TABLE["rough-contact"], validate.rough_contact())["holds"].any()
 
 
+@pytest.mark.slow
 def test_a_wrong_plate_is_beyond_its_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     """A plate that is 1 % thicker has a mobility that is 2 % lower."""
     right = validate.of_scene.rectangular_plate
@@ -185,6 +186,7 @@ def test_zener_without_and_with_loss() -> None:
     assert validate.restitution(0.02) == pytest.approx(math.exp(-1.719 * 0.02), abs=2e-4)
 
 
+@pytest.mark.slow
 def test_restitution_on_plates() -> None:
     """The scene of the page, against Zener's equation; its plates share one march."""
     runs = rolling.simulate_sweep(validate._scene("restitution"), workers=1, progress=False)
