@@ -47,6 +47,16 @@ LEVELS: Quantities = {
     "vibration_laeq_db": Quantity("LAeq of the vibration"),
     "release_laeq_db": Quantity("level of the release, A"),
 }
+# Levels of runs that are all heard by their release, which is an upper bound.
+RELEASE_EVENT_LEVELS: Quantities = {
+    "lae_db": Quantity("LAE (re 1 s) of the released power", "lae_uncertainty_db"),
+    "laf_max_db": Quantity("LAFmax of the released power", "laf_max_uncertainty_db"),
+}
+RELEASE_LEVELS: Quantities = {
+    **LEVELS,
+    "laeq_db": Quantity("released power, A", "laeq_uncertainty_db"),
+    "level_db": Quantity("released power, Z", "level_uncertainty_db"),
+}
 AREAS: Quantities = {
     "contact_area_mean_m2": Quantity("contact area"),
     "plastic_area_mean_m2": Quantity("plastic area"),
@@ -91,19 +101,9 @@ def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) 
     >>> ax = rolling.plot.levels(runs, "rolling.load_n")
     """
     shown = compared(runs)
-    quantities = dict(level_quantities(shown))
-    is_release = all(run.sound.source == "release" for run in shown)
-    if is_release and quantities == EVENT_LEVELS:
-        quantities["lae_db"] = Quantity("LAE (re 1 s) of the released power", "lae_uncertainty_db")
-        quantities["laf_max_db"] = Quantity(
-            "LAFmax of the released power", "laf_max_uncertainty_db"
-        )
-    elif is_release:
-        quantities["laeq_db"] = Quantity("released power, A", "laeq_uncertainty_db")
-        quantities["level_db"] = Quantity("released power, Z", "level_uncertainty_db")
     key = key or _some_swept_key(shown)
     ax = axes_of(ax)
-    _draw_against_key(ax, shown, key, quantities)
+    _draw_against_key(ax, shown, key, level_quantities(shown))
     ax.set_ylabel("level [dB re 20 µPa]")
     facts = [
         picture.distance_text(shown),
@@ -178,9 +178,11 @@ def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
 def level_quantities(runs: Sequence[Run]) -> Quantities:
     """Return the levels that a sweep is compared by: LAE and LAFmax if all runs are events."""
     sounding = [run for run in runs if run.summary["laeq_db"] is not None]
-    if sounding and all(run.summary.get("single_event") for run in sounding):
-        return EVENT_LEVELS
-    return LEVELS
+    are_events = bool(sounding) and all(run.summary.get("single_event") for run in sounding)
+    are_releases = all(run.sound.source == "release" for run in runs)
+    if are_events:
+        return RELEASE_EVENT_LEVELS if are_releases else EVENT_LEVELS
+    return RELEASE_LEVELS if are_releases else LEVELS
 
 
 def level_table(runs: Sequence[Run]) -> pd.DataFrame:
