@@ -68,14 +68,19 @@ def fault(message: str, at: str | Key = ()) -> PydanticCustomError:
     return PydanticCustomError("fault", "{message}", {"message": writable(message), "at": key})
 
 
-def first_faults(lines: Sequence[str], where: str) -> list[str]:
-    """Return the first lines of a list of faults, and how many more there are."""
-    lines = list(dict.fromkeys(lines))
-    more = len(lines) - MAX_FAULTS
-    if more <= 0:
-        return lines
-    rest = "1 more fault is" if more == 1 else f"{more:,} more faults are"
-    return [*lines[:MAX_FAULTS], f"{where}: {rest} not listed"]
+def first_faults(lines: Sequence[str], where: str, more: int = 0) -> list[str]:
+    """Return the first lines of a list of faults, and how many more there are.
+
+    `more` faults have no line, because words take long for many.
+    """
+    different = list(dict.fromkeys(lines))
+    more += max(0, len(different) - MAX_FAULTS)
+    listed = different[:MAX_FAULTS]
+    if more == 1:
+        listed.append(f"{where}: 1 more fault is not listed")
+    elif more > 1:
+        listed.append(f"{where}: {more:,} more faults are not listed")
+    return listed
 
 
 class Plausible(NamedTuple):

@@ -34,6 +34,7 @@ from acoustics.numbers import rounded
 from rolling.scene import library
 from rolling.scene.messages import (
     MATERIALS,
+    MAX_FAULTS,
     TABLES,
     Key,
     SceneError,
@@ -117,7 +118,8 @@ class Section(BaseModel, metaclass=_SceneErrors):
                 if not name.startswith((f"{section}.", f"{section}[")):
                     name = f"{section}.{name}".removesuffix(".")
                 lines.append(f"scene: {shortened(name)}: {found.message}")
-            raise SceneError(first_faults(lines, "scene")) from error
+            more = error.error_count() - len(lines)
+            raise SceneError(first_faults(lines, "scene", more)) from error
 
     @model_validator(mode="before")
     @classmethod
@@ -227,8 +229,9 @@ class Fault(NamedTuple):
 def faults_of(
     error: ValidationError, data: Mapping[str, Any], root: type[BaseModel]
 ) -> list[Fault]:
-    """Return the faults that pydantic found in plain values, in the words of a scene."""
-    return [_fault_of(listed, data, root) for listed in error.errors(include_url=False)]
+    """Return the first MAX_FAULTS faults that pydantic found, in the words of a scene."""
+    first = error.errors(include_url=False)[:MAX_FAULTS]
+    return [_fault_of(listed, data, root) for listed in first]
 
 
 def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:

@@ -186,14 +186,17 @@ class Scene(quantities.SceneQuantities):
         """
         values = plain_values(data)
         faults = []
+        more = 0
         if values.get("name") is None:
             faults.append(Fault(("name",), f"missing; {quantities.NAME}"))
         try:
             scene = cls.model_validate(values)
         except ValidationError as error:
-            faults += faults_of(error, values, cls)
+            found = faults_of(error, values, cls)
+            faults += found
+            more = error.error_count() - len(found)
         if faults:
-            raise _scene_error(faults, places)
+            raise _scene_error(faults, places, more)
         scene._folder = folder
         scene._places = dict(places)
         scene.runs()  # refuses a faulty run
@@ -271,9 +274,9 @@ class Scene(quantities.SceneQuantities):
                 scene = Scene.model_validate(run_data)
             except ValidationError as error:
                 faults = faults_of(error, run_data, Scene)
-                raise _scene_error(
-                    [self._in_sweep(found, values) for found in faults], self._places
-                ) from error
+                placed = [self._in_sweep(found, values) for found in faults]
+                more = error.error_count() - len(faults)
+                raise _scene_error(placed, self._places, more) from error
             scene._folder = self._folder
             scene._places = places
             runs.append(SweepRun(values, scene))
@@ -299,10 +302,10 @@ def _place_of(key: Key, places: Mapping[Key, str]) -> str:
     return next(places[key[:n]] for n in range(len(key), -1, -1) if key[:n] in places)
 
 
-def _scene_error(faults: list[Fault], places: Mapping[Key, str]) -> SceneError:
-    """Make the error of a scene from its faults, each with its place."""
+def _scene_error(faults: list[Fault], places: Mapping[Key, str], more: int) -> SceneError:
+    """Make the error of a scene from its faults, each with its place, and the count of others."""
     lines = [
         f"{_place_of(found.key, places)}: {shortened(dotted(found.key))}: {found.message}"
         for found in faults
     ]
-    return SceneError(first_faults(lines, _place_of((), places)))
+    return SceneError(first_faults(lines, places[()], more))
