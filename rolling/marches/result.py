@@ -381,7 +381,7 @@ class Result:
         """Depth of the nodes below the virgin plate [m] after the passes; None for no passes."""
         return None if self.passes is None else self.passes.sunk
 
-    def left_by_passes(self, heights: Array) -> Array:
+    def heights_after_passes(self, heights: Array) -> Array:
         """Return the heights [m] of a plate as its passes leave them."""
         return heights if self.sunk is None else heights - self.sunk
 
@@ -394,7 +394,7 @@ class Result:
         """Whether all steps of the track are solved."""
         return not self.missing()
 
-    def whole(self, name: str) -> Array:
+    def whole_series(self, name: str) -> Array:
         """Return a series of the whole run with repeated laps."""
         values: Array = self.series[name]
         places = np.arange(self.steps) % self.solved_steps
@@ -451,7 +451,7 @@ def released_energy(scene: Scene, result: Result) -> tuple[Array, bool]:
     is_closed = scene.track.closed and result.steps % result.solved_steps == 0
     moving = result.moving
     if not scene.moves_release or moving is None or moving.fault:
-        return result.whole("release_energy"), is_closed
+        return result.whole_series("release_energy"), is_closed
     lap = moving.steps["release_energy"]
     energy = lap[np.arange(result.steps) % result.solved_steps]
     return energy, is_closed and moving.repeats

@@ -40,7 +40,7 @@ def solved_stiffness(scene: Scene, result: Result) -> Array:
     """
     left = None
     if result.passes is not None:
-        left = result.left_by_passes(heights(scene))
+        left = result.heights_after_passes(heights(scene))
     contact = replace(rolling_contact(scene, left), load=LOWER * scene.load)
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
     steps = result.solved_steps

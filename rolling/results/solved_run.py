@@ -79,7 +79,7 @@ class SolvedRun(RunFolder):
         """Octaves of roughness wavelength with their parts of the sound; none for a silent run."""
         heights = None
         if self.vibration:
-            heights = self.result.left_by_passes(scene_surface(self.scene).heights)
+            heights = self.result.heights_after_passes(scene_surface(self.scene).heights)
         approach = self.result.series["approach"]
         return wavelength_octaves(self.scene, self.sound, heights, approach)
 
@@ -173,13 +173,13 @@ class SolvedRun(RunFolder):
         """
         step = self.result.step
         _, speed = middle_speeds(self.scene.motion, self.result.steps, step)
-        series = {name: self.result.whole(name) for name in STEP_SERIES}
+        series = {name: self.result.whole_series(name) for name in STEP_SERIES}
         series["speed"] = speed
         for kind in ("release", "loading"):
             series[f"{kind}_per_metre"] = series[f"{kind}_energy"] * (1 / step)
             series[f"{kind}_power"] = series[f"{kind}_energy"] * (speed / step)
         for name in STATE_SERIES:
-            series[name] = self.result.whole(name)
+            series[name] = self.result.whole_series(name)
         return MappingProxyType(series)
 
     @property

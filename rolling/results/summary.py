@@ -252,11 +252,11 @@ def _record(sound: ContactSound, release: ContactSound) -> dict[str, Any]:
 
 def _contact(scene: Scene, result: Result) -> dict[str, Any]:
     """Return areas, pressure, balance and effort over all positions."""
-    state = {name: result.whole(name) for name in STATE_SERIES}
+    state = {name: result.whole_series(name) for name in STATE_SERIES}
     length, width = semi_axes(scene)
     hertz_area = float(np.pi * (length * width))
     plastic = float(state["plastic_area"].mean())
-    defect = np.abs(result.whole("energy_defect")).max()
+    defect = np.abs(result.whole_series("energy_defect")).max()
     return {
         "hertz_area_m2": hertz_area,
         "contact_area_mean_m2": float(state["contact_area"].mean()),
@@ -623,7 +623,7 @@ def _vibration_estimate(
     """Return the estimate of the vibration that a scene without dynamics leaves out."""
     scene, result = run.scene, run.result
     is_looped = release.closed and release.constant_speed
-    approach = result.series["approach"] if is_looped else result.whole("approach")
+    approach = result.series["approach"] if is_looped else result.whole_series("approach")
     estimate = radiators.vibration_estimate(scene, approach, result.step, release.closed, stiffness)
     return {
         "vibration_estimate_laeq_db": estimate.laeq_db,

@@ -38,7 +38,7 @@ def run() -> Run:
     return marched(TINY)
 
 
-def heard(
+def written_run(
     run: Run, folder: Path, release: np.ndarray, closed: bool = True, scene: Scene = SCENE
 ) -> Run:
     """Return a run that sounds like a release [J], with its files written."""
@@ -56,11 +56,11 @@ def listen_of(folder: Path) -> dict:
 def test_the_same_sound_leaves_the_same_bytes(
     release: np.ndarray, run: Run, tmp_path: Path
 ) -> None:
-    heard(run, tmp_path / "a", release)
+    written_run(run, tmp_path / "a", release)
     second = int(time.time())
     while int(time.time()) == second:  # libsndfile's time stamp counts seconds
         time.sleep(0.02)
-    heard(run, tmp_path / "b", release)
+    written_run(run, tmp_path / "b", release)
     names = ["listen.wav", "result.h5", "signal.wav", "summary.json"]
     assert sorted(path.name for path in (tmp_path / "a").iterdir()) == names
     for name in names[:3]:
@@ -71,7 +71,7 @@ def test_the_same_sound_leaves_the_same_bytes(
 
 @pytest.mark.parametrize("closed", [True, False])
 def test_samples_times_their_factor_are_the_sound(closed: bool, run: Run, tmp_path: Path) -> None:
-    sound = heard(run, tmp_path, noise(2), closed).sound
+    sound = written_run(run, tmp_path, noise(2), closed).sound
     listen = listen_of(tmp_path)
     gain = listen["gain_full_scale_per_pa"]
     assert gain * listen["pascal_per_full_scale"] == pytest.approx(1.0, rel=1e-15)
@@ -100,10 +100,10 @@ def test_samples_times_their_factor_are_the_sound(closed: bool, run: Run, tmp_pa
 
 def test_silence_and_records_below_hearing_say_so(run: Run, tmp_path: Path) -> None:
     """A record at -22 dB(A) plays at -45 dB of full scale, silence at a gain of 1."""
-    heard(run, tmp_path / "silent", SILENT)
+    written_run(run, tmp_path / "silent", SILENT)
     assert listen_of(tmp_path / "silent")["gain_full_scale_per_pa"] == 1.0
     far = SCENE.with_({"sound.distance_m": 1e3, "sound.q": 0.03})
-    level = heard(run, tmp_path / "far", noise(3), scene=far).sound.levels.laeq_db
+    level = written_run(run, tmp_path / "far", noise(3), scene=far).sound.levels.laeq_db
     assert level is not None and -30 < level < 0
     listen = listen_of(tmp_path / "far")
     assert listen["gain_full_scale_per_pa"] == wav.MAX_GAIN
@@ -120,7 +120,7 @@ def test_listen_wav_lasts_five_seconds(
     steps = round(seconds * 0.1 / 2e-6)
     release = 1e-9 * (1.0 + 0.1 * np.random.default_rng(6).standard_normal(steps))
     scene = SCENE.with_(duration_s=seconds)
-    sound = heard(run, tmp_path, release, closed, scene).sound
+    sound = written_run(run, tmp_path, release, closed, scene).sound
     listen = listen_of(tmp_path)
     samples = wav.read(tmp_path / "listen.wav")[0] * listen["pascal_per_full_scale"]
     assert len(samples) / wav.SAMPLE_RATE_HZ == listen["duration_s"] >= 5.0

@@ -110,7 +110,7 @@ def test_waves_of_a_circumference_make_lines_at_multiples_of_the_turn() -> None:
     """The approach under a constant load follows them: they are long for the contact."""
     orders = {3: 0.004, 7: 0.002}
     result = march_all(small_ball(kind="smooth", waviness=orders))
-    lines = np.abs(np.fft.rfft(result.whole("approach")[:-1])) * 2 / TURN
+    lines = np.abs(np.fft.rfft(result.whole_series("approach")[:-1])) * 2 / TURN
     for order, amplitude_um in orders.items():
         assert lines[order] == pytest.approx(amplitude_um * 1e-6, rel=0.02)
     others = np.delete(lines[1:], [order - 1 for order in orders])

@@ -32,7 +32,7 @@ YIELDING = "plate.hardness_gpa=0.9"  # 1.27 GPa of Hertz pressure
 
 def heard(scene: Scene) -> ContactSound:
     """March a scene, and make the sound of its release."""
-    energy = march_all(scene).whole("release_energy")
+    energy = march_all(scene).whole_series("release_energy")
     return contact_sound(scene, energy, scene.track.step, scene.track.closed)
 
 
