@@ -17,8 +17,8 @@ from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import film, records, text
 from rolling.report.templates import environment
 from rolling.results import runs_table
-from rolling.results.doubts import UNVALIDATED
 from rolling.results.listening import record_for_ear
+from rolling.results.notes import UNVALIDATED
 from rolling.results.run_folder import PAGE
 from rolling.results.run_result import Run
 

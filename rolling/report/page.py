@@ -23,7 +23,7 @@ from rolling.report import assumed, film, live, maps, records, text
 from rolling.report.charts import Chart, chart_of
 from rolling.report.templates import environment, joined_script
 from rolling.results import runs_table, verdict
-from rolling.results.doubts import REPEATS
+from rolling.results.notes import REPEATS
 from rolling.results.run_result import Run
 from rolling.terminal import defaults
 

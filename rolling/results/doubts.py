@@ -13,18 +13,17 @@ import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ, OFF_DB
 from acoustics.numbers import decibels_a, rounded, si
-from rolling.check import findings, level, resolution
+from rolling.check import findings, resolution
 from rolling.check.doubt import Doubt, Severity, sized
 from rolling.dynamics.comb import COMB_MOST_DB
 from rolling.dynamics.of_scene import BENT, NEAR_SPEEDS
 from rolling.marches.result import MovingRelease
+from rolling.results import notes
 from rolling.results.run_errors import total_errors_db
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, solver_doubt
 from rolling.sound.vibration_sound import Vibration
 
-UNVALIDATED = "No level has been validated against a microphone."
-SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
 MAX_OUTSIDE = 0.1  # share of the time with an extrapolated force, which counts as 3 dB
 # Level of a half-space's pressure on the axis over the true level [dB] by frequency times distance
 # [Hz m]; below, the first error is the least.
@@ -32,18 +31,6 @@ _NEAR_HALF_SPACE = (100.0, 13.5), (1e3, 5.2), (5e3, 1.4), (1e4, 0.5)
 _ROUNDING = 1e-6  # share of a variance
 _NEAR = f"{100 * NEAR_SPEEDS:g} %"
 
-# Doubts that stand beside every level, and beside every player, by their keys.
-HEADLINE = (
-    *level.SOURCES,
-    "on_axis",
-    "infinite_plate",
-    "at_listener",
-    "plate_edges",
-    "unvalidated",
-    "uncertainty",
-)
-REPEATS = ("short_loop", "short_track")
-TURNS = "turns_unknown"
 # Errors of the level, which the verdict weighs. They have numbers of their own in the summary, so
 # that no list of warnings repeats them.
 ERRORS = (
@@ -76,220 +63,18 @@ def doubts(
     moving : MovingRelease. The release under the moving load, or its fault. Default: none.
     """
     found = [
-        *_level(scene, sound, summary, vibration),
-        *_record(scene, sound),
-        *_load(scene, moving),
-        *_passes(scene),
+        *notes.rules(scene, sound, summary, vibration, moving),
         *_force(summary, vibration),
         *_scene(scene, sound, summary, vibration),
         *_estimate(scene, sound, summary),
         *_motion(scene, vibration),
         *_comb_mean(sound, vibration),
         *_solver(scene, sound),
-        *_turns(sound, summary),
     ]
     if summary.get("laeq_db") is not None:
         found += [*_spread(summary), *_errors(scene, summary)]
     # What was measured replaces what a rule for the scene expects.
     return list({doubt.key: doubt for doubt in found}.values())
-
-
-def _note(key: str, text: str) -> Doubt:
-    """Return a standing property of the numbers."""
-    return Doubt(key, text, Severity.NOTE)
-
-
-# ---- what a level is
-
-
-def _level(
-    scene: Scene, sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
-) -> Iterator[Doubt]:
-    """Say what the levels are, and what their uncertainty covers; a silent run has none."""
-    if sound.steady_level is None and sound.levels.level_db is None:
-        return
-    if sound.source == "vibration":
-        yield from _radiation(scene)
-    else:
-        yield from _release(scene, sound, summary)
-    yield _note("unvalidated", UNVALIDATED)
-    if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
-        yield _uncertainty(sound, summary, vibration)
-
-
-def _release(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
-    """Say which bound the levels of a release are; of silence, or a gain, the steady level is."""
-    gain, q = scene.sound.gain_pa_per_w_m2, scene.sound.q
-    if gain is not None or sound.levels.level_db is None:
-        if q == 1:
-            yield _note(
-                "upper_bound",
-                "The steady level is an upper bound: all released energy counts as radiated "
-                "(q = 1).",
-            )
-        else:
-            yield _note(
-                "assumed_q",
-                f"The steady level is that of the released power times {q:g}, which is an "
-                "assumption.",
-            )
-    if sound.levels.level_db is not None:
-        yield from level.of_source(scene, above_vibration_db(summary))
-
-
-def _radiation(scene: Scene) -> Iterator[Doubt]:
-    """Say where and of which bodies the pressure of a vibration is."""
-    sources = "plate and sphere" if scene.sound.ball else "plate"
-    if scene.plate.edges_mm is None:
-        yield _note(
-            "on_axis",
-            f"Levels are the pressure of {sources} on the axis through the contact, at one "
-            f"listener at {scene.sound.distance_m:g} m without a room.",
-        )
-        body = "an infinite plate without modes, edges or supports"
-        if scene.plate.thickness_mm is None:
-            body = "a half-space"
-        yield _note(
-            "infinite_plate",
-            f"The sphere rolls on {body}, pressed by a constant force without mass; friction, "
-            "rocking and rotation are left out.",
-        )
-        return
-    place = scene.listener_place
-    if scene.sound.listener_mm is None:
-        place += " above the contact"
-    yield _note("at_listener", f"Levels are the pressure of {sources} at {place}, without a room.")
-    path = "stays at its point of the plate"
-    if len(scene.plate.contact_ends_mm) > 1:
-        path = "moves to and fro on a straight line"
-    yield _note(
-        "plate_edges",
-        "The plate is simply supported at its edges in an infinite rigid baffle, which makes a "
-        f"plate smaller than the wavelength too loud; the contact {path}. A constant force without "
-        "mass presses the sphere; friction, rocking and rotation are left out.",
-    )
-
-
-def _uncertainty(
-    sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
-) -> Doubt:
-    """Say what the uncertainty of a level covers."""
-    vibrating = vibration if sound.source == "vibration" else None
-    parts = "the length" if sound.source == "release" else "length, comb and time steps"
-    if vibrating is not None and vibrating.is_mean_of_comb:
-        covered = f"the spread of LAeq over speeds within {_NEAR}, and the time steps"
-    elif sound.once:
-        covered = (
-            "the time steps; the record is one fall, whose LAE (re 1 s) holds what sounds within "
-            "the record"
-        )
-    elif vibrating is not None and vibrating.motion.flight_share:
-        covered = (
-            f"{parts} of the record, from its scatter between thirds, because impacts are not "
-            "Gaussian noise"
-        )
-    else:
-        covered = f"{parts} of the record, taken as stationary Gaussian noise"
-    text = f"± covers {covered}; it holds no error of model, grid or solver."
-    if summary.get("laeq_uncertainty_db") is not None:
-        estimated = "grid and solver"
-        if sound.source == "vibration":
-            estimated = "grid, solver and force law"
-        text += (
-            f" Errors of {estimated} are estimated beside the levels, which are not corrected for "
-            "them."
-        )
-    return _note("uncertainty", text)
-
-
-def _record(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
-    """Tell of a record that does not loop, or whose repetition is heard."""
-    if not sound.loops and sound.closed:
-        text = "The ends of the record do not fit together: a loop of it is cross-faded."
-        yield _note("not_loopable", text)
-    elif not sound.loops:
-        yield _note(
-            "not_loopable",
-            f"The record does not close on itself: it is {sound.ends}, and a loop of it is "
-            "cross-faded.",
-        )
-    if sound.levels.level_db is None or sound.once:
-        return
-    lap = scene.track.lap_steps * scene.track.step
-    period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
-    if sound.duration < SHORT_S:
-        period = min(period, len(sound.lap) / sound.sample_rate)
-        yield _note(
-            "short_loop",
-            f"When it loops, the record of {rounded(sound.duration, 3)} s repeats "
-            f"{_per_second(period)} times a second: the pitch that is heard is the repetition, not "
-            "the contact.",
-        )
-    elif period < min(SHORT_S, 0.999 * sound.duration):
-        yield _note(
-            "short_track",
-            f"The track repeats in the record every {rounded(period, 3)} s, "
-            f"{_per_second(period)} times a second: the pitch that is heard is the repetition, not "
-            "the contact.",
-        )
-
-
-def _per_second(period: float) -> str:
-    """Write how often a period [s] repeats in a second."""
-    rate = 1 / period
-    return rounded(rate) if rate < 10 else f"{rate:.0f}"
-
-
-def _load(scene: Scene, moving: MovingRelease | None) -> Iterator[Doubt]:
-    """Tell under which load the release was computed."""
-    if scene.dynamics is None:
-        yield _note(
-            "quasi_static",
-            "The load is held constant: the sphere neither bounces nor rings on its contact.",
-        )
-    elif moving is not None and moving.fault:
-        yield Doubt(
-            "no_moving_release",
-            "release: of the constant load, because there is none under the moving load",
-            Severity.INDICATIVE,
-            advice=moving.fault,
-        )
-    elif moving is not None:
-        yield _note(
-            "moving_load_release",
-            "The release is computed under the moving load; the series along the track are of the "
-            "constant load.",
-        )
-    elif scene.rolling.drop_mm is not None:
-        yield _note(
-            "constant_load_release",
-            "The release is computed under the constant load, as if the sphere rolled from the "
-            "start.",
-        )
-    else:
-        yield _note(
-            "constant_load_release",
-            "The release is computed under the constant load; dynamics.release: true computes it "
-            "under the moving load.",
-        )
-
-
-def _passes(scene: Scene) -> Iterator[Doubt]:
-    """Tell of which pass over a plate with memory the record is."""
-    if scene.is_permanent:
-        yield _note(
-            "permanent",
-            f"The record is of pass {scene.passes} over a plate that keeps its plastic overlap, "
-            "without pile-up, hardening or residual stress.",
-        )
-
-
-def _turns(sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
-    """Tell why a record cannot say whether the turns of the sphere are heard."""
-    reason = summary.get("turn_reason")
-    if reason and sound.levels.laeq_db is not None and not sound.once:
-        text = "turns of the sphere: the record cannot tell whether they are heard, because "
-        yield _note(TURNS, text + reason)
 
 
 # ---- limits of scene and motion
@@ -451,7 +236,7 @@ def _estimate(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> 
     worst = estimate["worst_uncertainty_db"]
     worst = math.inf if worst is None else worst
     if worst > OFF_DB:
-        yield _note(
+        yield notes.note(
             "error_estimate_reach",
             f"error estimate: its standard errors for third octaves reach {worst:.1f} dB between 1 "
             "and 16 kHz",
@@ -538,15 +323,6 @@ def _grid(scene: Scene, summary: Mapping[str, Any]) -> Doubt:
         return sized(resolution.LEVEL_KEY, text, error)
     reason = (summary.get("error_estimate") or {}).get("reason")
     return resolution.grid_of_level(scene, reason)
-
-
-def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
-    """Return the level of a release over that of the vibration, or over its estimate [dB]."""
-    difference = summary.get("release_over_vibration_db")
-    if difference is not None:
-        return float(difference)
-    estimate, laeq = summary.get("vibration_estimate_laeq_db"), summary.get("laeq_db")
-    return None if estimate is None or laeq is None else float(laeq - estimate)
 
 
 def band_error_db(summary: Mapping[str, Any]) -> float | None:

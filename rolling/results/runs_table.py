@@ -12,8 +12,9 @@ from acoustics.bands import BAND_NAMES
 from acoustics.numbers import bracketed, decibels_a, micrometres, rounded
 from acoustics.texts import cell
 from rolling.results import verdict
-from rolling.results.doubts import REPEATS, TURNS, above_vibration_db, band_error_db, band_text
+from rolling.results.doubts import band_error_db, band_text
 from rolling.results.labels import labels
+from rolling.results.notes import REPEATS, TURNS, above_vibration_db
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
 from rolling.scene.messages import TABLES, table

@@ -5,7 +5,8 @@ from typing import Any
 
 from rolling.check import level
 from rolling.check.doubt import Doubt, Severity
-from rolling.results.doubts import ERRORS, HEADLINE
+from rolling.results.doubts import ERRORS
+from rolling.results.notes import HEADLINE
 
 Runs = Sequence[tuple[str, Mapping[str, Any]]]  # label and summary of each run
 

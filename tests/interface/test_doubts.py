@@ -19,7 +19,7 @@ from acoustics.bands import BAND_NAMES
 from rolling.check import level
 from rolling.check.doubt import Doubt, Severity, severity_of
 from rolling.check.findings import check_run, check_scene, conclusion
-from rolling.results import doubts, runs_table, verdict
+from rolling.results import doubts, notes, runs_table, verdict
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
@@ -49,7 +49,7 @@ def said(
     """Return the lines of the standing doubts, and of the solver, by key."""
     scene = scene_of(seconds, *overrides)
     listed = doubts.doubts(scene, sound_of(scene, closed, noise), {})
-    kept = (*doubts.HEADLINE, "solver")
+    kept = (*notes.HEADLINE, "solver")
     return {x.key: x.line for x in listed if x.severity is Severity.NOTE or x.key in kept}
 
 

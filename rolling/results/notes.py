@@ -1,0 +1,253 @@
+"""Notes: standing properties of the numbers of a run, in whole sentences.
+
+They say what a level is, what its uncertainty covers, and how record and load are meant.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from acoustics.numbers import rounded
+from rolling.check import level
+from rolling.check.doubt import Doubt, Severity
+from rolling.dynamics.of_scene import NEAR_SPEEDS
+from rolling.marches.result import MovingRelease
+from rolling.scene.scene import Scene
+from rolling.sound.contact_sound import ContactSound
+from rolling.sound.vibration_sound import Vibration
+
+UNVALIDATED = "No level has been validated against a microphone."
+SHORT_S = 0.3  # a shorter period of repetition is heard as a tone
+
+# Doubts that stand beside every level, and beside every player, by their keys.
+HEADLINE = (
+    *level.SOURCES,
+    "on_axis",
+    "infinite_plate",
+    "at_listener",
+    "plate_edges",
+    "unvalidated",
+    "uncertainty",
+)
+REPEATS = ("short_loop", "short_track")
+TURNS = "turns_unknown"
+
+
+def rules(
+    scene: Scene,
+    sound: ContactSound,
+    summary: Mapping[str, Any],
+    vibration: Vibration | None,
+    moving: MovingRelease | None,
+) -> Iterator[Doubt]:
+    """Yield the notes on a run, and the bound or the assumption that its level is."""
+    yield from _level(scene, sound, summary, vibration)
+    yield from _record(scene, sound)
+    yield from _load(scene, moving)
+    yield from _passes(scene)
+    yield from _turns(sound, summary)
+
+
+def note(key: str, text: str) -> Doubt:
+    """Return a standing property of the numbers."""
+    return Doubt(key, text, Severity.NOTE)
+
+
+def _level(
+    scene: Scene, sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
+) -> Iterator[Doubt]:
+    """Say what the levels are, and what their uncertainty covers; a silent run has none."""
+    if sound.steady_level is None and sound.levels.level_db is None:
+        return
+    if sound.source == "vibration":
+        yield from _radiation(scene)
+    else:
+        yield from _release(scene, sound, summary)
+    yield note("unvalidated", UNVALIDATED)
+    if sound.uncertainty.level_db is not None or sound.steady_uncertainty is not None:
+        yield _uncertainty(sound, summary, vibration)
+
+
+def _release(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Say which bound the levels of a release are; of silence, or a gain, the steady level is."""
+    gain, q = scene.sound.gain_pa_per_w_m2, scene.sound.q
+    if gain is not None or sound.levels.level_db is None:
+        if q == 1:
+            yield note(
+                "upper_bound",
+                "The steady level is an upper bound: all released energy counts as radiated "
+                "(q = 1).",
+            )
+        else:
+            yield note(
+                "assumed_q",
+                f"The steady level is that of the released power times {q:g}, which is an "
+                "assumption.",
+            )
+    if sound.levels.level_db is not None:
+        yield from level.of_source(scene, above_vibration_db(summary))
+
+
+def _radiation(scene: Scene) -> Iterator[Doubt]:
+    """Say where and of which bodies the pressure of a vibration is."""
+    sources = "plate and sphere" if scene.sound.ball else "plate"
+    if scene.plate.edges_mm is None:
+        yield note(
+            "on_axis",
+            f"Levels are the pressure of {sources} on the axis through the contact, at one "
+            f"listener at {scene.sound.distance_m:g} m without a room.",
+        )
+        body = "an infinite plate without modes, edges or supports"
+        if scene.plate.thickness_mm is None:
+            body = "a half-space"
+        yield note(
+            "infinite_plate",
+            f"The sphere rolls on {body}, pressed by a constant force without mass; friction, "
+            "rocking and rotation are left out.",
+        )
+        return
+    place = scene.listener_place
+    if scene.sound.listener_mm is None:
+        place += " above the contact"
+    yield note("at_listener", f"Levels are the pressure of {sources} at {place}, without a room.")
+    path = "stays at its point of the plate"
+    if len(scene.plate.contact_ends_mm) > 1:
+        path = "moves to and fro on a straight line"
+    yield note(
+        "plate_edges",
+        "The plate is simply supported at its edges in an infinite rigid baffle, which makes a "
+        f"plate smaller than the wavelength too loud; the contact {path}. A constant force without "
+        "mass presses the sphere; friction, rocking and rotation are left out.",
+    )
+
+
+def _uncertainty(
+    sound: ContactSound, summary: Mapping[str, Any], vibration: Vibration | None
+) -> Doubt:
+    """Say what the uncertainty of a level covers."""
+    vibrating = vibration if sound.source == "vibration" else None
+    parts = "the length" if sound.source == "release" else "length, comb and time steps"
+    if vibrating is not None and vibrating.is_mean_of_comb:
+        covered = (
+            f"the spread of LAeq over speeds within {100 * NEAR_SPEEDS:g} %, and the time steps"
+        )
+    elif sound.once:
+        covered = (
+            "the time steps; the record is one fall, whose LAE (re 1 s) holds what sounds within "
+            "the record"
+        )
+    elif vibrating is not None and vibrating.motion.flight_share:
+        covered = (
+            f"{parts} of the record, from its scatter between thirds, because impacts are not "
+            "Gaussian noise"
+        )
+    else:
+        covered = f"{parts} of the record, taken as stationary Gaussian noise"
+    text = f"± covers {covered}; it holds no error of model, grid or solver."
+    if summary.get("laeq_uncertainty_db") is not None:
+        estimated = "grid and solver"
+        if sound.source == "vibration":
+            estimated = "grid, solver and force law"
+        text += (
+            f" Errors of {estimated} are estimated beside the levels, which are not corrected for "
+            "them."
+        )
+    return note("uncertainty", text)
+
+
+def _record(scene: Scene, sound: ContactSound) -> Iterator[Doubt]:
+    """Tell of a record that does not loop, or whose repetition is heard."""
+    if not sound.loops and sound.closed:
+        text = "The ends of the record do not fit together: a loop of it is cross-faded."
+        yield note("not_loopable", text)
+    elif not sound.loops:
+        yield note(
+            "not_loopable",
+            f"The record does not close on itself: it is {sound.ends}, and a loop of it is "
+            "cross-faded.",
+        )
+    if sound.levels.level_db is None or sound.once:
+        return
+    lap = scene.track.lap_steps * scene.track.step
+    period = sound.duration * min(1.0, lap / float(scene.motion.distance(sound.duration)))
+    if sound.duration < SHORT_S:
+        period = min(period, len(sound.lap) / sound.sample_rate)
+        yield note(
+            "short_loop",
+            f"When it loops, the record of {rounded(sound.duration, 3)} s repeats "
+            f"{_per_second(period)} times a second: the pitch that is heard is the repetition, not "
+            "the contact.",
+        )
+    elif period < min(SHORT_S, 0.999 * sound.duration):
+        yield note(
+            "short_track",
+            f"The track repeats in the record every {rounded(period, 3)} s, "
+            f"{_per_second(period)} times a second: the pitch that is heard is the repetition, not "
+            "the contact.",
+        )
+
+
+def _per_second(period: float) -> str:
+    """Write how often a period [s] repeats in a second."""
+    rate = 1 / period
+    return rounded(rate) if rate < 10 else f"{rate:.0f}"
+
+
+def _load(scene: Scene, moving: MovingRelease | None) -> Iterator[Doubt]:
+    """Tell under which load the release was computed."""
+    if scene.dynamics is None:
+        yield note(
+            "quasi_static",
+            "The load is held constant: the sphere neither bounces nor rings on its contact.",
+        )
+    elif moving is not None and moving.fault:
+        yield Doubt(
+            "no_moving_release",
+            "release: of the constant load, because there is none under the moving load",
+            Severity.INDICATIVE,
+            advice=moving.fault,
+        )
+    elif moving is not None:
+        yield note(
+            "moving_load_release",
+            "The release is computed under the moving load; the series along the track are of the "
+            "constant load.",
+        )
+    elif scene.rolling.drop_mm is not None:
+        yield note(
+            "constant_load_release",
+            "The release is computed under the constant load, as if the sphere rolled from the "
+            "start.",
+        )
+    else:
+        yield note(
+            "constant_load_release",
+            "The release is computed under the constant load; dynamics.release: true computes it "
+            "under the moving load.",
+        )
+
+
+def _passes(scene: Scene) -> Iterator[Doubt]:
+    """Tell of which pass over a plate with memory the record is."""
+    if scene.is_permanent:
+        yield note(
+            "permanent",
+            f"The record is of pass {scene.passes} over a plate that keeps its plastic overlap, "
+            "without pile-up, hardening or residual stress.",
+        )
+
+
+def _turns(sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
+    """Tell why a record cannot say whether the turns of the sphere are heard."""
+    reason = summary.get("turn_reason")
+    if reason and sound.levels.laeq_db is not None and not sound.once:
+        text = "turns of the sphere: the record cannot tell whether they are heard, because "
+        yield note(TURNS, text + reason)
+
+
+def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
+    """Return the level of a release over that of the vibration, or over its estimate [dB]."""
+    difference = summary.get("release_over_vibration_db")
+    if difference is not None:
+        return float(difference)
+    estimate, laeq = summary.get("vibration_estimate_laeq_db"), summary.get("laeq_db")
+    return None if estimate is None or laeq is None else float(laeq - estimate)
