@@ -279,7 +279,8 @@ def modulated_octave(
         return loudest_octave(signal, sample_rate_hz)
     largest = max(prominence for _, prominence in candidates)
     prominent = [spectrum for spectrum, prominence in candidates if prominence >= largest / 2]
-    return max(prominent, key=lambda spectrum: _above_noise(spectrum, frequency_hz)).band_hz
+    heights = [_above_noise(spectrum, frequency_hz) for spectrum in prominent]
+    return prominent[int(np.argmax(heights))].band_hz
 
 
 @ignoring_underflow
@@ -392,20 +393,26 @@ def envelope_spectrum(
     count = len(record)
     gain = np.ones(count) if gain is None else real_array("gain", gain, 1)
     if len(gain) != count or not gain.max() > 0.0 or gain.min() < 0.0:
-        allowed = f"{count} numbers from 0 up, one for each sample, and not all 0"
-        raise ValueError(f"gain: got {len(gain)} from {gain.min():g} up, allowed: {allowed}")
+        raise ValueError(
+            f"gain: got {len(gain)} from {gain.min():g} up, allowed: {count} numbers from 0 up,"
+            " one for each sample, and not all 0"
+        )
     frequency = np.fft.rfftfreq(count, 1 / sample_rate_hz)
     analytic = np.zeros(count, dtype=complex)
     inside = np.flatnonzero((frequency >= low) & (frequency < high))
     analytic[inside] = 2 * np.fft.rfft(record)[inside]
     envelope = np.abs(np.fft.ifft(analytic))
-    window = np.ones(count) if closed else 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
+    window = np.ones(count)
+    if not closed:  # a Hann window
+        window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(count) / count)
     mean = float(window @ envelope / window.sum())
     lines = 2 * np.abs(np.fft.rfft(window * (envelope - mean))) / window.sum()
-    kept = (frequency > 0) & (frequency <= high - low)
-    modulation = lines[kept] / mean if mean > 0 else np.zeros(np.count_nonzero(kept))
+    within_width = (frequency > 0) & (frequency <= high - low)
+    modulation = np.zeros(np.count_nonzero(within_width))
+    if mean > 0:
+        modulation = lines[within_width] / mean
     return EnvelopeSpectrum(
-        frequency_hz=np.asarray(frequency[kept], dtype=float),
+        frequency_hz=np.asarray(frequency[within_width], dtype=float),
         modulation=modulation,
         band_hz=(low, high),
         envelope=envelope,

@@ -100,13 +100,13 @@ def resample_closed(signal: Array, n_out: int) -> Array:
     if n_out == n:
         return np.array(signal, dtype=float)
     lines = np.fft.rfft(signal)
-    kept = np.zeros(n_out // 2 + 1, dtype=complex)
+    spectrum = np.zeros(n_out // 2 + 1, dtype=complex)
     below_nyquist = (min(n, n_out) + 1) // 2
-    kept[:below_nyquist] = lines[:below_nyquist]
+    spectrum[:below_nyquist] = lines[:below_nyquist]
     if n < n_out and n % 2 == 0:
         # this line stood for +Nyquist and -Nyquist, which are now two lines
-        kept[n // 2] = lines[n // 2] / 2.0
-    return np.fft.irfft(kept, n_out) * (n_out / n)
+        spectrum[n // 2] = lines[n // 2] / 2.0
+    return np.fft.irfft(spectrum, n_out) * (n_out / n)
 
 
 @ignoring_underflow

@@ -24,7 +24,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from kept import ROOT, compressed, kept
+from build_cache import ROOT, cached_build, compressed
 
 PICTURES = ROOT / "scenarios" / "pictures"
 LEFT_OUT = {
@@ -143,7 +143,7 @@ def on_page_markdown(markdown, page, config, files):
 def site() -> Path:
     """Return the folder of the scenes that the site runs."""
     settings = json.dumps(_scenes()).encode()
-    return kept("gallery/site", Path(__file__).read_bytes() + settings, _make_site)
+    return cached_build("gallery/site", Path(__file__).read_bytes() + settings, _make_site)
 
 
 def _scenes() -> dict[str, list[str]]:

@@ -11,8 +11,8 @@ import ast
 import re
 from pathlib import Path
 
+from build_cache import ROOT
 from generate import keys_of
-from kept import ROOT
 from mkdocs.structure.files import File
 
 PAGES = {

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import nbclient
 import nbformat
-from kept import ROOT, compressed, kept
+from build_cache import ROOT, cached_build, compressed
 from mkdocs.structure.files import File
 
 TUTORIALS = ROOT / "docs" / "tutorials"
@@ -40,7 +40,7 @@ def executed(path: Path) -> nbformat.NotebookNode:
         nbformat.write(_run(nbformat.read(path, as_version=4)), part)
 
     name = f"tutorials/{path.stem}"
-    return nbformat.read(kept(name, path.read_bytes(), make), as_version=4)
+    return nbformat.read(cached_build(name, path.read_bytes(), make), as_version=4)
 
 
 def _run(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:

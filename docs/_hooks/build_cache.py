@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 SOURCES = ("rolling/**/*.py", "acoustics/**/*.py", "scenarios/**/*.yaml", "constraints.txt")
 
 
-def kept(name: str, content: bytes, make: Callable[[Path], None]) -> Path:
+def cached_build(name: str, content: bytes, make: Callable[[Path], None]) -> Path:
     """Return the file or folder of a name in build/; make it if its content or a source changed."""
     digest = hashlib.sha256(content)
     for source in sorted(file for pattern in SOURCES for file in ROOT.glob(pattern)):
