@@ -23,9 +23,15 @@ rolling: {speed_m_s: 0.1, duration_s: 0.03, drop_mm: 0.50986}
 dynamics: {}
 """
 GLASS = (
-    *("sphere.radius_mm=8", "sphere.density_kg_m3=2500", "sphere.youngs_modulus_gpa=70"),
-    *("sphere.poissons_ratio=0.22", "plate.youngs_modulus_gpa=70", "plate.poissons_ratio=0.22"),
-    *("plate.density_kg_m3=2500", "plate.thickness_mm=8", "rolling.duration_s=1"),
+    "sphere.radius_mm=8",
+    "sphere.density_kg_m3=2500",
+    "sphere.youngs_modulus_gpa=70",
+    "sphere.poissons_ratio=0.22",
+    "plate.youngs_modulus_gpa=70",
+    "plate.poissons_ratio=0.22",
+    "plate.density_kg_m3=2500",
+    "plate.thickness_mm=8",
+    "rolling.duration_s=1",
 )
 
 
@@ -147,9 +153,13 @@ def test_restitution_on_a_plate_with_edges(
     given = scene(
         *(f"sphere.{key}={value}" for key, value in zip(body, ball, strict=True)),
         *(f"plate.{key}={value}" for key, value in zip(body, sheet, strict=True)),
-        *(f"sphere.radius_mm={radius}", f"plate.thickness_mm={thickness}"),
-        *(f"plate.length_mm={length}", f"plate.width_mm={width}", f"plate.contact_mm=[{contact}]"),
-        *(f"plate.loss_factor={loss_factor}", f"rolling.drop_mm={height}"),
+        f"sphere.radius_mm={radius}",
+        f"plate.thickness_mm={thickness}",
+        f"plate.length_mm={length}",
+        f"plate.width_mm={width}",
+        f"plate.contact_mm=[{contact}]",
+        f"plate.loss_factor={loss_factor}",
+        f"rolling.drop_mm={height}",
         f"rolling.duration_s={2e-3 + (2e-3 * height / GRAVITY) ** 0.5}",
     )
     motion = fallen(given)
@@ -161,8 +171,11 @@ def test_restitution_on_a_plate_with_edges(
 def test_pulse() -> None:
     """A ball of 1.58 mm, as of McLaskey & Glaser (2010); its pulse is nearly a sine to the 3/2."""
     given = scene(
-        *("sphere.radius_mm=0.79", "plate.thickness_mm=50", "rolling.drop_mm=50.986"),
-        *("rolling.duration_s=0.11", "surface.spacing_um=50"),
+        "sphere.radius_mm=0.79",
+        "plate.thickness_mm=50",
+        "rolling.drop_mm=50.986",
+        "rolling.duration_s=0.11",
+        "surface.spacing_um=50",
     )
     motion = fallen(given)
     begin, end = contacts(motion)[0]
@@ -206,8 +219,11 @@ def test_bouncing_marble() -> None:
 )
 def test_spheres_of_all_sizes(radius: float, height: float, thickness: str) -> None:
     given = scene(
-        *(f"sphere.radius_mm={radius}", f"rolling.drop_mm={height}", "surface.spacing_um=50"),
-        *(f"plate.thickness_mm={thickness}", "rolling.duration_s=0.26"),
+        f"sphere.radius_mm={radius}",
+        f"rolling.drop_mm={height}",
+        "surface.spacing_um=50",
+        f"plate.thickness_mm={thickness}",
+        "rolling.duration_s=0.26",
     )
     motion = fallen(given)
     assert np.all(np.isfinite(motion.force_n)) and motion.impacts > 0

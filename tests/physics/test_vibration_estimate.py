@@ -74,8 +74,12 @@ def held_again(run: Run, scene: Scene) -> dict[str, Any]:
 
 
 ROUGH = (
-    *("surface.roughness_ra_um=0.3", "rolling.load_n=1", "rolling.distance_mm=0.6"),
-    *("surface.width_um=240", "plate.youngs_modulus_gpa=40", "plate.density_kg_m3=1200"),
+    "surface.roughness_ra_um=0.3",
+    "rolling.load_n=1",
+    "rolling.distance_mm=0.6",
+    "surface.width_um=240",
+    "plate.youngs_modulus_gpa=40",
+    "plate.density_kg_m3=1200",
 )
 
 
@@ -127,8 +131,10 @@ def test_bodies_of_an_estimate() -> None:
 
 
 REMEMBERS = (
-    *("plate.hardness_gpa=2", "plate.plasticity=permanent", "rolling.passes=2"),
-    *("numerics.edges=sharp",),
+    "plate.hardness_gpa=2",
+    "plate.plasticity=permanent",
+    "rolling.passes=2",
+    "numerics.edges=sharp",
 )
 
 
