@@ -624,9 +624,9 @@ def _surface_of_file(
 
 def _parameters_and_picture(described: _DescribedSurface) -> tuple[list[str], dict[str, bytes]]:
     """Return the lines of the parameters of a surface, and its files by name."""
-    from rolling.figures.contact import parameter_lines, parameter_table, topography
     from rolling.figures.picture import csv_bytes
     from rolling.figures.settings import left_out_if_it_fails
+    from rolling.figures.topography import parameter_lines, parameter_table, topography
     from rolling.surface.parameters import is_upper_bound, parameters
 
     heights = described.heights

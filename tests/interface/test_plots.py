@@ -28,8 +28,8 @@ from scene_text import TINY
 
 from rolling import plot
 from rolling.figures.catalogue import comparing_pictures
-from rolling.figures.contact import topography
 from rolling.figures.picture import picture as picture_of
+from rolling.figures.topography import topography
 from rolling.report import film
 from rolling.report.charts import chart_of
 from rolling.results.run_result import Run
