@@ -66,7 +66,7 @@ def wavelength_octaves(
         return []
     linear = dict[int, float]()
     if heights is not None and sound.source == "vibration":
-        linear = _linear_shares(scene, heights, approach)
+        linear = linear_shares(scene, heights, approach)
     order = _order(1e6 * mean_speed(scene, sound) / frequency)
     octaves = []
     for k in range(order.min(), order.max() + 1):
@@ -106,7 +106,7 @@ def _fall_db(
     return fall
 
 
-def _linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, float]:
+def linear_shares(scene: Scene, heights: Array, approach: Array) -> dict[int, float]:
     """Return the coherence of surface and approach by octave; empty unless a lap is solved."""
     # To first order the approach under a constant load is the mean of the heights under the
     # pressure, for which Hertz's pressure stands.

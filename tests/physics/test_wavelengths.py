@@ -56,7 +56,7 @@ def test_the_share_that_follows_is_one_for_the_mean_under_hertz_pressure_and_non
         (shifted, np.roll(mean, -7), 1 - 1e-9, 1),
         (scene, rng.normal(size=STEPS), 0, 0.5),
     ):
-        shares = wavelengths._linear_shares(begins, heights, np.append(approach, approach[0]))
+        shares = wavelengths.linear_shares(begins, heights, np.append(approach, approach[0]))
         # of n lines, chance leaves one over n; the octave with the fewest has 8
         assert all(least <= share <= most + 1e-9 for share in shares.values()) and len(shares) > 3
 
