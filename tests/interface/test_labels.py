@@ -70,25 +70,17 @@ def test_a_run_and_its_resound_are_told_apart_by_the_speed() -> None:
     ("keys", "names"),
     [
         ({"surface__roughness_ra_um": 0.2}, ["Ra 0.1 µm", "Ra 0.2 µm"]),
-        ({"surface__seed": 2}, ["seed 1", "seed 2"]),
         (
             {"surface__autocorrelation": "exponential_10pct"},
             ["autocorrelation gaussian", "autocorrelation exponential 10pct"],
         ),
         ({"plate__hardness_gpa": None}, ["hardness 2.1 GPa", "no hardness"]),
-        (
-            {"sphere__youngs_modulus_gpa": 70, "sphere__poissons_ratio": 0.3},
-            ["rigid sphere", "sphere Young's modulus 70 GPa"],
-        ),
         ({"rolling__speed_m_s": [[0, 0.1], [1, 0.3]]}, ["speed 0.1 m/s", "speed 0.1 to 0.3 m/s"]),
-        ({"surface__correlation_length_across_um": 5}, ["isotropic", "across 5 µm"]),
         (
             {"surface": {"kind": "smooth", "spacing_um": 2, "width_um": 64}},
             ["surface gaussian", "surface smooth"],
         ),
-        ({"numerics__edges": "sharp"}, ["edges blended", "edges sharp"]),
         ({"sound__loudness": True}, ["without loudness", "with loudness"]),
-        ({"sound__gain_pa_per_w_m2": 3}, ["no fixed gain", "gain 3 Pa per W/m²"]),
         ({"rolling__start_um": 10}, ["start 0 µm", "start 10 µm"]),
         ({"name": "other"}, ["trial, load 20 N", "other, load 20 N"]),
     ],
