@@ -100,18 +100,20 @@ def move(
     duration is that of a lap.
     """
     choices = stepping or Stepping()
-    run = _Run(law, chain, load_n, speed, duration_s, choices, path)
+    run = _MotionOfSteps(law, chain, load_n, speed, duration_s, choices, path)
     if choices.start is not None:
         approach, velocity = choices.start
         force = float(law.force(run.places(1)[0], approach)) - load_n
-        return run.record(at_rest(run.bodies, run.points(1), approach, velocity, force))
+        return run.record_from(at_rest(run.bodies, run.points(1), approach, velocity, force))
     if law.period_m is None:
-        return run.record(run.equilibrium(), transient=FADE_DECAYS * run.decay_s)
+        return run.record_from(run.equilibrium(), transient=FADE_DECAYS * run.decay_s)
     if isinstance(speed, Travel):
-        return run.record(run.entered(speed))
+        return run.record_from(run.state_after_run_in(speed))
     if path is not None:
-        return run.record(run.entered(Travel(np.array([0.0, 1.0]), np.array([0.0, speed]))))
-    return run.settled_record()
+        return run.record_from(
+            run.state_after_run_in(Travel(np.array([0.0, 1.0]), np.array([0.0, speed])))
+        )
+    return run.run_in_and_record()
 
 
 def longest_step_s(
@@ -196,7 +198,7 @@ def run_in(law: ForceLaw, bodies: StepBodies, load_n: float, places: Array, poin
 
 
 @dataclass
-class _Run:
+class _MotionOfSteps:
     """A motion with its time step, its positions and its run-in."""
 
     law: ForceLaw
@@ -259,7 +261,7 @@ class _Run:
             return self.chain.point
         return self.path(np.asarray((np.arange(steps) + 0.5) * self.step))
 
-    def steady(self) -> State:
+    def steady_state(self) -> State:
         """Return the state at the start of a lap as the linear chain repeats it."""
         rest = self.equilibrium()
         if self.chain.modes is None or self.lap_s is None:
@@ -281,7 +283,7 @@ class _Run:
             modes=modes,
         )
 
-    def entered(self, travel: Travel) -> State:
+    def state_after_run_in(self, travel: Travel) -> State:
         """Return the state at the start of a travel after a run-in at its first speed."""
         begin, after = travel.at(np.array([0.0, min(self.step, travel.time_s[-1])]))
         speed = (after - begin) / self.step
@@ -292,7 +294,7 @@ class _Run:
         places = begin - speed * self.step * (np.arange(steps, 0, -1) - 0.5)
         return run_in(self.law, self.bodies, self.load, places, self.chain.point)
 
-    def settled_record(self) -> BodyMotion:
+    def run_in_and_record(self) -> BodyMotion:
         """Run in lap by lap until the force repeats, and return the record that then follows."""
         places = self.places(self.lap_steps)
         lap_s = self.lap_steps * self.step
@@ -306,7 +308,7 @@ class _Run:
         most_without = max(most_with_impacts, slow_laps)
         # The laps to come change by a geometric series of the last change.
         allowed = self.choices.settled * self.load * -np.expm1(-lap_s / self.decay_s)
-        lap = self.advance(self.steady(), places)
+        lap = self.advance(self.steady_state(), places)
         laps = 0
         difference = np.inf
         while difference > allowed:
@@ -322,10 +324,10 @@ class _Run:
             if not lap.record[:, 0].any():  # a flight longer than a lap repeats nothing
                 difference = np.inf
         if self.steps != self.lap_steps:
-            return self.record(on_level(before.end), laps, difference <= allowed)
-        return self.motion(lap, laps, difference <= allowed)
+            return self.record_from(on_level(before.end), laps, difference <= allowed)
+        return self.motion_of(lap, laps, difference <= allowed)
 
-    def record(
+    def record_from(
         self, state: State, laps: int = 0, settled: bool = False, transient: float = 0.0
     ) -> BodyMotion:
         """Return the motion of the record from a state, after laps of a run-in."""
@@ -335,9 +337,9 @@ class _Run:
         if self.law.period_m is None and places.max() > end:
             raise ValueError(f"the ball leaves the track, which ends at {end:.6g} m")
         steps = advance(self.law.table, self.bodies, self.load, state, places, points)
-        return self.motion(steps, laps, settled, transient)
+        return self.motion_of(steps, laps, settled, transient)
 
-    def motion(self, lap: Steps, laps: int, settled: bool, transient: float = 0.0) -> BodyMotion:
+    def motion_of(self, lap: Steps, laps: int, settled: bool, transient: float = 0.0) -> BodyMotion:
         """Return the motion of steps taken."""
         force, approach, velocity, plate = np.ascontiguousarray(lap.record.T)
         energies = lap.energies
