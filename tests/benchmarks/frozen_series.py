@@ -1,8 +1,8 @@
 """Digests of the series of all scenes, to see which numbers a change of the program changes.
 
 `python tests/benchmarks/frozen_series.py write FILE [SCENE...]` simulates every run of all scenes,
-or of some, shortened to at most SHORTENED_S seconds of rolling. It writes a digest of each series
-and the verdict of each run. `... compare FILE` does so again and prints what differs; it exits with
+or of some, shortened to at most SHORTENED_S seconds of rolling. It writes a digest of each series,
+and word and decibels of each verdict. `... compare FILE` does so again and prints what differs; it exits with
 1 if a series does. All scenes take an hour of two cores.
 """
 
@@ -39,7 +39,9 @@ def digests(run: rc.Run) -> dict[str, str]:
         for name, values in run.series.items()
         if name != "seconds" and not name.endswith("_time")
     }
-    found["verdict"] = str(run.summary.get("verdict"))
+    verdict = run.summary["verdict"] or {}
+    found["verdict"] = str(verdict.get("word"))
+    found["verdict_db"] = repr(verdict.get("decibels"))
     found["laeq_db"] = repr(run.summary.get("laeq_db"))
     return found
 
@@ -85,7 +87,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for series in sorted(old.keys() | new.keys()):
             if old.get(series) != new.get(series):
                 print(f"{label}: {series}: {old.get(series)} -> {new.get(series)}")
-                changed += series not in ("verdict", "laeq_db")
+                changed += series not in ("verdict", "verdict_db", "laeq_db")
     print(f"{len(now)} runs, {changed} series changed")
     return int(changed > 0)
 
