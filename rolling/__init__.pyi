@@ -2,6 +2,7 @@
 
 from rolling import check as check
 from rolling import plot as plot
+from rolling.check.doubt import Doubt as Doubt
 from rolling.check.doubt import Finding as Finding
 from rolling.check.findings import Findings as Findings
 from rolling.contact import closed_forms as closed_forms

@@ -39,6 +39,14 @@ class Doubt:
         Size of the error; None: unknown.
     advice : str
         What follows from it, and what to do. Default: nothing.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> check = rolling.read_scene("quickstart").with_(load_n=20).check()
+    >>> doubts = {doubt.key: doubt for doubt in check.doubts["quickstart"]}
+    >>> doubts["upper_bound"].text, doubts["upper_bound"].severity.word
+    ('a level of the released power (q = 1) is an upper bound', 'indicative')
     """
 
     key: str

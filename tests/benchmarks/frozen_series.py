@@ -2,8 +2,8 @@
 
 `python tests/benchmarks/frozen_series.py write FILE [SCENE...]` simulates every run of all scenes,
 or of some, shortened to at most SHORTENED_S seconds of rolling. It writes a digest of each series,
-and word and decibels of each verdict. `... compare FILE` does so again and prints what differs; it exits with
-1 if a series does. All scenes take an hour of two cores.
+and word and decibels of each verdict. `... compare FILE` does so again and prints what differs; it
+exits with 1 if a series does. All scenes take an hour of two cores.
 """
 
 from __future__ import annotations
