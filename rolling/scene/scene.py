@@ -266,6 +266,9 @@ class Scene(quantities.SceneQuantities):
             return [SweepRun({}, self)]
         data = self.to_dict()
         del data["sweep"]
+        usual_source = "release" if self.dynamics is None else "vibration"
+        if "dynamics" in self.sweep and self.sound.source == usual_source:
+            del data["sound"]["source"]  # because its default follows the dynamics of each run
         places = {key: at for key, at in self._places.items() if key[:1] != ("sweep",)}
         runs = []
         for values, forms in sweeps.product(self.sweep):

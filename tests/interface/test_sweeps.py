@@ -99,6 +99,16 @@ def test_a_label_may_stand_for_no_value() -> None:
 # ---- names of runs
 
 
+def test_each_run_sounds_by_its_own_dynamics() -> None:
+    """A run that may vibrate is heard by its vibration, and stays so when its scene is stored."""
+    scene = loads(
+        PLAIN + "sweep:\n  dynamics: {held: null, free: {}}\n",
+        ["sphere.density_kg_m3=7850", "plate.density_kg_m3=7850"],
+    )
+    for same in (scene, loads(dump(scene))):
+        assert [run.scene.sound.source for run in same.runs()] == ["release", "vibration"]
+
+
 def test_names_use_the_words_of_the_user() -> None:
     assert names_of(PLAIN + SURFACES)[0] == "surface=ground,seed=1,speed_m_s=slow"
     assert names_of(PLAIN, "sweep.numerics.edges=[blended, sharp]") == [
