@@ -5,7 +5,8 @@ Public modules:
 - `closed_forms`: Hertz contact, and the release of a smooth sphere.
 - `half_space`: pressure to deflection, Love's coefficients and the FFT convolution (`HalfSpace`);
   `subcells`: the same for pressures on parts of cells (`SubcellSpace`).
-- `solver`: one contact under a load (`solve_contact`, `WarmStart`, `ContactError`).
+- `solver`: one contact under a load (`solve_contact`, `WarmStart`, `ContactError`): judge, list
+  candidates, descend, check (`converge`), with blended edges (`solve`).
 - `state`: windows (`Window`), the rolling contact and its state at a position (`RollingContact`,
   `ContactState`).
 - `march`: the contact at successive positions, the choice of each window and the warm starts.
@@ -15,14 +16,14 @@ Public modules:
   ahead of the first march on spare cores; `cached_code`: the files of that cache.
 - `memory`: the plate that remembers its indentation.
 
-Private modules, mostly compiled:
+Private modules, mostly compiled. Functions marked `njit` are kernels, which are cached. Those
+marked `inlined` are part of the kernels that call them.
 
-- `_position_kernels`: a position of the march in one compiled call (`solve_position`): window, gap,
-  warm start, solve with either kind of edges (`solve`), and measures.
-- `_descent_kernels`, `_system`: the solve from its start to the accepted solution (`converge`), its
-  descents, and the named tuples of compiled passes.
-- `_by_address`, `_plans`: calls by address, of kernels that are compiled apart and of the plans of
-  FFTW.
+- `_descent_kernels`, `_system`: the one compiled loop, a descent by conjugate gradients
+  (`descend`), and the named tuples of its passes.
+- `_position_kernels`: passes over a window between descents: `judge`, `measure`, mixing of starts.
+- `_by_address`, `_plans`: calls by address, of transforms and of the plans of FFTW.
+- `_scratch`: memory that a march keeps.
 - `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`) and
   next direction.
 - `_model_kernels`, `_far_field`: the model problem that predicts who bears load next

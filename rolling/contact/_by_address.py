@@ -1,43 +1,31 @@
-"""Calls by address in compiled code: of planned transforms and of other kernels, and arrays.
+"""Memory and functions at an address: the one place where compiled code leaves types behind.
 
-A kernel that is called by its address is compiled once, by itself, perhaps in another process. As
-part of its callers it would be compiled with each of them.
+FFTW plans and transforms of either precision are called by their address. The kernels that call
+them are therefore compiled once, and know no precision but their own.
 """
 
-# mypy: disable-error-code="no-untyped-def,no-untyped-call,attr-defined"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,attr-defined,call-arg"
 from __future__ import annotations
 
 import ctypes
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from llvmlite import ir
-from numba import config, types
-from numba.core import cgutils
-from numba.core.errors import TypingError
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array, populate_array
+from numba import carray, config, types
+from numba.extending import intrinsic, overload
+
+_uncompiled: dict[int, Callable[..., None]] = {}  # functions by number, where nothing is compiled
 
 
 @intrinsic
-def _array_at(_, address, shape, like):
-    kind = types.Array(like.dtype, len(shape), "C")
+def _pointer(_, address, like):
+    """Return an address as a pointer to numbers of the type of the array `like`."""
 
     def generate(context, builder, signature, arguments):
-        array = make_array(kind)(context, builder)
-        number = context.get_data_type(kind.dtype)
-        size = step = cgutils.intp_t(context.get_abi_sizeof(number))
-        lengths = cgutils.unpack_tuple(builder, arguments[1])
-        strides: list[Any] = []
-        for length in reversed(lengths):
-            strides.insert(0, step)
-            step = builder.mul(step, length)
-        data = builder.inttoptr(arguments[0], number.as_pointer())
-        populate_array(array, data, lengths, strides, size, meminfo=None)
-        return array._getvalue()
+        return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
 
-    whole = types.UniTuple(types.int64, len(shape))
-    return kind(types.int64, whole, like), generate
+    return types.CPointer(like.dtype)(types.int64, like), generate
 
 
 def array_at(address, shape, like):
@@ -47,77 +35,42 @@ def array_at(address, shape, like):
     return np.frombuffer(memory, like.dtype).reshape(shape)
 
 
+@overload(array_at, jit_options={"forceinline": True})
+def _compiled_array_at(address, shape, like):
+    return lambda address, shape, like: carray(_pointer(address, like), shape)
+
+
 @intrinsic
-def _execute(_, function, plan):
-    def generate(context, builder, signature, arguments):
-        kind = ir.FunctionType(ir.VoidType(), [arguments[1].type])
-        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1]])
+def _call(_, function, arguments):
+    """Call a C function that takes whole numbers and returns nothing."""
+    count = len(arguments)
+
+    def generate(context, builder, signature, values):
+        parts = [builder.extract_value(values[1], k) for k in range(count)]
+        kind = ir.FunctionType(ir.VoidType(), [part.type for part in parts])
+        builder.call(builder.inttoptr(values[0], kind.as_pointer()), parts)
         return context.get_dummy_value()
 
-    return types.void(types.int64, types.int64), generate
+    return types.void(types.int64, types.UniTuple(types.int64, count)), generate
 
 
-def execute(function, plan):
-    """Execute a plan by the address of the function that does so."""
-    ctypes.PYFUNCTYPE(None, ctypes.c_int64)(int(function))(int(plan))
+def call(function, arguments):
+    """Call the function at an address with a tuple of whole numbers."""
+    if function in _uncompiled:
+        _uncompiled[function](*arguments)
+    else:
+        kinds = [ctypes.c_int64] * len(arguments)
+        ctypes.PYFUNCTYPE(None, *kinds)(int(function))(*map(int, arguments))
 
 
-# Python has these functions where nothing is compiled. Numba's own way to give one function two
-# forms would compile one more function for each combination of types.
-if not config.DISABLE_JIT:
-    array_at, execute = _array_at, _execute  # type: ignore[assignment]
+@overload(call, jit_options={"forceinline": True})
+def _compiled_call(function, arguments):
+    return lambda function, arguments: _call(function, arguments)
 
 
-def caller(returned: types.Type, *allowed: tuple[types.Type, ...]) -> Any:
-    """Return a function (address, arguments) of compiled code that calls a kernel by its address.
-
-    Parameters
-    ----------
-    returned : types.Type
-        Type that the kernel returns.
-    allowed : tuples of types
-        Types of the arguments of each variant of the kernel.
-
-    Returns
-    -------
-    function
-        Function of the address and a tuple of the arguments.
-    """
-
-    @intrinsic
-    def compiled(_, address, arguments):
-        given = tuple(map(types.unliteral, arguments))
-        if given not in allowed:
-            raise TypingError(f"arguments of a kernel by address: {given}, allowed: {allowed}")
-
-        def generate(context, builder, signature, values):
-            convention = context.call_conv
-            kind = convention.get_function_type(returned, given)
-            kernel = builder.inttoptr(values[0], kind.as_pointer())
-            parts = cgutils.unpack_tuple(builder, values[1], len(given))
-            status, answer = convention.call_function(builder, kernel, returned, given, parts)
-            with cgutils.if_unlikely(builder, status.is_error):
-                convention.return_status_propagate(builder, status)
-            return answer
-
-        return returned(types.int64, arguments), generate
-
-    def call(address, arguments):
-        return _uncompiled[address](*arguments)
-
-    return call if config.DISABLE_JIT else compiled
-
-
-_uncompiled: dict[int, Any] = {}  # kernels by number, where nothing is compiled
-
-
-def address_of(kernel: Any, returned: types.Type, arguments: tuple[types.Type, ...]) -> int:
-    """Compile a kernel for types of arguments, or load it; return the address of its code."""
-    if config.DISABLE_JIT:
-        _uncompiled[number := len(_uncompiled) + 1] = kernel
-        return number
-    kernel.compile(arguments)
-    variant = kernel.overloads[arguments]
-    if variant.signature.return_type != returned:
-        raise TypeError(f"{kernel.__name__} returns {variant.signature.return_type}")
-    return int(variant.library.get_pointer_to_function(variant.fndesc.llvm_func_name))
+def address_of_uncompiled(function: Callable[..., None]) -> int:
+    """Return a number that `call` takes for the address of a Python function."""
+    if not config.DISABLE_JIT:
+        raise RuntimeError("compiled code cannot call a function of Python")
+    _uncompiled[number := len(_uncompiled) + 1] = function
+    return number

@@ -12,7 +12,7 @@ import numpy as np
 from rolling.contact._condition_kernels import sum_inside
 from rolling.contact._system import BORDER
 from rolling.contact._window_kernels import copy_line
-from rolling.contact.compiling import njit
+from rolling.contact.compiling import inlined, njit
 
 # Strips are so many nodes long, or a multiple of them, because shorter loops are not vectorized. A
 # further strip takes as long as some 20 nodes, so that strips closer than STRIP_GAP are joined.
@@ -29,14 +29,14 @@ MIN_FREE = 50
 STEEPEST = 100.0
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def or_line(line, out):
     """Add the bits of a line to those of another line."""
     for k in range(out.size):
         out[k] |= line[k]
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def mark_near(p, g, hardness, lowest, highest, marks):
     """Mark the nodes lower than `highest` [m] and the loaded nodes, but not those at rest.
 
@@ -47,7 +47,7 @@ def mark_near(p, g, hardness, lowest, highest, marks):
         marks[k] = ((p[k] > 0.0) | (g[k] < highest)) & (not resting)
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def count_resting(p, hardness, marks):
     """Return the number of nodes at the hardness that are not marked."""
     count = 0.0
@@ -56,7 +56,7 @@ def count_resting(p, hardness, marks):
     return count
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def mark_neighbours(marks, row, near):
     """Mark the marked nodes of a window with rows of `row` nodes, and the neighbours of each."""
     nodes = near.size
@@ -111,7 +111,7 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     return resting, count, row, column, rows, columns
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def whole(last, subcells):
     """Return the number of sub-cells in the cells from the first sub-cell, 0, to the last."""
     return (last // subcells + 1) * subcells
@@ -152,7 +152,7 @@ def list_strips(place, rows, row, strips):
     return count
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors, indices, strips):
     """Set the pressures, gaps and indices of the candidates, and the strips (see `list_strips`).
 
@@ -180,7 +180,7 @@ def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors,
     return list_strips(indices[2], rows, grid_row, strips)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def take_edges(system, listed, edge, shape, gap):
     """Set the compliance and the edges of listed candidates from flat arrays on the window.
 
@@ -198,7 +198,7 @@ def take_edges(system, listed, edge, shape, gap):
         left[place[a]] = 1.0 / (1.0 + nodes.compliance[a] * stiffness)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def half_range(square, levelled):
     """Return half of the range [m] of the gap over a cell.
 
@@ -224,7 +224,7 @@ def cell_ranges(shape, u, levelled, share, out):
         ranges_of_row(shape[i - 1 : i + 2], u[i - 1 : i + 2], levelled, share, out[i, 1:-1])
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def ranges_of_row(z, u, levelled, share, out):
     """Set a row to a share of half the ranges over its inner cells, from three rows around it."""
     for k in range(out.size):
@@ -233,7 +233,7 @@ def ranges_of_row(z, u, levelled, share, out):
         out[k] = share * half_range(along * along + across * across, levelled)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def move_edges(system, slack):
     """Move the edges of the candidates to the place that the present gaps give them.
 
@@ -247,7 +247,7 @@ def move_edges(system, slack):
     return follow_field(system, slack)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def lead_edges(system):
     """Move the edges of the candidates to the place that the gaps of the model give them.
 
@@ -266,7 +266,7 @@ def lead_edges(system):
         gap[place[k]] += stiffness * lifts[k]
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def edges_in_field(place, row_length, edges, moved):
     """Set `moved` to the edges that the field of gaps gives; beside unknown gaps they stay."""
     edge, _, field, levelled, share = edges
@@ -280,7 +280,7 @@ def edges_in_field(place, row_length, edges, moved):
         moved[k] = half if moved[k] == moved[k] else edge[k]
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def follow_field(system, slack):
     """Move the edges of the candidates to the place that the field of gaps gives them.
 

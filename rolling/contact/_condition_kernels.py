@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from rolling.contact.compiling import njit
+from rolling.contact.compiling import inlined, njit
 
 # Share of the load that rounding may lose in a direction; each direction makes up for the last. At
 # 1e-15, near the rounding of a sum of thousands of pressures, 5 of 8 trials took a further pass.
 LOAD_ROUNDING = 1e-14
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def sum_of(values):
     """Return the sum of values."""
     total = 0.0
@@ -61,7 +61,7 @@ def project(p, g, approach, trial, sets, limits, d):
     return slope_and_longest_step(p, g, approach, sets, hardness, d)
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def sum_listed(values, listed):
     """Return the sum of listed values."""
     total = 0.0
@@ -70,7 +70,7 @@ def sum_listed(values, listed):
     return total
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def carried_by(values, shift, hardness):
     """Return the sum of shifted pressures within the bounds, and how many are between them."""
     carried, moving = 0.0, 0.0
@@ -81,7 +81,7 @@ def carried_by(values, shift, hardness):
     return carried, moving
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def find_shift(free, target, limits):
     """Find the shift [Pa] of the trial pressures of free nodes that makes them carry `target` [Pa].
 
@@ -116,7 +116,7 @@ def find_shift(free, target, limits):
     return shift
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def restore_load(free, g, active, target, limits):
     """Spread the load that rounding of the shift has lost over the free nodes.
 
@@ -145,7 +145,7 @@ def restore_load(free, g, active, target, limits):
             free[nearest] = min(max(free[nearest] + error, 0.0), hardness)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def slope_and_longest_step(p, g, approach, sets, hardness, d):
     """Return the slope of the energy along d [Pa m] and the maximum step length.
 
@@ -197,7 +197,7 @@ def settle_load(p, g, limits, trace):
 MAXIMA = 256  # maxima that are found at a time
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def sum_inside(p, values, hardness):
     """Return the number of pressures between the bounds, and the sum of their values."""
     inside, total = 0.0, 0.0
@@ -208,7 +208,7 @@ def sum_inside(p, values, hardness):
     return inside, total
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def middle_of_bounds(p, g, hardness):
     """Return the middle of the interval over which the approach is free [m].
 
@@ -236,7 +236,7 @@ def approach_of(p, g, hardness):
     return total / inside if inside else middle_of_bounds(p, g, hardness)
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def raise_maxima(p, g, approach, hardness, maxima):
     """Raise maxima to the violations [m] of the contact conditions by as many nodes."""
     for k in range(maxima.size):
@@ -257,7 +257,7 @@ def worst_and_load(p, g, approach, hardness):
     return maxima.max(), sum_of(p)
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def deform(gap, u, p, edge, hardness, g):
     """Set g to the deformed gaps; return how many of them are not a number.
 
@@ -275,14 +275,14 @@ def deform(gap, u, p, edge, hardness, g):
     return strange
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def raise_to(values, maxima):
     """Raise maxima to as many values."""
     for k in range(maxima.size):
         maxima[k] = max(maxima[k], values[k])
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def maximum_of(values):
     """Return the maximum of values, at least 0."""
     maxima = np.zeros(MAXIMA)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from acoustics.arrays import Array
 from rolling.contact._system import BORDER
 from rolling.contact._window_kernels import copy_line
-from rolling.contact.compiling import njit
+from rolling.contact.compiling import inlined, njit
 from rolling.contact.half_space import love
 
 # Waves up to this many nodes long count in the fit of the stencil. Contacts are some ten to a
@@ -89,6 +89,7 @@ def square_stencil() -> Array:
     return square
 
 
+@inlined()
 def coarse_grid(rows: int, columns: int) -> tuple[int, int, int]:
     """Choose the coarse grid of the far field for a grid of the model.
 
@@ -109,9 +110,6 @@ def coarse_grid(rows: int, columns: int) -> tuple[int, int, int]:
     """
     tile = max(SHORTEST_TILE, round(max(rows, columns) ** 0.5))
     return (rows - 1) // tile + 2, (columns - 1) // tile + 2, tile
-
-
-_coarse_grid = njit(cache=True, inner=True)(coarse_grid)
 
 
 @lru_cache(maxsize=64)
@@ -190,14 +188,14 @@ ENOUGH = 1e-3
 ITERATIONS = 100
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def add_line(factor, line, out):
     """Add a multiple of a line to another line."""
     for k in range(out.size):
         out[k] += factor * line[k]
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def add_four_lines(factors, line, out):
     """Add multiples of the four lines that begin at the fourth, third, second and first number."""
     a, b, c, d = factors
@@ -206,7 +204,7 @@ def add_four_lines(factors, line, out):
         out[k] += (a * line[k + three] + b * line[k + two]) + (c * line[k + one] + d * line[k])
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def share_line(share, line, here, below):
     """Add a line to two lines, a share of it to the one below."""
     for k in range(line.size):
@@ -215,7 +213,7 @@ def share_line(share, line, here, below):
         below[k] += part
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def share_sum(shares, line):
     """Return the sum of a line without its shares, and that of its shares."""
     whole, part = np.float32(0.0), np.float32(0.0)
@@ -225,13 +223,13 @@ def share_sum(shares, line):
     return whole - part, part
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def shares_of(tile):
     """Return the share of the next coarse node at each node of a tile."""
     return (np.arange(tile) / tile).astype(np.float32)
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def add_lines(first, line, second, other, out):
     """Add multiples of two lines to a third line."""
     for k in range(out.size):
@@ -296,7 +294,7 @@ def field_of(loads, table, out):
             add_four_lines(four, table[middle - k - 3 :], out)
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def mark_free(strips, change, gap, low, high, softening, out):
     """Set `out` to 1 at nodes that the model leaves between their bounds, else to 0.
 
@@ -311,7 +309,7 @@ def mark_free(strips, change, gap, low, high, softening, out):
             out[k] = share if low[k] < closing < high[k] else np.float32(0.0)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def mean_of(weights, values):
     """Return the weighted mean of values on the coarse grid."""
     total, sum_of_weights = 0.0, 0.0

@@ -21,7 +21,7 @@ from rolling.contact._condition_kernels import approach_of, project, worst_and_l
 from rolling.contact._far_field import answer, mark_free, prolong, restrict
 from rolling.contact._system import BORDER, Direction, Sets
 from rolling.contact._window_kernels import copy_line, shared
-from rolling.contact.compiling import njit
+from rolling.contact.compiling import inlined, njit
 
 # Sweeps that settle the model after its far field is known, and further sweeps after its edges
 # moved.
@@ -40,7 +40,7 @@ ONE, TWO = np.uint64(1), np.uint64(2)  # signed numbers would turn indices into 
 JUMPS = 48
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def fill(model, nodes, hardness, approach):
     """Set the grid to the state of the nodes; return the maximum violation [m] and the load."""
     p, g, place, stiffness = nodes.p, nodes.g, model.node, model.stiffness
@@ -55,7 +55,7 @@ def fill(model, nodes, hardness, approach):
     return worst_and_load(p, g, approach, hardness)
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def add_changes(p, u, p_before, u_before, stiffness, changed, opened):
     """Set a line of the grid to the changes of pressure; add those of deflection to the gaps."""
     for k in range(changed.size):
@@ -99,7 +99,7 @@ def extrapolate_model(model, nodes, hardness, present, solutions, pressure, heig
     return present + approach_of(pressure, height, hardness)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def lead_model(system, present, solutions):
     """Add the changes between two solutions to the model; return the approach of the sum [m].
 
@@ -118,7 +118,7 @@ def lead_model(system, present, solutions):
     return approach
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def first_moves(strips, change, gap, low, high, softening, moved):
     """Begin the sweeps: set the moves of the gaps, and `gap` to the change that would close it."""
     for i in range(strips.shape[0]):
@@ -129,7 +129,7 @@ def first_moves(strips, change, gap, low, high, softening, moved):
             gap[k] = closing
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def sum_rows(moved, row, values, strip, begin, end, sums):
     """Sum the moves along each column of the stencil, at the nodes from `begin` to `end`.
 
@@ -151,7 +151,7 @@ def sum_rows(moved, row, values, strip, begin, end, sums):
         second[j] = d * moved[k] + e * once + f * twice
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def next_moves(begin, end, sums, low, high, softening, closing, moved):
     """Set the next moves of the gaps, by the sums along the columns of the stencil.
 
@@ -172,7 +172,7 @@ def next_moves(begin, end, sums, low, high, softening, closing, moved):
         moved[k] = (min(max(soft_after, low[k]), high[k]) - after) - gap_before
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def last_moves(begin, end, sums, low, high, softening, gap, change):
     """End the sweeps: set the changes of pressure and the gaps."""
     middle, side, second = sums[0], sums[1], sums[2]
@@ -187,7 +187,7 @@ def last_moves(begin, end, sums, low, high, softening, gap, change):
         gap[k] = bounded - closing
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def clear_border(grid):
     """Set to zero the two nodes at both ends of each row, which never move."""
     row = grid.shape[1]
@@ -229,7 +229,7 @@ def settle_model(model, sweeps):
     clear_border(model.gap)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def add_far_field(model, far, unit):
     """Add the far field to the gaps: that of the changes and of the answer of all free nodes.
 
@@ -244,7 +244,7 @@ def add_far_field(model, far, unit):
     prolong(far.field, np.float32(unit * model.stiffness), far.tile, far.row_length, model.gap)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def settle(system, sweeps, edges_lead):
     """Settle the model by so many sweeps and its far field, and the last sweeps.
 
@@ -261,7 +261,7 @@ def settle(system, sweeps, edges_lead):
     settle_model(system.model, last)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def changes_of(model, changes):
     """Set the changes of pressure that close the gaps of the nodes, whatever their bounds."""
     place, soft = model.node, model.softening.reshape(-1)
@@ -272,7 +272,7 @@ def changes_of(model, changes):
         changes[k] = np.float32(changes[k]) * soft[place[k]]
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def targets_of(p, hardness, changes, trial, r_before):
     """Set the trial pressures to the targets, and `changes` to 1 at free nodes, 2 at bound nodes.
 
@@ -290,7 +290,7 @@ def targets_of(p, hardness, changes, trial, r_before):
         changes[k] = 1.0 if inside else 2.0 if target != p[k] else 0.0
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def sort_nodes(system):
     """List the free nodes and those that go to a bound, as the model says.
 
@@ -312,7 +312,7 @@ def sort_nodes(system):
     return free, bound
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def jump(system, free, bound):
     """Put the bound nodes on their bound at once, and add the deflection by each to the gaps.
 
@@ -334,7 +334,7 @@ def jump(system, free, bound):
             g[k] += change * coefficients[from_b + np.int64(place[k])]
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def model_direction(system, approach, last, free, bound):
     """Find the feasible direction to the targets, conjugate to the last direction.
 
@@ -371,7 +371,7 @@ def model_direction(system, approach, last, free, bound):
     return Direction(slope, longest, max(zr, 0.0), length), restarts
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def follow_model(system, approach, last, sweeps, edges_lead, jumps):
     """Find the next direction by the model, whose grid holds the present state.
 

@@ -16,7 +16,7 @@ from rolling.contact._condition_kernels import approach_of, project, sum_of
 from rolling.contact._model_kernels import EDGES_LEAD, fill, follow_model, lead_model
 from rolling.contact._system import Direction, Sets, Step
 from rolling.contact._window_kernels import copy_line
-from rolling.contact.compiling import njit
+from rolling.contact.compiling import inlined, njit
 
 # After a step length alpha below it the direction is dropped, because nodes that were put on a
 # bound point the wrong way.
@@ -33,7 +33,7 @@ SHORTEST = 0.2
 SHARES = 0.1, 1.0
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def curvature_along(d, image, node, compliance):
     """Return the curvature of the energy along d, whose deflection is in the image [Pa m]."""
     curvature = 0.0
@@ -44,7 +44,7 @@ def curvature_along(d, image, node, compliance):
     return curvature
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def line_search(system, direction):
     """Return the step length alpha that minimizes the energy along d.
 
@@ -57,7 +57,7 @@ def line_search(system, direction):
     return -direction.slope / curvature if curvature > 0.0 else 1.0
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def take_step(system, length):
     """Add `length` times the direction to the pressures, and its deflection to the gaps.
 
@@ -75,7 +75,7 @@ def take_step(system, length):
         p[k] = v
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def find_residual(nodes, stencil, work, hardness, approach, snap):
     """Find the residual r and the nodes that may move.
 
@@ -125,7 +125,7 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
     return worst, free, bound
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def precondition(stencil, softening, work, free):
     """Set z to the inverse stencil of the half-space times the residual on the free nodes."""
     values, grid, place, row_length = stencil.values, stencil.grid, stencil.node, stencil.row_length
@@ -144,7 +144,7 @@ def precondition(stencil, softening, work, free):
         z[k] = total * softening[k] if softening.size else total
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def find_direction(nodes, stencil, work, limits, approach, free, bound, direction, plain):
     """Find the next feasible direction d by preconditioned, projected conjugate gradients.
 
@@ -197,22 +197,18 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
     return Direction(slope, longest, zr, length), restarts, plain_steps
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def scatter(transform, d):
-    """Write the direction into the array of the transforms.
-
-    Its units make the image a deflection.
-    """
-    transform.image[:] = 0.0
+    """Write the direction into its image, in units that make the image a deflection."""
     for k in range(d.size):
         transform.image[transform.node[k]] = transform.unit * d[k]
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def sum_directly(transform, d, deflection, influence, most):
-    """Replace the direction in the array of the transforms by its deflection, pair by pair.
+    """Replace the direction in the image by its deflection, pair by pair in single precision.
 
-    Return False, and leave the array as it is, where more than `most` pairs of a node that moves
+    Return False, and leave the image as it is, where more than `most` pairs of a node that moves
     and a candidate are there. `deflection` is overwritten.
     """
     coefficients, place = influence
@@ -230,7 +226,7 @@ def sum_directly(transform, d, deflection, influence, most):
             for k in range(d.size):
                 deflection[k] += change * coefficients[from_b + np.int64(place[k])]
     for k in range(d.size):
-        transform.image[transform.node[k]] = deflection[k]
+        transform.image[transform.node[k]] = np.float32(deflection[k])
     return True
 
 
@@ -248,7 +244,7 @@ def step_along(system, direction, nearly):
     return alpha
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def take_whole_step(p, d, hardness):
     """Add the direction to the pressures within the bounds; return their sum."""
     for k in range(d.size):
@@ -256,7 +252,7 @@ def take_whole_step(p, d, hardness):
     return sum_of(p)
 
 
-@njit(cache=True, apart=True)
+@njit(cache=True)
 def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_move, finishing):
     """Step along the direction, and find the next direction unless converged.
 
@@ -326,7 +322,7 @@ def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_m
     return Step(approach, worst, free, bound, restarts, plain_steps, 0.0), direction
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def list_inside(p, hardness, active):
     """List the nodes between the bounds in `active`; return their number."""
     free = 0
@@ -337,7 +333,7 @@ def list_inside(p, hardness, active):
     return free
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def carry_load(nodes, work, limits, approach):
     """Shift the nodes between the bounds so that the load is exact, where they can carry it.
 

@@ -1,28 +1,22 @@
 """Named tuples of the contact solve: the system of a descent, its direction and steps.
 
-Python never sees a System: arrays are made by compiled code and stay there. Annotations give the
-types that a kernel with a System among its arguments is compiled for (see `numba_type`).
+Compiled code makes them from plain arrays and numbers, and Python hands only those over: a named
+tuple takes three times as long on the way.
 """
 
-# mypy: disable-error-code="no-untyped-call,no-any-return"
 from __future__ import annotations
 
-from typing import Annotated, Any, NamedTuple, get_type_hints
+from typing import NamedTuple
 
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
 
-Field = Annotated[Array, types.float64[:, ::1]]
-Strips = Annotated[NDArray[np.uint64], types.uint64[:, ::1]]
-Vector = Annotated[Array, types.float64[::1]]
-Indices = Annotated[NDArray[np.uint32], types.uint32[::1]]
-Singles = Annotated[NDArray[np.float32], types.float32[::1]]
-Image = NDArray[np.floating]  # of the type of the transforms
-Grid = Annotated[NDArray[np.float32], types.float32[:, ::1]]
+Indices = NDArray[np.uint32]
+Singles = NDArray[np.float32]
 
+OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # of a unit square at its own centre
 BORDER = 3  # open nodes around the candidates: one that moves, and the reach of a 5 x 5 stencil
 
 
@@ -47,16 +41,20 @@ class Nodes(NamedTuple):
     The last two are empty where no node is compliant by itself.
     """
 
-    p: Vector  # pressure [Pa]
-    g: Vector  # gap before the approach is subtracted [m]
-    compliance: Vector  # closing of the gap by the node's own pressure beside the deflection [m/Pa]
-    softening: Vector  # square root of the share of stiffness left; the residual sets it
+    p: Array  # pressure [Pa]
+    g: Array  # gap before the approach is subtracted [m]
+    compliance: Array  # closing of the gap by the node's own pressure beside the deflection [m/Pa]
+    softening: Array  # square root of the share of stiffness left; the residual sets it
 
 
 class Transform(NamedTuple):
-    """Array of the transforms: the direction goes in, its deflection comes out."""
+    """Image of a direction: it goes in, its deflection comes out.
 
-    image: Image  # pressure times `unit` before, deflection after [m]
+    The image has the places of the array of the transforms, of which only those of the candidates
+    count. It is in double precision, whatever the transforms are.
+    """
+
+    image: Array  # flat, pressure times `unit` before, deflection after [m]
     node: Indices  # (n,) index of each candidate in `image`
     unit: float  # deflection per pressure and coefficient [m/Pa]
 
@@ -64,8 +62,8 @@ class Transform(NamedTuple):
 class Stencil(NamedTuple):
     """Preconditioner, a short stencil of the inverse half-space, with its grid."""
 
-    values: Field  # (3, 3) stencil [Pa/m]
-    grid: Vector  # flat residual on the block of the candidates with a border of open nodes [m]
+    values: Array  # (3, 3) stencil [Pa/m]
+    grid: Array  # flat residual on the block of the candidates with a border of open nodes [m]
     node: Indices  # (n,) index of each candidate in `grid`
     row_length: int  # nodes in a row of `grid`
     stiffness: float  # pressure on a single node that opens its gap by a metre [Pa/m]
@@ -78,15 +76,15 @@ class Model(NamedTuple):
     """
 
     values: Singles  # (6,) stencil of the inverse half-space over its centre, see `inverse_stencil`
-    change: Grid  # change of pressure
-    gap: Grid  # change of pressure that opens the gap
-    low: Grid  # bounds of the change
-    high: Grid
-    moved: Grid  # moves of the gaps in a sweep, and in the next; zero off the strips
-    following: Grid
-    softening: Grid  # share of stiffness left by compliance; empty where no node is compliant
+    change: Singles  # change of pressure
+    gap: Singles  # change of pressure that opens the gap
+    low: Singles  # bounds of the change
+    high: Singles
+    moved: Singles  # moves of the gaps in a sweep, and in the next; zero off the strips
+    following: Singles
+    softening: Singles  # share of stiffness left by compliance; empty where no node is compliant
     node: Indices  # (n,) index of each candidate in the grid
-    strips: Strips  # (strips, 2) strips of the nodes near candidates
+    strips: NDArray[np.uint64]  # (strips, 2) strips of the nodes near candidates
     stiffness: float  # centre of the stencil [Pa/m]
     lift: float  # violation that counts for a missing sum of pressures [m/Pa]
 
@@ -121,19 +119,19 @@ class Influence(NamedTuple):
 class Work(NamedTuple):
     """Vectors that the passes overwrite, with one entry per candidate."""
 
-    trial: Vector  # preconditioned residual, then trial pressure [Pa]
-    d: Vector  # direction [Pa]
-    r: Vector  # residual of this and of the previous iteration [m]
-    r_before: Vector
+    trial: Array  # preconditioned residual, then trial pressure [Pa]
+    d: Array  # direction [Pa]
+    r: Array  # residual of this and of the previous iteration [m]
+    r_before: Array
     active: Indices  # indices of candidates (see Sets)
 
 
 class Edges(NamedTuple):
     """Edges within the cells of candidates; arrays are empty where edges are sharp."""
 
-    edge: Vector  # half of the range of gaps over the cell [m]
-    between_nodes: Vector  # undeformed gap as it runs within cells less the gap of the nodes [m]
-    field: Vector  # gap as it runs within cells on the grid of the stencil; NaN off candidates [m]
+    edge: Array  # half of the range of gaps over the cell [m]
+    between_nodes: Array  # undeformed gap as it runs within cells less the gap of the nodes [m]
+    field: Array  # gap as it runs within cells on the grid of the stencil; NaN off candidates [m]
     levelled: float  # half range that elastic pressures level [m]
     share: float  # share of the remaining half range that edges take
 
@@ -155,22 +153,13 @@ class System(NamedTuple):
 class Solutions(NamedTuple):
     """Solutions of the last two positions on their windows, empty where they do not lead."""
 
-    p: Field  # pressure and deflection of the last position
-    u: Field
-    p_before: Field  # those of the position before
-    u_before: Field
+    p: Array  # pressure and deflection of the last position
+    u: Array
+    p_before: Array  # those of the position before
+    u_before: Array
     row: int  # first row and column of their window in that of the last position
     column: int
-    block: Annotated[tuple[int, ...], types.UniTuple(types.int64, 4)]  # of the candidates
-
-
-def numba_type(field: Any, real: types.Float) -> types.Type:
-    """Return the type of a field, or of a named tuple, for transforms of a type of numbers."""
-    if isinstance(field, type) and issubclass(field, tuple):
-        fields = get_type_hints(field, include_extras=True).values()
-        return types.BaseTuple.from_types([numba_type(part, real) for part in fields], field)
-    plain = {float: types.float64, int: types.int64, Image: real[::1]}
-    return plain[field] if field in plain else field.__metadata__[0]
+    block: tuple[int, int, int, int]  # of the candidates: first row and column, rows, columns
 
 
 class Direction(NamedTuple):
@@ -192,3 +181,18 @@ class Step(NamedTuple):
     restarts: int  # 1 if the next direction is a restart
     plain_steps: int  # 1 if the next direction is a plain gradient
     load: float  # sum of pressures after the last step by the model [Pa]; 0 where there was none
+
+
+class Progress(NamedTuple):
+    """Progress of a solve over its descents, which each descent continues."""
+
+    iterations: int = 0
+    convolutions: int = 0
+    restarts: int = 0
+    plain_steps: int = 0
+    edge_moves: int = 0  # iterations after which the edges moved
+    descents: int = 0
+    stuck: int = 0  # descents in a row that ended without a direction
+    load_missed: bool = False  # whether a descent did not restore the load by its free nodes
+    carried: bool = False  # whether the pressures are known to carry the load exactly
+    exhausted: bool = False  # whether the last descent went as far as its precision allows

@@ -23,25 +23,31 @@ from typing import Any
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
 from acoustics.arrays import Array
-from rolling.contact._by_address import address_of, array_at, caller, execute
-from rolling.contact.compiling import njit
+from rolling.contact._by_address import array_at, call
+from rolling.contact.compiling import address_of, inlined, njit
 
-_DOUBLE = np.empty(0)  # array of double precision
+# Empty arrays of the types of numbers at an address.
+_SINGLE, _SINGLE_COMPLEX = np.empty(0, np.float32), np.empty(0, np.complex64)
+_DOUBLE, _DOUBLE_COMPLEX = np.empty(0), np.empty(0, np.complex128)
+_WHOLE, _INDEX = np.empty(0, np.int64), np.empty(0, np.uint32)
 GROUP = 4  # Plans for rows are made for multiples of so many lines.
 COLUMN_GAP = 4  # complex numbers between two lines of columns
 
-# Entries of the numbers that describe the transforms of a size to compiled code (see Convolution).
-# The key is the padded length, the padded width and 1 in single precision, else 0.
-(LENGTH, WIDTH, KIND, USED, SUBCELLS, APPLY, EXECUTE, ROW_PLANS) = range(8)
-(FORWARD, BACKWARD) = (8, 10)  # plans of columns, of both halves where they are halved
-(BLOCK, PAIRS, LINES, COLUMNS, MEAN, DIFFERENCE, SINES, COSINES, TURNS, HALF) = range(12, 22)
-(WEIGHTS, OWN_BLOCK, INFLUENCE, INFLUENCE_SIZE, ENTRIES) = range(22, 27)
+# Entries of the numbers that describe the transforms of a size to compiled code (see Convolution):
+# padded length and width, sub-cells along the side of a cell, and whether columns are halved (the
+# length of a half, or 0);
+LENGTH, WIDTH, SUBCELLS, HALF = range(4)
+# FFTW's function that executes a plan, plans of rows by the number of lines, and plans of columns,
+# of both halves where they are halved;
+EXECUTE, ROW_PLANS, FORWARD, BACKWARD = 4, 5, 6, 8
+# and places of arrays.
+BLOCK, PAIRS, LINES, COLUMNS, MEAN, DIFFERENCE, SINES, COSINES, TURNS = range(10, 19)
+WEIGHTS, OWN_BLOCK, ENTRIES = 19, 20, 21
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def join(first, second, line):
     """Set the numbers of a complex line to two rows of nodes side by side."""
     for j in range(first.size):
@@ -122,13 +128,13 @@ def multiply(numbers, mean, difference, sines, cosines, halved):
                 other[k + 1], other[k] = there * c + across * a, there * d + across * b
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def place_of(frequency, length, halved):
     """Return the row of a frequency; the even ones come first where columns are halved."""
     return frequency // 2 + frequency % 2 * (length // 2) if halved else frequency
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def multiply_opposites(line, other, mean, difference, sine, cosine):
     """Multiply frequencies of a line, and the opposite ones, which `other` has from its end on.
 
@@ -149,14 +155,14 @@ def multiply_opposites(line, other, mean, difference, sine, cosine):
         other[opposite_real] = there * d + across * b
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def turn_line(line: Array, turn: complex, out: Array) -> None:
     """Set `out` to a line times a number."""
     for j in range(out.size):
         out[j] = turn * line[j]
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def turn_difference(line: Array, other: Array, turn: complex) -> None:
     """Replace two lines by their sum and by a multiple of their difference."""
     for j in range(line.size):
@@ -165,14 +171,14 @@ def turn_difference(line: Array, other: Array, turn: complex) -> None:
         other[j] = turn * difference
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def add_turned(line: Array, turn: complex, other: Array) -> None:
     """Add a multiple of another line to a line."""
     for j in range(line.size):
         line[j] += turn * other[j]
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def turn_apart(line: Array, turn: complex, other: Array) -> None:
     """Replace two lines by the sum and the difference of the first and a multiple of the second."""
     for j in range(line.size):
@@ -212,40 +218,7 @@ def combine(lines: Array, rows: int, turns: Array) -> None:
             add_turned(lines[i], turn, lines[half + i])
 
 
-# These padded lengths are quick for their size, along columns and across them, by a trial of the
-# even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
-# longer one, or hardly less.
-_LONG = (1024, 1280, 1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
-ALONG = np.array([16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, 640, 800, *_LONG])
-ACROSS = np.array(
-    [
-        *(16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, 640),
-        *(768, 800),
-        *_LONG,
-    ]
-)
-
-MAX_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
-
-
-def padded(reach: int, subcells: int, lengths: NDArray[np.int64]) -> int:
-    """Return the minimum of quick lengths for nodes up to `reach` spacings apart, in cells.
-
-    The coefficients are even, so a distance of half the length is still correct. The length is 0
-    where there is none.
-    """
-    # The interpolation on sub-cells spreads pressure into a border of one cell on both sides.
-    cells = reach if subcells == 1 else -(-reach // subcells) + 2
-    for length in lengths:
-        if length >= 2 * cells:
-            return int(length)
-    return 0
-
-
-_padded = njit(cache=True, inner=True)(padded)
-
-
-@njit(cache=True, inner=True)
+@inlined()
 def lines_of(rows, subcells, length):
     """Return the number of lines of cells that hold so many rows, as plans are made for them."""
     # Two rows of cells are a line; on sub-cells the interpolation needs one more on both sides.
@@ -253,7 +226,7 @@ def lines_of(rows, subcells, length):
     return min(-GROUP * (-cells // (2 * GROUP)), length // 2)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def block_of(entry, rows, columns, real):
     """Return the array (lines, columns, rows side by side) of a block of nodes.
 
@@ -266,17 +239,13 @@ def block_of(entry, rows, columns, real):
     return array_at(entry[BLOCK], (lines, entry[WIDTH], 2), real)
 
 
-@njit(cache=True, inner=True)
-def find(table, length, width, kind):
-    """Return the number of the entry with a key, 0 where there is none."""
-    for k in range(1, table.shape[0]):
-        here = table[k]
-        if here[LENGTH] == length and here[WIDTH] == width and here[KIND] == kind:
-            return k
-    return 0
+@inlined()
+def row_of(entry, columns):
+    """Return the columns of the array of a block of so many columns, and its rows side by side."""
+    return (columns, 1) if entry[SUBCELLS] > 1 else (entry[WIDTH], 2)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def transform(entry, rows, real, both):
     """Convolve the cells of a block of so many rows in the array of the transforms.
 
@@ -288,7 +257,7 @@ def transform(entry, rows, real, both):
     row_forward, row_backward = row_plans[-(-lines // GROUP)]
     columns = array_at(entry[LINES], (length, n + COLUMN_GAP), both)
     numbers = array_at(entry[COLUMNS], (length, 2 * (n + COLUMN_GAP)), real)
-    execute(entry[EXECUTE], row_forward)
+    call(entry[EXECUTE], (row_forward,))
     turns = array_at(entry[TURNS], (half,), both)
     if half:
         separate(columns, lines, turns)
@@ -296,7 +265,7 @@ def transform(entry, rows, real, both):
         columns[lines:] = 0.0
     quarter = length // 2 + 1
     for k in range(2 if half else 1):
-        execute(entry[EXECUTE], entry[FORWARD + k])
+        call(entry[EXECUTE], (entry[FORWARD + k],))
     multiply(
         numbers,
         array_at(entry[MEAN], (quarter, n // 2 + 1), real),
@@ -306,10 +275,10 @@ def transform(entry, rows, real, both):
         half > 0,
     )
     for k in range(2 if half else 1):
-        execute(entry[EXECUTE], entry[BACKWARD + k])
+        call(entry[EXECUTE], (entry[BACKWARD + k],))
     if half:
         combine(columns, lines, turns)
-    execute(entry[EXECUTE], row_backward)
+    call(entry[EXECUTE], (row_backward,))
 
 
 @njit(cache=True)
@@ -383,7 +352,7 @@ def spread(fine, listed, weights, side, cells, own):
 
 
 @njit(cache=True)
-def gather_all(cells, weights, fine):
+def interpolate_all(cells, weights, fine):
     """Interpolate the deflections of cells on all sub-cells."""
     r = weights.shape[0]
     rows, columns = fine.shape[0] // r, fine.shape[1] // r
@@ -405,7 +374,7 @@ def gather_all(cells, weights, fine):
 
 
 @njit(cache=True)
-def gather(cells, listed, weights, block, own, side, fine):
+def interpolate(cells, listed, weights, block, own, side, fine):
     """Set the deflections of the sub-cells of listed cells.
 
     They are interpolated from the deflections of cells, plus those by pressures within the same
@@ -450,9 +419,9 @@ def add_own(own, listed, block, side, fine):
                 fine[i * r + a, j * r + b] = total
 
 
-@njit(cache=True, inner=True)
-def apply_on_subcells(entry, rows, columns, listed, side, real, both):
-    """Replace the pressure on a block of sub-cells by its deflection: see `apply_of`.
+@inlined()
+def transform_on_subcells(entry, rows, columns, listed, side, real, both):
+    """Replace the pressure on a block of sub-cells by its deflection: see `transform`.
 
     An empty list of cells stands for all cells.
     """
@@ -469,51 +438,125 @@ def apply_on_subcells(entry, rows, columns, listed, side, real, both):
     spread(fine, loaded, weights, side, cells, own)
     transform(entry, rows, real, both)
     if listed.size:
-        gather(cells, listed, weights, block, own, side, fine)
+        interpolate(cells, listed, weights, block, own, side, fine)
     else:
-        gather_all(cells, weights, fine)
+        interpolate_all(cells, weights, fine)
         add_own(own, loaded, block, side, fine)
 
 
 @once
-def apply_of(subcells: int, single: bool) -> Any:
-    """Return the kernel for so many sub-cells along the side of a cell that convolves a block.
+def window_kernel(subcells: int) -> Any:
+    """Return the kernel that deflects a window, for so many sub-cells along the side of a cell.
 
-    It replaces the pressure on a block of so many rows and columns in the array of the transforms
-    by its deflection in units of spacing / (pi E*). Further rows and columns are invalid
-    afterwards. Where cells are listed, only they are loaded, and only their deflection is valid.
+    It sets `out` to the deflection [m] by the pressure [Pa] on a window, in double precision.
+    `entry` describes the transforms, and `unit` is the deflection per pressure and coefficient.
     """
     side = (0,) * subcells
-    real, both = np.empty(0, "f4" if single else "f8"), np.empty(0, "c8" if single else "c16")
 
-    def apply(entry, rows, columns, listed):
-        transform(entry, rows, real, both)
+    def deflect_window(pressure, unit, entry, out):
+        rows, columns = pressure.shape
+        values = block_of(entry, rows, columns, _DOUBLE)
+        load(pressure, values)
+        transform(entry, rows, _DOUBLE, _DOUBLE_COMPLEX)
+        read(values, unit, out)
 
-    def apply_on_parts(entry, rows, columns, listed):
-        apply_on_subcells(entry, rows, columns, listed, side, real, both)
+    def deflect_window_of_subcells(pressure, unit, entry, out):
+        rows, columns = pressure.shape
+        values = block_of(entry, rows, columns, _DOUBLE)
+        load(pressure, values)
+        every = np.empty(0, np.int64)
+        transform_on_subcells(entry, rows, columns, every, side, _DOUBLE, _DOUBLE_COMPLEX)
+        read(values, unit, out)
 
-    return njit(cache=True)(apply if subcells == 1 else apply_on_parts)
+    return njit(cache=True)(deflect_window if subcells == 1 else deflect_window_of_subcells)
 
 
-APPLY_TYPES = types.int64[::1], types.int64, types.int64, types.int64[::1]
-apply_at = caller(types.none, APPLY_TYPES)
+_NODES_SIGNATURE = types.void(*[types.int64] * 8)
 
 
 @once
-def apply_address(subcells: int, single: bool) -> int:
-    """Return the address of the kernel of `apply_of`, which is compiled if need be."""
-    return address_of(apply_of(subcells, single), types.none, APPLY_TYPES)
+def nodes_kernel(subcells: int, single: bool) -> int:
+    """Return the address of the kernel that deflects listed nodes: see `deflect_nodes`.
 
-
-@njit(cache=True)
-def deflect(pressure, unit, entry, table, out):
-    """Set `out` to the deflection [m] of a window by its pressures.
-
-    The convolution with the transforms of an entry is counted in the table of the half-space.
+    It is compiled for so many sub-cells along the side of a cell, and for either precision. Its
+    caller `deflect_nodes` knows neither.
     """
-    rows, columns = pressure.shape
-    values = block_of(entry, rows, columns, _DOUBLE)
-    load(pressure, values)
-    apply_at(entry[APPLY], (entry, rows, columns, np.empty(0, np.int64)))
-    read(values, unit, out)
-    table[0, 0] += 1
+    side = (0,) * subcells
+    real, both = (_SINGLE, _SINGLE_COMPLEX) if single else (_DOUBLE, _DOUBLE_COMPLEX)
+
+    def deflect_at(entry_at, rows, columns, image_at, node_at, count, cells_at, cell_count):
+        entry = array_at(entry_at, (ENTRIES,), _WHOLE)
+        values = block_of(entry, rows, columns, real).reshape(-1)
+        image, node = (
+            array_at(image_at, (values.size,), _DOUBLE),
+            array_at(node_at, (count,), _INDEX),
+        )
+        scatter(image, node, values)
+        transform(entry, rows, real, both)
+        gather(values, node, image)
+
+    def deflect_subcells_at(
+        entry_at, rows, columns, image_at, node_at, count, cells_at, cell_count
+    ):
+        entry = array_at(entry_at, (ENTRIES,), _WHOLE)
+        values = block_of(entry, rows, columns, real).reshape(-1)
+        image, node = (
+            array_at(image_at, (values.size,), _DOUBLE),
+            array_at(node_at, (count,), _INDEX),
+        )
+        cells = array_at(cells_at, (cell_count,), _WHOLE)
+        scatter(image, node, values)
+        transform_on_subcells(entry, rows, columns, cells, side, real, both)
+        gather(values, node, image)
+
+    return address_of(deflect_at if subcells == 1 else deflect_subcells_at, _NODES_SIGNATURE)
+
+
+@inlined()
+def scatter(image, node, values):
+    """Set listed nodes of the array of the transforms to those of the image, and the rest to 0."""
+    values[:] = 0.0
+    for k in range(node.size):
+        values[node[k]] = image[node[k]]
+
+
+@inlined()
+def gather(values, node, image):
+    """Set listed nodes of the image to those of the array of the transforms."""
+    for k in range(node.size):
+        image[node[k]] = values[node[k]]
+
+
+@inlined()
+def deflect_nodes(kernel, entry, block, image, node, cells):
+    """Replace the values of listed nodes in the image by the deflection that they cause.
+
+    Parameters
+    ----------
+    kernel : int
+        Address of the kernel (see `nodes_kernel`).
+    entry : array
+        Numbers that describe the transforms.
+    block : tuple
+        First row and column, and numbers of rows and columns of the block of nodes.
+    image : array
+        Pressures times the deflection per pressure and coefficient before, deflections after, at
+        the places of the nodes in the array of the transforms; others hold anything.
+    node : array
+        Places of the nodes.
+    cells : array
+        Cells of the block that hold the nodes, where nodes are sub-cells.
+    """
+    call(
+        kernel,
+        (
+            np.int64(entry.ctypes.data),
+            np.int64(block[2]),
+            np.int64(block[3]),
+            np.int64(image.ctypes.data),
+            np.int64(node.ctypes.data),
+            np.int64(node.size),
+            np.int64(cells.ctypes.data),
+            np.int64(cells.size),
+        ),
+    )

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from rolling.contact.compiling import njit
+from rolling.contact.compiling import inlined, njit
 
 STRETCH = 16  # nodes of a row whose maximum height is known
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def copy_line(source, target):
     """Copy values; an assignment to a slice would take seconds to compile."""
     for k in range(target.size):
@@ -47,7 +47,7 @@ def undeformed_gap(heights, sphere, row, column, out):
             node = 0
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def above(rise, rises, z, out):
     """Set `out` to the height of a row of the sphere above the plate."""
     for k in range(out.size):
@@ -66,8 +66,8 @@ def cell_tops(heights, out):
             out[i, j] = heights[i, j] + 0.25 * np.sqrt(rise * rise + tilt * tilt)
 
 
-@njit(cache=True, inner=True)
-def farthest_gap(maxima, sphere, approach, blended):
+@inlined()
+def farthest_gap(highest, sphere, approach, blended):
     """Return the maximum gap [m] at a node whose cell touches at an approach.
 
     With blended edges the sphere may touch the near side of a cell. It is lower there than over the
@@ -76,7 +76,7 @@ def farthest_gap(maxima, sphere, approach, blended):
     if not blended:
         return approach
     half, radius = 0.5 * sphere[0], min(sphere[1], sphere[2])
-    touching = max(approach + maxima[3], 0.0)
+    touching = max(approach + highest, 0.0)
     return approach + half * (half + np.sqrt(half * half + 2 * radius * touching)) / radius
 
 
@@ -97,7 +97,7 @@ def overlap(maxima, sphere, approach, load, blended):
     """
     heights, stretches, row_highest, highest = maxima
     spacing, radius, radius_across, x, y = sphere
-    approach, nowhere = farthest_gap(maxima, sphere, approach, blended), (0, 0, 0, 0)
+    approach, nowhere = farthest_gap(highest, sphere, approach, blended), (0, 0, 0, 0)
     reach2 = 2 * radius * (approach + highest)
     if reach2 <= 0.0:
         return nowhere
@@ -137,7 +137,7 @@ def overlap(maxima, sphere, approach, load, blended):
     return first_row - border, columns[0] - border, rows + 2 * border, width + 2 * border
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def least_deflection(load, distance2):
     """Return the minimum deflection [m] at a node by the whole load.
 
@@ -149,7 +149,7 @@ def least_deflection(load, distance2):
     return load[0] / np.sqrt(distance2 + load[1])
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def overlap_of_row(plate, sphere, i, columns):
     """Widen columns (first, last) to those of the nodes of row i whose gap is below the approach.
 
@@ -185,7 +185,7 @@ def overlap_of_row(plate, sphere, i, columns):
     return columns[0], max(last, columns[1])
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def search_row(row, rise, sphere, begin, end, step):
     """Return the first node of a row from `begin` to `end` whose gap is below the approach.
 
@@ -220,7 +220,7 @@ def search_row(row, rise, sphere, begin, end, step):
     return j
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def shared(first, length, begin, end):
     """Return the part of a window from `first` on, so many nodes long, within `begin` to `end`."""
     low = min(max(first, begin), end)
@@ -242,7 +242,7 @@ def extrapolate_deflection(u, u_before, row, column, out):
         extrapolate_line(u[i, a:b], u_before[i - row, a - column : b - column], out[i, a:b])
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def extrapolate_line(values, before, out):
     """Set `out` to values and their change."""
     for k in range(out.size):
@@ -270,7 +270,7 @@ def copy_block(source, target, row_offset, column_offset, continued):
 AT_ONCE = 16  # nodes whose sum tells whether any of them is loaded
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def sum_of_sizes(values):
     """Return the sum of absolute values."""
     total = 0.0
@@ -314,7 +314,7 @@ def reach(pressure):
     )
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def measures(pressure, deflection, hardness, edge, levelled, row, column, reach):
     """Measure the loaded nodes of a window.
 
@@ -359,7 +359,7 @@ def measures(pressure, deflection, hardness, edge, levelled, row, column, reach)
     return count, capped, maximum, work, spread, first_row, last_row, first_column, last_column
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def measure_row(p, u, hardness, apart):
     """Return the numbers of nodes in contact and at the hardness, max p, and the sum of p u.
 
@@ -378,7 +378,7 @@ def measure_row(p, u, hardness, apart):
     return count, capped, highest, work, (load, moment, square)
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def shares_of_row(p, edge, hardness, levelled):
     """Return the number of cells that edges cross, and of them in contact and at the hardness."""
     crossing, in_contact, capped = 0.0, 0.0, 0.0
@@ -426,7 +426,7 @@ def node_work(old, offset, new, left_end, cell, work):
     return release, loading
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def row_work(old, new, left_end, cell, work):
     """Set the work of a row of nodes as `node_work` does; return its sums."""
     p_old, u_old = old

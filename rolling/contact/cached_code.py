@@ -1,104 +1,108 @@
-"""Files of compiled code in the cache of numba, whose damage is found by a digest."""
+"""The files in which numba keeps the compiled code of a kernel, checked before they are loaded.
 
-# mypy: disable-error-code="no-untyped-call"
+Numba compares the source file of a kernel with its cache, but not those of the kernels that it
+calls, and it trusts what it reads. A record beside the files of each kernel holds a digest of the
+sources of all kernels and one of each file. Files that differ from it are deleted, so that numba
+compiles the kernel anew: after a change of another source, after a power cut that left a file cut
+off, or after a process was killed while it wrote.
+"""
+
 from __future__ import annotations
 
 import hashlib
-import pickle
+import json
+import os
 import sys
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache as once
 from pathlib import Path
-from typing import Any, NamedTuple
-
-from numba.core.caching import IndexDataCacheFile
-
-_DIGEST_BYTES = hashlib.sha256().digest_size
+from typing import Any
 
 
-class _Stored(NamedTuple):
-    """Compiled code of a kernel, with the sources and the types that it was compiled from."""
+class KeptFiles:
+    """Cache files of one kernel and their record.
 
-    stamp: Any
-    key: Any
-    code: Any
-
-
-class CheckedFiles(IndexDataCacheFile):
-    """Index and data files of a kernel, each with the digest of its content at its end.
-
-    Numba raises on a file that a power cut left empty or cut off, and code with a flipped byte ends
-    the process. Here a file that is damaged or cannot be read counts as absent, so that the kernel
-    is compiled anew and the file is replaced. The digest stands in the file itself, because two
-    files could not be replaced at one moment.
+    Parameters
+    ----------
+    function : function
+        Function that the kernel is compiled from.
+    folder : str
+        Folder of the cache.
     """
 
-    def load(self, key: Any) -> Any:
-        """Return the compiled code of a key; None where the cache does not hold it."""
-        stored = super().load(key)
-        # Numba writes the index before the data. If a process is killed in between, the index names
-        # a file that holds older code, or code for other types.
-        if stored is None or (stored.stamp, stored.key) != (self._source_stamp, key):
-            return None
-        return stored.code
+    def __init__(self, function: Callable[..., Any], folder: str) -> None:
+        module = Path(function.__code__.co_filename).stem
+        name = f"{module}.{function.__qualname__}".replace("<", "").replace(">", "")
+        self.name = f"{name}-{function.__code__.co_firstlineno}"
+        self.folder = Path(folder)
+        self._record = self.folder / f"{self.name}.sha256"
 
-    def save(self, key: Any, data: Any) -> None:
-        """Keep compiled code where the folder lets it."""
+    @property
+    def lock(self) -> Path:
+        """File of the lock under which the files are read and written."""
+        return self.folder / f"{self.name}.lock"
+
+    def remove_what_differs(self) -> None:
+        """Delete the files unless all of them are those of the record.
+
+        Raise OSError where they cannot be deleted.
+        """
+        present = self._digests()
+        if present and present != self._recorded():
+            for path in self._paths():
+                path.unlink()
+
+    def record(self) -> None:
+        """Record the digests of the files, where the folder lets it."""
+        digests = self._digests()
+        if digests == self._recorded():
+            return
+        with suppress(OSError):
+            number, temporary = tempfile.mkstemp(dir=self.folder, prefix=f"{self.name}.")
+            with os.fdopen(number, "w", encoding="utf-8") as stream:
+                json.dump({"sources": digest_of_sources(), "files": digests}, stream)
+            Path(temporary).replace(self._record)
+
+    def _paths(self) -> list[Path]:
+        """Return the paths of numba's index and code files."""
+        names = [entry.name for entry in os.scandir(self.folder)] if self.folder.is_dir() else []
+        ours = [name for name in names if name.startswith(f"{self.name}.")]
+        return [self.folder / name for name in sorted(ours) if name.endswith((".nbi", ".nbc"))]
+
+    def _digests(self) -> dict[str, str]:
+        """Return the digest of each file by its name; that of an unreadable file is its error."""
+        digests = {}
+        for path in self._paths():
+            try:
+                digests[path.name] = hashlib.sha256(path.read_bytes()).hexdigest()
+            except OSError as error:
+                digests[path.name] = str(error)
+        return digests
+
+    def _recorded(self) -> dict[str, str] | None:
+        """Return the recorded digests; None without a record, or with one of other sources."""
         try:
-            super().save(key, _Stored(self._source_stamp, key, data))
-        except OSError as error:
-            _warn_not_kept(self._cache_path, error.strerror or str(error))
-
-    def _load_index(self) -> dict[Any, str]:
-        """Read the names of data files by key; none from a file that is damaged or out of date."""
-        index = _read(Path(self._index_path))
-        if index is None:
-            return {}
-        version, stamp, names = index
-        if (version, stamp) != (self._version, self._source_stamp):
-            return {}
-        return dict(names)
-
-    def _save_index(self, overloads: dict[Any, str]) -> None:
-        """Write the names of data files by key."""
-        self._write(self._index_path, (self._version, self._source_stamp, overloads))
-
-    def _load_data(self, name: str) -> Any:
-        """Read compiled code; None from a file that is damaged or cannot be read."""
-        return _read(Path(self._data_path(name)))
-
-    def _save_data(self, name: str, data: Any) -> None:
-        """Write compiled code."""
-        self._write(self._data_path(name), data)
-
-    def _write(self, path: str, value: Any) -> None:
-        """Write a value and the digest of its bytes into a file."""
-        content = self._dump(value)
-        with self._open_for_write(path) as stream:
-            stream.write(content)
-            stream.write(hashlib.sha256(content).digest())
-
-
-def _read(path: Path) -> Any:
-    """Return the value in a file; None without a readable file whose digest is right."""
-    try:
-        if not path.is_file():
+            record = json.loads(self._record.read_bytes())
+            files: dict[str, str] = record["files"]
+            return files if record["sources"] == digest_of_sources() else None
+        except (OSError, ValueError, KeyError, TypeError):
             return None
-        whole = path.read_bytes()
-    except OSError:
-        return None
-    content, digest = whole[:-_DIGEST_BYTES], whole[-_DIGEST_BYTES:]
-    if hashlib.sha256(content).digest() != digest:
-        return None
-    try:
-        return pickle.loads(content)
-    except MemoryError:  # which says nothing about the file
-        raise
-    except Exception:  # of a whole file that needs packages of another version
-        return None
 
 
 @once
-def _warn_not_kept(folder: str, reason: str) -> None:
+def digest_of_sources() -> str:
+    """Return the digest of the modules of kernels, which begin with an underscore."""
+    digest = hashlib.sha256()
+    rooms = Path(__file__).parents[1]
+    for path in sorted([*rooms.glob("contact/_*.py"), *rooms.glob("dynamics/_*.py")]):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+@once
+def warn_not_kept(folder: Path, reason: str) -> None:
     """Say that code which was compiled is lost at the end of this process."""
     print(
         f"warning: compiled code cannot be kept in {folder} ({reason}): every start compiles it"

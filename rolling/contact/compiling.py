@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import hashlib
 import os
 import shutil
 import sys
@@ -11,106 +10,135 @@ import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cache as once
-from pathlib import Path
 from typing import Any
 
 import numba
 from filelock import FileLock
 from numba.core import event
 from numba.core.compiler_lock import global_compiler_lock
+from numba.extending import register_jitable
 
-from rolling.contact.cached_code import CheckedFiles
+from rolling.contact._by_address import address_of_uncompiled
+from rolling.contact.cached_code import KeptFiles, warn_not_kept
 
 _VARIABLE = "NUMBA_CACHE_DIR"
+# Sums are ordered and rounded as the processor does them fastest, the same way in every run on it.
+_FUSED = {"reassoc", "contract", "nsz"}
+_callbacks: list[Any] = []  # whose addresses are in use
 
 
-def njit(
-    *, cache: bool, fused: bool = False, inner: bool = False, apart: bool = False
-) -> Callable[[Callable[..., Any]], Any]:
+def njit(*, cache: bool, fused: bool = False) -> Callable[[Callable[..., Any]], Any]:
     """Compile a function as `numba.njit` does; go on without a lasting cache where none can be.
 
     Numba caches beside the sources, or else in the home folder. Where neither can be written, a
-    temporary folder serves this process and its workers.
-
-    With `fused` sums are ordered and rounded as the processor does them fastest, the same way in
-    every run on it. An `inner` function is called by compiled code only, and would crash in Python.
-    Without the wrapper that takes its arguments from Python, the kernels compile in two thirds of
-    the time. A function `apart` has none either, and is compiled by one process for its callers.
-
-    Fused and inner functions become part of their callers, because a process that compiles would
-    otherwise link another copy of them, with other last digits, than a process that loads the
-    callers from the cache.
+    temporary folder serves this process and its workers. One process compiles a kernel while all
+    others wait, and files of the cache are checked before they are loaded (see `cached_code`).
     """
-    options: dict[str, Any] = {"fastmath": {"reassoc", "contract", "nsz"}} if fused else {}
-    options |= {"no_cpython_wrapper": inner or apart, "forceinline": inner or fused}
+    options: dict[str, Any] = {"fastmath": _FUSED, "forceinline": True} if fused else {}
 
     def compiled(function: Callable[..., Any]) -> Any:
-        try:
-            return _kept(numba.njit(cache=cache, **options)(function), inner)
-        except RuntimeError:  # no folder for the cache; a fault of the code shows below as well
-            _use_temporary_cache()
-        try:
-            return _kept(numba.njit(cache=cache, **options)(function), inner)
-        except RuntimeError:  # no temporary folder either
-            return numba.njit(**options)(function)
+        kernel = _with_cache(lambda **how: numba.njit(**how, **options)(function), cache)
+        if cache and not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+            _compile_in_one_process(kernel, function, options)
+        return kernel
 
     return compiled
 
 
-def _kept(kernel: Any, inner: bool) -> Any:
-    """Prepare a kernel whose code the cache keeps."""
-    _use_checked_files(kernel)
-    if not inner:
-        _compile_in_one_process(kernel)
-    return kernel
+def inlined(*, fused: bool = False) -> Callable[[Callable[..., Any]], Any]:
+    """Make a function part of the kernels that call it; Python calls it as it is.
+
+    With `fused` its sums are ordered and rounded as the processor does them fastest. Such a
+    function must be part of its callers, because a process that compiles would otherwise link
+    another copy of it, with other last digits, than a process that loads the callers from the
+    cache.
+    """
+    options = {"forceinline": True, "fastmath": _FUSED if fused else False}
+    mark: Callable[[Callable[..., Any]], Any] = register_jitable(**options)
+    return mark
 
 
-def _compile_in_one_process(kernel: Any) -> None:
+def address_of(function: Callable[..., None], signature: Any) -> int:
+    """Compile a function of whole numbers that returns nothing; return its address for `call`."""
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return address_of_uncompiled(function)
+    example = _with_cache(lambda **how: numba.njit(**how)(function), cache=True)
+    files = KeptFiles(function, example.stats.cache_path) if example.stats.cache_path else None
+
+    def compiled(cache: bool) -> Any:
+        return numba.cfunc(signature, cache=cache)(function)
+
+    if files is None:
+        callback = compiled(cache=False)
+    else:
+        with global_compiler_lock, _locked(files):
+            try:
+                files.remove_what_differs()
+                callback = compiled(cache=True)
+                files.record()
+            except OSError as error:
+                warn_not_kept(files.folder, error.strerror or str(error))
+                callback = compiled(cache=False)
+    _callbacks.append(callback)
+    return int(callback.address)
+
+
+def _with_cache(make: Callable[..., Any], cache: bool) -> Any:
+    """Make a kernel with a cache, in a temporary folder if need be, or without one."""
+    with suppress(RuntimeError):  # no folder for the cache; a fault of the code shows below as well
+        return make(cache=cache)
+    _use_temporary_cache()
+    with suppress(RuntimeError):  # no temporary folder either
+        return make(cache=cache)
+    return make(cache=False)
+
+
+_locks: dict[tuple[str, int], FileLock] = {}  # a process that was forked must not use its parent's
+
+
+@contextmanager
+def _locked(files: KeptFiles) -> Iterator[None]:
+    """Hold the lock of the files of a kernel, where there is one.
+
+    A folder that is read-only, or on a disk without locks, has none: each process compiles then.
+    """
+    with ExitStack() as stack:
+        lock = _locks.setdefault((str(files.lock), os.getpid()), FileLock(files.lock))
+        with suppress(OSError, NotImplementedError):
+            stack.enter_context(lock)
+        yield
+
+
+def _compile_in_one_process(
+    kernel: Any, function: Callable[..., Any], options: dict[str, Any]
+) -> None:
     """Let one process compile a kernel while all others wait, which then take it from the cache."""
-    folder = getattr(getattr(kernel, "_cache", None), "_cache_path", None)
-    if folder is None:  # it is not compiled at all
+    if not kernel.stats.cache_path:
         return
-    path = Path(folder) / f"{kernel.__name__}.lock"
-    locks = dict[int, FileLock]()  # by process: one that was forked must not use its parent's
+    files = KeptFiles(function, kernel.stats.cache_path)
     compile_now = kernel.compile
 
     def compile_alone(signature: Any) -> Any:
         # Threads take the lock of the compiler first, so that none waits for a file that another
         # one of them holds.
-        with global_compiler_lock, ExitStack() as stack:
-            # A folder that is read-only, or on a disk without locks: each process compiles then.
-            with suppress(OSError, NotImplementedError):
-                stack.enter_context(locks.setdefault(os.getpid(), FileLock(path)))
-            return compile_now(signature)
+        with global_compiler_lock, _locked(files):
+            try:
+                files.remove_what_differs()
+                entry = compile_now(signature)
+                files.record()
+            except OSError as error:
+                warn_not_kept(files.folder, error.strerror or str(error))
+                entry = compile_uncached(signature)
+        return entry
+
+    def compile_uncached(signature: Any) -> Any:
+        if signature not in kernel.overloads:
+            uncached = numba.njit(**options)(function)
+            uncached.compile(signature)
+            kernel.add_overload(uncached.overloads[signature])
+        return compile_now(signature)
 
     kernel.compile = compile_alone
-
-
-def _use_checked_files(kernel: Any) -> None:
-    """Let the cache of a kernel find damaged files, and tie its code to the sources of all kernels.
-
-    Numba looks at the kernel's own file only. The cached code also holds the kernels that it calls,
-    which may stand in other files and be newer.
-    """
-    cache = getattr(kernel, "_cache", None)
-    numba_files: Any = getattr(cache, "_cache_file", None)
-    if cache is None or numba_files is None:  # it is not compiled, or without a cache
-        return
-    cache._cache_file = CheckedFiles(  # type: ignore[no-untyped-call]
-        cache_path=cache._cache_path,
-        filename_base=cache._impl.filename_base,
-        source_stamp=(numba_files._source_stamp, _digest_of_sources()),
-    )
-
-
-@once
-def _digest_of_sources() -> str:
-    """Return the digest of the modules beside this one and of the kernels of the motion."""
-    digest = hashlib.sha256()
-    here = Path(__file__).parent
-    for path in sorted([*here.glob("*.py"), *here.parent.glob("dynamics/_*.py")]):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
 
 
 @once

@@ -1,35 +1,65 @@
 """Compilation of the longest kernels of the solver beside a march, in processes of their own.
 
 A first march compiles half a minute of other kernels meanwhile; it finds these in the cache. Each
-function compiles what a process can do alone.
+function compiles what a process can do alone, for arguments like those of a march.
 """
 
+# mypy: disable-error-code="no-untyped-call"
 from __future__ import annotations
 
-from numba import types
+from typing import Any
 
-from rolling.contact import _descent_kernels, _far_field, _model_kernels, _transform_kernels
+import numpy as np
+from numba import config, typeof
+
+from rolling.contact import _far_field, _model_kernels, _transform_kernels
 from rolling.contact import _position_kernels as positions
 from rolling.contact import _window_kernels as windows
-from rolling.contact._system import FarField, Model, numba_type
+from rolling.contact._descent_kernels import descend
+from rolling.contact._system import FarField, Model, Progress
+
+_LINE, _FIELD = np.empty(0), np.empty((0, 0))
+_SINGLES, _GRID = np.empty(0, np.float32), np.empty((0, 0), np.float32)
+_WHOLE, _INDICES = np.empty(0, np.int64), np.empty(0, np.uint32)
+_BLOCK = 0, 0, 0, 0
 
 
 def compile_step() -> None:
-    """Compile the step of a descent, which takes longer than any other kernel."""
-    _descent_kernels.step_address(single=True)
+    """Compile the descent, which takes longer than all other kernels."""
+    stencils = 1.0, _FIELD, _SINGLES, 1.0, 1.0, 1.0
+    _compile(
+        descend,
+        (_FIELD,) * 5,
+        (_WHOLE, _BLOCK, 1),
+        (1.0,) * 5,
+        (stencils, (_WHOLE, _SINGLES, 0, 0), _SINGLES),
+        (_FIELD, _FIELD, _FIELD, 0, 0),
+        (1.0, 1.0),
+        tuple(Progress()),
+        (_LINE, _SINGLES, _INDICES),
+    )
 
 
 def compile_parts() -> None:
-    """Compile parts of the step, and the kernels that a march needs last."""
-    number, whole, line = types.float64, types.int64, types.float32[::1]
-    grid, field = types.float32[:, ::1], types.float64[:, ::1]
-    model, far = (numba_type(kind, types.float32) for kind in (Model, FarField))
-    _model_kernels.settle_model.compile((model, whole))
-    _far_field.answer.compile((far,))
-    _far_field.restrict.compile((grid, whole, whole, line))
-    _far_field.prolong.compile((line, types.float32, whole, whole, grid))
-    for single in (False, True):
-        _transform_kernels.apply_address(1, single)
-    positions.converge_address(single=True)
-    both, corner = (types.UniTuple(kind, 2) for kind in (field, whole))  # type: ignore[no-untyped-call]
-    windows.node_work.compile((both, corner, both, types.boolean, number, field))
+    """Compile parts of the descent, and the kernels that a march needs last."""
+    strips = np.empty((0, 2), np.uint64)
+    model = Model(
+        _SINGLES, _GRID, _GRID, _GRID, _GRID, _GRID, _GRID, _GRID, _INDICES, strips, 1.0, 1.0
+    )
+    coarse = (_SINGLES,) * 8
+    _compile(_model_kernels.settle_model, model, 1)
+    _compile(_far_field.answer, FarField(1, 1, 1.0, 1.0, *coarse))
+    _compile(_far_field.restrict, _GRID, 1, 1, _SINGLES)
+    _compile(_far_field.prolong, _SINGLES, np.float32(1.0), 1, 1, _GRID)
+    _transform_kernels.nodes_kernel(1, True)
+    _compile(_transform_kernels.window_kernel(1), _FIELD, 1.0, _WHOLE, _FIELD)
+    fields, sphere = (_FIELD,) * 3, (1.0,) * 5
+    _compile(positions.measure, fields, (1.0, 1.0), sphere, 1.0, 1.0, True, (0, 0))
+    pair = _FIELD, _FIELD
+    _compile(windows.node_work, pair, (0, 0), pair, False, 1.0, _FIELD)
+
+
+def _compile(kernel: Any, *arguments: Any) -> None:
+    """Compile a kernel for arguments of these types, or load it."""
+    if not config.DISABLE_JIT:  # type: ignore[attr-defined]
+        kernel.compile(tuple(typeof(argument) for argument in arguments))

@@ -5,10 +5,11 @@ Love's influence coefficients are convolved with the pressure by zero-padded FFT
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import OrderedDict
 from collections.abc import Callable
+from contextlib import suppress
 from threading import Lock
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from acoustics.traps import ignoring_underflow
 from rolling.contact import _transform_kernels as kernels
 from rolling.contact import _window_kernels
 from rolling.contact._plans import Plan, zeros
-from rolling.contact._transform_kernels import COLUMN_GAP, GROUP, MAX_NODES
+from rolling.contact._transform_kernels import COLUMN_GAP, GROUP
 
 # Columns of these lengths, and all longer columns, are transformed in two halves, because half of a
 # column is zero. Elsewhere this takes longer.
@@ -31,25 +32,39 @@ MAX_SIZE = 1e300  # of a length, a modulus or a load in SI
 # Bytes of transforms that a half-space keeps. A rough track asks for some hundred sizes; without a
 # limit they took 4 GB in each process. A step needs few sizes, which fit up to 1,000 nodes across.
 KEPT_BYTES = 2**28
-KEPT_FIELDS = 64  # far fields of coarse grids: 2 kB each at 100 nodes across, 33 kB at 2,000
 
 MAX_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by distance
 
-OWN_COEFFICIENT = 4 * np.log(1 + np.sqrt(2))  # coefficient of a unit square at its own centre
+
+# These padded lengths are quick for their size, along columns and across them, by a trial of the
+# even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
+# longer one, or hardly less.
+_LONG = (1024, 1280, 1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
+ALONG = (16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, 640, 800, *_LONG)
+ACROSS = (
+    *(16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, 640),
+    *(768, 800),
+    *_LONG,
+)
+MAX_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
 
 def padded_length(reach: int, across: bool = False, subcells: int = 1) -> int:
     """Return the minimum quick length for nodes up to `reach` spacings apart, in cells.
 
-    Raises ValueError where there is none.
+    The coefficients are even, so a distance of half the length is still correct. Raises ValueError
+    where there is none.
     """
-    length = kernels.padded(reach, subcells, kernels.ACROSS if across else kernels.ALONG)
-    if length == 0:
+    lengths = ACROSS if across else ALONG
+    # The interpolation on sub-cells spreads pressure into a border of one cell on both sides.
+    cells = reach if subcells == 1 else -(-reach // subcells) + 2
+    place = bisect_left(lengths, 2 * cells)
+    if place == len(lengths):
         raise ValueError(
             f"window: got {reach // subcells + 1} nodes along a side, allowed: {MAX_NODES} there"
             " is room for"
         )
-    return length
+    return lengths[place]
 
 
 def love(rows: Array, columns: Array) -> Array:
@@ -153,12 +168,8 @@ class HalfSpace:
         self.contact_modulus = positive("contact_modulus", contact_modulus, MAX_SIZE)
         self.unit = self.spacing / (np.pi * self.contact_modulus)
         self.subcells = 1
-        self._convolutions: dict[tuple[int, int, bool], Convolution] = {}
-        self._far_fields: dict[tuple[int, int, int], KeptField] = {}
-        # Compiled code finds transforms and far fields by their entries in this table. Its first
-        # row has the number of convolutions and of sub-cells.
-        self.table = np.zeros((1, kernels.ENTRIES), np.int64)
-        self.table[0, 1] = self.subcells
+        self.count = 0
+        self._convolutions: OrderedDict[tuple[int, int, bool], Convolution] = OrderedDict()
 
     def __repr__(self) -> str:
         modulus = f"contact_modulus={self.contact_modulus:g} Pa"
@@ -190,11 +201,14 @@ class HalfSpace:
         """
         return self.deflect(real_array("pressure", pressure, 2))
 
-    def deflect(self, pressure: Array) -> Array:
+    def deflect(self, pressure: Array, out: Array | None = None) -> Array:
         """Compute the deflection [m] as `deflection`, whose check it leaves out."""
-        convolution = self.convolution(*_window_kernels.reach(pressure))
-        deflection = np.empty(pressure.shape)
-        kernels.deflect(pressure, self.unit, convolution.entry, self.table, deflection)
+        rows, columns = _window_kernels.reach(pressure)
+        convolution = self.convolution(rows, columns)
+        deflection = np.empty(pressure.shape) if out is None else out
+        deflect_window = kernels.window_kernel(self.subcells)
+        deflect_window(pressure, self.unit, convolution.entry, deflection)
+        self.count += 1
         return deflection
 
     def convolution(self, row_reach: int, column_reach: int, single: bool = False) -> Convolution:
@@ -207,72 +221,37 @@ class HalfSpace:
             padded_length(column_reach, True, self.subcells),
             single,
         )
-        convolution = self._convolutions.get(key)
+        kept = self._convolutions
+        convolution = kept.get(key)
         if convolution is None:
             convolution = self._make(*key)
             room = KEPT_BYTES - convolution.nbytes
-            kept = sorted(self._convolutions.items(), key=lambda item: item[1].entry[kernels.USED])
-            # The last size is kept in any case: solves take turns in both precisions.
-            while len(kept) > 1 and sum(other.nbytes for _, other in kept) > room:
-                del self._convolutions[kept.pop(0)[0]]
-            self._convolutions[key] = convolution
-            self._tabulate()
-        convolution.entry[kernels.USED] = self.count
+            # The last size is kept in any case: solves take turns in both precisions. Another
+            # thread may march on the same half-space.
+            while len(kept) > 1 and sum(other.nbytes for other in [*kept.values()]) > room:
+                kept.popitem(last=False)
+            kept[key] = convolution
+        else:
+            with suppress(KeyError):  # another thread has just dropped it
+                kept.move_to_end(key)
         return convolution
-
-    def _tabulate(self) -> None:
-        """Make the table anew; the entries of transforms and far fields become its rows."""
-        items: list[Any] = [*self._convolutions.values(), *self._far_fields.values()]
-        table = np.zeros((1 + len(items), kernels.ENTRIES), np.int64)
-        table[0] = self.table[0]
-        for row, item in zip(table[1:], items, strict=True):
-            row[:] = item.entry
-            item.entry = row
-        self.table = table
-
-    def provide(self, row_reach: int, column_reach: int, single: int, direct: int) -> None:
-        """Prepare transforms for compiled code, with coefficients by distance if `direct`."""
-        convolution = self.convolution(row_reach, column_reach, bool(single))
-        if direct:
-            convolution.add_influence()
-
-    def keep(self, rows: int, columns: int, tile: int, far_field: NDArray[np.float32]) -> None:
-        """Keep the far field of a coarse grid for compiled code."""
-        fields = self._far_fields
-        if len(fields) >= KEPT_FIELDS:
-            del fields[min(fields, key=lambda key: fields[key].entry[kernels.USED])]
-        fields[rows, columns, tile] = KeptField(rows, columns, tile, far_field)
-        self._tabulate()
-
-    @property
-    def count(self) -> int:
-        """Number of convolutions so far."""
-        return int(self.table[0, 0])
 
     def _make(self, m: int, n: int, single: bool) -> Convolution:
         """Make the transforms of a padded size."""
         return Convolution(m, n, single, half_spectrum(m, n, 1, love))
 
 
-class KeptField:
-    """Far field of a coarse grid, by distance, for compiled code."""
-
-    def __init__(self, rows: int, columns: int, tile: int, table: NDArray[np.float32]) -> None:
-        self.entry = np.zeros(kernels.ENTRIES, np.int64)
-        self.entry[:3] = rows, columns, -tile
-        self.entry[kernels.BLOCK], self._table = table.ctypes.data, table
-
-
 class Convolution:
     """Transforms of one padded size and their work arrays.
 
-    Compiled code uses them by their `entry` (see _transform_kernels). In single precision their
-    error is about 1e-7 of the maximum deflection, and they are up to twice as fast. `real`
-    (m / 2, n, 2) holds rows of cells side by side in pairs.
+    Compiled code uses them by their `entry`, numbers that _transform_kernels lists. In single
+    precision their error is about 1e-7 of the maximum deflection, and they are up to twice as fast.
+    `real` (m / 2, n, 2) holds rows of cells side by side in pairs.
     """
 
     def __init__(self, m: int, n: int, single: bool, spectrum: Array, subcells: int = 1) -> None:
         real, both = ("float32", "complex64") if single else ("float64", "complex128")
+        self.single = single
         self._influence: NDArray[np.float32] | None = None
         length = m // 2
         self._pairs = zeros((length, n), both)
@@ -299,22 +278,25 @@ class Convolution:
         self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
         self._row_plans = np.zeros((-(-length // GROUP) + 1, 2), np.int64)
         entry = self.entry = np.zeros(kernels.ENTRIES, np.int64)
-        entry[kernels.LENGTH : kernels.USED] = m, n, single
+        entry[kernels.LENGTH], entry[kernels.WIDTH] = m, n
         entry[kernels.SUBCELLS], entry[kernels.HALF] = subcells, half
-        entry[kernels.INFLUENCE_SIZE] = -1  # until they are asked for
         entry[kernels.EXECUTE] = self._plans[0].execute
-        entry[kernels.APPLY] = kernels.apply_address(subcells, single)
         addresses = [plan.address for plan in self._plans]
         entry[kernels.FORWARD :][: len(parts)] = addresses[: len(parts)]
         entry[kernels.BACKWARD :][: len(parts)] = addresses[len(parts) :]
         arrays = self._pairs, self._pairs, self._lines, self._columns, *self._factors, self._turns
-        entry[kernels.BLOCK : kernels.HALF] = [array.ctypes.data for array in arrays]
+        entry[kernels.BLOCK : kernels.TURNS + 1] = [array.ctypes.data for array in arrays]
         entry[kernels.ROW_PLANS] = self._row_plans.ctypes.data
         for number, count in enumerate([*range(GROUP, length, GROUP), length], 1):
             head, rows = self._pairs[:count], self._lines[:count, :n]
             plans = Plan(head, rows, 1), Plan(rows, head, 1, backward=True)
             self._row_plans[number] = [plan.address for plan in plans]
             self._plans += plans
+
+    @property
+    def size(self) -> int:
+        """Number of nodes of the padded transforms."""
+        return int(self.entry[kernels.LENGTH] * self.entry[kernels.WIDTH])
 
     @property
     def nbytes(self) -> int:
@@ -326,18 +308,17 @@ class Convolution:
             arrays.append(self._influence)
         return sum(int(array.nbytes) for array in arrays)
 
-    def add_influence(self) -> None:
-        """Compute the coefficients by distance along and across, flat, with zero in the middle.
+    def influence(self) -> NDArray[np.float32]:
+        """Return the coefficients by distance along and across, flat, with zero in the middle.
 
         There are none for large transforms, whose memory they would add to.
         """
         if self._influence is None:
             length, n, _ = self.real.shape
-            small = self.real.size <= MAX_INFLUENCE
-            rows, columns = (
-                np.abs(np.arange(-half, half + 1.0)) if small else np.empty(0)
-                for half in (length, n // 2)
-            )
-            self._influence = love(rows, columns).astype(np.float32).ravel()
-            places = [kernels.INFLUENCE, kernels.INFLUENCE_SIZE]
-            self.entry[places] = self._influence.ctypes.data, self._influence.size
+            if self.real.size <= MAX_INFLUENCE:
+                along = np.abs(np.arange(-length, length + 1.0))
+                across = np.abs(np.arange(-(n // 2), n // 2 + 1.0))
+                self._influence = love(along, across).astype(np.float32).ravel()
+            else:
+                self._influence = np.empty(0, np.float32)
+        return self._influence

@@ -7,15 +7,16 @@ which nodes go to a bound, these nodes are put on it at once, each trial pressur
 before its single convolution, after which the step along it is exact, and the last step goes into
 the final check without a convolution of its own.
 
-The iteration runs in single precision on candidate nodes only. A solution is accepted after a
-double-precision check on the full window.
+`converge` is the algorithm: judge the state, list the candidates, descend on them, and check on the
+whole window. The descent runs in single precision on candidate nodes only. A solution is accepted
+after a double-precision check on the full window.
 """
 
 from __future__ import annotations
 
+import math
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -23,12 +24,36 @@ import numpy as np
 from acoustics.arrays import Array, instance, positive, real_array, short_repr, truth
 from acoustics.numbers import rounded
 from acoustics.traps import ignoring_underflow
-from rolling.contact import _condition_kernels, _position_kernels, units
-from rolling.contact import _descent_kernels as kernels
-from rolling.contact._far_field import far_field, stencils
-from rolling.contact._system import Limits, Sets
-from rolling.contact.half_space import MAX_SIZE, OWN_COEFFICIENT, HalfSpace
+from rolling.contact import _condition_kernels, units
+from rolling.contact import _position_kernels as kernels
+from rolling.contact._candidate_kernels import candidates
+from rolling.contact._condition_kernels import has_partial_cells, yielding_overlap
+from rolling.contact._descent_kernels import MAX_ITERATIONS, descend
+from rolling.contact._far_field import coarse_grid, far_field, stencils
+from rolling.contact._scratch import Scratch
+from rolling.contact._system import BORDER, OWN_COEFFICIENT, Limits, Progress, Sets
+from rolling.contact._transform_kernels import nodes_kernel
+from rolling.contact.half_space import MAX_SIZE, Convolution, HalfSpace
 
+# The descent aims at this share of the tolerance. The rest allows for the difference between the
+# updated deflection and a recomputed deflection.
+AIM = 0.98
+# The first descent of a solve aims at this multiple, and at the second one where the model moves
+# edges. Its last step needs no convolution of its own and leaves a fifth of the violation.
+# Multiples of 5 take 0.1 convolutions less, but leave up to 3 dB more error of the release, and so
+# does a multiple of 3 where the model moves edges and the window is 190 nodes wide (100 N).
+AIM_FIRST, AIM_FIRST_LED = 3.0, 2.5
+# Candidates for contact have a gap below this share of the maximum deflection; shares from 0.001 to
+# 0.1 take the same number of iterations.
+NEAR = 0.01
+# Nodes at the hardness rest beyond so many times the reach of the open candidates. With 1 the last
+# check refuses more descents, above all on sub-cells; with 8 the candidates are up to 14 % more.
+REST = 4
+# Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
+SINGLE_TOLERANCE = 1e-6
+# Few nodes deflect the candidates pair by pair, where the pairs are at most so many times the nodes
+# of the transforms: a pair takes 0.5 ns, and a transform forth and back 1.1 ns per node.
+DIRECT_PAIRS = 2
 # Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
 # converge, so the limit that is named is four times that.
 ROUNDING = 128 * np.finfo(float).eps
@@ -38,8 +63,7 @@ ROUNDING = 128 * np.finfo(float).eps
 # soft.
 LEVELLED = 0.3
 _NOTHING = np.empty((0, 0))
-# Addresses of compiled code in double and in single precision: see `_position_kernels.solve`.
-_addresses = np.zeros((2, 2), np.int64)
+NO_POSITION = _NOTHING, _NOTHING, 0, 0
 
 
 class ContactError(RuntimeError):
@@ -189,10 +213,8 @@ def foundation(
             f" is {rounded(hardness * area, 4)} N"
         )
     e = np.ascontiguousarray(gap, dtype=float).ravel()
-    limits, free = (
-        Limits(float(hardness), float(total)),
-        Sets(np.arange(e.size, dtype=np.uint32), e.size, 0),
-    )
+    limits = Limits(float(hardness), float(total))
+    free = Sets(np.arange(e.size, dtype=np.uint32), e.size, 0)
     pressure = np.empty_like(e)
     slope, _ = _condition_kernels.project(
         np.zeros_like(e), e, 0.0, -stiffness * e, free, limits, pressure
@@ -288,23 +310,33 @@ def solve_contact(
     units.refuse_steep("gap", gap, half_space.spacing)
     shape = None if shape is None else _plain("shape", shape, gap)
     start = start or _cold_start(half_space, gap, load, hardness)
-    pressure, u = _plain("start.pressure", start.pressure, gap), _NOTHING
+    close, blended = truth("start.close", start.close), shape is not None
+    pressure, deflection = _plain("start.pressure", start.pressure, gap).copy(), _NOTHING
     if start.deflection is not None:
-        u = _plain("start.deflection", start.deflection, gap)
-    total, levelled = load / half_space.spacing**2, levelled_range(half_space, hardness)
-    fields, (approach, u_max, worst, share, _), counts = complete(
-        half_space,
-        _position_kernels.solve,
-        np.empty((2 if shape is None else 3, gap.size)),
-        (gap, gap if shape is None else shape),
-        (pressure, u),
-        (_NOTHING, _NOTHING, 0, 0),
-        (hardness, total, tolerance, levelled),
-        (truth("start.close", start.close), single, shape is not None, False),
+        deflection = _plain("start.deflection", start.deflection, gap)
+    problem = Problem(
+        half_space=half_space,
+        gap=gap,
+        shape=gap if shape is None else shape,
+        hardness=hardness,
+        total=load / half_space.spacing**2,
+        tolerance=tolerance,
+        levelled=levelled_range(half_space, hardness),
+        single=single,
+        blended=blended,
     )
-    p, u, *edge = fields.reshape(-1, *gap.shape)
-    solution = p, u, half_space.spacing, approach, u_max, worst / u_max, counts[0]
-    return Contact(*solution, edge[0] if edge else None, share)
+    solution = solve(problem, Start(pressure, deflection, close), sharp=not blended)
+    return Contact(
+        pressure=solution.pressure,
+        deflection=solution.deflection,
+        spacing=half_space.spacing,
+        approach=solution.approach,
+        max_deflection=solution.max_deflection,
+        residual=solution.worst / solution.max_deflection,
+        iterations=solution.iterations,
+        edge=solution.edge if blended else None,
+        edge_share=solution.edge_share,
+    )
 
 
 def _plain(name: str, array: Array, like: Array | None = None) -> Array:
@@ -318,62 +350,285 @@ def _plain(name: str, array: Array, like: Array | None = None) -> Array:
     return plain
 
 
-def complete(
-    half_space: HalfSpace, kernel: Callable[..., Any], fields: Array, *given: tuple[Any, ...]
-) -> tuple[Any, ...]:
-    """Call a compiled solve with its first arguments, and provide what it needs until it ends.
+@dataclass(frozen=True)
+class Problem:
+    """Contact on its window, under its load.
 
-    Returns the fields (see `solve` of `_position_kernels`), or larger ones that hold its window,
-    its measures, its counts, and all else it returns. Raises ContactError as `solve_contact` does.
+    Parameters
+    ----------
+    half_space : HalfSpace
+        Pressure to deflection.
+    gap, shape : (m, n) arrays, m
+        Undeformed gap at the nodes, and as it continues within cells.
+    hardness : float, Pa
+        Maximum pressure.
+    total : float, Pa
+        Sum of the pressures that carries the load.
+    tolerance : float
+        Maximum KKT residual.
+    levelled : float, m
+        Half the range of gaps over a cell that pressures level.
+    single : bool
+        Whether single precision may serve.
+    blended : bool
+        Whether edges of patches at the hardness may end within cells.
+    scratch : Scratch
+        Memory of the march.
     """
-    own = half_space.unit, *stencils(half_space.unit)
-    progress = np.zeros(_position_kernels.PROGRESS, np.int64)
-    progress[_position_kernels.CONVOLVED] = half_space.count
+
+    half_space: HalfSpace
+    gap: Array
+    shape: Array
+    hardness: float
+    total: float
+    tolerance: float
+    levelled: float
+    single: bool
+    blended: bool
+    scratch: Scratch = field(default_factory=Scratch)
+
+
+@dataclass(frozen=True)
+class Start:
+    """Pressures that a solve begins with, and overwrites.
+
+    Parameters
+    ----------
+    pressure : (m, n) array, Pa
+        Pressure that carries the load to rounding.
+    deflection : (m, n) array, m
+        Deflection by it, empty where it is unknown.
+    close : bool
+        Whether the start is close to the solution.
+    before : tuple
+        Pressure and deflection at the position before, and the row and column of the window where
+        theirs begin. The deflection is extrapolated from them, unless they are empty.
+    """
+
+    pressure: Array
+    deflection: Array
+    close: bool
+    before: tuple[Array, Array, int, int] = NO_POSITION
+
+
+@dataclass
+class Solution:
+    """State of a solve on its window, in the end the solution.
+
+    The violation of the contact conditions, `worst` [m], is infinite while the deflection is not
+    that of the pressure. Edges are empty unless they may be blended, and zero where they are sharp.
+    """
+
+    pressure: Array
+    deflection: Array
+    edge: Array
+    edge_share: float = 0.0
+    approach: float = 0.0
+    max_deflection: float = 0.0
+    worst: float = np.inf
+    iterations: int = 0
+    convolutions: int = 0
+
+
+def solve(problem: Problem, start: Start, sharp: bool) -> Solution:
+    """Solve a contact, with blended edges where it yields and with sharp edges elsewhere.
+
+    Between both the maximum overlap at the hardness, over the half range that pressures level, is
+    the share of their range that edges take. It is the overlap of the solution with whole edges, so
+    that the contact follows continuously from its surface and load. The first solve has sharp edges
+    if `sharp`, else whole ones.
+    """
+    shape = problem.gap.shape
+    solution = Solution(
+        pressure=start.pressure,
+        deflection=np.empty(shape),
+        edge=np.zeros(shape) if problem.blended else _NOTHING,
+        edge_share=0.0 if sharp else 1.0,
+    )
+    converge(problem, solution, start)
+    if not problem.blended:
+        return solution
+    sharp_solution = None
+    if sharp:
+        # No contact is known to yield with blended edges that does not yield with sharp edges.
+        if solution.pressure.max() < problem.hardness:
+            return solution
+        sharp_solution = _copy(solution)
+        solution.edge_share = 1.0
+        converge(problem, solution)
+    share = _share_of_edges(problem, solution)
+    if share == 1.0:
+        return solution
+    solution.edge_share = share
+    if share == 0.0:
+        solution.edge[:] = 0.0
+        if sharp_solution is not None:
+            _restore(solution, sharp_solution)
+            return solution
+    converge(problem, solution)
+    return solution
+
+
+def _copy(solution: Solution) -> Solution:
+    """Return a copy of a solution that keeps its arrays."""
+    return replace(
+        solution, pressure=solution.pressure.copy(), deflection=solution.deflection.copy()
+    )
+
+
+def _restore(solution: Solution, earlier: Solution) -> None:
+    """Return to an earlier solution; iterations and convolutions count on."""
+    solution.pressure, solution.deflection = earlier.pressure, earlier.deflection
+    solution.approach, solution.max_deflection = earlier.approach, earlier.max_deflection
+    solution.worst = earlier.worst
+
+
+def _share_of_edges(problem: Problem, solution: Solution) -> float:
+    """Return the share of their range that edges take, from the solution with whole edges."""
+    gap, edge = problem.gap.reshape(-1), solution.edge.reshape(-1)
+    p, u = solution.pressure.reshape(-1), solution.deflection.reshape(-1)
+    levelled = problem.levelled
+    overlap = yielding_overlap(gap, u, p, problem.hardness, solution.approach, levelled)
+    if overlap >= levelled or not has_partial_cells(p, edge, problem.hardness):
+        return 1.0
+    return float(overlap / levelled)
+
+
+def converge(problem: Problem, solution: Solution, start: Start | None = None) -> None:
+    """Iterate until the contact conditions hold, from a start or from a solution with other edges.
+
+    Raise ContactError as `solve_contact` does.
+    """
+    half_space, scratch = problem.half_space, problem.scratch
+    p, edge = solution.pressure, solution.edge if solution.edge_share else _NOTHING
+    blended, close = edge.size > 0, start is None or start.close
+    deformed = scratch.array("deformed gap", p.shape)
+    listed = scratch.array("listed nodes", (p.size,), np.int64)
+    # The deflection of a start is known to single precision or so. That of a state which is to be
+    # accepted is computed from its pressure: it is fresh.
+    known, fresh = start is not None and start.deflection.size > 0, start is None
+    progress, count, earlier = Progress(), 0, solution.iterations
     while True:
-        shared = own, half_space.table, fields, _addresses, progress
-        answer, missing, *solved = kernel(*given, *shared)
-        if answer == kernels.SOLVED:
-            return fields, *solved
-        if answer == kernels.FIELDS:
-            smaller, fields = fields, np.empty((len(fields), missing[0]))
-            fields[:, : smaller.shape[1]] = smaller
-        elif answer == kernels.TRANSFORMS:
-            half_space.provide(*missing)
-        elif answer == kernels.FAR_FIELD:
-            rows, columns, tile, _ = missing
-            half_space.keep(rows, columns, tile, far_field(rows, columns, tile))
-        elif answer == kernels.KERNEL:
-            single, addresses = bool(missing[0]), _addresses[missing[0]]
-            addresses[:] = _position_kernels.converge_address(single), kernels.step_address(single)
-        elif answer == kernels.UNFINISHED:
-            pass  # Python hears an interrupt here
-        elif answer == kernels.TOO_WIDE:
-            rows, columns, most, _ = missing
+        if not (known or fresh):
+            half_space.deflect(p, solution.deflection)
+            solution.convolutions += 1
+            fresh = True
+        u, before = solution.deflection, NO_POSITION
+        if known and start is not None:
+            u, before = start.deflection, start.before
+        approach, u_max, worst = kernels.judge(
+            (problem.gap, problem.shape),
+            (p, u, edge),
+            before,
+            (problem.hardness, problem.levelled, solution.edge_share),
+            fresh,
+            deformed,
+        )
+        solution.approach, solution.max_deflection, solution.worst = approach, u_max, worst
+        if not (math.isfinite(approach) and 0 < u_max < np.inf) or (fresh and worst == np.inf):
             raise ContactError(
-                f"the contact needs a window of {rows} by {columns} nodes, more than the {most}"
-                " there is room for; take a larger spacing"
+                "the contact solve met numbers that are not finite: check units of load, modulus"
+                " and heights"
             )
-        elif answer == kernels.NOT_FINITE:
-            strange = "the contact solve met numbers that are not finite: check units of load"
-            raise ContactError(f"{strange}, modulus and heights")
-        else:
-            numbers = given[3]
-            raise _not_converged(solved[0], solved[1], tolerance=numbers[2])
+        allowed = problem.tolerance * u_max
+        if fresh and worst <= allowed and (progress.carried or _carries_load(p, problem.total)):
+            return
+        spent = progress.iterations >= MAX_ITERATIONS or progress.descents > MAX_ITERATIONS
+        if spent or progress.stuck > 1:
+            raise _not_converged(problem, solution, progress)
+        # Far from the solution all nodes may move.
+        near = (NEAR if close or progress.descents else np.inf) * u_max
+        lowest, highest = approach - REST * near, approach + near
+        count_before = count
+        at_rest, count, *block = candidates(
+            p, deformed, problem.hardness, lowest, highest, blended, half_space.subcells, listed
+        )
+        single = problem.single and problem.tolerance >= SINGLE_TOLERANCE
+        # Where a descent went as far as it could and left no new candidates, single precision does
+        # not suffice.
+        if progress.exhausted and count <= count_before:
+            single = single and blended and progress.descents <= 4
+        # The name keeps the transforms, which a march in another thread may drop meanwhile.
+        transforms = half_space.convolution(block[2] - 1, block[3] - 1, single)
+        tables, memory = _tables(half_space, scratch, transforms, block, count)
+        load = problem.total - (at_rest * problem.hardness if at_rest else 0.0)
+        lift = u_max / problem.total
+        done = Progress(
+            *descend(
+                (p, deformed, edge, problem.shape, problem.gap),
+                (listed[:count], tuple(block), half_space.subcells),
+                (problem.hardness, load, problem.levelled, solution.edge_share, lift),
+                tables,
+                (u, *before),
+                (_aim(progress, blended and half_space.subcells == 1) * allowed, allowed),
+                tuple(progress),
+                memory,
+            )
+        )
+        convolved = done.convolutions - progress.convolutions
+        half_space.count += convolved
+        solution.convolutions += convolved
+        solution.iterations = earlier + done.iterations
+        progress, known, fresh = done, False, False
 
 
-def _not_converged(
-    measures: tuple[float, ...], counts: tuple[int, ...], tolerance: float
-) -> ContactError:
+def _carries_load(pressure: Array, total: float) -> bool:
+    """Tell whether pressures carry the load to rounding."""
+    return bool(abs(kernels.carried_by(pressure) / total - 1) <= 1e-12)
+
+
+def _aim(progress: Progress, model_moves_edges: bool) -> float:
+    """Return the share of the allowed violation that the next descent aims at."""
+    if progress.descents:
+        return AIM
+    return AIM_FIRST_LED if model_moves_edges else AIM_FIRST
+
+
+def _tables(
+    half_space: HalfSpace,
+    scratch: Scratch,
+    transforms: Convolution,
+    block: list[int],
+    count: int,
+) -> tuple[tuple[Any, ...], tuple[Array, ...]]:
+    """Make all that a descent on a block of candidates needs; return its tables and memory.
+
+    The tables are the argument `half_space` of `descend`: stencils, transforms, and the far field.
+    """
+    rows, columns = block[2], block[3]
+    coefficients = transforms.influence()
+    pairs = DIRECT_PAIRS * transforms.size if transforms.single and coefficients.size else -1
+    kernel = nodes_kernel(half_space.subcells, transforms.single)
+    nodes = rows + 2 * BORDER, columns + 2 * BORDER
+    coarse_rows, coarse_columns, tile = coarse_grid(*nodes)
+    tables = (
+        (half_space.unit, *stencils(half_space.unit)),
+        (transforms.entry, coefficients, pairs, kernel),
+        far_field(coarse_rows, coarse_columns, tile),
+    )
+    size, coarse_size = nodes[0] * nodes[1], 2 * coarse_rows * coarse_columns
+    places = max(transforms.real.size, rows * columns)
+    memory = (
+        scratch.array("doubles", (10 * count + 2 * size + places,)),
+        scratch.array("singles", (7 * (size + coarse_size),), np.float32),
+        scratch.array("indices", (4 * count,), np.uint32),
+    )
+    return tables, memory
+
+
+def _not_converged(problem: Problem, solution: Solution, progress: Progress) -> ContactError:
     """Make the error of a solve that stopped, with the tolerance that rounding of gaps allows."""
-    (_, u_max, worst, _, highest), (iterations, _, restarts, plain_steps, *_) = measures, counts
-    limit = ROUNDING * highest / u_max
-    rounding = (
-        f"; gaps of up to {rounded(highest)} m, rounded in double precision, need a tolerance of at"
-        f" least {rounded(limit)} for a deflection of {rounded(u_max)} m"
+    highest, u_max = float(np.abs(problem.gap).max()), solution.max_deflection
+    tolerance, limit = problem.tolerance, ROUNDING * highest / u_max
+    text = (
+        f"the contact solve stopped after {solution.iterations} iterations at a residual of"
+        f" {rounded(solution.worst / u_max)}, {rounded(tolerance)} was asked for (tried:"
+        f" preconditioned conjugate gradients, {progress.restarts} restarts,"
+        f" {progress.plain_steps} plain gradient steps)"
     )
-    return ConvergenceError(
-        f"the contact solve stopped after {iterations} iterations at a residual of"
-        f" {rounded(worst / u_max)}, {rounded(tolerance)} was asked for (tried: preconditioned"
-        f" conjugate gradients, {restarts} restarts, {plain_steps} plain gradient steps)"
-        + (rounding if tolerance <= limit else "")
-    )
+    if tolerance <= limit:
+        text += (
+            f"; gaps of up to {rounded(highest)} m, rounded in double precision, need a tolerance"
+            f" of at least {rounded(limit)} for a deflection of {rounded(u_max)} m"
+        )
+    return ConvergenceError(text)

@@ -7,7 +7,6 @@ from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite, pi
-from operator import add
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,16 +45,25 @@ class Window(NamedTuple):
     @classmethod
     def around(cls, windows: Sequence[Window | None]) -> Window:
         """Return the minimum window that covers all given windows; None stands for no window."""
-        first, left, rows, columns = zip(*filter(None, windows), strict=True)
-        row, column = min(first), min(left)
-        end, right = max(map(add, first, rows)), max(map(add, left, columns))
+        given = [window for window in windows if window is not None]
+        row = min([window.row for window in given])
+        column = min([window.column for window in given])
+        end = max([window.row + window.rows for window in given])
+        right = max([window.column + window.columns for window in given])
         return cls(row, column, end - row, right - column)
 
     def covers(self, other: Window) -> bool:
         """Tell whether all nodes of another window lie in this window."""
-        below = self.row + self.rows - other.row - other.rows
-        beside = self.column + self.columns - other.column - other.columns
-        return self.row <= other.row and self.column <= other.column and min(below, beside) >= 0
+        return (
+            self.row <= other.row
+            and self.column <= other.column
+            and self.row + self.rows >= other.row + other.rows
+            and self.column + self.columns >= other.column + other.columns
+        )
+
+    def shifted(self, nodes: int) -> Window:
+        """Return the window so many nodes farther along."""
+        return self._replace(row=self.row + nodes)
 
     def whole(self, subcells: int) -> Window:
         """Widen the window to whole cells of so many nodes along and across."""
@@ -66,6 +74,11 @@ class Window(NamedTuple):
         columns = -(-(self.column + self.columns - column) // subcells) * subcells
         return Window(row, column, rows, columns)
 
+    def room(self, subcells: int) -> Window:
+        """Return the window of a solve: this one and a border of open nodes, in whole cells."""
+        border = Window(self.row - 1, self.column - 1, self.rows + 2, self.columns + 2)
+        return border.whole(subcells)
+
     def cells(self, subcells: int) -> Window:
         """Return the cells of a window of whole cells."""
         return Window(*(number // subcells for number in self))
@@ -75,9 +88,14 @@ class Window(NamedTuple):
 
         Where they are `continued`, the nearest ones are there instead.
         """
-        out, offset = np.empty(target[2:]), (self.row - target.row, self.column - target.column)
-        _window_kernels.copy_block(values, out, *offset, continued)
+        out = np.empty((target.rows, target.columns))
+        self.move(values, target, out, continued)
         return out
+
+    def move(self, values: Array, target: Window, out: Array, continued: bool = False) -> None:
+        """Copy values into an array of the target window, as `moved` does."""
+        row, column = self.row - target.row, self.column - target.column
+        _window_kernels.copy_block(values, out, row, column, continued)
 
 
 class Maxima(NamedTuple):
@@ -301,7 +319,7 @@ class RollingContact:
         the edge of a cell needs nodes on both sides.
         """
         load, near2 = self.least_deflection
-        least = load, spread**2 + near2
+        least = load, spread * spread + near2
         numbers = tuple(self.maxima), self.sphere(k), approach, least, self.has_blended_edges
         window = Window(*_window_kernels.overlap(*numbers))
         return window if window.rows else None
@@ -313,11 +331,11 @@ class RollingContact:
         near = NEAR_CELLS * self.cell_spacing if reaching else 0.0
         return SURE * self.load / (pi * self.contact_modulus), near**2
 
-    def gap(self, k: int, window: Window) -> Array:
+    def gap(self, k: int, window: Window, out: Array | None = None) -> Array:
         """Compute the undeformed gap on a window at position k, a (rows, columns) array [m]."""
-        out = np.empty(window[2:])
-        _window_kernels.undeformed_gap(self.heights, self.sphere(k), *window[:2], out)
-        return out
+        gap = np.empty((window.rows, window.columns)) if out is None else out
+        _window_kernels.undeformed_gap(self.heights, self.sphere(k), window.row, window.column, gap)
+        return gap
 
     def sphere(self, k: int) -> tuple[float, ...]:
         """Return the spacing, and radii and place of the sphere at position k, for kernels."""

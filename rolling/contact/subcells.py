@@ -71,7 +71,7 @@ class SubcellSpace(HalfSpace):
 
     def __init__(self, spacing: float, contact_modulus: float, subcells: int) -> None:
         super().__init__(spacing, contact_modulus)
-        self.subcells = self.table[0, 1] = subcells
+        self.subcells = subcells
 
     def _make(self, m: int, n: int, single: bool) -> SubcellConvolution:
         """Make the transforms of a padded size of cells."""
@@ -92,10 +92,9 @@ class SubcellConvolution(Convolution):
         self._own_block = own_block(subcells).astype(self.real.dtype)
         # Coefficients by distance would depend on the place within a cell.
         self._influence = np.empty(0, np.float32)
-        self.entry[kernels.INFLUENCE_SIZE] = 0
-        places = kernels.BLOCK, kernels.WEIGHTS, kernels.OWN_BLOCK
-        arrays = self._fine, self._weights, self._own_block
-        self.entry[[*places]] = [array.ctypes.data for array in arrays]
+        self.entry[kernels.BLOCK] = self._fine.ctypes.data
+        self.entry[kernels.WEIGHTS] = self._weights.ctypes.data
+        self.entry[kernels.OWN_BLOCK] = self._own_block.ctypes.data
 
     @property
     def nbytes(self) -> int:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from acoustics.arrays import Array
-from rolling.contact.compiling import njit
+from rolling.contact.compiling import inlined, njit
 
 
 class StepBodies(NamedTuple):
@@ -56,7 +56,7 @@ def set_shapes(point, bodies, shape):
     shape[i:] = bodies.reach[i:]
 
 
-@njit(cache=True, fused=True, inner=True)
+@inlined(fused=True)
 def free_modes(shape, bodies, elastic, kinetic):
     """Return displacement, its fall in a step without a force [m], and compliance [m/N]."""
     fall, turn = bodies.fall, bodies.turn

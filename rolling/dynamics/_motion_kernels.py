@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from acoustics.arrays import Array
-from rolling.contact.compiling import njit
+from rolling.contact.compiling import inlined, njit
 from rolling.dynamics._mode_kernels import free_modes, move_modes, set_shapes
 
 
@@ -55,7 +55,7 @@ class State(NamedTuple):
     modes: Array = np.zeros((2, 0))  # Q and P of each mode [J^0.5], (2, modes)
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def law_at(position, table, law):
     """Set `law` to approach at lift-off and slopes g at a position, by cubics of Hermite."""
     intervals = table.values.shape[0] - 1
@@ -80,7 +80,7 @@ def laws_at(position, table, laws):
         law_at(position[i], table, laws[i])
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def set_pieces(law, table, pieces):
     """Set `pieces` to the polynomials of a law at a place."""
     last = pieces.shape[0] - 1
@@ -100,7 +100,7 @@ def set_pieces(law, table, pieces):
             energy += work
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def on_piece(low, high, piece):
     """Return energy [J] and approach [m] from sigma `low` to `high` on one piece.
 
@@ -115,7 +115,7 @@ def on_piece(low, high, piece):
     return energy, (high - low) * (low + high) * (piece[0] + 0.5 * piece[1] * (a + b))
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def piece_of(sigma, table):
     """Return the number of the piece that holds a sigma."""
     p = table.edges.shape[0] - 1
@@ -124,7 +124,7 @@ def piece_of(sigma, table):
     return p
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def energy_to(sigma, table, pieces):
     """Return the energy U [J] from lift-off to a sigma."""
     p = piece_of(sigma, table)
@@ -147,7 +147,7 @@ def between(low, high, table, pieces):
     return sign * energy, sign * approach
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def root_of_force(approach, table, pieces):
     """Return sigma = F^(1/3) at an approach [m]; it is zero where the surfaces are apart."""
     if approach <= pieces[0, 2]:
@@ -161,7 +161,7 @@ def root_of_force(approach, table, pieces):
     return sqrt(table.breaks[p] + 2.0 * left / (g + root))
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def stiffness_at(sigma, table, pieces):
     """Return dF/dd = 3/2 sigma / g [N/m] where the force is sigma^3."""
     p = piece_of(sigma, table)
@@ -185,7 +185,7 @@ _ROUNDING = 4e-16  # of the approach; Newton's method ends at smaller steps
 _MAX_ITERATIONS = 60  # iterations; Newton needs three, halving of the bracket ends it in any case
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def lifted(approach, stored, push, give, lift_off):
     """Return approach and mean force of a step that ends in flight, or NaN if it does not.
 
@@ -201,7 +201,7 @@ def lifted(approach, stored, push, give, lift_off):
     return approach + change, -stored / change
 
 
-@njit(cache=True, inner=True)
+@inlined()
 def pressed(approach, sigma, push, give, table, pieces):
     """Return approach, sigma and mean force of a step that ends in contact, by Newton's method.
 

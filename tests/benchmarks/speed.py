@@ -30,7 +30,7 @@ import numpy as np
 from against_peers import loosest, ours, quickest, theirs
 from whole_run import scene_20_n
 
-from rolling.contact._transform_kernels import apply_of
+from rolling.contact._transform_kernels import deflect_nodes, nodes_kernel
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -93,13 +93,12 @@ def convolving_seconds(half_space: HalfSpace, states: list[ContactState]) -> np.
     seconds = {}
     for single in (False, True):
         transforms = half_space.convolution(rows - 1, columns - 1, single)
-        convolve = apply_of(1, single)
-        every = np.empty(0, np.int64)
+        kernel, nothing = nodes_kernel(1, single), np.empty(0, np.int64)
+        image, node = np.zeros(transforms.real.size), np.empty(0, np.uint32)
         clock = []
         for _ in range(31):
-            transforms.real[:] = 1.0
             began = time.perf_counter()
-            convolve(transforms.entry, rows, columns, every)
+            deflect_nodes(kernel, transforms.entry, (0, 0, rows, columns), image, node, nothing)
             clock.append(time.perf_counter() - began)
         seconds[single] = np.median(clock)
     counts = np.array([state.convolutions for state in states[1:]])

@@ -26,7 +26,7 @@ if __name__ == "__main__":
 import numpy as np
 
 from rolling.check import cost
-from rolling.contact._transform_kernels import apply_of
+from rolling.contact._transform_kernels import deflect_nodes, nodes_kernel
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
@@ -142,13 +142,12 @@ def measure(kind: str, scene: Scene, width: int) -> Cost:
 def bare_seconds(half_space: HalfSpace, nodes: tuple[int, int], single: bool) -> float:
     """Return the seconds of the transforms of a block of so many rows and columns of nodes."""
     transforms = half_space.convolution(nodes[0] - 1, nodes[1] - 1, single=single)
-    transforms.real[:] = 0.0
-    convolve = apply_of(1, single)
-    every = np.empty(0, np.int64)
+    kernel, nothing = nodes_kernel(1, single), np.empty(0, np.int64)
+    image, node = np.zeros(transforms.real.size), np.empty(0, np.uint32)
     taken = []
     for _ in range(9):
         began = time.thread_time()
-        convolve(transforms.entry, *nodes, every)
+        deflect_nodes(kernel, transforms.entry, (0, 0, *nodes), image, node, nothing)
         taken.append(time.thread_time() - began)
     return float(np.min(taken))
 

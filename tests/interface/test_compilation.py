@@ -106,7 +106,9 @@ import importlib
 import sys
 from pathlib import Path
 
-from rolling.contact import cached_code
+import os
+
+from rolling.contact import compiling
 
 
 def start():
@@ -114,20 +116,21 @@ def start():
     return importlib.import_module("slow_kernel").slow(2.0)
 
 
-def killed(*arguments):
-    raise KeyboardInterrupt
+def killed(source, target):
+    if str(target).endswith(sys.argv[3]):
+        raise KeyboardInterrupt
+    replace(source, target)
 
 
 source = Path(sys.argv[2])
 print(start())
 source.write_text(source.read_text().replace("x - 0.5", "x + 9.5"))
-save = cached_code.CheckedFiles._save_data
-cached_code.CheckedFiles._save_data = killed
+replace, os.replace = os.replace, killed
 try:
     start()
 except KeyboardInterrupt:
     pass
-cached_code.CheckedFiles._save_data = save
+os.replace = replace
 print(start())
 """
 SUMS = """
@@ -145,8 +148,8 @@ print(digest.hexdigest())
 SAME_TYPES = """
 import numpy as np
 import rolling
-from rolling.contact import _descent_kernels, _far_field, _model_kernels, _solver_kernels
-from rolling.contact import _position_kernels, _transform_kernels, _window_kernels
+from rolling.contact import _descent_kernels, _far_field, _model_kernels, _position_kernels
+from rolling.contact import _solver_kernels, _transform_kernels, _window_kernels
 from rolling.contact import compiling_ahead
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
@@ -167,11 +170,11 @@ for blended, subcells in ((False, 1), (True, 1), (True, 3)):
     step_energy(*states[-2:], half_space)
 names = {
     _far_field: "answer restrict prolong", _model_kernels: "settle_model",
-    _solver_kernels: "iterate", _descent_kernels: "converge",
-    _window_kernels: "node_work overlap", _position_kernels: "solve_position",
+    _solver_kernels: "iterate", _descent_kernels: "descend",
+    _window_kernels: "node_work overlap", _position_kernels: "judge measure",
 }
 kernels = [getattr(module, name) for module in names for name in names[module].split()]
-kernels += [_transform_kernels.apply_of(1, single) for single in (False, True)]
+kernels.append(_transform_kernels.window_kernel(1))
 print(*{len(kernel.signatures) for kernel in kernels}, len(kernels))
 """
 
@@ -227,13 +230,14 @@ def test_damaged_files_of_compiled_code_are_compiled_anew(tmp_path: Path) -> Non
     assert done.stderr.count("cannot be kept") == 1 and str(cache) in done.stderr
 
 
-def test_code_of_older_sources_is_never_taken_for_new(tmp_path: Path) -> None:
-    """A process may be killed after it wrote the index, and before it wrote the code."""
+@pytest.mark.parametrize("unwritten", [".nbc", ".sha256"])
+def test_code_of_older_sources_is_never_taken_for_new(tmp_path: Path, unwritten: str) -> None:
+    """A process may be killed after it wrote the index, and before it wrote code or record."""
     source = tmp_path / "slow_kernel.py"
     source.write_text(QUICK_KERNEL, encoding="utf-8")
     cache = tmp_path / "cache"
     done = subprocess.run(
-        [sys.executable, "-B", "-c", STALE, str(cache), str(source)],
+        [sys.executable, "-B", "-c", STALE, str(cache), str(source), unwritten],
         env=os.environ | {"NUMBA_CACHE_DIR": str(cache), "PYTHONPATH": str(tmp_path)},
         capture_output=True,
         text=True,

@@ -2,36 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from helpers import assert_solved, make_track, roll, rough, space_of
 
-from rolling.contact import (
-    _candidate_kernels,
-    _condition_kernels,
-    _position_kernels,
-    half_space,
-    solver,
-)
-from rolling.contact import _descent_kernels as kernels
-from rolling.contact import march as march_module
+from rolling.contact import _candidate_kernels, _condition_kernels, half_space, solver
+from rolling.contact._system import Progress
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.state import ContactState, RollingContact
 
 
 class Call(NamedTuple):
-    """Call of the compiled solve, with the state that it left."""
+    """Call of the compiled descent, with the progress of the solve after it."""
 
-    answer: int
-    rounds: int
+    descents: int
     double: bool
+    iterations: int
 
 
 @pytest.fixture(scope="module")
@@ -41,25 +33,24 @@ def track() -> RollingContact:
 
 @pytest.fixture
 def calls(monkeypatch: pytest.MonkeyPatch) -> list[Call]:
-    """Calls of the compiled solve."""
+    """Calls of the compiled descent."""
     listed: list[Call] = []
+    descend, convolution = solver.descend, HalfSpace.convolution
+    precisions: list[bool] = []
 
-    def watched(kernel: Callable[..., tuple]) -> Callable[..., tuple]:
-        def listing(*arguments: Any) -> tuple:
-            answer = kernel(*arguments)
-            *_, rounds, single = answer[3]
-            if answer[0] != kernels.FIELDS:  # which says before the solve that it takes more room
-                listed.append(Call(answer[0], rounds, not single))
-            return answer
+    def watched(*arguments: Any) -> tuple:
+        answer = descend(*arguments)
+        progress = Progress(*answer)
+        listed.append(Call(progress.descents, not precisions[-1], progress.iterations))
+        return answer
 
-        return listing
+    def watching(space: HalfSpace, *arguments: Any) -> Any:
+        transforms = convolution(space, *arguments)
+        precisions.append(transforms.single)
+        return transforms
 
-    # The kernels call each other, so the names in their own module stay as they are.
-    names = ("solve", "solve_position")
-    kernel = {name: watched(getattr(_position_kernels, name)) for name in names}
-    seen = SimpleNamespace(**vars(_position_kernels) | kernel)
-    for module in (solver, march_module):
-        monkeypatch.setattr(module, "_position_kernels", seen)
+    monkeypatch.setattr(solver, "descend", watched)
+    monkeypatch.setattr(HalfSpace, "convolution", watching)
     return listed
 
 
@@ -68,7 +59,7 @@ def test_a_second_descent_stays_in_single_precision(
 ) -> None:
     """A first descent that the final check refuses tells nothing about precision."""
     roll(replace(track, tolerance=1e-5), 0, 30)
-    assert max(call.rounds for call in calls) > 1
+    assert max(call.descents for call in calls) > 1
     assert not any(call.double for call in calls)
 
 
@@ -81,83 +72,102 @@ def test_a_tight_tolerance_ends_in_double_precision(
     assert max(state.residual for state in states) <= 1.2e-6
 
 
-def test_a_solve_that_python_provides_for_ends_with_the_same_digits(
-    track: RollingContact, calls: list[Call]
-) -> None:
-    """A new half-space lacks transforms and far fields; a second march finds all it needs.
+def made_by(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int, bool]]:
+    """Return a list that receives the padded sizes whose transforms are made from now on."""
+    made, make = [], HalfSpace._make
 
-    Transforms that Python made for itself serve compiled code as well.
+    def making(space: HalfSpace, m: int, n: int, single: bool) -> Any:
+        made.append((m, n, single))
+        return make(space, m, n, single)
+
+    monkeypatch.setattr(HalfSpace, "_make", making)
+    return made
+
+
+def test_a_march_that_lacks_transforms_has_the_same_digits(
+    track: RollingContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A new half-space lacks transforms; a second march finds all it needs.
+
+    Transforms that Python made for itself serve a descent as well.
     """
-    space = space_of(track)
+    made, space = made_by(monkeypatch), space_of(track)
     for nodes in range(20, 100, 8):
         space.deflection(np.ones((nodes, nodes)))
     states = list(march(track, 0, 12, space))
-    answers = {call.answer for call in calls}
-    assert {kernels.TRANSFORMS, kernels.FAR_FIELD, kernels.SOLVED} <= answers
-    del calls[:]
+    assert any(single for _, _, single in made)
+    made.clear()
     for state, other in zip(states, march(track, 0, 12, space), strict=True):
         assert np.array_equal(state.pressure, other.pressure)
         assert state.convolutions == other.convolutions
-    assert [call.answer for call in calls] == [kernels.SOLVED] * len(states)
+    assert not made
 
 
 @pytest.mark.parametrize(("hardness", "blended"), [(2.1e9, False), (15e9, True)])
 def test_a_solve_goes_on_where_transforms_are_thrown_away(
-    track: RollingContact,
-    calls: list[Call],
-    monkeypatch: pytest.MonkeyPatch,
-    hardness: float,
-    blended: bool,
+    track: RollingContact, monkeypatch: pytest.MonkeyPatch, hardness: float, blended: bool
 ) -> None:
-    """Two sizes of transforms and a far field are kept, as on contacts 2,000 nodes wide.
+    """One size of transforms is kept, as on contacts 2,000 nodes wide.
 
-    A solve that began anew for each size that it lacks would never end. At 15 GPa the contact
-    hardly yields: edges that were sharp take a share of their range at the next position.
+    At 15 GPa the contact hardly yields: edges that were sharp take a share of their range at the
+    next position.
     """
     track = replace(track, hardness=hardness, blended=blended)
+    made = made_by(monkeypatch)
     states = roll(track, 0, 8)
     shares = [state.edge_share for state in states]
     assert any(a == 0 < b < 1 for a, b in pairwise(shares)) == (hardness == 15e9)
-    provided = [call.answer for call in calls].count(kernels.TRANSFORMS)
+    once = len(made)
     monkeypatch.setattr(half_space, "KEPT_BYTES", 0)
-    monkeypatch.setattr(half_space, "KEPT_FIELDS", 1)
-    del calls[:]
+    made.clear()
     for state, other in zip(states, march(track, 0, 8, space_of(track)), strict=True):
         assert np.array_equal(state.pressure, other.pressure)
         assert (state.iterations, state.convolutions) == (other.iterations, other.convolutions)
-        assert len(calls) < 20 * (1 + state.position)
-    assert [call.answer for call in calls].count(kernels.TRANSFORMS) > provided
+    assert len(made) > once
 
 
-def test_a_solve_on_a_wider_window_goes_on_in_larger_fields(
+def test_two_marches_in_turn_do_not_meet_in_memory(track: RollingContact) -> None:
+    """Each march has scratch of its own, so that marches of threads may share a half-space."""
+    space, rising = space_of(track), replace(track, load=1.0)
+    alone = [roll(contact, 0, 6) for contact in (track, rising)]
+    in_turn = zip(march(track, 0, 6, space), march(rising, 0, 6, space), strict=True)
+    for k, pair in enumerate(in_turn):
+        for states, state in zip(alone, pair, strict=True):
+            assert np.array_equal(states[k].pressure, state.pressure)
+            assert np.array_equal(states[k].deflection, state.deflection)
+            assert states[k].convolutions == state.convolutions
+
+
+def test_threads_share_a_half_space(track: RollingContact, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A march keeps the transforms that another one drops; the digits are those of one thread."""
+    monkeypatch.setattr(half_space, "KEPT_BYTES", 0)
+    space, contacts = space_of(track), [replace(track, load=load) for load in (0.1, 0.5, 1.0)]
+    with ThreadPoolExecutor(len(contacts)) as pool:
+        marched = list(pool.map(lambda contact: list(march(contact, 0, 12, space)), contacts))
+    for contact, states in zip(contacts, marched, strict=True):
+        for state, other in zip(states, roll(contact, 0, 12), strict=True):
+            assert np.array_equal(state.pressure, other.pressure)
+            assert state.convolutions == other.convolutions
+
+
+def test_a_load_that_rises_widens_the_window(
     track: RollingContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A load that rises at once widens the window beyond the fields after a first solve."""
+    """A position whose contact reaches outside of its window is solved again on a larger one."""
     rising = replace(track, hardness=np.inf, loads=np.array([0.5, 0.5, 2.0, 2.0]))
-    complete = solver.complete
-    later = []
+    shapes, solve = [], solver.solve
 
-    def watching(space: HalfSpace, kernel: Callable[..., tuple], *given: Any) -> tuple:
-        def watched(*arguments: Any) -> tuple:
-            answer = kernel(*arguments)
-            if answer[0] == kernels.FIELDS:
-                later.append(arguments[-1][_position_kernels.WIDENED])
-            return answer
+    def watched(problem: solver.Problem, *arguments: Any, **named: Any) -> solver.Solution:
+        shapes.append(problem.gap.shape)
+        return solve(problem, *arguments, **named)
 
-        return complete(space, watched, *given)
-
-    def in_large_fields(*arguments: Any) -> tuple:
-        space, kernel, lines, *given = arguments
-        return complete(space, kernel, np.empty((len(lines), 40_000)), *given)
-
-    marches = []
-    for completed in (in_large_fields, watching):
-        monkeypatch.setattr(solver, "complete", completed)
-        marches.append(roll(rising, 0, 3))
-    assert later == [1]
-    for state, other in zip(*marches, strict=True):
-        assert np.array_equal(state.pressure, other.pressure)
-        assert (state.iterations, state.convolutions) == (other.iterations, other.convolutions)
+    monkeypatch.setattr(solver, "solve", watched)
+    states = roll(rising, 0, 3)
+    assert len(shapes) == len(states) + 1
+    sizes = [np.prod(shape) for shape in shapes]
+    assert sizes[3] > sizes[2]
+    for state in states:
+        assert_solved(rising.loaded_at(state.position), state)
 
 
 def _moving(
@@ -167,7 +177,7 @@ def _moving(
     g = gap + u
     listed = np.empty(p.size, np.int64)
     approach = _condition_kernels.approach_of(p.ravel(), g.ravel(), track.hardness)
-    reach = kernels.NEAR * u.max()
+    reach = solver.NEAR * u.max()
     found = _candidate_kernels.candidates(
         p, g, track.hardness, approach - rest * reach, approach + reach, track.blended, 1, listed
     )
@@ -188,7 +198,7 @@ def test_nodes_deep_at_the_hardness_rest(blended: bool, most: float) -> None:
     states = roll(track, 0, 12)
     sizes = np.array(
         [
-            [_of_state(track, state, rest)[1].size for rest in (kernels.REST, np.inf)]
+            [_of_state(track, state, rest)[1].size for rest in (solver.REST, np.inf)]
             for state in states
         ]
     )
@@ -207,7 +217,7 @@ def test_no_node_rests_where_few_others_take_up_the_load() -> None:
     assert max(inside) < _candidate_kernels.MIN_FREE
     for state in states:
         assert np.count_nonzero(state.pressure >= 0.25e9) > 0
-        assert _of_state(track, state, kernels.REST)[0] == 0
+        assert _of_state(track, state, solver.REST)[0] == 0
 
 
 def test_nodes_that_rest_by_mistake_are_released(calls: list[Call]) -> None:
@@ -221,10 +231,10 @@ def test_nodes_that_rest_by_mistake_are_released(calls: list[Call]) -> None:
     # Deflections that are too small by half claim a deeper overlap.
     wrong = solver.WarmStart(state.pressure, 0.5 * state.deflection, close=True)
     warm = solver.solve_contact(space_of(track), gap, 10.0, wrong, hardness=1.5e9)
-    _, node = _moving(track, gap, state.pressure, 0.5 * state.deflection, kernels.REST)
+    _, node = _moving(track, gap, state.pressure, 0.5 * state.deflection, solver.REST)
     at_rest = (state.pressure.ravel() == 1.5e9) & ~np.isin(np.arange(gap.size), node)
     assert np.count_nonzero(at_rest & (warm.pressure.ravel() < 1.5e9)) > 10
-    assert calls[-1].rounds > 1
+    assert calls[-1].descents > 1
     assert max(warm.residual, cold.residual) <= 1e-5
     assert abs(warm.approach - cold.approach) < 1e-5 * cold.max_deflection
     assert abs(warm.contact_area / cold.contact_area - 1) < 0.01
@@ -233,9 +243,11 @@ def test_nodes_that_rest_by_mistake_are_released(calls: list[Call]) -> None:
 def test_a_solve_that_takes_long_lets_python_hear_an_interrupt(calls: list[Call]) -> None:
     """Far from zero, gaps are rounded so coarsely that no iteration reaches the tolerance.
 
-    Python is called once in 100 to 200 iterations, and the solve goes on.
+    A descent ends after 100 iterations at the latest, and the solve goes on.
     """
     gap = 100.0 + 1e-6 * np.random.default_rng(3).standard_normal((160, 160))
     with pytest.raises(solver.ContactError, match="stopped after 1000 iterations"):
         solver.solve_contact(HalfSpace(1e-6, 1e11), gap, 1.0, hardness=2e9, tolerance=1e-9)
-    assert [call.answer for call in calls].count(kernels.UNFINISHED) >= 5
+    ends = [call.iterations for call in calls]
+    assert len(ends) >= 6
+    assert max(b - a for a, b in pairwise([0, *ends])) <= 101

@@ -15,7 +15,7 @@ from helpers import assert_solved, make_track, roll, rough, space_of
 
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact import _solver_kernels
-from rolling.contact._transform_kernels import APPLY, apply_at
+from rolling.contact._transform_kernels import deflect_nodes
 from rolling.contact.march import march
 from rolling.contact.state import RollingContact
 
@@ -37,15 +37,13 @@ def test_without_a_last_step_the_load_is_exact(
     track: RollingContact, monkeypatch: pytest.MonkeyPatch, blended: bool
 ) -> None:
     """The nodes that carry the load are listed anew, whatever a failed step left in the list."""
-    step_at = kernels.step_at
-    carry = _solver_kernels.carry_load
-    carried = []
+    iterate, carry, carried = _solver_kernels.iterate, _solver_kernels.carry_load, []
 
-    def without_last(address: int, arguments: tuple) -> Any:
-        return step_at(address, (*arguments[:-1], False))
+    def without_last(*arguments: Any) -> Any:
+        return iterate(*arguments[:-1], False)
 
-    def disturbed(address: int, arguments: tuple) -> Any:
-        answer = without_last(address, arguments)
+    def disturbed(*arguments: Any) -> Any:
+        answer = without_last(*arguments)
         arguments[0].work.active[:] = 0
         return answer
 
@@ -54,11 +52,11 @@ def test_without_a_last_step_the_load_is_exact(
         return carry(*arguments)
 
     track = replace(track, blended=blended)
-    monkeypatch.setattr(kernels, "step_at", without_last)
+    monkeypatch.setattr(_solver_kernels, "iterate", without_last)
     monkeypatch.setattr(_solver_kernels, "carry_load", carrying)
     undisturbed = roll(track, 0, 3)
     assert len(carried) >= len(undisturbed)
-    monkeypatch.setattr(kernels, "step_at", disturbed)
+    monkeypatch.setattr(_solver_kernels, "iterate", disturbed)
     for state, other in zip(roll(track, 0, 3), undisturbed, strict=True):
         assert_solved(track, state)
         assert np.array_equal(state.pressure, other.pressure)
@@ -77,16 +75,16 @@ def test_deflection_by_few_nodes_is_that_of_the_transforms(
         summed.append(directly(*arguments))
         return summed[-1]
 
-    def both(system: Any, entry: np.ndarray, block: tuple, *others: Any) -> None:
-        image = system.transform.image
-        node = system.transform.node
-        direction = image.copy()
+    def both(system: Any, block: tuple, moving: int, convolution: tuple, cells: Any) -> None:
+        image, node = system.transform.image, system.transform.node
+        direction = image[node].copy()
         summed.clear()
-        convolve(system, entry, block, *others)
+        convolve(system, block, moving, convolution, cells)
         if summed == [True]:
             sums = image[node].copy()
-            image[:] = direction
-            apply_at(entry[APPLY], (entry, block[2], block[3], np.empty(0, np.int64)))
+            image[node] = direction
+            entry, _, _, kernel = convolution
+            deflect_nodes(kernel, entry, block, image, node, cells)
             errors.append(np.abs(sums - image[node]).max() / np.abs(sums).max())
 
     monkeypatch.setattr(kernels, "convolve", both)
@@ -101,30 +99,23 @@ def test_edges_ahead_of_a_step_are_closer_to_those_of_the_solution(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The gaps of the model tell where edges will be better than the extrapolated gaps do."""
-    step_at = kernels.step_at
-    system_of = kernels.system_of
-    led = []
-    listed = []
+    iterate, system_of, led, listed = _solver_kernels.iterate, kernels.system_of, [], []
 
     def listing(fields: tuple, node: np.ndarray, *arguments: Any) -> Any:
         listed.append(node.copy())
         return system_of(fields, node, *arguments)
 
-    def recording(address: int, arguments: tuple) -> Any:
-        system, _, solutions = arguments[:3]
+    def recording(system: Any, direction: Any, solutions: Any, *arguments: Any) -> Any:
         before = system.edges.edge.copy()
-        answer = step_at(address, arguments)
+        answer = iterate(system, direction, solutions, *arguments)
         if solutions.p.size:
             led.append((listed[-1], before, system.edges.edge.copy()))
         return answer
 
     monkeypatch.setattr(kernels, "system_of", listing)
-    monkeypatch.setattr(kernels, "step_at", recording)
+    monkeypatch.setattr(_solver_kernels, "iterate", recording)
     track = make_track(rough(100, 100, 2e-7), load=0.2, hardness=2.1e9, tolerance=1e-4)
-    space = space_of(track)
-    track = replace(track, blended=True)
-    list(march(track, 0, 5, space))  # a step begins anew where it lacks transforms
-    led.clear()
+    track, space = replace(track, blended=True), space_of(track)
     states = list(march(track, 0, 5, space))[2:]
     assert len(led) == len(states)
     errors = np.zeros(2)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers import convolved
 
 from rolling.contact import _transform_kernels as kernels
 from rolling.contact.half_space import Convolution, HalfSpace, half_spectrum, love, padded_length
@@ -25,15 +26,6 @@ def direct(pressure: np.ndarray, m: int, n: int) -> np.ndarray:
     product = np.fft.rfft2(pressure, s=(m, n)) * np.fft.rfft2(kernel)
     rows, columns = pressure.shape
     return np.fft.irfft2(product, s=(m, n))[:rows, :columns]
-
-
-def convolved(transforms: Convolution, pressure: np.ndarray, single: bool) -> np.ndarray:
-    """Return the deflection by a pressure, in units of spacing / (pi E*)."""
-    kernels.load(pressure, transforms.real)
-    kernels.apply_of(1, single)(transforms.entry, *pressure.shape, np.empty(0, np.int64))
-    got = np.empty_like(pressure)
-    kernels.read(transforms.real, 1.0, got)
-    return got
 
 
 @pytest.mark.parametrize("rows", [1, 5, 8, 11, 16])
@@ -84,7 +76,7 @@ def test_pairs_of_rows_share_a_transform(m: int, n: int) -> None:
     transforms = Convolution(m, n, False, half_spectrum(m, n, 1, love))
     for rows in {m, max(m - 1, 1), (m + 1) // 2}:
         pressure = np.random.default_rng(rows).normal(size=(rows, n))
-        got = convolved(transforms, pressure, False)
+        got = convolved(transforms, pressure)
         expected = direct(pressure, m, n)
         assert np.abs(got - expected).max() < 3e-15 * np.abs(expected).max() * max(m, 10)
 
@@ -96,7 +88,7 @@ def test_lengths_of_all_kinds_give_the_deflection(nodes: int, single: bool) -> N
     space = HalfSpace(1e-6, 1e11)
     transforms = space.convolution(nodes - 1, 11, single=single)
     pressure = np.random.default_rng(nodes).random((nodes, 12))
-    got = convolved(transforms, pressure, single)
+    got = convolved(transforms, pressure)
     expected = direct(pressure, 2 * padded_length(nodes), 64)
     error = np.abs(got - expected).max() / expected.max()
     assert error < (8e-7 if single else 3e-15)

@@ -11,9 +11,9 @@ from hard_cases import optimality
 from hard_cases.named_cases import STEEL, make_track, rough
 from hard_cases.optimality import gap_and_deflection
 
-from rolling.contact import _window_kernels, recovery
+from rolling.contact import _transform_kernels, _window_kernels, recovery
 from rolling.contact.compiling import njit
-from rolling.contact.half_space import HalfSpace
+from rolling.contact.half_space import Convolution, HalfSpace
 from rolling.contact.march import ContactState, RollingContact, march
 from rolling.contact.subcells import half_space_of
 from rolling.dynamics.force_law import ForceLaw
@@ -26,6 +26,7 @@ __all__ = [
     "STEEL",
     "assert_solved",
     "contact_energy",
+    "convolved",
     "gap_and_deflection",
     "hertz_law",
     "make_track",
@@ -43,8 +44,22 @@ __all__ = [
 
 @njit(cache=True)
 def measures(*arguments: Any) -> Any:
-    """Measure the loaded nodes of a window, which only compiled code can do."""
+    """Measure the loaded nodes of a window in compiled code."""
     return _window_kernels.measures(*arguments)
+
+
+def convolved(transforms: Convolution, pressure: np.ndarray) -> np.ndarray:
+    """Return the deflection by a pressure on all nodes, in units of spacing / (pi E*)."""
+    rows, columns = pressure.shape
+    i, j = np.indices(pressure.shape)
+    width = transforms.real.shape[1]
+    node = (i // 2 * 2 * width + i % 2 + 2 * j).ravel().astype(np.uint32)
+    image = np.full(transforms.real.size, np.nan)
+    image[node] = pressure.ravel()
+    kernel = _transform_kernels.nodes_kernel(1, transforms.single)
+    block, every = (0, 0, rows, columns), np.empty(0, np.int64)
+    _transform_kernels.deflect_nodes(kernel, transforms.entry, block, image, node, every)
+    return image[node].reshape(pressure.shape)
 
 
 def space_of(track: RollingContact) -> HalfSpace:
