@@ -42,25 +42,26 @@ def _compiled_array_at(address, shape, like):
 
 @intrinsic
 def _call(_, function, arguments):
-    """Call a C function that takes whole numbers and returns nothing."""
-    count = len(arguments)
+    """Call a C function that takes numbers and returns nothing."""
+    kinds = types.Tuple([types.unliteral(kind) for kind in arguments])
 
     def generate(context, builder, signature, values):
-        parts = [builder.extract_value(values[1], k) for k in range(count)]
+        parts = [builder.extract_value(values[1], k) for k in range(len(kinds))]
         kind = ir.FunctionType(ir.VoidType(), [part.type for part in parts])
         builder.call(builder.inttoptr(values[0], kind.as_pointer()), parts)
         return context.get_dummy_value()
 
-    return types.void(types.int64, types.UniTuple(types.int64, count)), generate
+    return types.void(types.int64, kinds), generate
 
 
 def call(function, arguments):
-    """Call the function at an address with a tuple of whole numbers."""
+    """Call the function at an address with a tuple of numbers."""
     if function in _uncompiled:
         _uncompiled[function](*arguments)
-    else:
-        kinds = [ctypes.c_int64] * len(arguments)
-        ctypes.PYFUNCTYPE(None, *kinds)(int(function))(*map(int, arguments))
+        return
+    kinds = [ctypes.c_double if isinstance(x, float) else ctypes.c_int64 for x in arguments]
+    numbers = [kind(x) for kind, x in zip(kinds, arguments, strict=True)]
+    ctypes.PYFUNCTYPE(None, *kinds)(int(function))(*numbers)
 
 
 @overload(call, jit_options={"forceinline": True})

@@ -153,8 +153,11 @@ def list_strips(place, rows, row, strips):
 
 
 @inlined()
-def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors, indices, strips):
+def take_nodes(node, columns, corner, row_lengths, rows, fields, out):
     """Set the pressures, gaps and indices of the candidates, and the strips (see `list_strips`).
+
+    `fields` are flat pressures and gaps of the window, and `out` holds the vectors of the
+    candidates, of which the first two are set, their indices, and the strips.
 
     `corner` is the first row and column of the candidates' block in a window of `columns` columns;
     `row_lengths` are the numbers of nodes in a row of the transforms (with the number of rows side
@@ -162,6 +165,8 @@ def take_nodes(node, columns, corner, row_lengths, rows, pressure, gap, vectors,
     border of BORDER nodes. Returns the number of strips.
     """
     (length, side), grid_row, influence_row = row_lengths
+    pressure, gap = fields
+    vectors, indices, strips = out
     i = -1  # row on the block of the node, and the first node of the next row
     following = corner[0] * columns
     first = 0  # of the row in the array of the transforms
@@ -218,9 +223,11 @@ def cell_ranges(shape, u, levelled, share, out):
     It is zero on the border of the window.
     """
     rows, columns = u.shape
-    out[0] = out[rows - 1] = 0.0
+    out[0] = 0.0
+    out[rows - 1] = 0.0
     for i in range(1, rows - 1):
-        out[i, 0] = out[i, columns - 1] = 0.0
+        out[i, 0] = 0.0
+        out[i, columns - 1] = 0.0
         ranges_of_row(shape[i - 1 : i + 2], u[i - 1 : i + 2], levelled, share, out[i, 1:-1])
 
 

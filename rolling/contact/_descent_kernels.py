@@ -15,7 +15,15 @@ from rolling.contact import _system as parts
 from rolling.contact import _transform_kernels as transforms
 from rolling.contact._condition_kernels import settle_load
 from rolling.contact._far_field import coarse_grid
-from rolling.contact._system import BORDER, OWN_COEFFICIENT, Direction, Limits, Solutions, System
+from rolling.contact._system import (
+    BORDER,
+    OWN_COEFFICIENT,
+    Direction,
+    Limits,
+    Rules,
+    Solutions,
+    System,
+)
 from rolling.contact.compiling import inlined, njit
 
 MAX_ITERATIONS = 1000
@@ -74,18 +82,8 @@ def system_of(window, listed, block, numbers, half_space, memory):
     strips = np.empty((rows * columns // search.STRIP + 1, 2), np.uint64)
     length, side = transforms.row_of(entry, block[3])
     row_lengths = (length, side), columns, 2 * (entry[transforms.WIDTH] // 2) + 1
-    count = search.take_nodes(
-        listed,
-        p.shape[1],
-        (block[0], block[1]),
-        row_lengths,
-        rows,
-        p.reshape(-1),
-        g.reshape(-1),
-        v,
-        index,
-        strips,
-    )
+    corner, fields, out = (block[0], block[1]), (p.reshape(-1), g.reshape(-1)), (v, index, strips)
+    count = search.take_nodes(listed, p.shape[1], corner, row_lengths, rows, fields, out)
     coarse_rows, coarse_columns, tile = coarse_grid(rows, columns)
     row_length = 2 * coarse_columns - 1
     c, _ = vectors(singles, 7, coarse_rows * row_length)
@@ -132,7 +130,7 @@ def sweeps_of(iterations, stuck, nodes):
 
 @inlined()
 def convolve(system, block, moving, convolution, cells):
-    """Replace the direction in the image by its deflection.
+    """Set the image to the deflection by the direction.
 
     Few nodes that move deflect the candidates pair by pair, up to `most` pairs.
     """
@@ -140,7 +138,10 @@ def convolve(system, block, moving, convolution, cells):
     transform, work, influence = system.transform, system.work, system.influence
     few = moving * work.d.size <= most
     if not (few and solver.sum_directly(transform, work.d, work.trial, influence, most)):
-        transforms.deflect_nodes(kernel, entry, block, transform.image, transform.node, cells)
+        nodes = transform.node, cells
+        transforms.deflect_nodes(
+            kernel, entry, block, work.d, transform.unit, transform.image, nodes
+        )
 
 
 @njit(cache=True)
@@ -210,10 +211,10 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
     leading = p_before.size > 0
     if leading:
         solutions = Solutions(window[0], u, p_before, u_before, row, column, block)
-        sweeps, edges_move, finishing = np.int64(FIRST_SWEEPS), not leading, not leading
-        step, direction = solver.iterate(
-            system, direction, solutions, NEARLY_WHOLE, 0.0, 0.0, sweeps, edges_move, finishing
-        )
+        # Literal numbers would make another variant of each kernel that takes them.
+        no = not leading
+        rules = Rules(NEARLY_WHOLE, 0.0, 0.0, np.int64(FIRST_SWEEPS), no, no)
+        step, direction = solver.iterate(system, direction, solutions, rules)
         moving = step.free + step.bound
     snap = 0.0 if load_missed else 0.01 * allowed * system.stencil.stiffness
     # The snap is divided by the number of nodes, so that its sum makes no difference.
@@ -231,9 +232,8 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
         edges_move = 0 < edge_moves <= MAX_MOVES
         # Where the check refused a last step once, the residual has waves too long for the model.
         finishing = descents == 1 and not last
-        step, direction = solver.iterate(
-            system, direction, none, nearly, snap / share, within, sweeps, edges_move, finishing
-        )
+        rules = Rules(nearly, snap / share, within, sweeps, edges_move, finishing)
+        step, direction = solver.iterate(system, direction, none, rules)
         worst, moving = step.worst, step.free + step.bound
         if last or not worst > goal:
             break

@@ -248,7 +248,8 @@ def restrict(values, tile, row_length, out):
     for i in range((rows - 1) // tile + 2):
         for k in range(max(i * tile, BORDER), min((i + 1) * tile, rows - BORDER)):
             share_line(shares[k - i * tile], values[k], here, below)
-        here[:BORDER] = here[row - BORDER :] = 0.0
+        here[:BORDER] = 0.0
+        here[row - BORDER :] = 0.0
         coarse = out[i * row_length :]
         for j in range((row - 1) // tile + 1):
             rest, part = share_sum(shares, here[j * tile : (j + 1) * tile])

@@ -141,7 +141,8 @@ def sum_rows(moved, row, values, strip, begin, end, sums):
     middle, side, second = sums[0], sums[1], sums[2]
     before, after = begin - TWO, end + TWO
     for j in (before, before + ONE, end, end + ONE):
-        side[j - before] = second[j - before] = 0.0
+        side[j - before] = 0.0
+        second[j - before] = 0.0
     for k in range(max(strip[0], before), min(strip[1], after)):
         j = k - before
         once = moved[k - row] + moved[k + row]
@@ -192,7 +193,10 @@ def clear_border(grid):
     """Set to zero the two nodes at both ends of each row, which never move."""
     row = grid.shape[1]
     for i in range(2, grid.shape[0] - 2):
-        grid[i, 0] = grid[i, 1] = grid[i, row - 2] = grid[i, row - 1] = 0.0
+        grid[i, 0] = 0.0
+        grid[i, 1] = 0.0
+        grid[i, row - 2] = 0.0
+        grid[i, row - 1] = 0.0
 
 
 @njit(cache=True)
@@ -296,8 +300,10 @@ def sort_nodes(system):
 
     Their targets go into the trial pressures. Returns the numbers of both.
     """
-    p, work, free, bound = system.nodes.p, system.work, 0, 0
+    p, work = system.nodes.p, system.work
     active, kind = work.active, work.r
+    free = 0
+    bound = 0
     changes_of(system.model, kind)
     targets_of(p, system.limits.hardness, kind, work.trial, work.r_before)
     for k in range(p.size):

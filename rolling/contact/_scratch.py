@@ -26,5 +26,6 @@ class Scratch:
         size = prod(shape)
         kept = self._kept.get(name)
         if kept is None or kept.size < size:
-            kept = self._kept[name] = np.empty(size + size // 4, dtype)
+            kept = np.empty(size + size // 4, dtype)
+            self._kept[name] = kept
         return kept[:size].reshape(shape)

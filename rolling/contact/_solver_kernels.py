@@ -145,7 +145,7 @@ def precondition(stencil, softening, work, free):
 
 
 @inlined()
-def find_direction(nodes, stencil, work, limits, approach, free, bound, direction, plain):
+def find_direction(system, approach, free, bound, direction, plain):
     """Find the next feasible direction d by preconditioned, projected conjugate gradients.
 
     The factor beta follows Polak and Ribiere.
@@ -156,8 +156,11 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
 
     Returns the Direction and the numbers of restarts and of plain gradient steps (0 or 1 each).
     """
-    p, g, active, r, r_before, d = nodes.p, nodes.g, work.active, work.r, work.r_before, work.d
-    z = trial = work.trial
+    nodes, stencil, work, limits = system.nodes, system.stencil, system.work, system.limits
+    p, g, d, active = nodes.p, nodes.g, work.d, work.active
+    r, r_before = work.r, work.r_before
+    trial = work.trial
+    z = trial  # until the trial pressures replace it, node by node
     sets = Sets(active, free, bound)
     length = direction.length
     precondition(stencil, nodes.softening, work, free)
@@ -198,15 +201,8 @@ def find_direction(nodes, stencil, work, limits, approach, free, bound, directio
 
 
 @inlined()
-def scatter(transform, d):
-    """Write the direction into its image, in units that make the image a deflection."""
-    for k in range(d.size):
-        transform.image[transform.node[k]] = transform.unit * d[k]
-
-
-@inlined()
 def sum_directly(transform, d, deflection, influence, most):
-    """Replace the direction in the image by its deflection, pair by pair in single precision.
+    """Set the image to the deflection by the direction, pair by pair in single precision.
 
     Return False, and leave the image as it is, where more than `most` pairs of a node that moves
     and a candidate are there. `deflection` is overwritten.
@@ -253,16 +249,14 @@ def take_whole_step(p, d, hardness):
 
 
 @njit(cache=True)
-def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_move, finishing):
+def iterate(system, direction, solutions, rules):
     """Step along the direction, and find the next direction unless converged.
 
-    The step has converged if the violation is within `allowed` [m]. Where `edges_move`, the edges
-    follow the gaps before the violation is measured.
+    The step has converged if the violation is within the allowed one of the Rules.
 
     The deflection by the direction must be known. The model, settled by so many sweeps, gives the
     next direction. Without sweeps, or where the model has none that descends, the preconditioned
-    residual gives it, and nodes within `snap` [Pa] of the bound that they approach are put on it.
-    After a converged step the model takes a last step if `finishing`, which needs no convolution
+    residual gives it. A last step by the model, after a converged step, needs no convolution
     before the final check; the Direction is then unchanged.
 
     The first direction of a solve comes from the extrapolation of the last two `solutions`, whose
@@ -273,9 +267,10 @@ def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_m
     Step is the sum of the pressures after a last step by the model, or 0.
     """
     nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
+    allowed, sweeps = rules.allowed, rules.sweeps
     leading = solutions.p.size > 0
-    alpha = step_along(system, direction, nearly) if direction.slope < 0.0 else 1.0
-    lift = move_edges(system, EDGE_SLACK * allowed) if edges_move else 0.0
+    alpha = step_along(system, direction, rules.nearly_whole) if direction.slope < 0.0 else 1.0
+    lift = move_edges(system, EDGE_SLACK * allowed) if rules.edges_move else 0.0
     approach = approach_of(nodes.p, nodes.g, limits.hardness)
     length = direction.length * min(max(alpha, 0.5), 2.0)
     plain = alpha < MIN_STEP
@@ -286,7 +281,7 @@ def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_m
         length = min(max(length, SHORTEST), 1.0)
         edges_lead = lift > EDGES_LEAD * worst
         ends = worst <= allowed and not leading
-        if ends and not finishing:
+        if ends and not rules.finishing:
             return Step(approach, worst, 0, 0, 0, 0, 0.0), direction
         if leading:
             approach = lead_model(system, approach, solutions)
@@ -301,24 +296,23 @@ def iterate(system, direction, solutions, nearly, snap, allowed, sweeps, edges_m
         if ends:
             load = take_whole_step(nodes.p, work.d, limits.hardness) if descends else 0.0
             return Step(approach, worst, free, bound, restarts, 0, load), last
-        if descends:
-            scatter(system.transform, work.d)
         if leading:
             following = Direction(following.slope, following.longest, 0.0, direction.length)
         if descends or leading:
             return Step(approach, worst, free, bound, restarts, 0, 0.0), following
         length = 1.0
         direction = Direction(0.0, 0.0, 0.0, length)
-    worst, free, bound = find_residual(nodes, system.stencil, work, limits.hardness, approach, snap)
+    worst, free, bound = find_residual(
+        nodes, system.stencil, work, limits.hardness, approach, rules.snap
+    )
     restarts = 0
     plain_steps = 0
     if worst > allowed:
         length = min(max(length, SHARES[0]), SHARES[1])
         last = Direction(direction.slope, direction.longest, direction.zr, length)
         direction, restarts, plain_steps = find_direction(
-            nodes, system.stencil, work, limits, approach, free, bound, last, plain
+            system, approach, free, bound, last, plain
         )
-        scatter(system.transform, work.d)
     return Step(approach, worst, free, bound, restarts, plain_steps, 0.0), direction
 
 

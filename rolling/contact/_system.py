@@ -48,13 +48,13 @@ class Nodes(NamedTuple):
 
 
 class Transform(NamedTuple):
-    """Image of a direction: it goes in, its deflection comes out.
+    """Image of the direction, the deflection that it causes.
 
-    The image has the places of the array of the transforms, of which only those of the candidates
-    count. It is in double precision, whatever the transforms are.
+    It has the places of the array of the transforms, of which only those of the candidates count.
+    It is in double precision, whatever the transforms are.
     """
 
-    image: Array  # flat, pressure times `unit` before, deflection after [m]
+    image: Array  # flat, deflection by the direction [m]
     node: Indices  # (n,) index of each candidate in `image`
     unit: float  # deflection per pressure and coefficient [m/Pa]
 
@@ -169,6 +169,17 @@ class Direction(NamedTuple):
     longest: float  # maximum step length within the bounds, at least 1
     zr: float  # product z.r [Pa m], 0 where the next direction forgets this direction
     length: float  # share of the preconditioned residual in d, from the step lengths so far
+
+
+class Rules(NamedTuple):
+    """How an iteration steps and finds its direction."""
+
+    nearly_whole: float  # a step longer than this becomes whole, so that nodes arrive on a bound
+    snap: float  # nodes so close to the bound that they approach are put on it [Pa]
+    allowed: float  # violation that ends the descent [m]
+    sweeps: int  # that settle the model; without any the preconditioned residual leads
+    edges_move: bool  # whether the edges follow the gaps before the violation is measured
+    finishing: bool  # whether the model takes a last step after a converged one
 
 
 class Step(NamedTuple):

@@ -471,7 +471,7 @@ def window_kernel(subcells: int) -> Any:
     return njit(cache=True)(deflect_window if subcells == 1 else deflect_window_of_subcells)
 
 
-_NODES_SIGNATURE = types.void(*[types.int64] * 8)
+_NODES_SIGNATURE = types.void(*[types.int64] * 3, types.float64, *[types.int64] * 6)
 
 
 @once
@@ -484,28 +484,26 @@ def nodes_kernel(subcells: int, single: bool) -> int:
     side = (0,) * subcells
     real, both = (_SINGLE, _SINGLE_COMPLEX) if single else (_DOUBLE, _DOUBLE_COMPLEX)
 
-    def deflect_at(entry_at, rows, columns, image_at, node_at, count, cells_at, cell_count):
+    def deflect_at(
+        entry_at, rows, columns, unit, d_at, image_at, node_at, count, cells_at, cell_count
+    ):
         entry = array_at(entry_at, (ENTRIES,), _WHOLE)
         values = block_of(entry, rows, columns, real).reshape(-1)
-        image, node = (
-            array_at(image_at, (values.size,), _DOUBLE),
-            array_at(node_at, (count,), _INDEX),
-        )
-        scatter(image, node, values)
+        image = array_at(image_at, (values.size,), _DOUBLE)
+        node = array_at(node_at, (count,), _INDEX)
+        scatter(array_at(d_at, (count,), _DOUBLE), unit, node, values)
         transform(entry, rows, real, both)
         gather(values, node, image)
 
     def deflect_subcells_at(
-        entry_at, rows, columns, image_at, node_at, count, cells_at, cell_count
+        entry_at, rows, columns, unit, d_at, image_at, node_at, count, cells_at, cell_count
     ):
         entry = array_at(entry_at, (ENTRIES,), _WHOLE)
         values = block_of(entry, rows, columns, real).reshape(-1)
-        image, node = (
-            array_at(image_at, (values.size,), _DOUBLE),
-            array_at(node_at, (count,), _INDEX),
-        )
+        image = array_at(image_at, (values.size,), _DOUBLE)
+        node = array_at(node_at, (count,), _INDEX)
         cells = array_at(cells_at, (cell_count,), _WHOLE)
-        scatter(image, node, values)
+        scatter(array_at(d_at, (count,), _DOUBLE), unit, node, values)
         transform_on_subcells(entry, rows, columns, cells, side, real, both)
         gather(values, node, image)
 
@@ -513,11 +511,11 @@ def nodes_kernel(subcells: int, single: bool) -> int:
 
 
 @inlined()
-def scatter(image, node, values):
-    """Set listed nodes of the array of the transforms to those of the image, and the rest to 0."""
+def scatter(d, unit, node, values):
+    """Set listed nodes of the array of the transforms to `unit` times d, and the rest to 0."""
     values[:] = 0.0
     for k in range(node.size):
-        values[node[k]] = image[node[k]]
+        values[node[k]] = unit * d[k]
 
 
 @inlined()
@@ -528,8 +526,8 @@ def gather(values, node, image):
 
 
 @inlined()
-def deflect_nodes(kernel, entry, block, image, node, cells):
-    """Replace the values of listed nodes in the image by the deflection that they cause.
+def deflect_nodes(kernel, entry, block, d, unit, image, nodes):
+    """Set the image of listed nodes to the deflection that pressures on them cause.
 
     Parameters
     ----------
@@ -539,20 +537,24 @@ def deflect_nodes(kernel, entry, block, image, node, cells):
         Numbers that describe the transforms.
     block : tuple
         First row and column, and numbers of rows and columns of the block of nodes.
+    d : array
+        Pressures of the nodes.
+    unit : float
+        Deflection per pressure and coefficient.
     image : array
-        Pressures times the deflection per pressure and coefficient before, deflections after, at
-        the places of the nodes in the array of the transforms; others hold anything.
-    node : array
-        Places of the nodes.
-    cells : array
-        Cells of the block that hold the nodes, where nodes are sub-cells.
+        Deflections, at the places of the nodes in the array of the transforms.
+    nodes : arrays
+        Places of the nodes, and the cells of the block that hold them where nodes are sub-cells.
     """
+    node, cells = nodes
     call(
         kernel,
         (
             np.int64(entry.ctypes.data),
             np.int64(block[2]),
             np.int64(block[3]),
+            unit,
+            np.int64(d.ctypes.data),
             np.int64(image.ctypes.data),
             np.int64(node.ctypes.data),
             np.int64(node.size),

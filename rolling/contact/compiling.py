@@ -59,7 +59,7 @@ def inlined(*, fused: bool = False) -> Callable[[Callable[..., Any]], Any]:
 
 
 def address_of(function: Callable[..., None], signature: Any) -> int:
-    """Compile a function of whole numbers that returns nothing; return its address for `call`."""
+    """Compile a function of numbers that returns nothing; return its address for `call`."""
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return address_of_uncompiled(function)
     example = _with_cache(lambda **how: numba.njit(**how)(function), cache=True)

@@ -40,12 +40,9 @@ MAX_INFLUENCE = 2**20  # maximum size of a transform that keeps coefficients by 
 # even products of 2, 3, 5 and 7 up to 650: any length between two of them costs more than the
 # longer one, or hardly less.
 _LONG = (1024, 1280, 1536, 2048, 2560, 3072, 4096, 5120, 6144, 8192, 10240, 12288, 16384)
+_MEDIUM = (144, 160, 200, 240, 256, 320, 384, 400, 512, 640, 768, 800)
 ALONG = (16, 20, 32, 40, 64, 80, 128, 144, 256, 288, 320, 512, 640, 800, *_LONG)
-ACROSS = (
-    *(16, 20, 32, 40, 48, 64, 80, 96, 128, 144, 160, 200, 240, 256, 320, 384, 400, 512, 640),
-    *(768, 800),
-    *_LONG,
-)
+ACROSS = (16, 20, 32, 40, 48, 64, 80, 96, 128, *_MEDIUM, *_LONG)
 MAX_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
 
@@ -261,13 +258,12 @@ class Convolution:
         in_place = m in _IN_PLACE or m > _IN_PLACE[-1]
         self._columns = self._lines if in_place else zeros(self._lines.shape, both)
         # Transforms there and back multiply by their size.
-        first, second = (
-            spectrum[: length // 2 + 1] / (length * n),
-            spectrum[length - np.arange(length // 2 + 1)] / (length * n),
-        )
+        first = spectrum[: length // 2 + 1] / (length * n)
+        second = spectrum[length - np.arange(length // 2 + 1)] / (length * n)
         angle = np.pi / length * np.arange(length // 2 + 1)
-        halves = 0.5 * (first + second), 0.5 * (first - second)
-        self._factors = [array.astype(real) for array in (*halves, np.sin(angle), np.cos(angle))]
+        mean, difference = 0.5 * (first + second), 0.5 * (first - second)
+        factors = [mean, difference, np.sin(angle), np.cos(angle)]
+        self._factors = [array.astype(real) for array in factors]
         parts, half = [slice(None)], 0
         if m in _HALVED or m > _HALVED[-1]:
             half = length // 2
@@ -277,7 +273,8 @@ class Convolution:
         self._plans = [Plan(lines[part], columns[part], 0) for part in parts]
         self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
         self._row_plans = np.zeros((-(-length // GROUP) + 1, 2), np.int64)
-        entry = self.entry = np.zeros(kernels.ENTRIES, np.int64)
+        entry = np.zeros(kernels.ENTRIES, np.int64)
+        self.entry = entry
         entry[kernels.LENGTH], entry[kernels.WIDTH] = m, n
         entry[kernels.SUBCELLS], entry[kernels.HALF] = subcells, half
         entry[kernels.EXECUTE] = self._plans[0].execute

@@ -187,7 +187,8 @@ def _warm_start(
     rise = np.inf if before is None else abs(old.approach - before.approach)
     approach = old.approach + min(4 * rise, 0.1 * old.max_deflection)
     spread = ROOM * old.spread
-    needed = window = Window.around([old.loaded, contact.overlap(k, approach, spread)])
+    needed = Window.around([old.loaded, contact.overlap(k, approach, spread)])
+    window = needed
     if contact.step <= LOOK_AHEAD * contact.spacing:
         window = Window.around([window, contact.overlap(k + 1, approach, spread)])
     window = window.room(contact.subcells)
@@ -250,7 +251,7 @@ def _solve(
 ) -> ContactState:
     """Solve a position, again on a larger window where contact may be outside of it."""
     window, start, sharp = given.window, given.start, given.sharp
-    iterations = convolutions = 0
+    iterations, convolutions = 0, 0
     while True:
         problem = _problem(contact, k, half_space, window, tolerance, scratch)
         solution = solver.solve(problem, start, sharp or not problem.blended)

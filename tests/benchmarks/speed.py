@@ -93,12 +93,13 @@ def convolving_seconds(half_space: HalfSpace, states: list[ContactState]) -> np.
     seconds = {}
     for single in (False, True):
         transforms = half_space.convolution(rows - 1, columns - 1, single)
-        kernel, nothing = nodes_kernel(1, single), np.empty(0, np.int64)
-        image, node = np.zeros(transforms.real.size), np.empty(0, np.uint32)
+        kernel, nothing = nodes_kernel(1, single), np.empty(0)
+        block = 0, 0, rows, columns
+        nodes = np.empty(0, np.uint32), np.empty(0, np.int64)
         clock = []
         for _ in range(31):
             began = time.perf_counter()
-            deflect_nodes(kernel, transforms.entry, (0, 0, rows, columns), image, node, nothing)
+            deflect_nodes(kernel, transforms.entry, block, nothing, 1.0, nothing, nodes)
             clock.append(time.perf_counter() - began)
         seconds[single] = np.median(clock)
     counts = np.array([state.convolutions for state in states[1:]])

@@ -40,7 +40,8 @@ def test_without_a_last_step_the_load_is_exact(
     iterate, carry, carried = _solver_kernels.iterate, _solver_kernels.carry_load, []
 
     def without_last(*arguments: Any) -> Any:
-        return iterate(*arguments[:-1], False)
+        *others, rules = arguments
+        return iterate(*others, rules._replace(finishing=False))
 
     def disturbed(*arguments: Any) -> Any:
         answer = without_last(*arguments)
@@ -77,14 +78,13 @@ def test_deflection_by_few_nodes_is_that_of_the_transforms(
 
     def both(system: Any, block: tuple, moving: int, convolution: tuple, cells: Any) -> None:
         image, node = system.transform.image, system.transform.node
-        direction = image[node].copy()
         summed.clear()
         convolve(system, block, moving, convolution, cells)
         if summed == [True]:
             sums = image[node].copy()
-            image[node] = direction
             entry, _, _, kernel = convolution
-            deflect_nodes(kernel, entry, block, image, node, cells)
+            d, unit = system.work.d, system.transform.unit
+            deflect_nodes(kernel, entry, block, d, unit, image, (node, cells))
             errors.append(np.abs(sums - image[node]).max() / np.abs(sums).max())
 
     monkeypatch.setattr(kernels, "convolve", both)

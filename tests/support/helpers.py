@@ -55,10 +55,9 @@ def convolved(transforms: Convolution, pressure: np.ndarray) -> np.ndarray:
     width = transforms.real.shape[1]
     node = (i // 2 * 2 * width + i % 2 + 2 * j).ravel().astype(np.uint32)
     image = np.full(transforms.real.size, np.nan)
-    image[node] = pressure.ravel()
     kernel = _transform_kernels.nodes_kernel(1, transforms.single)
-    block, every = (0, 0, rows, columns), np.empty(0, np.int64)
-    _transform_kernels.deflect_nodes(kernel, transforms.entry, block, image, node, every)
+    block, d, nodes = (0, 0, rows, columns), pressure.ravel(), (node, np.empty(0, np.int64))
+    _transform_kernels.deflect_nodes(kernel, transforms.entry, block, d, 1.0, image, nodes)
     return image[node].reshape(pressure.shape)
 
 
