@@ -14,6 +14,7 @@ Public modules:
   `EventTable`).
 - `compiling`, `compiling_ahead`: compilation by numba, with a cache wherever one can be kept, and
   ahead of the first march on spare cores; `cached_code`: the files of that cache.
+- `scratch`: memory that a march keeps.
 - `memory`: the plate that remembers its indentation.
 
 Private modules, mostly compiled. Functions marked `njit` are kernels, which are cached. Those
@@ -23,7 +24,6 @@ marked `inlined` are part of the kernels that call them.
   (`descend`), and the named tuples of its passes.
 - `_position_kernels`: passes over a window between descents: `judge`, `measure`, mixing of starts.
 - `_by_address`, `_plans`: calls by address, of transforms and of the plans of FFTW.
-- `_scratch`: memory that a march keeps.
 - `_solver_kernels`: conjugate gradients: line search, residual, preconditioner (`precondition`) and
   next direction.
 - `_model_kernels`, `_far_field`: the model problem that predicts who bears load next

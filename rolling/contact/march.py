@@ -19,8 +19,8 @@ from acoustics.numbers import rounded
 from acoustics.traps import ignoring_underflow
 from rolling.contact import _position_kernels as kernels
 from rolling.contact import _window_kernels, closed_forms, solver
-from rolling.contact._scratch import Scratch
 from rolling.contact.half_space import MAX_NODES, HalfSpace
+from rolling.contact.scratch import Scratch
 from rolling.contact.solver import ContactError, ConvergenceError, Problem, Solution, Start
 from rolling.contact.state import ContactState, RollingContact, Window
 
@@ -193,7 +193,8 @@ def _warm_start(
         window = Window.around([window, contact.overlap(k + 1, approach, spread)])
     window = window.room(contact.subcells)
     _refuse_large(window, contact.subcells)
-    pressure, deflection = old.window.moved(old.pressure, window), _NOTHING
+    pressure, deflection = scratch.lend((window.rows, window.columns)), _NOTHING
+    old.window.move(old.pressure, window, pressure)
     extrapolation, share = solver.NO_POSITION, 0.0
     if before is None or old.sphere_share > STEADY_SHARE:
         share, deflection = _towards_the_sphere(contact, k, old, (window, needed), pressure)

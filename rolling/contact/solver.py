@@ -20,6 +20,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acoustics.arrays import Array, instance, positive, real_array, short_repr, truth
 from acoustics.numbers import rounded
@@ -30,10 +31,10 @@ from rolling.contact._candidate_kernels import candidates
 from rolling.contact._condition_kernels import has_partial_cells, yielding_overlap
 from rolling.contact._descent_kernels import MAX_ITERATIONS, descend
 from rolling.contact._far_field import coarse_grid, far_field, stencils
-from rolling.contact._scratch import Scratch
 from rolling.contact._system import BORDER, OWN_COEFFICIENT, Limits, Progress, Sets
 from rolling.contact._transform_kernels import nodes_kernel
 from rolling.contact.half_space import MAX_SIZE, Convolution, HalfSpace
+from rolling.contact.scratch import Scratch
 
 # The descent aims at this share of the tolerance. The rest allows for the difference between the
 # updated deflection and a recomputed deflection.
@@ -441,10 +442,11 @@ def solve(problem: Problem, start: Start, sharp: bool) -> Solution:
     shape = problem.gap.shape
     solution = Solution(
         pressure=start.pressure,
-        deflection=np.empty(shape),
-        edge=np.zeros(shape) if problem.blended else _NOTHING,
+        deflection=problem.scratch.lend(shape),
+        edge=problem.scratch.lend(shape) if problem.blended else _NOTHING,
         edge_share=0.0 if sharp else 1.0,
     )
+    solution.edge[:] = 0.0
     converge(problem, solution, start)
     if not problem.blended:
         return solution
@@ -499,24 +501,21 @@ def converge(problem: Problem, solution: Solution, start: Start | None = None) -
 
     Raise ContactError as `solve_contact` does.
     """
-    half_space, scratch = problem.half_space, problem.scratch
     p, edge = solution.pressure, solution.edge if solution.edge_share else _NOTHING
-    blended, close = edge.size > 0, start is None or start.close
-    deformed = scratch.array("deformed gap", p.shape)
-    listed = scratch.array("listed nodes", (p.size,), np.int64)
+    deformed = problem.scratch.array("deformed gap", p.shape)
     # The deflection of a start is known to single precision or so. That of a state which is to be
     # accepted is computed from its pressure: it is fresh.
     known, fresh = start is not None and start.deflection.size > 0, start is None
     progress, count, earlier = Progress(), 0, solution.iterations
     while True:
         if not (known or fresh):
-            half_space.deflect(p, solution.deflection)
+            problem.half_space.deflect(p, solution.deflection)
             solution.convolutions += 1
             fresh = True
         u, before = solution.deflection, NO_POSITION
         if known and start is not None:
             u, before = start.deflection, start.before
-        approach, u_max, worst = kernels.judge(
+        solution.approach, solution.max_deflection, solution.worst = kernels.judge(
             (problem.gap, problem.shape),
             (p, u, edge),
             before,
@@ -524,52 +523,119 @@ def converge(problem: Problem, solution: Solution, start: Start | None = None) -
             fresh,
             deformed,
         )
-        solution.approach, solution.max_deflection, solution.worst = approach, u_max, worst
-        if not (math.isfinite(approach) and 0 < u_max < np.inf) or (fresh and worst == np.inf):
-            raise ContactError(
-                "the contact solve met numbers that are not finite: check units of load, modulus"
-                " and heights"
-            )
-        allowed = problem.tolerance * u_max
-        if fresh and worst <= allowed and (progress.carried or _carries_load(p, problem.total)):
+        _refuse_strange(solution, fresh)
+        allowed = problem.tolerance * solution.max_deflection
+        accurate = fresh and solution.worst <= allowed
+        if accurate and (progress.carried or _carries_load(p, problem.total)):
             return
         spent = progress.iterations >= MAX_ITERATIONS or progress.descents > MAX_ITERATIONS
         if spent or progress.stuck > 1:
             raise _not_converged(problem, solution, progress)
-        # Far from the solution all nodes may move.
-        near = (NEAR if close or progress.descents else np.inf) * u_max
-        lowest, highest = approach - REST * near, approach + near
-        count_before = count
-        at_rest, count, *block = candidates(
-            p, deformed, problem.hardness, lowest, highest, blended, half_space.subcells, listed
-        )
-        single = problem.single and problem.tolerance >= SINGLE_TOLERANCE
+        near_only = start is None or start.close or progress.descents > 0
+        found = _candidates(problem, solution, (deformed, edge), near_only)
         # Where a descent went as far as it could and left no new candidates, single precision does
         # not suffice.
-        if progress.exhausted and count <= count_before:
-            single = single and blended and progress.descents <= 4
-        # The name keeps the transforms, which a march in another thread may drop meanwhile.
-        transforms = half_space.convolution(block[2] - 1, block[3] - 1, single)
-        tables, memory = _tables(half_space, scratch, transforms, block, count)
-        load = problem.total - (at_rest * problem.hardness if at_rest else 0.0)
-        lift = u_max / problem.total
-        done = Progress(
-            *descend(
-                (p, deformed, edge, problem.shape, problem.gap),
-                (listed[:count], tuple(block), half_space.subcells),
-                (problem.hardness, load, problem.levelled, solution.edge_share, lift),
-                tables,
-                (u, *before),
-                (_aim(progress, blended and half_space.subcells == 1) * allowed, allowed),
-                tuple(progress),
-                memory,
-            )
-        )
+        single = problem.single and problem.tolerance >= SINGLE_TOLERANCE
+        if progress.exhausted and found.listed.size <= count:
+            single = single and edge.size > 0 and progress.descents <= 4
+        fields = p, deformed, edge, problem.shape, problem.gap
+        done = _descend(problem, solution, fields, found, (u, *before), progress, single)
         convolved = done.convolutions - progress.convolutions
-        half_space.count += convolved
+        problem.half_space.count += convolved
         solution.convolutions += convolved
         solution.iterations = earlier + done.iterations
-        progress, known, fresh = done, False, False
+        progress, count, known, fresh = done, found.listed.size, False, False
+
+
+def _refuse_strange(solution: Solution, fresh: bool) -> None:
+    """Raise ContactError for a state whose numbers are not finite."""
+    finite = math.isfinite(solution.approach) and 0 < solution.max_deflection < np.inf
+    if not finite or (fresh and solution.worst == np.inf):
+        raise ContactError(
+            "the contact solve met numbers that are not finite: check units of load, modulus and"
+            " heights"
+        )
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """Nodes of a window that may be in contact, the iteration's only ones.
+
+    Parameters
+    ----------
+    listed : (n,) array
+        Flat indices in the window.
+    block : tuple
+        First row and column, and numbers of rows and columns of the block that holds them, in whole
+        cells.
+    at_rest : float
+        Number of nodes that stay at the hardness meanwhile.
+    """
+
+    listed: NDArray[np.int64]
+    block: tuple[int, int, int, int]
+    at_rest: float
+
+
+def _candidates(
+    problem: Problem, solution: Solution, fields: tuple[Array, Array], near_only: bool
+) -> Candidates:
+    """List the nodes that may move, or all where the state is far from the solution.
+
+    `fields` are the deformed gap and the edges.
+    """
+    deformed, edge = fields
+    near = NEAR * solution.max_deflection if near_only else np.inf
+    listed = problem.scratch.array("listed nodes", (deformed.size,), np.int64)
+    at_rest, count, *block = candidates(
+        solution.pressure,
+        deformed,
+        problem.hardness,
+        solution.approach - REST * near,
+        solution.approach + near,
+        edge.size > 0,
+        problem.half_space.subcells,
+        listed,
+    )
+    row, column, rows, columns = block
+    return Candidates(listed[:count], (row, column, rows, columns), at_rest)
+
+
+def _descend(
+    problem: Problem,
+    solution: Solution,
+    fields: tuple[Array, ...],
+    found: Candidates,
+    before: tuple[Any, ...],
+    progress: Progress,
+    single: bool,
+) -> Progress:
+    """Descend on candidates, after all that it takes is made; return the progress.
+
+    `fields` and `before` are arguments of the compiled `descend`.
+    """
+    half_space, edge = problem.half_space, fields[2]
+    rows, columns = found.block[2:]
+    # The name keeps the transforms, which a march in another thread may drop meanwhile.
+    transforms = half_space.convolution(rows - 1, columns - 1, single)
+    tables, memory = _tables(half_space, problem.scratch, transforms, found)
+    load = problem.total
+    if found.at_rest:
+        load -= found.at_rest * problem.hardness
+    lift = solution.max_deflection / problem.total
+    allowed = problem.tolerance * solution.max_deflection
+    goal = _aim(progress, edge.size > 0 and half_space.subcells == 1) * allowed
+    answer = descend(
+        fields,
+        (found.listed, found.block, half_space.subcells),
+        (problem.hardness, load, problem.levelled, solution.edge_share, lift),
+        tables,
+        before,
+        (goal, allowed),
+        tuple(progress),
+        memory,
+    )
+    return Progress(*answer)
 
 
 def _carries_load(pressure: Array, total: float) -> bool:
@@ -585,28 +651,24 @@ def _aim(progress: Progress, model_moves_edges: bool) -> float:
 
 
 def _tables(
-    half_space: HalfSpace,
-    scratch: Scratch,
-    transforms: Convolution,
-    block: list[int],
-    count: int,
+    half_space: HalfSpace, scratch: Scratch, transforms: Convolution, found: Candidates
 ) -> tuple[tuple[Any, ...], tuple[Array, ...]]:
     """Make all that a descent on a block of candidates needs; return its tables and memory.
 
     The tables are the argument `half_space` of `descend`: stencils, transforms, and the far field.
     """
-    rows, columns = block[2], block[3]
+    count, (rows, columns) = found.listed.size, found.block[2:]
     coefficients = transforms.influence()
     pairs = DIRECT_PAIRS * transforms.size if transforms.single and coefficients.size else -1
     kernel = nodes_kernel(half_space.subcells, transforms.single)
-    nodes = rows + 2 * BORDER, columns + 2 * BORDER
-    coarse_rows, coarse_columns, tile = coarse_grid(*nodes)
+    along, across = rows + 2 * BORDER, columns + 2 * BORDER
+    coarse_rows, coarse_columns, tile = coarse_grid(along, across)
     tables = (
         (half_space.unit, *stencils(half_space.unit)),
         (transforms.entry, coefficients, pairs, kernel),
         far_field(coarse_rows, coarse_columns, tile),
     )
-    size, coarse_size = nodes[0] * nodes[1], 2 * coarse_rows * coarse_columns
+    size, coarse_size = along * across, 2 * coarse_rows * coarse_columns
     places = max(transforms.real.size, rows * columns)
     memory = (
         scratch.array("doubles", (10 * count + 2 * size + places,)),

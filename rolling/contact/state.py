@@ -45,12 +45,13 @@ class Window(NamedTuple):
     @classmethod
     def around(cls, windows: Sequence[Window | None]) -> Window:
         """Return the minimum window that covers all given windows; None stands for no window."""
-        given = [window for window in windows if window is not None]
-        row = min([window.row for window in given])
-        column = min([window.column for window in given])
-        end = max([window.row + window.rows for window in given])
-        right = max([window.column + window.columns for window in given])
-        return cls(row, column, end - row, right - column)
+        around, *others = [window for window in windows if window is not None]
+        for window in others:
+            row, column = min(around.row, window.row), min(around.column, window.column)
+            end = max(around.row + around.rows, window.row + window.rows)
+            right = max(around.column + around.columns, window.column + window.columns)
+            around = cls(row, column, end - row, right - column)
+        return around
 
     def covers(self, other: Window) -> bool:
         """Tell whether all nodes of another window lie in this window."""

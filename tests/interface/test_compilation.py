@@ -10,6 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from rolling.contact._far_field import coarse_grid
+from rolling.contact.compiling import njit
 from rolling.run import pools
 
 SLOW_KERNEL = """
@@ -251,6 +253,17 @@ def test_a_process_that_compiles_computes_the_digits_of_those_that_load(tmp_path
     cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
     compiling, loading = (_run(SUMS, **cache).communicate()[0] for _ in range(2))
     assert len(loading) == 65 and compiling == loading
+
+
+def test_python_may_call_a_function_that_kernels_inline() -> None:
+    """It is a plain function there, without compiled code that could be called in a wrong way."""
+
+    @njit(cache=False)
+    def compiled(rows: int, columns: int) -> tuple[int, int, int]:
+        return coarse_grid(rows, columns)
+
+    for shape in ((7, 9), (40, 31), (300, 500), (2000, 1800)):
+        assert compiled(*shape) == coarse_grid(*shape)
 
 
 @pytest.mark.parametrize("core_count", [1, 2])
