@@ -9,6 +9,7 @@ from bisect import bisect_left
 from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
+from functools import lru_cache
 from threading import Lock
 
 import numpy as np
@@ -46,6 +47,7 @@ ACROSS = (16, 20, 32, 40, 48, 64, 80, 96, 128, *_MEDIUM, *_LONG)
 MAX_NODES = _LONG[-1] // 2  # maximum number of nodes across a window
 
 
+@lru_cache(maxsize=4096)
 def padded_length(reach: int, across: bool = False, subcells: int = 1) -> int:
     """Return the minimum quick length for nodes up to `reach` spacings apart, in cells.
 
@@ -124,7 +126,6 @@ def half_spectrum(
     return half
 
 
-@ignoring_underflow
 class HalfSpace:
     """Elastic half-space under pressure on windows of square cells.
 
@@ -160,6 +161,7 @@ class HalfSpace:
     '4.879 nm'
     """
 
+    @ignoring_underflow
     def __init__(self, spacing: float, contact_modulus: float) -> None:
         self.spacing = positive("spacing", spacing, MAX_SIZE)
         self.contact_modulus = positive("contact_modulus", contact_modulus, MAX_SIZE)
@@ -172,6 +174,7 @@ class HalfSpace:
         modulus = f"contact_modulus={self.contact_modulus:g} Pa"
         return f"{type(self).__name__}(spacing={self.spacing:g} m, {modulus})"
 
+    @ignoring_underflow
     def deflection(self, pressure: Array) -> Array:
         """Compute the deflection of the nodes of a window by the pressure on them.
 
@@ -221,7 +224,8 @@ class HalfSpace:
         kept = self._convolutions
         convolution = kept.get(key)
         if convolution is None:
-            convolution = self._make(*key)
+            with np.errstate(under="ignore"):
+                convolution = self._make(*key)
             room = KEPT_BYTES - convolution.nbytes
             # The last size is kept in any case: solves take turns in both precisions. Another
             # thread may march on the same half-space.

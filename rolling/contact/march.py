@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,10 +18,9 @@ from acoustics.arrays import Array, instance
 from acoustics.numbers import rounded
 from acoustics.traps import ignoring_underflow
 from rolling.contact import _position_kernels as kernels
-from rolling.contact import _window_kernels, closed_forms, solver
+from rolling.contact import closed_forms, solver
 from rolling.contact.half_space import MAX_NODES, HalfSpace
-from rolling.contact.scratch import Scratch
-from rolling.contact.solver import ContactError, ConvergenceError, Problem, Solution, Start
+from rolling.contact.solver import ContactError, ConvergenceError, Plate, Problem, Solution, Start
 from rolling.contact.state import ContactState, RollingContact, Window
 
 # Up to a step of so many nodes a window includes the next position as well, whose deflection is
@@ -101,16 +100,22 @@ def march(
         if got != own:
             raise ValueError(f"half_space: got {name} {got:g}, allowed: that of contact, {own:g}")
     _refuse_the_impossible(contact)
+    plate = Plate(
+        half_space=half_space,
+        hardness=float(contact.hardness),
+        single=contact.single,
+        blended=contact.has_blended_edges,
+        levelled=solver.levelled_range(half_space, float(contact.hardness)),
+    )
     states: list[ContactState] = []  # the last two
-    scratch = Scratch()
     for k in range(first, last + 1):
-        here = contact.loaded_at(k)
+        here = contact.loaded_at(k) if contact.loads is not None else contact
         try:
             following = None
             # A change of the load on a plate that mostly yields may lead nowhere.
             with suppress(ConvergenceError):
-                following = _follow(here, k, half_space, states, scratch) if states else None
-            following = following or _start(here, k, half_space, scratch)
+                following = _follow(here, k, plate, states) if states else None
+            following = following or _start(here, k, plate)
         except ContactError as error:
             raise ContactError(
                 f"step {k} (sphere at {contact.position(k) * 1e3:.4f} mm): {error}"
@@ -146,9 +151,7 @@ class PositionStart:
     sphere_share: float = 0.0
 
 
-def _start(
-    contact: RollingContact, k: int, half_space: HalfSpace, scratch: Scratch
-) -> ContactState:
+def _start(contact: RollingContact, k: int, plate: Plate) -> ContactState:
     """Solve from a Winkler foundation that fits Hertz."""
     radius, *factors = closed_forms.hertz_ellipse(*contact.radii)
     hertz = closed_forms.hertz_radius(contact.load, radius, contact.contact_modulus)
@@ -163,34 +166,29 @@ def _start(
     load, gap = contact.load, contact.gap(k, window)
     pressure = solver.foundation(gap, load, contact.spacing, stiffness, contact.hardness)
     cold = PositionStart(window, Start(pressure, _NOTHING, close=False))
-    tolerance = COLD_TIGHTENING * contact.tolerance
-    return _solve(contact, k, half_space, cold, tolerance, scratch)
+    return _solve(contact, k, plate, cold, COLD_TIGHTENING * contact.tolerance)
 
 
 def _follow(
-    contact: RollingContact,
-    k: int,
-    half_space: HalfSpace,
-    states: list[ContactState],
-    scratch: Scratch,
+    contact: RollingContact, k: int, plate: Plate, states: list[ContactState]
 ) -> ContactState:
     """Solve the next position from one or two states."""
-    warm = _warm_start(contact, k, states, scratch)
-    return _solve(contact, k, half_space, warm, contact.tolerance, scratch)
+    return _solve(contact, k, plate, _warm_start(contact, k, plate, states), contact.tolerance)
 
 
 def _warm_start(
-    contact: RollingContact, k: int, states: list[ContactState], scratch: Scratch
+    contact: RollingContact, k: int, plate: Plate, states: list[ContactState]
 ) -> PositionStart:
     """Start from pressures that stayed with the plate, or with the sphere on a smooth plate."""
     old, before = states[-1], states[0] if len(states) > 1 else None
+    geometry, scratch = contact.geometry, plate.scratch
     rise = np.inf if before is None else abs(old.approach - before.approach)
     approach = old.approach + min(4 * rise, 0.1 * old.max_deflection)
     spread = ROOM * old.spread
-    needed = Window.around([old.loaded, contact.overlap(k, approach, spread)])
+    needed = old.loaded.joined(geometry.overlap(k, approach, contact.load, spread))
     window = needed
     if contact.step <= LOOK_AHEAD * contact.spacing:
-        window = Window.around([window, contact.overlap(k + 1, approach, spread)])
+        window = window.joined(geometry.overlap(k + 1, approach, contact.load, spread))
     window = window.room(contact.subcells)
     _refuse_large(window, contact.subcells)
     pressure, deflection = scratch.lend((window.rows, window.columns)), _NOTHING
@@ -231,7 +229,8 @@ def _towards_the_sphere(
     deflection = old.window.moved(old.deflection, window, continued=True)
     onward_p = onward.moved(old.pressure, window)
     onward_u = onward.moved(old.deflection, window, continued=True)
-    gap = contact.gap(k, window)
+    gap = np.empty(pressure.shape)
+    contact.geometry.gap(k, window, gap)
     share = kernels.share_of_the_sphere(gap, (pressure, deflection), (onward_p, onward_u))
     if share < MIN_SHARE:
         return 0.0, _NOTHING
@@ -243,89 +242,66 @@ def _towards_the_sphere(
 
 
 def _solve(
-    contact: RollingContact,
-    k: int,
-    half_space: HalfSpace,
-    given: PositionStart,
-    tolerance: float,
-    scratch: Scratch,
+    contact: RollingContact, k: int, plate: Plate, given: PositionStart, tolerance: float
 ) -> ContactState:
     """Solve a position, again on a larger window where contact may be outside of it."""
     window, start, sharp = given.window, given.start, given.sharp
     iterations, convolutions = 0, 0
     while True:
-        problem = _problem(contact, k, half_space, window, tolerance, scratch)
-        solution = solver.solve(problem, start, sharp or not problem.blended)
+        problem = _problem(contact, k, plate, window, tolerance)
+        solution = solver.solve(problem, start, sharp or not plate.blended)
         iterations += solution.iterations
         convolutions += solution.convolutions
-        state = _state(
-            contact, k, window, problem, solution, given.sphere_share, (iterations, convolutions)
-        )
+        cost = iterations, convolutions
+        state = _state(contact, k, window, plate, solution, given.sphere_share, cost)
         if state.approach <= given.approach and state.spread <= given.spread:
             break
-        wider = Window.around([window, contact.overlap(k, state.approach, state.spread)])
+        overlap = contact.geometry.overlap(k, state.approach, contact.load, state.spread)
+        wider = window.joined(overlap)
         if window.covers(wider):
             break
         wider = wider.room(contact.subcells)
         _refuse_large(wider, contact.subcells)
         pressure = window.moved(solution.pressure, wider)
         window, start, sharp = wider, Start(pressure, _NOTHING, close=True), False
-    _refuse_wide(
-        contact, state.loaded.rows * contact.spacing, state.loaded.columns * contact.spacing
-    )
+    loaded, spacing = state.loaded, contact.spacing
+    _refuse_wide(contact, loaded.rows * spacing, loaded.columns * spacing)
     return state
 
 
 def _problem(
-    contact: RollingContact,
-    k: int,
-    half_space: HalfSpace,
-    window: Window,
-    tolerance: float,
-    scratch: Scratch,
+    contact: RollingContact, k: int, plate: Plate, window: Window, tolerance: float
 ) -> Problem:
     """Return the contact on the window of a position."""
-    shape = window.rows, window.columns
-    gap = scratch.array("gap", shape)
-    contact.gap(k, window, gap)
+    geometry, shape = contact.geometry, (window.rows, window.columns)
+    gap = plate.scratch.array("gap", shape)
+    geometry.gap(k, window, gap)
     within_cells = gap
-    if contact.has_blended_edges and not contact.slopes:
-        within_cells = scratch.array("gap within cells", shape)
-        corner = window.row, window.column
-        _window_kernels.undeformed_gap(_FLAT, contact.sphere(k), *corner, within_cells)
-    hardness = float(contact.hardness)
-    return Problem(
-        half_space=half_space,
-        gap=gap,
-        shape=within_cells,
-        hardness=hardness,
-        total=float(contact.load / contact.spacing**2),
-        tolerance=float(tolerance),
-        levelled=solver.levelled_range(half_space, hardness),
-        single=contact.single,
-        blended=contact.has_blended_edges,
-        scratch=scratch,
-    )
+    if plate.blended and not contact.slopes:
+        within_cells = plate.scratch.array("gap within cells", shape)
+        replace(geometry, heights=_FLAT).gap(k, window, within_cells)
+    total = float(contact.load / contact.spacing**2)
+    return Problem(plate, gap, within_cells, total, float(tolerance))
 
 
 def _state(
     contact: RollingContact,
     k: int,
     window: Window,
-    problem: Problem,
+    plate: Plate,
     solution: Solution,
     sphere_share: float,
     cost: tuple[int, int],
 ) -> ContactState:
     """Measure a solution on its window; its cost is iterations and convolutions."""
-    cell, blended = contact.spacing**2, contact.has_blended_edges
+    geometry, cell = contact.geometry, contact.spacing**2
     loaded, (count, capped, maximum, work, spread) = kernels.measure(
         (solution.pressure, solution.deflection, solution.edge),
-        (problem.hardness, problem.levelled),
-        contact.sphere(k),
-        contact.maxima.highest,
+        (plate.hardness, plate.levelled),
+        geometry.sphere(k),
+        geometry.maxima[3],
         solution.approach,
-        blended,
+        plate.blended,
         (window.row, window.column),
     )
     return ContactState(
@@ -343,7 +319,7 @@ def _state(
         residual=solution.worst / solution.max_deflection,
         iterations=cost[0],
         convolutions=cost[1],
-        edge=solution.edge if blended else None,
+        edge=solution.edge if plate.blended else None,
         edge_share=solution.edge_share,
         sphere_share=sphere_share,
         spread=spread,
@@ -352,12 +328,12 @@ def _state(
 
 def _refuse_large(window: Window, subcells: int) -> None:
     """Raise ContactError for a window that no transform is long enough for."""
-    cells = window.cells(subcells)
+    rows, columns = window.rows // subcells, window.columns // subcells
     most = MAX_NODES if subcells == 1 else MAX_NODES - 4  # sub-cells need a border of one cell
-    if max(cells.rows, cells.columns) > most:
+    if max(rows, columns) > most:
         raise ContactError(
-            f"the contact needs a window of {cells.rows} by {cells.columns} nodes, more than the"
-            f" {most} there is room for; take a larger spacing"
+            f"the contact needs a window of {rows} by {columns} nodes, more than the {most} there"
+            " is room for; take a larger spacing"
         )
 
 

@@ -316,15 +316,11 @@ def solve_contact(
     if start.deflection is not None:
         deflection = _plain("start.deflection", start.deflection, gap)
     problem = Problem(
-        half_space=half_space,
+        plate=Plate(half_space, hardness, single, blended, levelled_range(half_space, hardness)),
         gap=gap,
         shape=gap if shape is None else shape,
-        hardness=hardness,
         total=load / half_space.spacing**2,
         tolerance=tolerance,
-        levelled=levelled_range(half_space, hardness),
-        single=single,
-        blended=blended,
     )
     solution = solve(problem, Start(pressure, deflection, close), sharp=not blended)
     return Contact(
@@ -352,41 +348,54 @@ def _plain(name: str, array: Array, like: Array | None = None) -> Array:
 
 
 @dataclass(frozen=True)
-class Problem:
-    """Contact on its window, under its load.
+class Plate:
+    """All that the solves of a march have in common.
 
     Parameters
     ----------
     half_space : HalfSpace
         Pressure to deflection.
-    gap, shape : (m, n) arrays, m
-        Undeformed gap at the nodes, and as it continues within cells.
     hardness : float, Pa
         Maximum pressure.
-    total : float, Pa
-        Sum of the pressures that carries the load.
-    tolerance : float
-        Maximum KKT residual.
-    levelled : float, m
-        Half the range of gaps over a cell that pressures level.
     single : bool
         Whether single precision may serve.
     blended : bool
         Whether edges of patches at the hardness may end within cells.
+    levelled : float, m
+        Half the range of gaps over a cell that pressures level (see `levelled_range`).
     scratch : Scratch
         Memory of the march.
     """
 
     half_space: HalfSpace
-    gap: Array
-    shape: Array
     hardness: float
-    total: float
-    tolerance: float
-    levelled: float
     single: bool
     blended: bool
+    levelled: float
     scratch: Scratch = field(default_factory=Scratch)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Contact on its window, under its load.
+
+    Parameters
+    ----------
+    plate : Plate
+        Half-space and hardness.
+    gap, shape : (m, n) arrays, m
+        Undeformed gap at the nodes, and as it continues within cells.
+    total : float, Pa
+        Sum of the pressures that carries the load.
+    tolerance : float
+        Maximum KKT residual.
+    """
+
+    plate: Plate
+    gap: Array
+    shape: Array
+    total: float
+    tolerance: float
 
 
 @dataclass(frozen=True)
@@ -442,18 +451,18 @@ def solve(problem: Problem, start: Start, sharp: bool) -> Solution:
     shape = problem.gap.shape
     solution = Solution(
         pressure=start.pressure,
-        deflection=problem.scratch.lend(shape),
-        edge=problem.scratch.lend(shape) if problem.blended else _NOTHING,
+        deflection=problem.plate.scratch.lend(shape),
+        edge=problem.plate.scratch.lend(shape) if problem.plate.blended else _NOTHING,
         edge_share=0.0 if sharp else 1.0,
     )
     solution.edge[:] = 0.0
     converge(problem, solution, start)
-    if not problem.blended:
+    if not problem.plate.blended:
         return solution
     sharp_solution = None
     if sharp:
         # No contact is known to yield with blended edges that does not yield with sharp edges.
-        if solution.pressure.max() < problem.hardness:
+        if solution.pressure.max() < problem.plate.hardness:
             return solution
         sharp_solution = _copy(solution)
         solution.edge_share = 1.0
@@ -489,9 +498,9 @@ def _share_of_edges(problem: Problem, solution: Solution) -> float:
     """Return the share of their range that edges take, from the solution with whole edges."""
     gap, edge = problem.gap.reshape(-1), solution.edge.reshape(-1)
     p, u = solution.pressure.reshape(-1), solution.deflection.reshape(-1)
-    levelled = problem.levelled
-    overlap = yielding_overlap(gap, u, p, problem.hardness, solution.approach, levelled)
-    if overlap >= levelled or not has_partial_cells(p, edge, problem.hardness):
+    levelled = problem.plate.levelled
+    overlap = yielding_overlap(gap, u, p, problem.plate.hardness, solution.approach, levelled)
+    if overlap >= levelled or not has_partial_cells(p, edge, problem.plate.hardness):
         return 1.0
     return float(overlap / levelled)
 
@@ -502,14 +511,14 @@ def converge(problem: Problem, solution: Solution, start: Start | None = None) -
     Raise ContactError as `solve_contact` does.
     """
     p, edge = solution.pressure, solution.edge if solution.edge_share else _NOTHING
-    deformed = problem.scratch.array("deformed gap", p.shape)
+    deformed = problem.plate.scratch.array("deformed gap", p.shape)
     # The deflection of a start is known to single precision or so. That of a state which is to be
     # accepted is computed from its pressure: it is fresh.
     known, fresh = start is not None and start.deflection.size > 0, start is None
     progress, count, earlier = Progress(), 0, solution.iterations
     while True:
         if not (known or fresh):
-            problem.half_space.deflect(p, solution.deflection)
+            problem.plate.half_space.deflect(p, solution.deflection)
             solution.convolutions += 1
             fresh = True
         u, before = solution.deflection, NO_POSITION
@@ -519,7 +528,7 @@ def converge(problem: Problem, solution: Solution, start: Start | None = None) -
             (problem.gap, problem.shape),
             (p, u, edge),
             before,
-            (problem.hardness, problem.levelled, solution.edge_share),
+            (problem.plate.hardness, problem.plate.levelled, solution.edge_share),
             fresh,
             deformed,
         )
@@ -535,13 +544,13 @@ def converge(problem: Problem, solution: Solution, start: Start | None = None) -
         found = _candidates(problem, solution, (deformed, edge), near_only)
         # Where a descent went as far as it could and left no new candidates, single precision does
         # not suffice.
-        single = problem.single and problem.tolerance >= SINGLE_TOLERANCE
+        single = problem.plate.single and problem.tolerance >= SINGLE_TOLERANCE
         if progress.exhausted and found.listed.size <= count:
             single = single and edge.size > 0 and progress.descents <= 4
         fields = p, deformed, edge, problem.shape, problem.gap
         done = _descend(problem, solution, fields, found, (u, *before), progress, single)
         convolved = done.convolutions - progress.convolutions
-        problem.half_space.count += convolved
+        problem.plate.half_space.count += convolved
         solution.convolutions += convolved
         solution.iterations = earlier + done.iterations
         progress, count, known, fresh = done, found.listed.size, False, False
@@ -586,15 +595,15 @@ def _candidates(
     """
     deformed, edge = fields
     near = NEAR * solution.max_deflection if near_only else np.inf
-    listed = problem.scratch.array("listed nodes", (deformed.size,), np.int64)
+    listed = problem.plate.scratch.array("listed nodes", (deformed.size,), np.int64)
     at_rest, count, *block = candidates(
         solution.pressure,
         deformed,
-        problem.hardness,
+        problem.plate.hardness,
         solution.approach - REST * near,
         solution.approach + near,
         edge.size > 0,
-        problem.half_space.subcells,
+        problem.plate.half_space.subcells,
         listed,
     )
     row, column, rows, columns = block
@@ -614,21 +623,21 @@ def _descend(
 
     `fields` and `before` are arguments of the compiled `descend`.
     """
-    half_space, edge = problem.half_space, fields[2]
+    half_space, edge = problem.plate.half_space, fields[2]
     rows, columns = found.block[2:]
     # The name keeps the transforms, which a march in another thread may drop meanwhile.
     transforms = half_space.convolution(rows - 1, columns - 1, single)
-    tables, memory = _tables(half_space, problem.scratch, transforms, found)
+    tables, memory = _tables(half_space, problem.plate.scratch, transforms, found)
     load = problem.total
     if found.at_rest:
-        load -= found.at_rest * problem.hardness
+        load -= found.at_rest * problem.plate.hardness
     lift = solution.max_deflection / problem.total
     allowed = problem.tolerance * solution.max_deflection
     goal = _aim(progress, edge.size > 0 and half_space.subcells == 1) * allowed
     answer = descend(
         fields,
         (found.listed, found.block, half_space.subcells),
-        (problem.hardness, load, problem.levelled, solution.edge_share, lift),
+        (problem.plate.hardness, load, problem.plate.levelled, solution.edge_share, lift),
         tables,
         before,
         (goal, allowed),

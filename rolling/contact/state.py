@@ -47,11 +47,17 @@ class Window(NamedTuple):
         """Return the minimum window that covers all given windows; None stands for no window."""
         around, *others = [window for window in windows if window is not None]
         for window in others:
-            row, column = min(around.row, window.row), min(around.column, window.column)
-            end = max(around.row + around.rows, window.row + window.rows)
-            right = max(around.column + around.columns, window.column + window.columns)
-            around = cls(row, column, end - row, right - column)
+            around = around.joined(window)
         return around
+
+    def joined(self, other: Window | None) -> Window:
+        """Return the minimum window that covers this and another one; None is no window."""
+        if other is None:
+            return self
+        row, column = min(self.row, other.row), min(self.column, other.column)
+        end = max(self.row + self.rows, other.row + other.rows)
+        right = max(self.column + self.columns, other.column + other.columns)
+        return Window(row, column, end - row, right - column)
 
     def covers(self, other: Window) -> bool:
         """Tell whether all nodes of another window lie in this window."""
@@ -140,6 +146,59 @@ def maxima_of(heights: Array, rising: bool) -> Maxima:
     stretches = np.maximum.reduceat(tops, first, axis=1)
     rows = stretches.max(axis=1)
     return Maxima(tops, stretches, rows, float(rows.max()))
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Sphere over a plate as the march asks for it at each position, without checks.
+
+    Parameters
+    ----------
+    heights : (along, across) array, m
+        Surface of the plate.
+    maxima : tuple
+        Fields of `Maxima` of the surface.
+    spacing, radius, radius_across : float, m
+        Node spacing, and radii of the sphere.
+    start, step, off_centre, mid_width : float, m
+        Place of position 0, distance of two positions, distance from the first node of a cell to
+        its centre, and place across.
+    blended : bool
+        Whether edges are blended.
+    pi_modulus : float, Pa
+        pi E*, over which the load gives the minimum deflection.
+    near2 : float, m2
+        Squared distance that the load counts as farther away.
+    """
+
+    heights: Array
+    maxima: tuple[Array, Array, Array, float]
+    spacing: float
+    radius: float
+    radius_across: float
+    start: float
+    step: float
+    off_centre: float
+    mid_width: float
+    blended: bool
+    pi_modulus: float
+    near2: float
+
+    def sphere(self, k: int) -> tuple[float, float, float, float, float]:
+        """Return the spacing, and radii and place of the sphere at position k, for kernels."""
+        x = self.start + k * self.step + self.off_centre
+        return self.spacing, self.radius, self.radius_across, x, self.mid_width
+
+    def overlap(self, k: int, approach: float, load: float, spread: float) -> Window | None:
+        """Find the window of `RollingContact.overlap` for a load [N]."""
+        least = SURE * load / self.pi_modulus, spread * spread + self.near2
+        found = _window_kernels.overlap(self.maxima, self.sphere(k), approach, least, self.blended)
+        return Window(*found) if found[2] else None
+
+    def gap(self, k: int, window: Window, out: Array) -> None:
+        """Set an array to the undeformed gap on a window at position k [m]."""
+        row, column = window.row, window.column
+        _window_kernels.undeformed_gap(self.heights, self.sphere(k), row, column, out)
 
 
 @ignoring_underflow
@@ -319,29 +378,35 @@ class RollingContact:
         edges the gap is that of the top of each cell, and there is a border of one node, because
         the edge of a cell needs nodes on both sides.
         """
-        load, near2 = self.least_deflection
-        least = load, spread * spread + near2
-        numbers = tuple(self.maxima), self.sphere(k), approach, least, self.has_blended_edges
-        window = Window(*_window_kernels.overlap(*numbers))
-        return window if window.rows else None
+        return self.geometry.overlap(k, approach, self.load, spread)
 
-    @property
-    def least_deflection(self) -> tuple[float, float]:
-        """Load over pi E* [m2] and squared distance [m2] of the minimum deflection, for kernels."""
-        reaching = self.subcells > 1 or self.has_blended_edges
-        near = NEAR_CELLS * self.cell_spacing if reaching else 0.0
-        return SURE * self.load / (pi * self.contact_modulus), near**2
-
-    def gap(self, k: int, window: Window, out: Array | None = None) -> Array:
+    def gap(self, k: int, window: Window) -> Array:
         """Compute the undeformed gap on a window at position k, a (rows, columns) array [m]."""
-        gap = np.empty((window.rows, window.columns)) if out is None else out
-        _window_kernels.undeformed_gap(self.heights, self.sphere(k), window.row, window.column, gap)
+        gap = np.empty((window.rows, window.columns))
+        self.geometry.gap(k, window, gap)
         return gap
 
-    def sphere(self, k: int) -> tuple[float, ...]:
-        """Return the spacing, and radii and place of the sphere at position k, for kernels."""
-        x = self.position(k) + self.off_centre
-        return tuple(map(float, (self.spacing, *self.radii, x, self.mid_width)))
+    @cached_property
+    def geometry(self) -> Geometry:
+        """Sphere over the plate, which a change of the load leaves as it is."""
+        reaching = self.subcells > 1 or self.has_blended_edges
+        near = NEAR_CELLS * self.cell_spacing if reaching else 0.0
+        radius, radius_across = self.radii
+        highest = self.maxima
+        return Geometry(
+            heights=self.heights,
+            maxima=(highest.tops, highest.stretches, highest.rows, highest.highest),
+            spacing=float(self.spacing),
+            radius=float(radius),
+            radius_across=float(radius_across),
+            start=float(self.start),
+            step=float(self.step),
+            off_centre=self.off_centre,
+            mid_width=self.mid_width,
+            blended=self.has_blended_edges,
+            pi_modulus=pi * self.contact_modulus,
+            near2=near**2,
+        )
 
 
 @ignoring_underflow
