@@ -53,7 +53,9 @@ def inlined(*, fused: bool = False) -> Callable[[Callable[..., Any]], Any]:
     another copy of it, with other last digits, than a process that loads the callers from the
     cache.
     """
-    options = {"forceinline": True, "fastmath": _FUSED if fused else False}
+    # Python takes nothing from its compiled code, so that this needs no wrappers.
+    wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    options = {"forceinline": True, "fastmath": _FUSED if fused else False, **wrappers}
     mark: Callable[[Callable[..., Any]], Any] = register_jitable(**options)
     return mark
 

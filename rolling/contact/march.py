@@ -20,7 +20,14 @@ from acoustics.traps import ignoring_underflow
 from rolling.contact import _position_kernels as kernels
 from rolling.contact import closed_forms, solver
 from rolling.contact.half_space import MAX_NODES, HalfSpace
-from rolling.contact.solver import ContactError, ConvergenceError, Plate, Problem, Solution, Start
+from rolling.contact.solver import (
+    ContactError,
+    ContactPlate,
+    ConvergenceError,
+    Problem,
+    Solution,
+    Start,
+)
 from rolling.contact.state import ContactState, RollingContact, Window
 
 # Up to a step of so many nodes a window includes the next position as well, whose deflection is
@@ -100,7 +107,7 @@ def march(
         if got != own:
             raise ValueError(f"half_space: got {name} {got:g}, allowed: that of contact, {own:g}")
     _refuse_the_impossible(contact)
-    plate = Plate(
+    plate = ContactPlate(
         half_space=half_space,
         hardness=float(contact.hardness),
         single=contact.single,
@@ -151,7 +158,7 @@ class PositionStart:
     sphere_share: float = 0.0
 
 
-def _start(contact: RollingContact, k: int, plate: Plate) -> ContactState:
+def _start(contact: RollingContact, k: int, plate: ContactPlate) -> ContactState:
     """Solve from a Winkler foundation that fits Hertz."""
     radius, *factors = closed_forms.hertz_ellipse(*contact.radii)
     hertz = closed_forms.hertz_radius(contact.load, radius, contact.contact_modulus)
@@ -170,14 +177,14 @@ def _start(contact: RollingContact, k: int, plate: Plate) -> ContactState:
 
 
 def _follow(
-    contact: RollingContact, k: int, plate: Plate, states: list[ContactState]
+    contact: RollingContact, k: int, plate: ContactPlate, states: list[ContactState]
 ) -> ContactState:
     """Solve the next position from one or two states."""
     return _solve(contact, k, plate, _warm_start(contact, k, plate, states), contact.tolerance)
 
 
 def _warm_start(
-    contact: RollingContact, k: int, plate: Plate, states: list[ContactState]
+    contact: RollingContact, k: int, plate: ContactPlate, states: list[ContactState]
 ) -> PositionStart:
     """Start from pressures that stayed with the plate, or with the sphere on a smooth plate."""
     old, before = states[-1], states[0] if len(states) > 1 else None
@@ -242,7 +249,7 @@ def _towards_the_sphere(
 
 
 def _solve(
-    contact: RollingContact, k: int, plate: Plate, given: PositionStart, tolerance: float
+    contact: RollingContact, k: int, plate: ContactPlate, given: PositionStart, tolerance: float
 ) -> ContactState:
     """Solve a position, again on a larger window where contact may be outside of it."""
     window, start, sharp = given.window, given.start, given.sharp
@@ -270,7 +277,7 @@ def _solve(
 
 
 def _problem(
-    contact: RollingContact, k: int, plate: Plate, window: Window, tolerance: float
+    contact: RollingContact, k: int, plate: ContactPlate, window: Window, tolerance: float
 ) -> Problem:
     """Return the contact on the window of a position."""
     geometry, shape = contact.geometry, (window.rows, window.columns)
@@ -288,7 +295,7 @@ def _state(
     contact: RollingContact,
     k: int,
     window: Window,
-    plate: Plate,
+    plate: ContactPlate,
     solution: Solution,
     sphere_share: float,
     cost: tuple[int, int],

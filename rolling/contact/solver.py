@@ -316,7 +316,9 @@ def solve_contact(
     if start.deflection is not None:
         deflection = _plain("start.deflection", start.deflection, gap)
     problem = Problem(
-        plate=Plate(half_space, hardness, single, blended, levelled_range(half_space, hardness)),
+        plate=ContactPlate(
+            half_space, hardness, single, blended, levelled_range(half_space, hardness)
+        ),
         gap=gap,
         shape=gap if shape is None else shape,
         total=load / half_space.spacing**2,
@@ -348,7 +350,7 @@ def _plain(name: str, array: Array, like: Array | None = None) -> Array:
 
 
 @dataclass(frozen=True)
-class Plate:
+class ContactPlate:
     """All that the solves of a march have in common.
 
     Parameters
@@ -381,7 +383,7 @@ class Problem:
 
     Parameters
     ----------
-    plate : Plate
+    plate : ContactPlate
         Half-space and hardness.
     gap, shape : (m, n) arrays, m
         Undeformed gap at the nodes, and as it continues within cells.
@@ -391,7 +393,7 @@ class Problem:
         Maximum KKT residual.
     """
 
-    plate: Plate
+    plate: ContactPlate
     gap: Array
     shape: Array
     total: float
