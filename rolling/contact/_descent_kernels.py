@@ -4,7 +4,7 @@
 violation is small enough, and returns the pressures to the window with the load restored.
 """
 
-# mypy: disable-error-code="no-untyped-def,no-untyped-call"
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,arg-type"
 from __future__ import annotations
 
 import numpy as np
@@ -58,60 +58,78 @@ def vectors(memory, rows, columns):
 
 @inlined()
 def system_of(window, listed, block, numbers, half_space, memory):
-    """Return the System of a descent on listed candidates: see `descend` for the arguments."""
+    """Return the System of a descent on listed candidates: see `descend` for the arguments.
+
+    Its arrays lie in the memory side by side. Those that only blended edges have are otherwise
+    empty.
+    """
     p, g, edge, shape, gap = window
     hardness, load, levelled, share, lift = numbers
     stencils, convolution, far_table = half_space
     unit, preconditioner, inverse, centre, own, common = stencils
     entry, coefficients = convolution[0], convolution[1]
     doubles, singles, indices = memory
-    n, blended = listed.size, edge.size > 0
     rows, columns = block[2] + 2 * BORDER, block[3] + 2 * BORDER
-    # Vectors and grids that only blended edges have are otherwise empty slices of others.
-    soft = n if blended else 0
-    v, doubles = vectors(doubles, 10 if blended else 6, n)
+    blended = edge.size > 0
+    compliant = listed.size if blended else 0
+    soft_rows = rows if blended else 0
+    # Vectors of the candidates: pressure, gap and work vectors, then those of blended edges.
+    v, doubles = vectors(doubles, 6, listed.size)
     v[2:6] = 0.0
-    grids, image = vectors(doubles, 2 if blended else 1, rows * columns)
-    field = grids[-1][: grids.shape[1] if blended else 0]
-    field[:] = np.nan
-    # The passes set the other grids of the model before they read them.
-    m, singles = vectors(singles, 7 if blended else 6, rows * columns)
-    m[2:6] = 0.0
-    left = m[-1][: rows * columns if blended else 0].reshape(rows if blended else 0, columns)
-    index, _ = vectors(indices, 4, n)
+    edges, doubles = vectors(doubles, 4, compliant)
+    # Grids of the preconditioner and of the gaps within cells, and the image of the transforms.
+    residuals, doubles = vectors(doubles, 1, rows * columns)
+    fields, image = vectors(doubles, 1, soft_rows * columns)
+    fields[:] = np.nan
+    # Grids of the model; the passes set the first two and the last before they read them.
+    grids, singles = vectors(singles, 6, rows * columns)
+    grids[2:6] = 0.0
+    softening, singles = vectors(singles, soft_rows, columns)
+    coarse_rows, coarse_columns, tile = coarse_grid(rows, columns)
+    row_length = 2 * coarse_columns - 1
+    coarse, _ = vectors(singles, 7, coarse_rows * row_length)
+    coarse[:] = 0.0
+    index, _ = vectors(indices, 4, listed.size)
     strips = np.empty((rows * columns // search.STRIP + 1, 2), np.uint64)
     length, side = transforms.row_of(entry, block[3])
     row_lengths = (length, side), columns, 2 * (entry[transforms.WIDTH] // 2) + 1
-    corner, fields, out = (block[0], block[1]), (p.reshape(-1), g.reshape(-1)), (v, index, strips)
-    count = search.take_nodes(listed, p.shape[1], corner, row_lengths, rows, fields, out)
-    coarse_rows, coarse_columns, tile = coarse_grid(rows, columns)
-    row_length = 2 * coarse_columns - 1
-    c, _ = vectors(singles, 7, coarse_rows * row_length)
-    c[:] = 0.0
+    corner, state, out = (block[0], block[1]), (p.reshape(-1), g.reshape(-1)), (v, index, strips)
+    count = search.take_nodes(listed, p.shape[1], corner, row_lengths, rows, state, out)
     stiffness = 1 / (unit * OWN_COEFFICIENT)
     system = System(
-        parts.Nodes(v[0], v[1], v[-4][:soft], v[-3][:soft]),
+        parts.Nodes(v[0], v[1], edges[0], edges[1]),
         parts.Transform(image, index[1], unit),
-        parts.Stencil(preconditioner, grids[0], index[2], columns, stiffness),
+        parts.Stencil(preconditioner, residuals[0], index[2], columns, stiffness),
         parts.Work(v[2], v[3], v[4], v[5], index[0]),
         Limits(hardness, load),
-        parts.Edges(v[-2][:soft], v[-1][:soft], field, levelled, share),
+        parts.Edges(edges[2], edges[3], fields[0], levelled, share),
         parts.Model(
             inverse,
-            m[0].reshape(rows, columns),
-            m[1].reshape(rows, columns),
-            m[2].reshape(rows, columns),
-            m[3].reshape(rows, columns),
-            m[4].reshape(rows, columns),
-            m[5].reshape(rows, columns),
-            left,
+            grids[0].reshape(rows, columns),
+            grids[1].reshape(rows, columns),
+            grids[2].reshape(rows, columns),
+            grids[3].reshape(rows, columns),
+            grids[4].reshape(rows, columns),
+            grids[5].reshape(rows, columns),
+            softening,
             index[2],
             strips[:count],
             centre,
             lift,
         ),
         parts.FarField(
-            tile, row_length, own, common, far_table, c[0], c[1], c[2], c[3], c[4], c[5], c[6]
+            tile,
+            row_length,
+            own,
+            common,
+            far_table,
+            coarse[0],
+            coarse[1],
+            coarse[2],
+            coarse[3],
+            coarse[4],
+            coarse[5],
+            coarse[6],
         ),
         parts.Influence(coefficients, index[3]),
     )

@@ -155,7 +155,8 @@ def test_a_load_that_rises_widens_the_window(
 ) -> None:
     """A position whose contact reaches outside of its window is solved again on a larger one."""
     rising = replace(track, hardness=np.inf, loads=np.array([0.5, 0.5, 2.0, 2.0]))
-    shapes, solve = [], solver.solve
+    shapes = []
+    solve = solver.solve
 
     def watched(problem: solver.Problem, *arguments: Any, **named: Any) -> solver.Solution:
         shapes.append(problem.gap.shape)

@@ -99,7 +99,10 @@ def test_edges_ahead_of_a_step_are_closer_to_those_of_the_solution(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The gaps of the model tell where edges will be better than the extrapolated gaps do."""
-    iterate, system_of, led, listed = _solver_kernels.iterate, kernels.system_of, [], []
+    iterate = _solver_kernels.iterate
+    system_of = kernels.system_of
+    led = []
+    listed = []
 
     def listing(fields: tuple, node: np.ndarray, *arguments: Any) -> Any:
         listed.append(node.copy())
