@@ -275,8 +275,8 @@ def test_a_spare_core_compiles_ahead_until_the_pool_is_left(
     monkeypatch.setattr(pools.cost, "cores", lambda: core_count)
     monkeypatch.setattr(pools.worker, "compiler", lambda part: done.append(part) or process)
     with pools.Pool() as pool:
-        pool._tell_compiling()
-        pool._tell_compiling()
+        pool._report_compiling()
+        pool._report_compiling()
     parts = ["compile_step", "compile_parts"]
     assert done == ([] if core_count == 1 else [*parts, *["kill", "wait"] * 2])
 
@@ -288,7 +288,7 @@ def test_without_a_process_to_compile_ahead_a_pool_goes_on(monkeypatch: pytest.M
     monkeypatch.setattr(pools.cost, "cores", lambda: 2)
     monkeypatch.setattr(pools.worker, "compiler", refused)
     with pools.Pool() as pool:
-        pool._tell_compiling()
+        pool._report_compiling()
 
 
 @pytest.mark.slow

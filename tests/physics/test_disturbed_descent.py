@@ -37,7 +37,9 @@ def test_without_a_last_step_the_load_is_exact(
     track: RollingContact, monkeypatch: pytest.MonkeyPatch, blended: bool
 ) -> None:
     """The nodes that carry the load are listed anew, whatever a failed step left in the list."""
-    iterate, carry, carried = _solver_kernels.iterate, _solver_kernels.carry_load, []
+    iterate = _solver_kernels.iterate
+    carry = _solver_kernels.carry_load
+    carried = []
 
     def without_last(*arguments: Any) -> Any:
         *others, rules = arguments
