@@ -151,7 +151,7 @@ SAME_TYPES = """
 import numpy as np
 import rolling
 from rolling.contact import _descent_kernels, _far_field, _model_kernels, _position_kernels
-from rolling.contact import _solver_kernels, _transform_kernels, _window_kernels
+from rolling.contact import _transform_kernels, _window_kernels
 from rolling.contact import compiling_ahead
 from rolling.contact.recovery import step_energy
 from rolling.contact.subcells import half_space_of
@@ -172,7 +172,7 @@ for blended, subcells in ((False, 1), (True, 1), (True, 3)):
     step_energy(*states[-2:], half_space)
 names = {
     _far_field: "answer restrict prolong", _model_kernels: "settle_model",
-    _solver_kernels: "iterate", _descent_kernels: "descend",
+    _descent_kernels: "descend",
     _window_kernels: "node_work overlap", _position_kernels: "judge measure",
 }
 kernels = [getattr(module, name) for module in names for name in names[module].split()]
@@ -298,4 +298,4 @@ def test_kernels_compiled_ahead_are_those_of_a_march() -> None:
     Neither do whole numbers and heights in another order of memory, or closed to writing.
     """
     signatures, kernels = _run(SAME_TYPES).communicate()[0].split()
-    assert signatures == "1" and int(kernels) == 11
+    assert signatures == "1" and int(kernels) == 10
