@@ -188,7 +188,7 @@ def _warm_start(
 ) -> PositionStart:
     """Start from pressures that stayed with the plate, or with the sphere on a smooth plate."""
     old, before = states[-1], states[0] if len(states) > 1 else None
-    geometry, scratch = contact.geometry, plate.scratch
+    geometry = contact.geometry
     rise = np.inf if before is None else abs(old.approach - before.approach)
     approach = old.approach + min(4 * rise, 0.1 * old.max_deflection)
     spread = ROOM * old.spread
@@ -198,13 +198,14 @@ def _warm_start(
         window = window.joined(geometry.overlap(k + 1, approach, contact.load, spread))
     window = window.room(contact.subcells)
     _refuse_large(window, contact.subcells)
-    pressure, deflection = scratch.lend((window.rows, window.columns)), _NOTHING
+    pressure = np.empty((window.rows, window.columns))
+    deflection = _NOTHING
     old.window.move(old.pressure, window, pressure)
     extrapolation, share = solver.NO_POSITION, 0.0
     if before is None or old.sphere_share > STEADY_SHARE:
         share, deflection = _towards_the_sphere(contact, k, old, (window, needed), pressure)
     if share == 0 and old.window.covers(needed):
-        deflection = scratch.array("deflection of the start", pressure.shape)
+        deflection = plate.scratch.array("deflection of the start", pressure.shape)
         old.window.move(old.deflection, window, deflection, continued=True)
         if before is not None:
             row, column = before.window.row - window.row, before.window.column - window.column

@@ -453,11 +453,10 @@ def solve(problem: Problem, start: Start, sharp: bool) -> Solution:
     shape = problem.gap.shape
     solution = Solution(
         pressure=start.pressure,
-        deflection=problem.plate.scratch.lend(shape),
-        edge=problem.plate.scratch.lend(shape) if problem.plate.blended else _NOTHING,
+        deflection=np.empty(shape),
+        edge=np.zeros(shape) if problem.plate.blended else _NOTHING,
         edge_share=0.0 if sharp else 1.0,
     )
-    solution.edge[:] = 0.0
     converge(problem, solution, start)
     if not problem.plate.blended:
         return solution

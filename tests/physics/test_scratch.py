@@ -1,4 +1,4 @@
-"""Memory of a march is used again where no state holds it any more."""
+"""Memory of a march is used again, and no state of the march holds it."""
 
 from __future__ import annotations
 
@@ -8,27 +8,6 @@ from helpers import make_track, roll, rough, space_of
 
 from rolling.contact.march import march
 from rolling.contact.scratch import Scratch
-
-
-def test_an_array_that_is_dropped_is_lent_again() -> None:
-    """A view of a part of it holds it as well, and a much smaller array does not take it."""
-    scratch = Scratch()
-    first, other = scratch.lend((10, 10)), scratch.lend((10, 10))
-    place, part = first.ctypes.data, first[2:4]
-    del first
-    assert scratch.lend((10, 10)).ctypes.data not in (place, other.ctypes.data)
-    del part
-    assert scratch.lend((3, 3)).ctypes.data != place
-    assert scratch.lend((9, 11)).ctypes.data == place
-
-
-def test_arrays_that_are_kept_are_all_apart() -> None:
-    scratch = Scratch()
-    kept = [scratch.lend((5, k + 1)) for k in range(60)]
-    for k, array in enumerate(kept):
-        array[:] = k
-    for k, array in enumerate(kept):
-        assert (array == k).all()
 
 
 def test_memory_by_name_grows_with_its_use() -> None:
