@@ -41,7 +41,8 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
     """Warn of a track that is so short that one undamped resonance decides the level."""
     if not _repeats(scene):
         return
-    lap_m, chain = _lap_m(scene), of_scene.smooth_chain(scene)
+    lap_m = _lap_m(scene)
+    chain = of_scene.smooth_chain(scene)
     speed = scene.motion.fastest(scene.duration)
     spread = comb_spread_db(scene, chain, lap_m, speed)
     if spread is None:
@@ -140,9 +141,11 @@ def _lines_of_heights(scene: Scene) -> Array:
     """Return the mean squares of the lines of the heights that the contact averages."""
     from scipy.special import j1  # slow to import
 
-    z, spacing = heights(scene), scene.spacing
+    z = heights(scene)
+    spacing = scene.spacing
     length, width = contact_axes(scene)
-    steps, middle = len(z), z.shape[1] // 2
+    steps = len(z)
+    middle = z.shape[1] // 2
     wave = 2 * math.pi * np.fft.rfftfreq(steps, spacing)[1:]
     reach = min(int(width / spacing), middle)
     total = np.zeros(len(wave), dtype=complex)

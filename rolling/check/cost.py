@@ -224,7 +224,8 @@ def surface_seconds(scene: Scene) -> tuple[float, float]:
     """Estimate the times [s] for a random surface in each worker, and then beside the workers."""
     if not scene.laws:
         return 0.0, 0.0
-    making, edges = MAKING, 0.0
+    making = MAKING
+    edges = 0.0
     if _has_moments(scene):
         making += MOMENTS
     if has_blended_edges(scene):
@@ -309,7 +310,9 @@ def _passes(scene: Scene) -> float:
 
 def _record(scene: Scene) -> float:
     """Estimate the memory [bytes] while the sound of a run is made."""
-    samples, motion, duration = _samples(scene), scene.motion, scene.duration
+    samples = _samples(scene)
+    motion = scene.motion
+    duration = scene.duration
     if not motion.is_constant(duration):  # the power is oversampled
         samples += samples * 0.25 * motion.fastest(duration) / scene.step / SAMPLE_RATE
     time_steps = 0.0

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-TRUSTED_DB, INDICATIVE_DB = 1.0, 3.0  # errors up to which a level is trusted, or indicative
+# errors up to which a level is trusted, or indicative
+TRUSTED_DB = 1.0
+INDICATIVE_DB = 3.0
 
 
 class Severity(IntEnum):

@@ -299,7 +299,8 @@ def scene_rules(scene: Scene) -> Iterator[Finding | Doubt]:
 
 
 def _track(scene: Scene) -> Iterator[Finding]:
-    track, duration = scene.track, scene.duration
+    track = scene.track
+    duration = scene.duration
     sides = f"{si(track.n_along * track.spacing, 'm')} x {si(track.n_across * track.spacing, 'm')}"
     closed = "" if track.closed else ", not closed"
     if track.turn_nodes:
@@ -331,7 +332,8 @@ def _turns(scene: Scene) -> Finding:
 def _march(scene: Scene) -> Iterator[Finding | Doubt]:
     """State window, time, tolerance and the cost of the error estimate."""
     rq = cost.roughness(scene)[0]
-    step_ms, seconds = cost.step_ms(scene), cost.expected_seconds(scene)
+    step_ms = cost.step_ms(scene)
+    seconds = cost.expected_seconds(scene)
     time = cost.computing(seconds)
     if scene.is_permanent:
         time += f" for {scene.passes} passes"
@@ -353,14 +355,18 @@ def _march(scene: Scene) -> Iterator[Finding | Doubt]:
 def _window(scene: Scene, rq: float) -> Iterator[Finding | Doubt]:
     """Estimate the nodes of the window, and warn of a surface that is narrower than the contact."""
     track = scene.track
-    width, length = 2 * cost.overlap_width(scene, rq), 2 * cost.overlap_radius(scene, rq)
+    width = 2 * cost.overlap_width(scene, rq)
+    length = 2 * cost.overlap_radius(scene, rq)
     ahead = max(1.0, scene.numerics.step_nodes)
     rows, columns = (reach / scene.spacing + ahead for reach in (length, width))
     yield Finding("window", "window", f"about {rows:.0f} x {columns:.0f} nodes")
-    across, period = width, track.n_across * scene.spacing
-    side, key = "width", "surface.width_um"
+    across = width
+    period = track.n_across * scene.spacing
+    side = "width"
+    key = "surface.width_um"
     if length / (track.n_along * scene.spacing) > width / period:
-        across, period = length, track.n_along * scene.spacing
+        across = length
+        period = track.n_along * scene.spacing
         side = "length"
         key = "rolling.duration_s"
         if scene.rolling.distance_mm is not None:
@@ -391,7 +397,8 @@ def _memory(scene: Scene) -> Iterator[Finding | Doubt]:
 def _smooth_contact(scene: Scene) -> Iterator[Finding | Doubt]:
     """State the smooth elastic contact, its hardness, and the nodes that resolve it."""
     (length, width), pressure = semi_axes(scene), maximum_pressure(scene)
-    radius, shape = min(length, width), si(length, "m")
+    radius = min(length, width)
+    shape = si(length, "m")
     if length != width:
         shape += f" along, {si(width, 'm')} across"
     yield Finding("hertz_radius", "Hertz radius", shape)

@@ -20,7 +20,10 @@ from rolling.surface import made
 
 NOTHING = 1e-200  # spectral density [m3] of a surface that the contact averages out
 SPEEDS = 61  # number of speeds, as a sharp resonance needs them
-WAVES, ACROSS, LINES = 160, 160, 40_000  # points along, across, and over the resonance
+# points along, across, and over the resonance
+WAVES = 160
+ACROSS = 160
+LINES = 40_000
 
 
 def force_rms(scene: Scene) -> float | None:
@@ -30,8 +33,10 @@ def force_rms(scene: Scene) -> float | None:
     """
     if not scene.laws:
         return 0.0 if scene.is_smooth else None
-    chain, speed = of_scene.smooth_chain(scene), scene.motion.fastest(scene.duration)
-    longest, shortest = scene.track.n_along * scene.spacing, 2 * scene.step
+    chain = of_scene.smooth_chain(scene)
+    speed = scene.motion.fastest(scene.duration)
+    longest = scene.track.n_along * scene.spacing
+    shortest = 2 * scene.step
     coarse = np.geomspace(2 * math.pi / longest, 2 * math.pi / shortest, WAVES)
     density = np.sum([mean_heights(scene, law, coarse) for law in scene.laws], axis=0)
     if longest <= shortest or not density.max() > NOTHING:

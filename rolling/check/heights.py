@@ -38,7 +38,8 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
     if not isinstance(scene.surface, HeightFile):
         yield from _made(scene)
         return
-    surface, path = scene_surface(scene), scene.height_path
+    surface = scene_surface(scene)
+    path = scene.height_path
     assert surface.levelling is not None and path is not None  # every file has both
     yield from _resolution(surface)
     yield from _file(path, scene.surface)
@@ -54,7 +55,8 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def tilt_text(levelling: Levelling) -> str:
     """Write the slopes that were removed and the roughness, or the slopes that stay."""
-    taken, directions = any(levelling.taken), ("along", "across")
+    taken = any(levelling.taken)
+    directions = ("along", "across")
     own = levelling.taken if taken else levelling.plane
     slopes = zip(own, levelling.lengths, directions, strict=True)
     plane = ", ".join(
@@ -64,7 +66,8 @@ def tilt_text(levelling: Levelling) -> str:
     )
     if not taken:
         return f"nothing removed, the plane has {plane}"
-    before, after = si(levelling.ra_before, "m"), si(levelling.ra_after, "m")
+    before = si(levelling.ra_before, "m")
+    after = si(levelling.ra_after, "m")
     order = "second order removed with the plane" if levelling.is_quadratic else "plane removed"
     return f"{order}: {plane}; Ra {before} before, {after} after"
 
@@ -100,13 +103,16 @@ def _file(path: Path, surface: HeightFile) -> Iterator[Finding]:
 def _resolution(surface: SceneSurface) -> Iterator[Finding | Doubt]:
     """Count the nodes per correlation length, and judge them and the noise."""
     along, across = (correlation(surface.heights, surface.spacing, axis) for axis in (0, 1))
-    length, noise = min(along.length, across.length), max(along.noise, across.noise)
+    length = min(along.length, across.length)
+    noise = max(along.noise, across.noise)
     if not math.isfinite(length):
         return
-    name, nodes = "nodes per correlation length", length / surface.spacing
+    name = "nodes per correlation length"
+    nodes = length / surface.spacing
     yield Finding("correlation_nodes", name, rounded(nodes, 3))
     of_file = "1/e of the autocorrelation"
-    wrong, advice = list[str](), list[str]()
+    wrong = list[str]()
+    advice = list[str]()
     if nodes < 1:
         wrong.append(
             f"less than 1 node per correlation length ({of_file}), {MIN_CORRELATION_NODES:g} are "
@@ -140,13 +146,15 @@ def _resolution(surface: SceneSurface) -> Iterator[Finding | Doubt]:
 
 def _seam(scene: Scene, levelling: Levelling) -> Iterator[Finding | Doubt]:
     """Judge the step from the last row to the first and the time of contact on it."""
-    seam, name = levelling.seams[0], "step across the seam"
+    seam = levelling.seams[0]
+    name = "step across the seam"
     sizes = f"{si(seam.step, 'm')} rms, {si(seam.neighbours, 'm')} between neighbouring rows"
     if not seam.stands_out:
         yield Finding("seam", name, sizes)
         return
     yield Finding("seam", name, f"{sizes}, stands out")
-    share, record = _share_on_seam(scene, resolution.contact_radius(scene)), scene.duration
+    share = _share_on_seam(scene, resolution.contact_radius(scene))
+    record = scene.duration
     if share > 0:
         yield Doubt(
             "seam",
@@ -186,7 +194,8 @@ def _made(scene: Scene) -> Iterator[Finding | Doubt]:
         if not law.is_gaussian:
             yield from _moments(law, key, f"{of}skewness and kurtosis", heights)
         name = f"{of}spectrum against its law, by octave"
-        errors, chances = heights["spectrum_error_db"], heights["spectrum_chance_db"]
+        errors = heights["spectrum_error_db"]
+        chances = heights["spectrum_chance_db"]
         octave = max(errors, key=lambda name: abs(errors[name]) / max(chances[name], 0.1))
         yield Finding(
             f"{key}_spectrum",
@@ -209,7 +218,8 @@ def _moments(
     law: HeightLaw, key: str, name: str, heights: Mapping[str, Any]
 ) -> Iterator[Finding | Doubt]:
     """Compare skewness and kurtosis of made heights with those of their law."""
-    skewness, kurtosis = heights["skewness"], heights["kurtosis"]
+    skewness = heights["skewness"]
+    kurtosis = heights["kurtosis"]
     wanted_skewness, wanted_kurtosis = law.moments
     value = (
         f"{rounded(skewness, 4)} and {rounded(kurtosis, 4)}, requested "

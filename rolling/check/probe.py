@@ -139,7 +139,8 @@ class Probe:
 
 def _ranged(values: Array, text: Callable[[float], str]) -> str:
     """Write mean and range: 2.1 ms (1.9 to 2.3 ms)."""
-    least, most = text(float(values.min())), text(float(values.max()))
+    least = text(float(values.min()))
+    most = text(float(values.max()))
     mean = text(float(values.mean()))
     return mean if least == most else f"{mean} ({least} to {most})"
 
@@ -217,7 +218,8 @@ def _solve(contact: RollingContact, k: int, half_space: HalfSpace) -> Position:
 def _left_out(scenes: Sequence[Scene]) -> list[str]:
     """Give the reason per run why its positions are not solved, empty where they are."""
     reasons: list[str] = []
-    seconds, made = 0.0, set[object]()
+    seconds = 0.0
+    made = set[object]()
     for scene in scenes:
         is_read = isinstance(scene.surface, HeightFile)
         nodes = 0 if is_read else cost.surface_nodes(scene)

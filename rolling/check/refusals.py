@@ -30,7 +30,8 @@ ADVICE = {
         " sweep fewer values"
     ),
 }
-GROUPS_OF_PROCESS, GROUPS = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
+GROUPS_OF_PROCESS = Path("/proc/self/cgroup")
+GROUPS = Path("/sys/fs/cgroup")
 
 
 def refuse(scene: Scene, workers: int = 0, folder: Path | None = None) -> None:
@@ -64,7 +65,8 @@ def _refuse_interleaved(scene: Scene) -> None:
 
     A lap would roll over each place several times.
     """
-    track, step = scene.track, scene.numerics.step_nodes
+    track = scene.track
+    step = scene.numerics.step_nodes
     if scene.is_permanent and track.solved_steps * step > track.n_along * (1 + 1e-9):
         place = scene.place("numerics.step_nodes")
         raise SceneError(
@@ -95,7 +97,8 @@ def excess(scenes: Sequence[Scene], workers: int, folder: Path | None, of: str =
     words `of` name the runs.
     """
     needs = []
-    parts, limit = cost.memory(scenes, workers), memory_limit()
+    parts = cost.memory(scenes, workers)
+    limit = memory_limit()
     if sum(parts.values()) > SHARE * limit:
         largest = max(parts, key=parts.__getitem__)
         needs.append(
@@ -109,7 +112,8 @@ def excess(scenes: Sequence[Scene], workers: int, folder: Path | None, of: str =
         )
     if folder is None:
         return needs
-    disk, free = cost.disk(scenes), free_disk(folder)
+    disk = cost.disk(scenes)
+    free = free_disk(folder)
     if disk > SHARE * free:
         needs.append(
             Doubt(
@@ -160,9 +164,11 @@ def memory_limit() -> float:
     except (OSError, UnicodeDecodeError):
         lines = []
     for controllers, path in (line.split(":", 2)[1:] for line in lines if line.count(":") > 1):
-        top, name = GROUPS, "memory.max"
+        top = GROUPS
+        name = "memory.max"
         if controllers:
-            top, name = GROUPS / "memory", "memory.limit_in_bytes"
+            top = GROUPS / "memory"
+            name = "memory.limit_in_bytes"
         if controllers in ("", "memory"):
             # In a container the path may be the path on the host; the top is its own group then.
             group = top / path.strip("/")
@@ -181,7 +187,8 @@ def refuse_few_addresses(scenes: Sequence[Scene]) -> None:
     MemoryError
         The limit (`ulimit -v`) leaves less than the runs need.
     """
-    limit, taken = _address_limit(), _addresses_taken()
+    limit = _address_limit()
+    taken = _addresses_taken()
     if limit is None or taken is None:
         return
     parts = cost.memory(scenes, workers=1)

@@ -35,7 +35,9 @@ WANTED_DB = -20.0  # rms error of the release over its rms fluctuation
 MARGIN_DB = 1.0
 # Blended edges leave third octaves up to 16 kHz within 1 dB at this error (0.7 dB at -31.9 dB).
 BANDS_DB = -32.0
-CONSTANT_DB, PER_LENGTH_DB, PER_AREA_DB = -7.2, -14.8, -4.9
+CONSTANT_DB = -7.2
+PER_LENGTH_DB = -14.8
+PER_AREA_DB = -4.9
 # Flat cells, as exponential laws have them; the reference has them as well.
 FLAT_DB = -4.4
 # Sharp edges add this per decade of slope over the slope that the hardness levels.
@@ -214,10 +216,15 @@ def _nyquist(scene: Scene) -> Iterator[Finding | Doubt]:
 
     At a varying speed the share of the record with a short band counts.
     """
-    motion, duration, step = scene.motion, scene.duration, scene.track.step
-    slowest, fastest = motion.slowest(duration), motion.fastest(duration)
-    low_hz, high_hz = slowest / (2 * step), fastest / (2 * step)
-    name, hearing = "simulated Nyquist", si(HEARING[1], "Hz")
+    motion = scene.motion
+    duration = scene.duration
+    step = scene.track.step
+    slowest = motion.slowest(duration)
+    fastest = motion.fastest(duration)
+    low_hz = slowest / (2 * step)
+    high_hz = fastest / (2 * step)
+    name = "simulated Nyquist"
+    hearing = si(HEARING[1], "Hz")
     wanted_speed = 2 * HEARING[1] * step
     step_um = _usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6
     if motion.is_constant(duration):
@@ -252,7 +259,8 @@ def _usual_speed(scene: Scene, duration: float) -> float:
 
     It rolls more slowly for less than `MIN_SHARE` of the record.
     """
-    low, high = 0.0, scene.motion.fastest(duration)
+    low = 0.0
+    high = scene.motion.fastest(duration)
     for _ in range(60):
         middle = (low + high) / 2
         below = scene.motion.time_below(middle, duration) < MIN_SHARE * duration
@@ -264,7 +272,8 @@ def _grid_tone(scene: Scene) -> Iterator[Finding | Doubt]:
     """Name the tone of the grid that steps below a node make audible."""
     if scene.numerics.step_nodes >= 1:
         return
-    motion, duration = scene.motion, scene.duration
+    motion = scene.motion
+    duration = scene.duration
     tone = si(motion.slowest(duration) / scene.spacing, "Hz")
     if not motion.is_constant(duration):
         tone = f"{tone} to {si(motion.fastest(duration) / scene.spacing, 'Hz')}"

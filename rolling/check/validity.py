@@ -42,7 +42,8 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def _listener(scene: Scene) -> Iterator[Finding | Doubt]:
     """Warn of a listener so near that the sphere is no small source."""
-    distance, least = scene.listener_distance_m, NEAR * scene.radius
+    distance = scene.listener_distance_m
+    least = NEAR * scene.radius
     if distance >= least:
         return
     yield Finding("listener", "listener", si(distance, "m"))
@@ -72,7 +73,8 @@ def _half_space(scene: Scene) -> Iterator[Finding | Doubt]:
             Severity.DO_NOT_QUOTE,
             advice=_gentler(scene),
         )
-    along, across = resolution.contact_radius(scene), semi_axes(scene)[1]
+    along = resolution.contact_radius(scene)
+    across = semi_axes(scene)[1]
     share = max(along / scene.radius, across / scene.radius_across)
     yield Finding("contact_radius", "contact radius / radius", rounded(share))
     if share > MAX_CONTACT:
@@ -123,12 +125,14 @@ def _bouncing(scene: Scene) -> Iterator[Finding | Doubt]:
 
     The maximum speed decides, where the record holds the frequency.
     """
-    frequency, speed = cost.bounce_hz(scene), scene.motion.fastest(scene.duration)
+    frequency = cost.bounce_hz(scene)
+    speed = scene.motion.fastest(scene.duration)
     yield Finding("resonance", "contact resonance", si(frequency, "Hz"))
     highest = min(resolution.HEARING[1], speed / (2 * scene.track.step))
     if not resolution.HEARING[0] < frequency < highest:
         return
-    density, correlation = scene.sphere.density_kg_m3, 0.0
+    density = scene.sphere.density_kg_m3
+    correlation = 0.0
     ball = f"as if of steel, {STEEL_DENSITY:g} kg/m3 (sphere.density_kg_m3)"
     if density is not None:
         ball = f"of {density:g} kg/m3"

@@ -68,14 +68,16 @@ def _resonance(scene: Scene) -> Finding:
 
 def _force(scene: Scene) -> Iterator[Finding | Doubt]:
     """Estimate the fluctuation of the contact force over the load, and its extremes."""
-    key, name = "force_ratio", "contact force over load"
+    key = "force_ratio"
+    name = "contact force over load"
     rms = force_rms(scene)
     if rms is None or scene.dynamics is None:
         reason = "for a height file" if scene.height_paths else "for faults and waviness alone"
         yield Finding(key, name, f"not estimated {reason}")
         return
     ratio = rms / scene.load
-    low, high = 1 - PEAKS * ratio, 1 + PEAKS * ratio
+    low = 1 - PEAKS * ratio
+    high = 1 + PEAKS * ratio
     extremes = f"{rounded(max(low, 0), 3)} to {rounded(high, 3)}"
     value = f"about {extremes}, rms {rounded(ratio)} (from the statistics)"
     if scene.faults:
@@ -105,8 +107,10 @@ def _waves(scene: Scene) -> Iterator[Finding | Doubt]:
 
     Shorter waves belong to the grid more than to the surface.
     """
-    speed, frequency = scene.motion.fastest(scene.duration), cost.bounce_hz(scene)
-    wave, name = speed / frequency, "waves that feed the resonance"
+    speed = scene.motion.fastest(scene.duration)
+    frequency = cost.bounce_hz(scene)
+    wave = speed / frequency
+    name = "waves that feed the resonance"
     length = 1e-6 * min((law.lengths_um[0] for law in scene.laws), default=0.0)
     yield Finding("resonance_wave", name, si(wave, "m"))
     if wave < length:
@@ -125,9 +129,11 @@ def _waves(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def _bending(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge thickness, bending theory and distance of the listener of a plate that bends."""
-    plate, distance = of_scene.plate(scene), scene.sound.distance_m
+    plate = of_scene.plate(scene)
+    distance = scene.sound.distance_m
     assert plate is not None  # asked for by the caller
-    radius, thickness = max(semi_axes(scene)), of_scene.thickness_m(scene)
+    radius = max(semi_axes(scene))
+    thickness = of_scene.thickness_m(scene)
     yield Finding("air_load", "air loads the plate below", si(plate.lowest_hz, "Hz"))
     if plate.lowest_hz > LOADED_HZ:
         least_mm = 1e3 * thickness * plate.lowest_hz / LOADED_HZ
@@ -139,7 +145,8 @@ def _bending(scene: Scene) -> Iterator[Finding | Doubt]:
             advice="choose a denser plate or a plate.thickness_mm of at least "
             f"{rounded_up(least_mm)}",
         )
-    share, name = radius / thickness, "contact radius / thickness"
+    share = radius / thickness
+    name = "contact radius / thickness"
     yield Finding("contact_thickness", name, rounded(share))
     if share > THICK:
         yield Doubt(
@@ -148,7 +155,8 @@ def _bending(scene: Scene) -> Iterator[Finding | Doubt]:
             Severity.DO_NOT_QUOTE,
             advice=f"choose a plate.thickness_mm of at least {rounded_up(1e3 * radius / THICK)}",
         )
-    limit, name = of_scene.bending_limit_hz(scene), "thin-plate theory up to"
+    limit = of_scene.bending_limit_hz(scene)
+    name = "thin-plate theory up to"
     yield Finding("bending", name, si(limit, "Hz"))
     if limit < resolution.HEARING[1]:
         most_mm = 1e3 * thickness * limit / resolution.HEARING[1]
@@ -160,7 +168,8 @@ def _bending(scene: Scene) -> Iterator[Finding | Doubt]:
             advice="do not trust the bands above, or choose a plate.thickness_mm of at most "
             f"{rounded_down(most_mm)}",
         )
-    near, name = FAR * plate.nearest_m, "coincidence of the plate"
+    near = FAR * plate.nearest_m
+    name = "coincidence of the plate"
     yield Finding("coincidence", name, si(plate.critical_hz, "Hz"))
     if distance < near and scene.plate.edges_mm is None:
         yield Doubt(
@@ -176,7 +185,8 @@ def _edges(scene: Scene) -> Iterator[Finding | Doubt]:
     plate = of_scene.rectangular_plate(scene)
     if plate is None:
         return
-    modes, count = "none up to 30 kHz", len(plate.angular_frequency)
+    modes = "none up to 30 kHz"
+    count = len(plate.angular_frequency)
     if count:
         lowest = float(plate.angular_frequency[0]) / (2 * math.pi)
         overlap = MODES_HZ / (plate.loss_factor * plate_modes(scene.plate))
@@ -194,7 +204,8 @@ def _edges(scene: Scene) -> Iterator[Finding | Doubt]:
         )
     modal = of_scene.smooth_chain(scene).modes
     assert modal is not None  # as there is a plate with edges
-    sag, name = scene.load * modal.compliance_m_n, "plate sinks under the load by"
+    sag = scene.load * modal.compliance_m_n
+    name = "plate sinks under the load by"
     yield Finding("plate_sag", name, si(sag, "m"))
     if sag > of_scene.BENT * 1e-3 * (scene.plate.thickness_mm or 0.0):
         yield Doubt(
@@ -217,9 +228,12 @@ def _edges(scene: Scene) -> Iterator[Finding | Doubt]:
 def lowest_mode_hz(scene: Scene) -> float:
     """Return the frequency [Hz] of the lowest mode of the sphere, of steel without a modulus."""
     sphere = scene.sphere
-    young, poisson, density = STEEL_GPA, STEEL_POISSON, STEEL_DENSITY
+    young = STEEL_GPA
+    poisson = STEEL_POISSON
+    density = STEEL_DENSITY
     if sphere.youngs_modulus_gpa is not None and sphere.poissons_ratio is not None:
-        young, poisson = sphere.youngs_modulus_gpa, sphere.poissons_ratio
+        young = sphere.youngs_modulus_gpa
+        poisson = sphere.poissons_ratio
         density = sphere.density_kg_m3 or STEEL_DENSITY
     shear_speed = math.sqrt(1e9 * young / (2 * (1 + poisson) * density))
     return LOWEST_MODE * shear_speed / (2 * scene.radius)
@@ -246,8 +260,10 @@ def _modes(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def _fall(scene: Scene) -> Iterator[Finding | Doubt]:
     """State the first impact on a rigid plate, and compare it with surface, sphere and hardness."""
-    fall, duration = drop.fall_s(scene), scene.duration
-    force, contact_time = drop.largest_force_n(scene), drop.impact_s(scene)
+    fall = drop.fall_s(scene)
+    duration = scene.duration
+    force = drop.largest_force_n(scene)
+    contact_time = drop.impact_s(scene)
     yield Finding(
         "drop",
         "first impact, by Hertz",
@@ -279,9 +295,11 @@ def _fall(scene: Scene) -> Iterator[Finding | Doubt]:
 
 def _impact_width(scene: Scene, radius: float) -> Iterator[Finding | Doubt]:
     """Compare the contact of the first impact [m] with the surface, the sphere and the plate."""
-    key, name = "drop_width", "contact of the first impact"
+    key = "drop_width"
+    name = "contact of the first impact"
     yield Finding(key, name, f"radius {si(radius, 'm')}")
-    period, thickness = cost.shortest_period(scene), scene.plate.thickness_mm
+    period = cost.shortest_period(scene)
+    thickness = scene.plate.thickness_mm
     if 2 * radius > period:
         width_um = rounded_up(2e6 * radius)
         larger = f"measure a surface of at least {width_um} um each way"
@@ -322,8 +340,10 @@ def _marches(scene: Scene) -> Iterator[Finding | Doubt]:
     yield Finding("force_law", "force law", value, total)
     if not scene.moves_release:
         return
-    speed, frequency = scene.motion.slowest(scene.duration), cost.bounce_hz(scene)
-    steps, name = speed / (frequency * scene.step), "release under the moving load"
+    speed = scene.motion.slowest(scene.duration)
+    frequency = cost.bounce_hz(scene)
+    steps = speed / (frequency * scene.step)
+    name = "release under the moving load"
     value = f"one more march, {cost.computing(seconds)}, {rounded(steps)} steps in a period"
     if scene.dynamics.release is None:
         value += "; dynamics.release: false leaves it out"

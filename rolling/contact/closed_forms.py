@@ -14,7 +14,8 @@ from acoustics.arrays import positive
 from acoustics.traps import ignoring_underflow
 
 # Smallest and largest length, load, modulus and so on in SI: their powers and products stay finite.
-MIN_SIZE, MAX_SIZE = 1e-50, 1e50
+MIN_SIZE = 1e-50
+MAX_SIZE = 1e50
 
 
 def _size(name: str, value: float) -> float:
@@ -94,7 +95,8 @@ def hertz_radius(load: float, radius: float, contact_modulus: float) -> float:
     >>> f"{closed_forms.hertz_radius(5.0, 5e-3, 230e9) * 1e6:.2f} um"
     '43.36 um'
     """
-    load, radius = _size("load", load), _size("radius", radius)
+    load = _size("load", load)
+    radius = _size("radius", radius)
     contact_modulus = _size("contact_modulus", contact_modulus)
     return float((3 * load * radius / (4 * contact_modulus)) ** (1 / 3))
 
@@ -227,7 +229,8 @@ def hertz_force(energy: float, radius: float, contact_modulus: float) -> float:
     >>> f"{closed_forms.hertz_force(2e-3, 5e-3, 230e9):.0f} N"  # a steel ball from 50 mm
     '567 N'
     """
-    energy, radius = _size("energy", energy), _size("radius", radius)
+    energy = _size("energy", energy)
+    radius = _size("radius", radius)
     contact_modulus = _size("contact_modulus", contact_modulus)
     return float((2.5 * energy) ** 0.6 * (16 / 9 * radius * contact_modulus**2) ** 0.2)
 
@@ -254,7 +257,8 @@ def hertz_impact_time(mass: float, speed: float, radius: float, contact_modulus:
     >>> f"{closed_forms.hertz_impact_time(4.11e-3, 1.0, 5e-3, 230e9) * 1e6:.0f} us"
     '26 us'
     """
-    mass, speed = _size("mass", mass), _size("speed", speed)
+    mass = _size("mass", mass)
+    speed = _size("speed", speed)
     stiffness = _size("radius", radius) * _size("contact_modulus", contact_modulus) ** 2
     return float(2.8683 * (mass**2 / (stiffness * speed)) ** 0.2)
 

@@ -18,9 +18,12 @@ from rolling.contact import _window_kernels as windows
 from rolling.contact._descent_kernels import descend
 from rolling.contact._system import FarField, Model, Progress
 
-_LINE, _FIELD = np.empty(0), np.empty((0, 0))
-_SINGLES, _GRID = np.empty(0, np.float32), np.empty((0, 0), np.float32)
-_WHOLE, _INDICES = np.empty(0, np.int64), np.empty(0, np.uint32)
+_LINE = np.empty(0)
+_FIELD = np.empty((0, 0))
+_SINGLES = np.empty(0, np.float32)
+_GRID = np.empty((0, 0), np.float32)
+_WHOLE = np.empty(0, np.int64)
+_INDICES = np.empty(0, np.uint32)
 _BLOCK = 0, 0, 0, 0
 
 
@@ -53,7 +56,8 @@ def compile_parts() -> None:
     _compile(_far_field.prolong, _SINGLES, np.float32(1.0), 1, 1, _GRID)
     _transform_kernels.nodes_kernel(1, True)
     _compile(_transform_kernels.window_kernel(1), _FIELD, 1.0, _WHOLE, _FIELD)
-    fields, sphere = (_FIELD,) * 3, (1.0,) * 5
+    fields = (_FIELD,) * 3
+    sphere = (1.0,) * 5
     _compile(positions.measure, fields, (1.0, 1.0), sphere, 1.0, 1.0, True, (0, 0))
     pair = _FIELD, _FIELD
     _compile(windows.node_work, pair, (0, 0), pair, False, 1.0, _FIELD)

@@ -88,7 +88,8 @@ def love(rows: Array, columns: Array) -> Array:
         # not cancel where log(y + r) would.
         return s * np.arcsinh(t / np.abs(s)) + t * np.arcsinh(s / np.abs(t))
 
-    x, y = rows[:, None].astype(float), columns[None, :].astype(float)
+    x = rows[:, None].astype(float)
+    y = columns[None, :].astype(float)
     h = 0.5
     return corner(x + h, y + h) + corner(x - h, y - h) - corner(x + h, y - h) - corner(x - h, y + h)
 
@@ -265,22 +266,27 @@ class Convolution:
         first = spectrum[: length // 2 + 1] / (length * n)
         second = spectrum[length - np.arange(length // 2 + 1)] / (length * n)
         angle = np.pi / length * np.arange(length // 2 + 1)
-        mean, difference = 0.5 * (first + second), 0.5 * (first - second)
+        mean = 0.5 * (first + second)
+        difference = 0.5 * (first - second)
         factors = [mean, difference, np.sin(angle), np.cos(angle)]
         self._factors = [array.astype(real) for array in factors]
-        parts, half = [slice(None)], 0
+        parts = [slice(None)]
+        half = 0
         if m in _HALVED or m > _HALVED[-1]:
             half = length // 2
             parts = [slice(half), slice(half, length)]
         self._turns = np.exp(-2j * np.pi / length * np.arange(half)).astype(both)
-        lines, columns = self._lines[:, :n], self._columns[:, :n]
+        lines = self._lines[:, :n]
+        columns = self._columns[:, :n]
         self._plans = [Plan(lines[part], columns[part], 0) for part in parts]
         self._plans += [Plan(columns[part], lines[part], 0, backward=True) for part in parts]
         self._row_plans = np.zeros((-(-length // GROUP) + 1, 2), np.int64)
         entry = np.zeros(kernels.ENTRIES, np.int64)
         self.entry = entry
-        entry[kernels.LENGTH], entry[kernels.WIDTH] = m, n
-        entry[kernels.SUBCELLS], entry[kernels.HALF] = subcells, half
+        entry[kernels.LENGTH] = m
+        entry[kernels.WIDTH] = n
+        entry[kernels.SUBCELLS] = subcells
+        entry[kernels.HALF] = half
         entry[kernels.EXECUTE] = self._plans[0].execute
         addresses = [plan.address for plan in self._plans]
         entry[kernels.FORWARD :][: len(parts)] = addresses[: len(parts)]
@@ -289,7 +295,8 @@ class Convolution:
         entry[kernels.BLOCK : kernels.TURNS + 1] = [array.ctypes.data for array in arrays]
         entry[kernels.ROW_PLANS] = self._row_plans.ctypes.data
         for number, count in enumerate([*range(GROUP, length, GROUP), length], 1):
-            head, rows = self._pairs[:count], self._lines[:count, :n]
+            head = self._pairs[:count]
+            rows = self._lines[:count, :n]
             plans = Plan(head, rows, 1), Plan(rows, head, 1, backward=True)
             self._row_plans[number] = [plan.address for plan in plans]
             self._plans += plans

@@ -103,7 +103,8 @@ def march(
     for name, position in (("first", first), ("last", last)):
         _refuse_far(contact, name, position)
     for name in ("spacing", "contact_modulus", "subcells"):
-        got, own = getattr(half_space, name), getattr(contact, name)
+        got = getattr(half_space, name)
+        own = getattr(contact, name)
         if got != own:
             raise ValueError(f"half_space: got {name} {got:g}, allowed: that of contact, {own:g}")
     _refuse_the_impossible(contact)
@@ -170,7 +171,8 @@ def _start(contact: RollingContact, k: int, plate: ContactPlate) -> ContactState
     nodes = Window(centre - rows, middle - columns, 2 * rows + 1, 2 * columns + 1)
     window = Window.around([nodes, contact.overlap(k, hertz**2 / radius)]).room(contact.subcells)
     _refuse_large(window, contact.subcells)
-    load, gap = contact.load, contact.gap(k, window)
+    load = contact.load
+    gap = contact.gap(k, window)
     pressure = solver.foundation(gap, load, contact.spacing, stiffness, contact.hardness)
     cold = PositionStart(window, Start(pressure, _NOTHING, close=False))
     return _solve(contact, k, plate, cold, COLD_TIGHTENING * contact.tolerance)
@@ -187,7 +189,8 @@ def _warm_start(
     contact: RollingContact, k: int, plate: ContactPlate, states: list[ContactState]
 ) -> PositionStart:
     """Start from pressures that stayed with the plate, or with the sphere on a smooth plate."""
-    old, before = states[-1], states[0] if len(states) > 1 else None
+    old = states[-1]
+    before = states[0] if len(states) > 1 else None
     geometry = contact.geometry
     rise = np.inf if before is None else abs(old.approach - before.approach)
     approach = old.approach + min(4 * rise, 0.1 * old.max_deflection)
@@ -201,14 +204,16 @@ def _warm_start(
     pressure = np.empty((window.rows, window.columns))
     deflection = _NOTHING
     old.window.move(old.pressure, window, pressure)
-    extrapolation, share = solver.NO_POSITION, 0.0
+    extrapolation = solver.NO_POSITION
+    share = 0.0
     if before is None or old.sphere_share > STEADY_SHARE:
         share, deflection = _towards_the_sphere(contact, k, old, (window, needed), pressure)
     if share == 0 and old.window.covers(needed):
         deflection = plate.scratch.array("deflection of the start", pressure.shape)
         old.window.move(old.deflection, window, deflection, continued=True)
         if before is not None:
-            row, column = before.window.row - window.row, before.window.column - window.column
+            row = before.window.row - window.row
+            column = before.window.column - window.column
             extrapolation = before.pressure, before.deflection, row, column
     start = Start(pressure, deflection, close=True, before=extrapolation)
     return PositionStart(window, start, approach, spread, old.edge_share == 0.0, share)
@@ -253,8 +258,11 @@ def _solve(
     contact: RollingContact, k: int, plate: ContactPlate, given: PositionStart, tolerance: float
 ) -> ContactState:
     """Solve a position, again on a larger window where contact may be outside of it."""
-    window, start, sharp = given.window, given.start, given.sharp
-    iterations, convolutions = 0, 0
+    window = given.window
+    start = given.start
+    sharp = given.sharp
+    iterations = 0
+    convolutions = 0
     while True:
         problem = _problem(contact, k, plate, window, tolerance)
         solution = solver.solve(problem, start, sharp or not plate.blended)
@@ -271,8 +279,11 @@ def _solve(
         wider = wider.room(contact.subcells)
         _refuse_large(wider, contact.subcells)
         pressure = window.moved(solution.pressure, wider)
-        window, start, sharp = wider, Start(pressure, _NOTHING, close=True), False
-    loaded, spacing = state.loaded, contact.spacing
+        window = wider
+        start = Start(pressure, _NOTHING, close=True)
+        sharp = False
+    loaded = state.loaded
+    spacing = contact.spacing
     _refuse_wide(contact, loaded.rows * spacing, loaded.columns * spacing)
     return state
 
@@ -281,7 +292,8 @@ def _problem(
     contact: RollingContact, k: int, plate: ContactPlate, window: Window, tolerance: float
 ) -> Problem:
     """Return the contact on the window of a position."""
-    geometry, shape = contact.geometry, (window.rows, window.columns)
+    geometry = contact.geometry
+    shape = (window.rows, window.columns)
     gap = plate.scratch.array("gap", shape)
     geometry.gap(k, window, gap)
     within_cells = gap
@@ -302,7 +314,8 @@ def _state(
     cost: tuple[int, int],
 ) -> ContactState:
     """Measure a solution on its window; its cost is iterations and convolutions."""
-    geometry, cell = contact.geometry, contact.spacing**2
+    geometry = contact.geometry
+    cell = contact.spacing**2
     loaded, (count, capped, maximum, work, spread) = kernels.measure(
         (solution.pressure, solution.deflection, solution.edge),
         (plate.hardness, plate.levelled),
@@ -336,7 +349,8 @@ def _state(
 
 def _refuse_large(window: Window, subcells: int) -> None:
     """Raise ContactError for a window that no transform is long enough for."""
-    rows, columns = window.rows // subcells, window.columns // subcells
+    rows = window.rows // subcells
+    columns = window.columns // subcells
     most = MAX_NODES if subcells == 1 else MAX_NODES - 4  # sub-cells need a border of one cell
     if max(rows, columns) > most:
         raise ContactError(

@@ -16,7 +16,8 @@ from rolling.contact.state import ContactState, RollingContact
 
 def plastic_overlap(contact: RollingContact, state: ContactState) -> Array:
     """Return the plastic overlap [m] of each loaded node of a state, 0 below the hardness."""
-    loaded, window = state.loaded, state.window
+    loaded = state.loaded
+    window = state.window
     block = np.s_[
         loaded.row - window.row : loaded.row - window.row + loaded.rows,
         loaded.column - window.column : loaded.column - window.column + loaded.columns,
@@ -32,7 +33,8 @@ def sink(contact: RollingContact, state: ContactState) -> float:
     """
     if state.max_pressure < contact.hardness:
         return 0.0
-    depth, loaded = plastic_overlap(contact, state), state.loaded
+    depth = plastic_overlap(contact, state)
+    loaded = state.loaded
     along, across = contact.heights.shape
     rows = (loaded.row + np.arange(loaded.rows)) % along
     columns = (loaded.column + np.arange(loaded.columns)) % across

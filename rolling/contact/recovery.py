@@ -47,10 +47,13 @@ def step_energy(
     loaded; where the old window misses newly loaded nodes, its deflection is computed there. With
     `left_end` the pressure is taken at the old position instead of the mean.
     """
-    window, p_old, u_old = new.window, old.pressure, old.deflection
+    window = new.window
+    p_old = old.pressure
+    u_old = old.deflection
     offset = old.window.row - window.row, old.window.column - window.column
     if not old.window.covers(new.loaded):
-        p_old, offset = old.window.moved(old.pressure, window), (0, 0)
+        p_old = old.window.moved(old.pressure, window)
+        offset = (0, 0)
         u_old = half_space.deflect(p_old)
     work = np.empty((window.rows, window.columns))
     cell = half_space.spacing**2
@@ -87,7 +90,8 @@ class EventTable:
 
         The release of a node is that of so many sub-cells along and across.
         """
-        window, released = work.window.cells(subcells), work.node_work
+        window = work.window.cells(subcells)
+        released = work.node_work
         if subcells > 1:
             released = cell_means(np.maximum(released, 0.0), subcells) * subcells**2
         origin = window.row, window.column
@@ -118,7 +122,9 @@ def join_events(pieces: Iterable[dict[str, NDArray[Any]]]) -> dict[str, NDArray[
     if not tables:
         return {}
     table = {name: np.concatenate([piece[name] for piece in tables]) for name in tables[0]}
-    node, first, last = table["node"], table["first"], table["last"]
+    node = table["node"]
+    first = table["first"]
+    last = table["last"]
     if not first.size:
         return table
     order = np.lexsort((first, node[:, 1], node[:, 0]))

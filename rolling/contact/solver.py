@@ -43,7 +43,8 @@ AIM = 0.98
 # edges. Its last step needs no convolution of its own and leaves a fifth of the violation.
 # Multiples of 5 take 0.1 convolutions less, but leave up to 3 dB more error of the release, and so
 # does a multiple of 3 where the model moves edges and the window is 190 nodes wide (100 N).
-AIM_FIRST, AIM_FIRST_LED = 3.0, 2.5
+AIM_FIRST = 3.0
+AIM_FIRST_LED = 2.5
 # Candidates for contact have a gap below this share of the maximum deflection; shares from 0.001 to
 # 0.1 take the same number of iterations.
 NEAR = 0.01
@@ -206,7 +207,8 @@ def foundation(
 
     A stiffness of 4 E* / (pi a) fits a Hertz contact of radius a.
     """
-    total, area = load / spacing**2, gap.size * spacing**2
+    total = load / spacing**2
+    area = gap.size * spacing**2
     if total > hardness * gap.size:
         raise ContactError(
             f"a load of {rounded(load, 6)} N is more than the surface can carry: hardness"
@@ -303,7 +305,8 @@ def solve_contact(
     """
     instance("half_space", half_space, HalfSpace)
     instance("start", start, WarmStart, type(None))
-    gap, load = _plain("gap", gap), positive("load", load, MAX_SIZE)
+    gap = _plain("gap", gap)
+    load = positive("load", load, MAX_SIZE)
     hardness = positive("hardness", hardness, infinite=True)
     tolerance = positive("tolerance", tolerance, 1.0)
     single = truth("single", single)
@@ -311,8 +314,10 @@ def solve_contact(
     units.refuse_steep("gap", gap, half_space.spacing)
     shape = None if shape is None else _plain("shape", shape, gap)
     start = start or _cold_start(half_space, gap, load, hardness)
-    close, blended = truth("start.close", start.close), shape is not None
-    pressure, deflection = _plain("start.pressure", start.pressure, gap).copy(), _NOTHING
+    close = truth("start.close", start.close)
+    blended = shape is not None
+    pressure = _plain("start.pressure", start.pressure, gap).copy()
+    deflection = _NOTHING
     if start.deflection is not None:
         deflection = _plain("start.deflection", start.deflection, gap)
     problem = Problem(
@@ -490,15 +495,19 @@ def _copy(solution: Solution) -> Solution:
 
 def _restore(solution: Solution, earlier: Solution) -> None:
     """Return to an earlier solution; iterations and convolutions count on."""
-    solution.pressure, solution.deflection = earlier.pressure, earlier.deflection
-    solution.approach, solution.max_deflection = earlier.approach, earlier.max_deflection
+    solution.pressure = earlier.pressure
+    solution.deflection = earlier.deflection
+    solution.approach = earlier.approach
+    solution.max_deflection = earlier.max_deflection
     solution.worst = earlier.worst
 
 
 def _share_of_edges(problem: Problem, solution: Solution) -> float:
     """Return the share of their range that edges take, from the solution with whole edges."""
-    gap, edge = problem.gap.reshape(-1), solution.edge.reshape(-1)
-    p, u = solution.pressure.reshape(-1), solution.deflection.reshape(-1)
+    gap = problem.gap.reshape(-1)
+    edge = solution.edge.reshape(-1)
+    p = solution.pressure.reshape(-1)
+    u = solution.deflection.reshape(-1)
     levelled = problem.plate.levelled
     overlap = yielding_overlap(gap, u, p, problem.plate.hardness, solution.approach, levelled)
     if overlap >= levelled or not has_partial_cells(p, edge, problem.plate.hardness):
@@ -511,20 +520,26 @@ def converge(problem: Problem, solution: Solution, start: Start | None = None) -
 
     Raise ContactError as `solve_contact` does.
     """
-    p, edge = solution.pressure, solution.edge if solution.edge_share else _NOTHING
+    p = solution.pressure
+    edge = solution.edge if solution.edge_share else _NOTHING
     deformed = problem.plate.scratch.array("deformed gap", p.shape)
     # The deflection of a start is known to single precision or so. That of a state which is to be
     # accepted is computed from its pressure: it is fresh.
-    known, fresh = start is not None and start.deflection.size > 0, start is None
-    progress, count, earlier = Progress(), 0, solution.iterations
+    known = start is not None and start.deflection.size > 0
+    fresh = start is None
+    progress = Progress()
+    count = 0
+    earlier = solution.iterations
     while True:
         if not (known or fresh):
             problem.plate.half_space.deflect(p, solution.deflection)
             solution.convolutions += 1
             fresh = True
-        u, before = solution.deflection, NO_POSITION
+        u = solution.deflection
+        before = NO_POSITION
         if known and start is not None:
-            u, before = start.deflection, start.before
+            u = start.deflection
+            before = start.before
         solution.approach, solution.max_deflection, solution.worst = kernels.judge(
             (problem.gap, problem.shape),
             (p, u, edge),
@@ -554,7 +569,10 @@ def converge(problem: Problem, solution: Solution, start: Start | None = None) -
         problem.plate.half_space.count += convolved
         solution.convolutions += convolved
         solution.iterations = earlier + done.iterations
-        progress, count, known, fresh = done, found.listed.size, False, False
+        progress = done
+        count = found.listed.size
+        known = False
+        fresh = False
 
 
 def _refuse_strange(solution: Solution, fresh: bool) -> None:
@@ -624,7 +642,8 @@ def _descend(
 
     `fields` and `before` are arguments of the compiled `descend`.
     """
-    half_space, edge = problem.plate.half_space, fields[2]
+    half_space = problem.plate.half_space
+    edge = fields[2]
     rows, columns = found.block[2:]
     # The name keeps the transforms, which a march in another thread may drop meanwhile.
     transforms = half_space.convolution(rows - 1, columns - 1, single)
@@ -667,18 +686,21 @@ def _tables(
 
     The tables are the argument `half_space` of `descend`: stencils, transforms, and the far field.
     """
-    count, (rows, columns) = found.listed.size, found.block[2:]
+    count = found.listed.size
+    (rows, columns) = found.block[2:]
     coefficients = transforms.influence()
     pairs = DIRECT_PAIRS * transforms.size if transforms.single and coefficients.size else -1
     kernel = nodes_kernel(half_space.subcells, transforms.single)
-    along, across = rows + 2 * BORDER, columns + 2 * BORDER
+    along = rows + 2 * BORDER
+    across = columns + 2 * BORDER
     coarse_rows, coarse_columns, tile = coarse_grid(along, across)
     tables = (
         (half_space.unit, *stencils(half_space.unit)),
         (transforms.entry, coefficients, pairs, kernel),
         far_field(coarse_rows, coarse_columns, tile),
     )
-    size, coarse_size = along * across, 2 * coarse_rows * coarse_columns
+    size = along * across
+    coarse_size = 2 * coarse_rows * coarse_columns
     places = max(transforms.real.size, rows * columns)
     memory = (
         scratch.array("doubles", (10 * count + 2 * size + places,)),
@@ -690,8 +712,10 @@ def _tables(
 
 def _not_converged(problem: Problem, solution: Solution, progress: Progress) -> ContactError:
     """Make the error of a solve that stopped, with the tolerance that rounding of gaps allows."""
-    highest, u_max = float(np.abs(problem.gap).max()), solution.max_deflection
-    tolerance, limit = problem.tolerance, ROUNDING * highest / u_max
+    highest = float(np.abs(problem.gap).max())
+    u_max = solution.max_deflection
+    tolerance = problem.tolerance
+    limit = ROUNDING * highest / u_max
     text = (
         f"the contact solve stopped after {solution.iterations} iterations at a residual of"
         f" {rounded(solution.worst / u_max)}, {rounded(tolerance)} was asked for (tried:"

@@ -20,7 +20,8 @@ from rolling.contact.half_space import MAX_SIZE
 # takes less than the rest. Near a load deflections are less than 1/r: between sub-cells by 36 to
 # 66 % beside it and by 1 % up to 5 cells away, and on the far side of a cell with a blended edge by
 # half a spacing over r. The load counts as so much farther away.
-SURE, NEAR_CELLS = 0.99, 6.0
+SURE = 0.99
+NEAR_CELLS = 6.0
 # Distance of a place from the beginning of the track, in node spacings and in steps. Double
 # precision then tells places apart that differ by 2e-7 of either.
 MAX_DISTANCE = 1e9
@@ -54,7 +55,8 @@ class Window(NamedTuple):
         """Return the minimum window that covers this and another one; None is no window."""
         if other is None:
             return self
-        row, column = min(self.row, other.row), min(self.column, other.column)
+        row = min(self.row, other.row)
+        column = min(self.column, other.column)
         end = max(self.row + self.rows, other.row + other.rows)
         right = max(self.column + self.columns, other.column + other.columns)
         return Window(row, column, end - row, right - column)
@@ -76,7 +78,8 @@ class Window(NamedTuple):
         """Widen the window to whole cells of so many nodes along and across."""
         if subcells == 1:
             return self
-        row, column = self.row // subcells * subcells, self.column // subcells * subcells
+        row = self.row // subcells * subcells
+        column = self.column // subcells * subcells
         rows = -(-(self.row + self.rows - row) // subcells) * subcells
         columns = -(-(self.column + self.columns - column) // subcells) * subcells
         return Window(row, column, rows, columns)
@@ -101,7 +104,8 @@ class Window(NamedTuple):
 
     def move(self, values: Array, target: Window, out: Array, continued: bool = False) -> None:
         """Copy values into an array of the target window, as `moved` does."""
-        row, column = self.row - target.row, self.column - target.column
+        row = self.row - target.row
+        column = self.column - target.column
         _window_kernels.copy_block(values, out, row, column, continued)
 
 
@@ -197,7 +201,8 @@ class Geometry:
 
     def gap(self, k: int, window: Window, out: Array) -> None:
         """Set an array to the undeformed gap on a window at position k [m]."""
-        row, column = window.row, window.column
+        row = window.row
+        column = window.column
         _window_kernels.undeformed_gap(self.heights, self.sphere(k), row, column, out)
 
 
@@ -322,7 +327,8 @@ class RollingContact:
     @cached_property
     def maxima(self) -> Maxima:
         """Maximum heights of the surface; with blended edges its cells rise above their nodes."""
-        z, rising = self.heights, self.has_blended_edges and self.slopes
+        z = self.heights
+        rising = self.has_blended_edges and self.slopes
         maxima: Maxima = kept(z, ("maxima", rising), lambda: maxima_of(z, rising))
         return maxima
 

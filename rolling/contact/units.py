@@ -78,5 +78,6 @@ def _likely_unit(slope: float) -> str:
     nearest = min(slopes, key=lambda unit: abs(math.log(slopes[unit] / USUAL_SLOPE)))
     if slopes[nearest] > MAX_SLOPE:
         return "; take a larger spacing, or check the unit"
-    real, size = rounded(slopes[nearest]), _UNITS[nearest]
+    real = rounded(slopes[nearest])
+    size = _UNITS[nearest]
     return f"; were they in {nearest}, it would be {real}: multiply them by {size:g}"

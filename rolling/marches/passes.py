@@ -29,7 +29,8 @@ from rolling.scene.scene import Scene
 # Widths of the contact after which a march has forgotten its cold start: to 3.3e-6 of the release's
 # fluctuation where the Hertz pressure stays below the hardness (113 of 114 random scenes, 6e-5 on a
 # plate of Ra 5 nm). In a groove 8 widths leave 1e-6 to 0.1: its pass is one piece.
-RUN_IN, RUN_IN_GROOVE = 2.0, 8.0
+RUN_IN = 2.0
+RUN_IN_GROOVE = 8.0
 # The last pass still yields above this share of plastic work in the release.
 YIELDING = 1e-3
 SERIES = ("release_energy", "plastic_work", "approach")  # the last has an entry per position

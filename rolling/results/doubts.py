@@ -162,7 +162,8 @@ def _motion(scene: Scene, vibration: Vibration | None) -> Iterator[Doubt]:
     """Warn of a motion that does not repeat, and of a plate that bends too far."""
     if vibration is None:
         return
-    motion, thickness = vibration.motion, scene.plate.thickness_mm
+    motion = vibration.motion
+    thickness = scene.plate.thickness_mm
     may_repeat = not scene.is_smooth and scene.rolling.drop_mm is None
     if scene.track.closed and not motion.settled and may_repeat:
         text = "motion: it does not repeat from lap to lap, so its record does not loop"
@@ -189,7 +190,8 @@ def _comb_mean(sound: ContactSound, vibration: Vibration | None) -> Iterator[Dou
     """Explain that LAeq is the mean over the comb, and how loud the record itself is."""
     if vibration is None or sound.source != "vibration" or not vibration.is_mean_of_comb:
         return
-    spread, record = vibration.spreads["comb"], decibels_a(vibration.levels.laeq_db)
+    spread = vibration.spreads["comb"]
+    record = decibels_a(vibration.levels.laeq_db)
     yield Doubt(
         "comb_mean",
         "comb: one undamped resonance decides the level of so short a track, so the LAeq that is "
@@ -332,7 +334,8 @@ def band_error_db(summary: Mapping[str, Any]) -> float | None:
 
 def band_text(summary: Mapping[str, Any], highest_hz: float) -> str:
     """State what the end of the simulated band [Hz] does to LAeq."""
-    error, spread = summary["laeq_band_error_db"], summary["laeq_band_error_uncertainty_db"]
+    error = summary["laeq_band_error_db"]
+    spread = summary["laeq_band_error_uncertainty_db"]
     size = f"{rounded(abs(error))} ± {rounded(spread)} dB"
     end = si(highest_hz, "Hz")
     if error > 0:
@@ -342,5 +345,6 @@ def band_text(summary: Mapping[str, Any], highest_hz: float) -> str:
 
 def _whole_error(summary: Mapping[str, Any], name: str) -> float | None:
     """Return an error joined with its uncertainty [dB], None where it is unknown."""
-    error, spread = summary.get(f"{name}_db"), summary.get(f"{name}_uncertainty_db")
+    error = summary.get(f"{name}_db")
+    spread = summary.get(f"{name}_uncertainty_db")
     return None if error is None else math.hypot(error, spread or 0.0)

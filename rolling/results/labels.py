@@ -161,7 +161,9 @@ def _cut(text: str, longest: int) -> str:
 
 def _numbered(texts: Sequence[str]) -> list[str]:
     """Append a number to texts that are equal."""
-    count, numbers, numbered = Counter(texts), Counter[str](), dict[str, None]()
+    count = Counter(texts)
+    numbers = Counter[str]()
+    numbered = dict[str, None]()
     for text in texts:
         label = text
         while count[text] > 1 and (label in count or label in numbered):

@@ -27,7 +27,9 @@ from rolling.sound.long_listening import Listening
 from rolling.terminal import progress
 from rolling.terminal.files import make_below, write_bytes, write_temporary
 
-PASS_S, PAUSE_S = 1.5, 0.25  # [s] of a pass for the ear, and of the silence after it
+# [s] of a pass for the ear, and of the silence after it
+PASS_S = 1.5
+PAUSE_S = 0.25
 MAX_PASSES = 12  # in passes.wav; of more, it holds passes in a geometric sequence
 MIN_S = 5.0  # [s] of listen.wav; a shorter record is a click
 MAX_BYTES = 50_000_000  # of a listen.wav; 120 s of two channels take 35 million

@@ -93,7 +93,8 @@ def refuse_long_record(seconds: float, speed: Speed | None, seed: int) -> None:
     """
     if type(seed) is not int or seed < 0:
         raise ListeningError(f"seed: got {seed!r}, allowed: a whole number >= 0")
-    least, most = defaults.MIN_LISTENED_SECONDS, defaults.MAX_LISTENED_SECONDS
+    least = defaults.MIN_LISTENED_SECONDS
+    most = defaults.MAX_LISTENED_SECONDS
     if not least <= seconds <= most:
         raise ListeningError(
             f"seconds: got {seconds:g}, allowed is {least:g} to {most:g}, for which memory suffices"
@@ -109,7 +110,8 @@ def refuse_long_record(seconds: float, speed: Speed | None, seed: int) -> None:
 
 def _limits(numbers: dict[str, Any]) -> list[str]:
     """List the limits of a long record."""
-    lowest_hz, highest_hz = numbers["lowest_frequency_hz"], numbers["highest_frequency_hz"]
+    lowest_hz = numbers["lowest_frequency_hz"]
+    highest_hz = numbers["highest_frequency_hz"]
     turn_mm = numbers["turn_mm"]
     outside = numbers.get("force_outside_share", 0.0)
     found = []

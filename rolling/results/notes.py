@@ -69,7 +69,8 @@ def _level(
 
 def _release(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
     """Say which bound the levels of a release are; of silence, or a gain, the steady level is."""
-    gain, q = scene.sound.gain_pa_per_w_m2, scene.sound.q
+    gain = scene.sound.gain_pa_per_w_m2
+    q = scene.sound.q
     if gain is not None or sound.levels.level_db is None:
         if q == 1:
             yield note(
@@ -249,5 +250,6 @@ def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
     difference = summary.get("release_over_vibration_db")
     if difference is not None:
         return float(difference)
-    estimate, laeq = summary.get("vibration_estimate_laeq_db"), summary.get("laeq_db")
+    estimate = summary.get("vibration_estimate_laeq_db")
+    laeq = summary.get("laeq_db")
     return None if estimate is None or laeq is None else float(laeq - estimate)

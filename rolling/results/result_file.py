@@ -41,7 +41,8 @@ _SEAL_LENGTH = len(_SEAL) + 65  # with the digest and the end of the line
 _MIN_COMPRESSED = 10_000  # bytes of an array; the index of the chunks of a smaller one is too large
 # The file, and all its arrays together, take at most so many times the disk that is estimated for
 # the scene, and so many bytes more.
-_MAX_TIMES, _MAX_BESIDE = 5, 100_000_000
+_MAX_TIMES = 5
+_MAX_BESIDE = 100_000_000
 _DIMENSIONS = {
     dimension
     for variables in DEFINITION.values()

@@ -69,7 +69,8 @@ def error_numbers(run: SolvedRun, spreads: Mapping[str, float | None]) -> dict[s
         return {}
     reason = _reason_against(run)
     errors = _unknown(reason) if reason else _estimate(run)
-    levels, detail = errors.levels, errors.detail_db
+    levels = errors.levels
+    detail = errors.detail_db
     # The level is not corrected for the error of the grid, which therefore counts whole.
     parts = dict.fromkeys(("record", "grid", "solver")) | dict(spreads)
     parts["grid"] = known(math.hypot(levels.grid_db[-1], levels.grid_uncertainty_db[-1]))
@@ -116,7 +117,9 @@ def known(value: float) -> float | None:
 
 def _estimate(run: SolvedRun) -> RunErrors:
     """Estimate the errors of a run from its stretches."""
-    scene, result, sound = run.scene, run.result, run.sound
+    scene = run.scene
+    result = run.result
+    sound = run.sound
     powers = error_stretches.stretch_powers(scene, result)
     own_factor = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
     lap_s = sound.duration * result.solved_steps / result.steps

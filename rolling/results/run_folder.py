@@ -16,7 +16,9 @@ from rolling.scene.scene import Scene
 from rolling.scene.sweep import Value
 from rolling.terminal.files import FolderError
 
-RESULT, SUMMARY, FAILED = "result.h5", "summary.json", "failed.json"
+RESULT = "result.h5"
+SUMMARY = "summary.json"
+FAILED = "failed.json"
 PAGE = "report.html"  # of all runs of a folder
 MAX_FAILURE = 1_000_000  # bytes of a failed.json
 

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
-SIGNAL, LISTEN = "signal.wav", "listen.wav"
+SIGNAL = "signal.wav"
+LISTEN = "listen.wav"
 PASSES = "passes.wav"  # of a plate that remembers
 
 

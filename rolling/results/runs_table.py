@@ -192,7 +192,8 @@ def _exposure_db(summary: Mapping[str, Any]) -> float:
 
 def error_line(label: str, summary: Mapping[str, Any]) -> str:
     """Write the error estimate of a run, or an empty text without one."""
-    estimate, grid = summary.get("error_estimate", {}), summary.get("laeq_grid_error_db")
+    estimate = summary.get("error_estimate", {})
+    grid = summary.get("laeq_grid_error_db")
     if "stretches" not in estimate or grid is None:
         return ""
     solver = summary["laeq_solver_error_db"] or 0.0
@@ -284,7 +285,8 @@ def beside_text(summaries: Sequence[Mapping[str, Any]]) -> str:
 
 def _others(summary: Mapping[str, Any]) -> str:
     """State the other listeners' levels and the plate's sound power; empty without edges."""
-    words, power = "", summary.get("plate_power_level_db")
+    words = ""
+    power = summary.get("plate_power_level_db")
     if summary.get("listeners") and power is not None:
         words = f"; sound power of the plate: {power:.1f} dB re 1 pW"
     quantity = "LAE " if summary.get("single_event") else ""

@@ -51,7 +51,10 @@ _PACKAGES = ("numpy", "scipy", "numba", "pyfftw", "soundfile", "h5netcdf", "xarr
 
 def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
     """Collect the numbers of a run, with the sound of its release; levels of silence are None."""
-    scene, result, sound, vibration = run.scene, run.result, run.sound, run.vibration
+    scene = run.scene
+    result = run.result
+    sound = run.sound
+    vibration = run.vibration
     surface = scene_surface(scene)
     is_event = _is_event(sound)
     band = _missing_band(run)
@@ -91,7 +94,8 @@ def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
 
 def _scene(run: SolvedRun) -> dict[str, Any]:
     """Return the name, the load and the source of a run, with the q of a release without a gain."""
-    scene, sound = run.scene, run.sound
+    scene = run.scene
+    sound = run.sound
     has_q = sound.source == "release" and scene.sound.gain_pa_per_w_m2 is None
     return {
         "name": scene.name,
@@ -140,7 +144,8 @@ def _is_event(sound: ContactSound) -> bool:
 
 def _uncertainty(run: SolvedRun) -> dict[str, Any]:
     """Return the standard uncertainties of the levels from the length of the record [dB]."""
-    sound, vibration = run.sound, run.vibration
+    sound = run.sound
+    vibration = run.vibration
     stated = asdict(sound.uncertainty)
     third_octaves = stated.pop("third_octave_db")
     spreads = {name.removesuffix("_db"): spread for name, spread in stated.items()}
@@ -187,7 +192,8 @@ def _loudness(run: SolvedRun, is_event: bool) -> dict[str, float | None]:
     A steady sound has one loudness. The loudness of falls, impacts and changing speeds, and that of
     a short record, has numbers of its course in time.
     """
-    sound, vibration = run.sound, run.vibration
+    sound = run.sound
+    vibration = run.vibration
     if not run.scene.sound.loudness:
         return {}
     flies = False
@@ -216,7 +222,8 @@ def _missing_band(run: SolvedRun) -> MissingBand | None:
     """Return the part of the sound that the Nyquist frequency of the steps cuts off."""
     result = run.result
     if run.sound.source == "vibration":
-        series, vibration = result.series["approach"], run.vibration
+        series = result.series["approach"]
+        vibration = run.vibration
     else:
         series, _ = released_energy(run.scene, result)
         vibration = None
@@ -358,7 +365,8 @@ def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str
         return numbers | {"turn_reason": reason}
     if turn_hz is None:
         return numbers | {"turn_reason": "the speed changes, so the turns have no single frequency"}
-    pressure, rate = sound.pressure, sound.sample_rate
+    pressure = sound.pressure
+    rate = sound.sample_rate
     band = modulated_octave(pressure, rate, turn_hz, sound.closed, sound.fade)
     spectrum = envelope_spectrum(pressure, rate, band, sound.closed, sound.fade)
     prominence = spectrum.prominence(turn_hz)
@@ -374,7 +382,8 @@ def _turns(scene: Scene, surface: SceneSurface, sound: ContactSound) -> dict[str
 
 def _unknown_prominence(scene: Scene, turn_hz: float) -> str:
     """Explain why nobody can tell whether a record at constant speed repeats with the turns."""
-    turns, turn = scene.track.turns, scene.track.turn_nodes * scene.track.spacing
+    turns = scene.track.turns
+    turn = scene.track.turn_nodes * scene.track.spacing
     if turns < MIN_PERIODS:
         least_mm = math.ceil(MIN_PERIODS * turn * 1e4) / 10
         return (
@@ -394,7 +403,8 @@ def _passes(run: SolvedRun, passes: Passes, stiffness: Array | None) -> list[dic
 
     The level of the vibration is an estimate from the approach, for scenes without dynamics.
     """
-    scene, result = run.scene, run.result
+    scene = run.scene
+    result = run.result
     steps = np.arange(result.steps) % result.solved_steps
     places = np.append(steps, steps[-1] + 1)
     rows = []
@@ -585,7 +595,8 @@ def _motion(vibration: Vibration) -> dict[str, Any]:
 
 def _force_law(run: SolvedRun) -> dict[str, Any]:
     """Return the loads of the force law and its error."""
-    vibration, marches = run.vibration, run.result.load_marches
+    vibration = run.vibration
+    marches = run.result.load_marches
     if vibration is None or marches is None:
         return {}
     loads = vibration.law.load_n.tolist()
@@ -621,7 +632,8 @@ def _vibration_estimate(
     run: SolvedRun, release: ContactSound, stiffness: Array | None
 ) -> dict[str, Any]:
     """Return the estimate of the vibration that a scene without dynamics leaves out."""
-    scene, result = run.scene, run.result
+    scene = run.scene
+    result = run.result
     is_looped = release.closed and release.constant_speed
     approach = result.series["approach"] if is_looped else result.whole_series("approach")
     estimate = radiators.vibration_estimate(scene, approach, result.step, release.closed, stiffness)

@@ -19,7 +19,8 @@ from rolling.run.pools import LocalPool, Task
 from rolling.scene.scene import Scene
 from rolling.surface import scene_surface
 
-SEEDS, WORKERS = 4, 2
+SEEDS = 4
+WORKERS = 2
 
 
 def noted(folder: Path, function: Callable[..., Any], *arguments: Any) -> Any:
@@ -39,7 +40,9 @@ def test_two_workers_make_few_surfaces_of_a_sweep_of_seeds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Each surface is made once, and once more by each worker that helps with the last run."""
-    scene, made, submit = tmp_path / "scene.yaml", tmp_path / "made", LocalPool.submit
+    scene = tmp_path / "scene.yaml"
+    made = tmp_path / "made"
+    submit = LocalPool.submit
     made.mkdir()
     scene.write_text(SWEEP.replace("rolling.load_n: [1, 2]", "surface.seed: [1, 2, 3, 4]"))
 
@@ -57,7 +60,9 @@ def filled(**items: int) -> Backlog:
 
 
 def test_an_idle_team_prefers_its_own_surface_then_a_free_one_then_the_longest_queue() -> None:
-    backlog, teams, none = filled(a=2, b=4, c=9), {1: 1, 2: 1}, Counter[Hashable]()
+    backlog = filled(a=2, b=4, c=9)
+    teams = {1: 1, 2: 1}
+    none = Counter[Hashable]()
     assert backlog.take(teams, none, 1) == (1, "a0")
     assert backlog.take(teams, Counter({1: 1}), 1) == (2, "b0")
     assert backlog.take(teams, Counter({1: 1, 2: 1}), 1) is None
@@ -71,7 +76,8 @@ def test_an_idle_team_prefers_its_own_surface_then_a_free_one_then_the_longest_q
 
 
 def test_a_task_waits_in_hand_only_where_others_are_left_for_idle_processes() -> None:
-    backlog, busy = filled(a=3), Counter[Hashable]({1: 1})
+    backlog = filled(a=3)
+    busy = Counter[Hashable]({1: 1})
     assert backlog.take({1: 1}, Counter(), 2) == (1, "a0")
     assert backlog.take({1: 1}, busy, 2) == (1, "a1")
     assert backlog.take({1: 1}, busy, 2) is None

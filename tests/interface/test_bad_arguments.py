@@ -294,7 +294,8 @@ def test_an_infinite_load_is_refused() -> None:
 
 def test_arrays_of_every_layout_give_the_same_contact() -> None:
     """Lists, reversed and strided views, Fortran order and read-only arrays are taken."""
-    wide, locked = np.repeat(np.repeat(GAP, 2, 0), 2, 1)[::2, ::2], GAP.copy()
+    wide = np.repeat(np.repeat(GAP, 2, 0), 2, 1)[::2, ::2]
+    locked = GAP.copy()
     locked.setflags(write=False)
     expected = rc.solve_contact(STEEL, GAP, 0.02)
     for gap in (GAP.tolist(), wide, GAP[::-1, ::-1][::-1, ::-1], np.asfortranarray(GAP), locked):

@@ -107,7 +107,8 @@ def test_every_figure_keeps_its_axes_and_the_names_of_its_curves(name: str) -> N
     pictures = [*comparing_pictures(runs)]
     pictures += [x for kind in SINGLE if (x := single_picture(kind, runs[0], runs))]
     for picture in pictures:
-        read, ax = chart_of(picture), picture.figure.axes[0]
+        read = chart_of(picture)
+        ax = picture.figure.axes[0]
         axes = {"x": read["x"], "y": read["y"][0]}
         for side, own in axes.items():
             label = f"{own['label']} [{own['unit']}]" if own["unit"] else own["label"]
@@ -151,7 +152,8 @@ def test_numbers_have_four_digits_of_their_differences(values: list[float], read
 
 
 def test_steps_of_a_band_and_values_of_an_image_are_read_back() -> None:
-    low, high = np.array([0.0, 1.0, -1.0, 2.0]), np.array([1.0, 2.0, 3.0, 2.5])
+    low = np.array([0.0, 1.0, -1.0, 2.0])
+    high = np.array([1.0, 2.0, 3.0, 2.5])
     read = drawing(lambda ax: ax.fill_between(np.arange(4.0), low, high, step="post", color="r"))
     (band,) = read["parts"]
     assert band["step"] and (band["low"], band["high"]) == ([0, 1, -1, 2], [1, 2, 3, 2.5])
@@ -272,7 +274,8 @@ def test_a_chart_is_read_toggled_and_zoomed(width: int, opened_charts) -> None:
 
     with opened_charts(drawing(draw), viewport={"width": width, "height": 900}) as page:
         shown = figure(page)
-        svg, reading = shown.locator(".plot > svg"), shown.locator(".reading")
+        svg = shown.locator(".plot > svg")
+        reading = shown.locator(".reading")
         box = svg.bounding_box()
         assert box["x"] + box["width"] <= width
         texts = shown.locator(".axes text").all_text_contents()

@@ -252,11 +252,9 @@ def test_runs_that_share_a_march_count_it_once() -> None:
         beside = forecast.beside_seconds([run.scene for run in scene.runs()], cost.cores())
         return check_scene(scene, solve=False).seconds - beside
 
-    alone, march, surface = (
-        seconds(),
-        found()["time of the march"].seconds,
-        found()["making of the surface"].seconds,
-    )
+    alone = seconds()
+    march = found()["time of the march"].seconds
+    surface = found()["making of the surface"].seconds
     assert alone == pytest.approx(march + surface)
     assert seconds("sweep.sound.q=[0.1, 0.2, 0.3]") == pytest.approx(alone)
     assert seconds("sweep.surface.seed=[1, 2]") == pytest.approx(2 * alone)

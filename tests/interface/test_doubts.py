@@ -93,7 +93,8 @@ def test_a_short_track_gone_round_many_times_says_its_pitch(tmp_path: Path) -> N
     waves = 1e-8 * np.cos(2 * np.pi * np.arange(150) / 10)
     np.save(tmp_path / "waves.npy", np.tile(waves[:, None], (1, 64)))
     text = TINY.replace("0.0005}", "0.3}")
-    begin, end = text.index("surface:"), text.index("rolling:")
+    begin = text.index("surface:")
+    end = text.index("rolling:")
     surface = f"surface: {{kind: file, path: {tmp_path}/waves.npy, spacing_um: 2}}\n"
     texts = doubt_lines(marched(text[:begin] + surface + text[end:]))
     assert "every 0.003 s, 333 times a second" in texts["short_track"]
@@ -255,7 +256,8 @@ def test_the_worst_doubt_is_the_verdict(
 
 def test_decibels_decide_the_severity() -> None:
     found = [severity_of(decibels) for decibels in (0.0, -1.0, 1.01, 3.0, -3.01)]
-    trust, indicative = Severity.TRUST, Severity.INDICATIVE
+    trust = Severity.TRUST
+    indicative = Severity.INDICATIVE
     assert found == [trust, trust, indicative, indicative, Severity.DO_NOT_QUOTE]
     assert level.worst_of([]).text == "no limit is broken"
     assert level.worst_of([Doubt("a", "Standing.", Severity.NOTE)]).severity is trust
@@ -318,7 +320,8 @@ def random_texts(count: int) -> Iterator[str]:
         return float(f"{10 ** rng.uniform(low, high):.3g}")
 
     for _ in range(count):
-        spacing, modulus = decades(-2, 2), decades(-3, 3)
+        spacing = decades(-2, 2)
+        modulus = decades(-3, 3)
         changes = {
             "sphere.radius_mm": decades(-2, 2.9),
             "plate.youngs_modulus_gpa": modulus,

@@ -113,7 +113,8 @@ def test_terminal_and_page_show_events_by_what_can_be_compared(run: Run) -> None
 
 def test_a_record_that_is_long_enough_shows_its_maximum(run: Run) -> None:
     """A loop has been played for ever; an open record of 2 ms ends before Fast has risen."""
-    loop, opened = rolled(), rolled("rolling.speed_m_s=[[0, 0.5], [0.002, 0.51]]")
+    loop = rolled()
+    opened = rolled("rolling.speed_m_s=[[0, 0.5], [0.002, 0.51]]")
     assert loop.sound.closed and not opened.sound.closed
     assert loop.summary["laf_max_db"] >= loop.summary["laeq_db"]
     assert opened.summary["laf_max_db"] is None and opened.sound.levels.laf_max_db is not None

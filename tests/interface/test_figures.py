@@ -129,7 +129,8 @@ def test_levels_and_areas_against_the_load_are_the_numbers_of_the_runs(three) ->
 def test_seeds_have_their_mean_and_standard_deviation() -> None:
     runs = runs_of("seeds")
     (drawn,) = comparing_pictures(runs, ["mean_third_octaves"])
-    table, band = table_of(drawn), BAND_NAMES.index("4000")
+    table = table_of(drawn)
+    band = BAND_NAMES.index("4000")
     levels = [run.sound.levels.third_octave_a_db["4000"] for run in runs[:3]]
     assert table["curve"][band] == "load 0.1 N"
     assert table["mean_a_weighted_level_db"][band] == pytest.approx(np.mean(levels))
@@ -156,12 +157,14 @@ def test_a_run_with_dynamics_has_four_figures_of_its_vibration() -> None:
         name: table_of(single(name, fast))
         for name in ("sources", "contact_force", "contact_filter", "mobilities")
     }
-    sources, force = tables["sources"], tables["contact_force"]
+    sources = tables["sources"]
+    force = tables["contact_force"]
     assert np.nanmax(sources["release_level_db"]) > np.nanmax(sources["vibration_level_db"])
     assert force["minimum_ratio"].min() == pytest.approx(fast.summary["force_min_ratio"])
     assert force["maximum_ratio"].max() == pytest.approx(fast.summary["force_max_ratio"])
     assert np.nanmin(tables["contact_filter"]["contact_filter_db"]) < -6  # short waves average out
-    total, f = tables["mobilities"]["all_three_in_a_row_s_kg"], tables["mobilities"]["frequency_hz"]
+    total = tables["mobilities"]["all_three_in_a_row_s_kg"]
+    f = tables["mobilities"]["frequency_hz"]
     assert f[total.argmin()] == pytest.approx(fast.summary["resonance_hz"], rel=0.05)
 
 
@@ -179,7 +182,8 @@ def test_a_steady_release_power_looks_steady_in_its_own_unit(scale, unit, three)
 
 
 def test_compared_runs_have_the_same_axes(three) -> None:
-    first, last = three[0], three[-1]
+    first = three[0]
+    last = three[-1]
     spectrograms = [single("spectrogram", run, three).figure.axes[0] for run in (first, last)]
     assert len({ax.get_images()[0].get_clim() for ax in spectrograms}) == 1
     # The power axis spans the same share of either mean, whatever the units.

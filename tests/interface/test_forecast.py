@@ -22,7 +22,9 @@ class Recorded(progress.Bar):
 
     def __init__(self, clock: list[float]) -> None:
         super().__init__(0.0, "recorded", False)
-        self.clock, self.shares, self.sums = clock, list[float](), [0.0]
+        self.clock = clock
+        self.shares = list[float]()
+        self.sums = [0.0]
 
     def grow(self, share: float) -> None:
         super().grow(share)

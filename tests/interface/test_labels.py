@@ -124,7 +124,8 @@ def test_height_files_are_told_apart_by_as_much_of_their_place_as_it_takes() -> 
 
 
 def test_equal_scenes_are_told_apart_by_folder_and_then_by_number() -> None:
-    a, b = Case(SCENE, Path("runs/a")), Case(SCENE, Path("runs/b"))
+    a = Case(SCENE, Path("runs/a"))
+    b = Case(SCENE, Path("runs/b"))
     assert of(a, b) == ["load 20 N (a)", "load 20 N (b)"]
     assert of(a, a) == ["load 20 N (1)", "load 20 N (2)"]
     assert of(a, a, b) == ["load 20 N (a) (1)", "load 20 N (a) (2)", "load 20 N (b)"]

@@ -82,13 +82,16 @@ def lines(force: Array, first_s: float, step_s: float) -> Array:
 
 def compare(reference: BodyMotion, moved: dict[str, Any]) -> tuple[float, float, float]:
     """Return error, difference of the level and of the worst third octave [dB], within hearing."""
-    step, force = moved["step"], np.array(moved["force"])
+    step = moved["step"]
+    force = np.array(moved["force"])
     lap = len(force) * step
     own = lines(reference.force_n, reference.time_step_s / 2, reference.time_step_s)
     got = lines(force, step, step)
     count = min(len(own), len(got), int(20e3 * lap))
-    own, got = own[:count], got[:count]
-    square, frequency = np.square(np.abs([own, got])), np.arange(1, count + 1) / lap
+    own = own[:count]
+    got = got[:count]
+    square = np.square(np.abs([own, got]))
+    frequency = np.arange(1, count + 1) / lap
     bands = [
         square[:, (frequency > a) & (frequency <= b)].sum(axis=1) for a, b in pairwise(EDGES_HZ)
     ]
@@ -104,8 +107,10 @@ def test_force_over_a_lap(name: str) -> None:
     """The program at 240 steps in a period: -46 dB on 1 mm, -50 dB and less elsewhere."""
     changes, settings = SETTINGS[name]
     begun = scene((changes | {"rolling.distance_mm": 2}) if "plate.length_mm" in changes else {})
-    law, changed = force_law(begun), begun.with_(changes)
-    chain, speed = of_scene.chain_over(changed, law), changed.motion.fastest(1)
+    law = force_law(begun)
+    changed = begun.with_(changes)
+    chain = of_scene.chain_over(changed, law)
+    speed = changed.motion.fastest(1)
     reference = move(law, chain, changed.load, speed, stepping=Stepping(per_period=240))
     assert law.period_m is not None and reference.flight_share == 0
     laps = min(200, 3 + int(14 * chain.decay_s * speed / law.period_m))
@@ -121,7 +126,8 @@ def test_force_over_a_lap(name: str) -> None:
 def impacts(force: Array, step: float) -> Array:
     """Return time [s] and impulse [N s] of each whole impact, (n, 2)."""
     edges = np.diff((force > 0).astype(int))
-    starts, ends = np.flatnonzero(edges > 0) + 1, np.flatnonzero(edges < 0) + 1
+    starts = np.flatnonzero(edges > 0) + 1
+    ends = np.flatnonzero(edges < 0) + 1
     return np.array(
         [(a * step, force[a:b].sum() * step) for a, b in zip(starts, ends, strict=False)]
     )
@@ -151,7 +157,8 @@ def test_statistics_of_a_ball_that_bounces() -> None:
     law = replace(
         rough, approach_m=rough.approach_m + 3 * (rough.approach_m[1] - rough.approach_m[1].mean())
     )
-    chain, seconds = of_scene.chain_over(begun, law), 1.0
+    chain = of_scene.chain_over(begun, law)
+    seconds = 1.0
     reference = move(law, chain, begun.load, 1.0, seconds)
     engine = moved(begun, law, [{"samples": round(48000 * seconds)}])[0]
     force = np.array(engine["force"])
@@ -260,9 +267,12 @@ def test_the_distance_is_that_of_the_listener() -> None:
 @pytest.mark.parametrize(("count", "share"), [(24_000, 1.0), (60_000, 0.5)])
 def test_a_long_law_fits(count: int, share: float) -> None:
     """A law whose rows would be too coarse is kept in part; the force is off by 0.1 % at most."""
-    rng, loads = np.random.default_rng(1), np.array([14.0, 20.0, 28.0])
-    hertz, x = np.cbrt(loads**2) * 1e-7, 2e-6 * np.arange(count)
-    lift, slope = roughness(count, 1e-8, rng), 1 + roughness(count, 0.02, rng)
+    rng = np.random.default_rng(1)
+    loads = np.array([14.0, 20.0, 28.0])
+    hertz = np.cbrt(loads**2) * 1e-7
+    x = 2e-6 * np.arange(count)
+    lift = roughness(count, 1e-8, rng)
+    slope = 1 + roughness(count, 0.02, rng)
     approach = hertz[1] + lift + (hertz - hertz[1])[:, None] * slope
     law = ForceLaw(x, loads, approach, period_m=2e-6 * count, smooth_slope=1e-7)
     stored = live.stored_law(law, 20.0)

@@ -87,7 +87,9 @@ def test_a_stored_scene_keeps_its_values_when_the_tables_change(
 ) -> None:
     swept = scene(sweep={"plate.material": ["glass", "oak"]})
     run = swept.runs()[0].scene
-    stored, identity, keys = dump(run), scene_identity(run), contact_keys(run)
+    stored = dump(run)
+    identity = scene_identity(run)
+    keys = contact_keys(run)
     of_sweep = scene_identity(swept)
     changed = {name: entry | {"hardness_gpa": [1.5, "x"]} for name, entry in MATERIALS.items()}
     real = library.data

@@ -33,7 +33,8 @@ OPEN_ALL = "document.querySelectorAll('details').forEach((d) => { d.open = true;
 PHONE = {"width": 360, "height": 740}
 
 
-DESK, SMALL = {"width": 1400, "height": 900}, {"width": 390, "height": 844}
+DESK = {"width": 1400, "height": 900}
+SMALL = {"width": 390, "height": 844}
 RULES = {"resultTypes": ["violations"], "preload": False}  # it would wait for sounds
 FIRST = ("h1", "#still", "#play", ".level .number", ".verdict", ".lead", ".choices label")
 

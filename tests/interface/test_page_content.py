@@ -92,7 +92,8 @@ def test_gains_keep_levels_or_make_them_equal_and_never_clip() -> None:
 
     The record with the maximum crest (20 lg of peak over level) limits the equal gains.
     """
-    peaks, levels = [2.0, 1.0, 0.1], [80.0, 70.0, 60.0]
+    peaks = [2.0, 1.0, 0.1]
+    levels = [80.0, 70.0, 60.0]
     heard = 70 - 20 * np.log10(1 / PEAK)  # digital level of the record that limits the others
     for gain, peak, level in zip(records.gains(peaks, levels), peaks, levels, strict=True):
         assert peak / gain["full_scale_pa"] == pytest.approx(PEAK)
@@ -127,7 +128,8 @@ def test_the_sheet_of_maps_holds_every_pressure_at_its_place() -> None:
     shown = maps.run_maps(run, 2.1)
     assert shown is not None
     (sheet,) = shown["sheets"]
-    seen, palette = image_of(sheet["png"]), maps.palette()
+    seen = image_of(sheet["png"])
+    palette = maps.palette()
     stored = [run.result.maps[position] for position in sorted(run.result.maps)]
     for own, tile, box in zip(stored, sheet["tiles"], sheet["boxes"], strict=True):
         left, top, width, height = tile
@@ -144,7 +146,8 @@ def test_the_sheet_of_maps_holds_every_pressure_at_its_place() -> None:
 @pytest.mark.parametrize(("laps", "closes"), [(1.0, True), (1.0, False), (2.5, True), (0.4, False)])
 def test_the_map_shown_is_the_nearest_at_any_time(speed, laps, closes) -> None:
     """At 500 times it is the nearest of all maps, across the seam where the lap closes."""
-    motion, lap = Motion.of(speed), 1e-3
+    motion = Motion.of(speed)
+    lap = 1e-3
     distances = np.array([0, 0.7, 2.1, 4.0, 7.5, 9.2]) * 1e-4
     distances = distances[distances <= laps * lap]
     begins, order = maps.showing(distances, lap, laps * lap, closes, motion)
@@ -163,12 +166,14 @@ def test_the_map_shown_is_the_nearest_at_any_time(speed, laps, closes) -> None:
 def test_the_curves_of_a_film_are_the_motion_of_the_run() -> None:
     """Values of a chart have four digits of their differences: 1 mN of 2 N, 1 nm of 2000 nm."""
     _, fast = runs_of("flying")
-    motion, slow = fast.vibration.motion, fast.result.slow_motion
+    motion = fast.vibration.motion
+    slow = fast.result.slow_motion
     times = fast.position_time[slow.positions]
     _, chart = film.curves(fast)
     assert chart["title"] == "Motion of the ball"
     height, force = (part["y"] for part in chart["parts"] if part["kind"] == "line")
-    ms, (rule,) = chart["xs"][0], [part for part in chart["parts"] if part["kind"] == "rule"]
+    ms = chart["xs"][0]
+    (rule,) = [part for part in chart["parts"] if part["kind"] == "rule"]
     assert rule["at"] == fast.vibration.load == 0.3
     assert ms[0] <= 1e3 * times[0] and ms[-1] >= 1e3 * (times[-1] - motion.time_step_s)
     above = 1e9 * (motion.displacement_m.mean() - motion.displacement_m)
@@ -180,7 +185,8 @@ def test_the_curves_of_a_film_are_the_motion_of_the_run() -> None:
 def test_the_flights_of_a_film_are_the_times_without_force() -> None:
     _, fast = runs_of("flying")
     motion = fast.vibration.motion
-    begin, end = motion.time_s[40] + 1e-9, motion.time_s[-40]
+    begin = motion.time_s[40] + 1e-9
+    end = motion.time_s[-40]
     flown = film.flights(fast, np.array([begin, end]))
     assert flown and all(begin <= a < b <= end for a, b in flown)
     within = (motion.time_s >= begin) & (motion.time_s <= end)

@@ -67,8 +67,10 @@ def nearest_map(run: Run, seconds: float) -> int:
 
 
 def test_the_map_follows_the_playhead_and_shows_the_stored_pressure(pages, opened) -> None:
-    path, run = pages("three"), runs_of("three")[1]
-    view, middle = data_of(path)["view"], 49.5 * 2e-6
+    path = pages("three")
+    run = runs_of("three")[1]
+    view = data_of(path)["view"]
+    middle = 49.5 * 2e-6
     maps = [run.result.maps[position] for position in sorted(run.result.maps)]
     with opened(path) as page:
         page.check("input[name=run][value='1']")
@@ -82,7 +84,8 @@ def test_the_map_follows_the_playhead_and_shows_the_stored_pressure(pages, opene
             assert pressure == pytest.approx(shown.pressure.max() * 1e-9, rel=1e-3)
             width = canvas.evaluate("c => c.width")
             per_m = width / (2e-6 * view["half_um"])
-            cells, places = [], []
+            cells = []
+            places = []
             for i, j in np.argwhere(shown.pressure > 0)[::20]:
                 x = width / 2 + (shown.along + (i + 0.5) * shown.cell - shown.distance) * per_m
                 y = width / 2 - (shown.across + (j + 0.5) * shown.cell - middle) * per_m
@@ -146,7 +149,8 @@ def contact_shapes() -> dict[str, np.ndarray]:
     """Return pressures of a disk, a line, two far points, one cell, and a wide flat contact."""
     x, y = np.mgrid[:96, :96]
     points = np.zeros((96, 90))
-    points[2, 3], points[93, 80] = 1.0, 2.0
+    points[2, 3] = 1.0
+    points[93, 80] = 2.0
     return {
         "disk": np.where(np.hypot(x - 48, y - 48) < 47, 1.0, 0.0),
         "line": np.where(y[:, :3] == 1, 1.0 + x[:, :3], 0.0),
@@ -162,8 +166,10 @@ def test_the_lens_shows_the_highest_pressure_of_any_shape(name: str) -> None:
 
     A width is rounded up by a step of the root of 2 at most.
     """
-    pressure, cell = contact_shapes()[name], 3.0
-    left, top = -40.0, 70.0
+    pressure = contact_shapes()[name]
+    cell = 3.0
+    left = -40.0
+    top = 70.0
     x, y, width = lens(pressure, (left, top, cell))
     rows, columns = np.indices(pressure.shape)
     across = top - (pressure.shape[1] - columns - 0.5) * cell
@@ -178,15 +184,19 @@ def test_the_lens_shows_the_highest_pressure_of_any_shape(name: str) -> None:
 
 def flashes(frames: np.ndarray) -> np.ndarray:
     """Count the flashes of each pixel: pairs of opposing changes by 0.1, the darker below 0.8."""
-    low, high = frames[0].copy(), frames[0].copy()
-    rising, turns = np.zeros(low.shape, int), np.zeros(low.shape, int)
+    low = frames[0].copy()
+    high = frames[0].copy()
+    rising = np.zeros(low.shape, int)
+    turns = np.zeros(low.shape, int)
     for frame in frames[1:]:
-        low, high = np.minimum(low, frame), np.maximum(high, frame)
+        low = np.minimum(low, frame)
+        high = np.maximum(high, frame)
         up = (frame - low >= 0.1) & (low < 0.8) & (rising != 1)
         down = (high - frame >= 0.1) & (frame < 0.8) & (rising != -1)
         turns += up | down
         rising = np.where(up, 1, np.where(down, -1, rising))
-        low, high = np.where(up | down, frame, low), np.where(up | down, frame, high)
+        low = np.where(up | down, frame, low)
+        high = np.where(up | down, frame, high)
     return turns // 2
 
 
@@ -204,7 +214,8 @@ def test_flashes_are_counted_as_pairs_of_changes() -> None:
 def test_the_film_plays_once_and_follows_its_slider(pages, opened) -> None:
     path = pages("filmed")
     film = data_of(path)["runs"][0]["film"]
-    last, loudest = len(film["times"]) - 1, film["loudest"]
+    last = len(film["times"]) - 1
+    loudest = film["loudest"]
     with opened(path) as page:
         assert int(page.input_value("#film-seek")) == loudest
         assert f"{1e3 * film['times'][loudest]:.3f} ms" in page.text_content("#film-time")
@@ -230,7 +241,8 @@ def test_the_film_plays_once_and_follows_its_slider(pages, opened) -> None:
 
 def test_the_film_shows_the_map_that_is_heard_and_pauses_with_it(pages, opened) -> None:
     """Each step shows the last map begun at the time that it reads, within 1 µs of rounding."""
-    path, rate = pages("filmed"), 1000
+    path = pages("filmed")
+    rate = 1000
     times = np.array(data_of(path)["runs"][0]["film"]["times"])
     with opened(path) as page:
         page.select_option("#film-rate", str(rate))
@@ -267,7 +279,8 @@ def test_the_film_starts_at_the_slowest_rate_that_is_heard(pages, opened) -> Non
             if not run["film"]:
                 continue
             page.check(f"input[name=run][value='{number}']")
-            heard, rate = run["film"]["heard"], run["film"]["rate"]
+            heard = run["film"]["heard"]
+            rate = run["film"]["rate"]
             slower = [x for x in (50, 100) if x > rate]
             assert all(heard[str(x)] < 0.5 for x in slower)
             assert rate == 20 or heard[str(rate)] >= 0.5
@@ -289,7 +302,8 @@ def test_the_film_marks_flights_and_has_no_curves_without_dynamics(pages, opened
     film = data_of(path)["runs"][1]["film"]
     assert any(film["flight_s"])
     with opened(path) as page:
-        curves, said = page.locator("[data-name=film_motion] >> visible=true"), "#film-time"
+        curves = page.locator("[data-name=film_motion] >> visible=true")
+        said = "#film-time"
         page.check("input[name=run][value='1']")
         # It opens at the maximum of the force.
         assert "presses with" in page.text_content(said)
@@ -311,7 +325,8 @@ def test_a_falling_ball_does_not_roll_under_its_load(pages, opened) -> None:
 
     No still, slow motion or map shows a contact in that time, and the page says why.
     """
-    path, run = pages("falling"), runs_of("falling")[0]
+    path = pages("falling")
+    run = runs_of("falling")[0]
     player = data_of(path)["runs"][0]
     assert run.result.slow_motion is not None and player["film"] is None
     assert gallery_still(run) is None

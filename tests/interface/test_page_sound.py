@@ -142,7 +142,8 @@ def test_a_short_record_says_that_its_repetition_is_heard(pages, opened) -> None
 def test_play_plays_the_computed_record(name, pages, opened) -> None:
     """Play sends the samples of the record, short or long, times the calibrated gain."""
     path = pages(name)
-    record, gain = embedded_record(path, 0), data_of(path)["runs"][0]["playback"]["calibrated"]
+    record = embedded_record(path, 0)
+    gain = data_of(path)["runs"][0]["playback"]["calibrated"]
     with opened(path) as page:
         page.click("#play")
         until(page, "tap.sources.length > 0")
@@ -155,7 +156,8 @@ def test_play_plays_the_computed_record(name, pages, opened) -> None:
 
 def test_play_begins_with_the_long_record_at_its_own_level(pages, opened) -> None:
     """A run without one is heard by its own record; the MP3 keeps its level within 0.1 dB."""
-    path, (long, short) = pages("long", "fast"), runs_of("long", "fast")
+    path = pages("long", "fast")
+    (long, short) = runs_of("long", "fast")
     playback = data_of(path)["runs"][0]["playback"]
     with opened(path) as page:
         page.click("#play")
@@ -195,8 +197,10 @@ def test_a_record_is_downloaded_as_a_wav_with_its_scale(pages, opened) -> None:
 
 def test_a_record_that_does_not_close_goes_round_as_listen_wav_does(pages, opened) -> None:
     """Its end leads to its lap as in listen.wav, within the rounding of 16 bits."""
-    path, (run,) = pages("braking"), runs_of("braking")
-    playback, lap = data_of(path)["runs"][0]["playback"], run.sound.lap
+    path = pages("braking")
+    (run,) = runs_of("braking")
+    playback = data_of(path)["runs"][0]["playback"]
+    lap = run.sound.lap
     heard = lap.samples(run.sound.pressure) / lap.factor / playback["full_scale_pa"]
     record = run.sound.pressure / playback["full_scale_pa"]
     with opened(path) as page:

@@ -133,7 +133,8 @@ def test_a_hand_drags_the_ball_which_rolls_on(playing) -> None:
     with playing("flying") as page:
         page.locator("#play-stage").scroll_into_view_if_needed()
         box = page.locator("#play-stage").bounding_box()
-        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        x = box["x"] + box["width"] / 2
+        y = box["y"] + box["height"] / 2
         page.mouse.move(x, y)
         page.mouse.down()
         until(page, "/[0-9]/.test(document.querySelector('#play-force-now').textContent)")
@@ -189,7 +190,8 @@ def test_settings_make_a_whole_scene(playing, name: str) -> None:
         for number, slider in enumerate(names):
             if slider != "play-load":
                 set_slider(page, slider.removeprefix("play-"), 0.55 + 0.03 * number)
-        copied, words = made(keys(page)), overrides(page)
+        copied = made(keys(page))
+        words = overrides(page)
         shown = page.locator("#play-speed").get_attribute("aria-valuetext")
     assert unchanged.sound == scene.sound and unchanged.track == scene.track
     heard = file.resound(scene, words)

@@ -110,7 +110,8 @@ def test_a_saved_run_has_the_bytes_of_the_command_and_comes_back_equal(
     folder: Path, tmp_path: Path, run: Run
 ) -> None:
     saved = run.save(tmp_path / "mine", report=False)
-    command, mine = contents(folder / "out"), contents(saved)
+    command = contents(folder / "out")
+    mine = contents(saved)
     assert mine["signal.wav"] == command["signal.wav"]
     again = rc.open_run(saved)
     assert again.scene == run.scene and again.label == run.label
@@ -135,7 +136,8 @@ def test_tree_is_the_file(folder: Path) -> None:
 def test_tables_and_wav_hold_the_numbers_of_the_files(
     folder: Path, tmp_path: Path, run: Run
 ) -> None:
-    frame, root = run.to_dataframe(), run.to_xarray()
+    frame = run.to_dataframe()
+    root = run.to_xarray()
     assert {*frame.columns} == {*root.data_vars} | {"position_time"} - {"step", "position"}
     for name in frame:
         np.testing.assert_array_equal(frame[name].dropna(), root[name])
@@ -157,7 +159,8 @@ def test_table_of_runs_is_runs_csv(folder: Path, tmp_path: Path) -> None:
     runs = rc.simulate_sweep(rc.read_scene(folder / "scene.yaml", loads), workers=1)
     words = words_of(folder / "scene.yaml", tmp_path / "out", "--workers", "1")
     assert cli.main([*words, "--set", *loads]) == 0
-    stored, table = pd.read_csv(tmp_path / "out/runs.csv"), runs.table().reset_index()
+    stored = pd.read_csv(tmp_path / "out/runs.csv")
+    table = runs.table().reset_index()
     assert [*table] == [*stored]
     for name in ("run", "rolling.load_n", "laeq_db", "third_octave_a_db_8000", "doubts"):
         assert table[name].tolist() == pytest.approx(stored[name].tolist()), name

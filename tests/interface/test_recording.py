@@ -17,7 +17,8 @@ from rolling import cli, open_run, save_run
 from rolling.report import recording
 from rolling.results.run_result import Run
 
-RATE, SECONDS = 44100, 6.0
+RATE = 44100
+SECONDS = 6.0
 FULL_SCALE_PA = 0.02
 TEXT = VIBRATING.replace("sound: {", f"sound: {{listen_s: {SECONDS}, ")
 
@@ -45,7 +46,8 @@ def filtered(samples: np.ndarray, rate: int) -> tuple[np.ndarray, np.ndarray]:
     Return also the filter in third octaves [dB].
     """
     frequency = np.fft.rfftfreq(len(samples), 1 / rate)
-    lines, bands = np.fft.rfft(samples), 10 ** (np.arange(13, 44) / 10)
+    lines = np.fft.rfft(samples)
+    bands = 10 ** (np.arange(13, 44) / 10)
     gains = [np.interp(np.log(x + 1e-9), np.log([800, 2500]), [2, -7]) for x in (frequency, bands)]
     return np.fft.irfft(lines * 10 ** (gains[0] / 20), len(samples)), gains[1]
 
@@ -77,9 +79,11 @@ def test_the_difference_is_the_filter_within_the_stated_uncertainty(
     """
     other = at_rate(run.listen(SECONDS, seed=5).pressure)
     sound, gain = filtered(other, RATE)
-    rng, full = np.random.default_rng(2), np.abs(sound).max() / 0.5
+    rng = np.random.default_rng(2)
+    full = np.abs(sound).max() / 0.5
     noise = 0.002 * sound.std() * rng.standard_normal((2, len(sound)))
-    wav, hush = tmp_path / "phone.wav", tmp_path / "hush.wav"
+    wav = tmp_path / "phone.wav"
+    hush = tmp_path / "hush.wav"
     soundfile.write(wav, np.stack([sound + noise[0], 0.1 * sound], 1) / full, RATE, "PCM_24")
     soundfile.write(hush, np.stack([noise[1], 0 * sound], 1) / full, RATE, "PCM_24")
     words = (wav, "--calibration", full, "--background", hush)
@@ -126,7 +130,8 @@ def test_without_calibration_shapes_are_compared(
     assert cli.main(["compare", str(folder), str(wav)]) == 0
     out = folder / "compare-a_b_c.ogg.html"
     assert {path.name for path in folder.iterdir()} - before == {out.name, "compare-a_b_c.ogg.csv"}
-    said, html = capsys.readouterr().out, out.read_text(encoding="utf-8")
+    said = capsys.readouterr().out
+    html = out.read_text(encoding="utf-8")
     assert said.splitlines()[-1] == str(out) and "LAeq is made equal" in said
     assert "<b>" not in html and html.count("<audio") == 2
     assert re.findall(r'(?:src|href)="(?!data:)', html) == []
@@ -138,7 +143,8 @@ def test_without_calibration_shapes_are_compared(
 
 def write_odd(path: Path) -> None:
     """Write recordings that are none, by the name of the file."""
-    rate, sound = 16000, 0.1 * np.random.default_rng(3).standard_normal(16000)
+    rate = 16000
+    sound = 0.1 * np.random.default_rng(3).standard_normal(16000)
     if path.name == "silent.wav":
         sound[:] = 0.25
     if path.name == "nan.wav":
@@ -152,7 +158,8 @@ def write_odd(path: Path) -> None:
     if path.name == "slow.wav":
         rate = 8000
     if path.name == "fast.wav":
-        rate, sound = 192001, np.tile(sound, 7)
+        rate = 192001
+        sound = np.tile(sound, 7)
     soundfile.write(path, sound, rate, subtype="FLOAT")
     if path.name == "text.wav":
         path.write_text("no sound")
@@ -255,7 +262,8 @@ def test_the_uncertainty_of_a_band_with_a_sharp_resonance_is_that_of_its_lines()
 
     Its third octave of 1 kHz holds 23 times as many lines; 15 % are 3 standard deviations of 200.
     """
-    spreads, levels = [], []
+    spreads = []
+    levels = []
     frequency = np.fft.rfftfreq(48000, 1 / 48000)
     gain = 1e-3 + 1 / np.abs(1 - (frequency / 1000) ** 2 + 0.01j * frequency / 1000)
     for seed in range(200):
@@ -264,7 +272,8 @@ def test_the_uncertainty_of_a_band_with_a_sharp_resonance_is_that_of_its_lines()
         found = recording._bands(recording.Recording("noise", samples, 24000.0, 1.0))
         levels.append(found[0])
         spreads.append(found[2])
-    resonant, broad = BAND_NAMES.index("1000"), BAND_NAMES.index("4000")
+    resonant = BAND_NAMES.index("1000")
+    broad = BAND_NAMES.index("4000")
     for band in (resonant, broad):
         scatter = np.std(levels, axis=0)[band]
         assert np.mean(spreads, axis=0)[band] == pytest.approx(scatter, rel=0.15)
@@ -287,7 +296,8 @@ def test_clipping_is_named(
 def test_a_damaged_recording_is_read_or_refused(folder: Path, tmp_path: Path) -> None:
     """Flipped bytes of a header end in a page or in a refusal, never in a traceback."""
     rng = np.random.default_rng(7)
-    whole, codes = tmp_path / "whole.wav", set()
+    whole = tmp_path / "whole.wav"
+    codes = set()
     soundfile.write(whole, 0.1 * rng.standard_normal((16000, 2)), 16000, "PCM_16")
     content = whole.read_bytes()
     for number in range(25):

@@ -87,7 +87,9 @@ def test_marches_that_failed_come_back_as_failed(tmp_path: Path) -> None:
 
 
 def test_readers_of_netcdf_find_names_units_and_places(whole: Run) -> None:
-    path, scene, result = whole.folder / "result.h5", whole.scene, whole.result
+    path = whole.folder / "result.h5"
+    scene = whole.scene
+    result = whole.result
     with xr.open_datatree(path, engine="h5netcdf") as tree:
         assert set(tree.children) == {"snapshot", "pressure_maps", "events", "sound"}
         for node in tree.subtree:
@@ -101,7 +103,8 @@ def test_readers_of_netcdf_find_names_units_and_places(whole: Run) -> None:
         assert np.allclose(release, tree["release_per_metre"] * tree["speed"], rtol=1e-12, atol=0)
         maps = tree["pressure_maps"]
         for k, pressure_map in enumerate(result.maps.values()):
-            rows, columns = int(maps["rows"][k]), int(maps["columns"][k])
+            rows = int(maps["rows"][k])
+            columns = int(maps["columns"][k])
             block = maps["pressure"][k].values
             assert np.array_equal(block[:rows, :columns], pressure_map.pressure)
             assert np.isnan(block[rows:]).all() and np.isnan(block[:, columns:]).all()
@@ -120,7 +123,8 @@ def test_the_sound_in_the_file_has_the_level_of_the_summary(whole: Run) -> None:
 def test_a_force_law_holds_the_load_of_the_run(tmp_path: Path) -> None:
     run = marched(VIBRATING, folder=tmp_path)
     tree = run.to_xarray()
-    law, force = tree["force_law/approach"], tree["contact_force"]
+    law = tree["force_law/approach"]
+    force = tree["contact_force"]
     assert np.array_equal(law.sel(load=1.0), tree["approach"])
     assert np.all(np.diff(law, axis=0) > 0)
     assert float(force["force"].mean()) == pytest.approx(1.0, rel=1e-9)
@@ -133,7 +137,8 @@ def test_a_force_law_holds_the_load_of_the_run(tmp_path: Path) -> None:
 def test_long_scenes_large_seeds_and_empty_tables_are_kept(tmp_path: Path) -> None:
     """A description of 2 MB, a seed above 64 bits and a table without events are kept."""
     data = file.loads(SCENE).to_dict() | {"description": "ä" * 1_000_000}
-    data["surface"]["seed"], data["rolling"]["duration_s"] = 10**30, 0.002
+    data["surface"]["seed"] = 10**30
+    data["rolling"]["duration_s"] = 0.002
     scene = file.Scene.from_dict(data)
     run = run_of(scene)
     result = run.result

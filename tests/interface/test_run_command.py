@@ -73,7 +73,8 @@ def test_a_run_leaves_few_files(tmp_path: Path, swept: Path) -> None:
 def test_the_same_command_says_that_all_is_done_and_writes_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    scene, out = write(tmp_path, SEEDS), tmp_path / "out"
+    scene = write(tmp_path, SEEDS)
+    out = tmp_path / "out"
     assert run(scene, out) == 0
     before = {path: path.stat().st_mtime_ns for path in out.rglob("*.*")}
     capsys.readouterr()
@@ -86,7 +87,9 @@ def test_the_same_command_says_that_all_is_done_and_writes_nothing(
 
 @pytest.mark.slow
 def test_values_that_a_sweep_gets_later_are_added(tmp_path: Path) -> None:
-    scene, out, whole = write(tmp_path, SEEDS), tmp_path / "out", tmp_path / "whole"
+    scene = write(tmp_path, SEEDS)
+    out = tmp_path / "out"
+    whole = tmp_path / "whole"
     assert run(scene, out) == 0
     before = contents(out)
     more = ("--set", "sweep.surface.seed=[0, 1, 2, 3]")
@@ -111,7 +114,8 @@ def test_the_default_folder_is_named_by_the_scene(
 
 
 def test_parts_in_any_order_give_the_bytes_of_the_whole(tmp_path: Path, swept: Path) -> None:
-    scene, out = write(tmp_path, SEEDS), tmp_path / "out"
+    scene = write(tmp_path, SEEDS)
+    out = tmp_path / "out"
     for number, done in ((2, 1), (3, 2), (1, 3)):
         assert not (out / "runs.csv").exists()
         assert run(scene, out, "--part", f"{number}/3") == 0
@@ -124,7 +128,8 @@ def test_runs_with_one_march_stay_in_one_part(tmp_path: Path) -> None:
     """Speeds share a march where the sphere rolls the same distance; loads do not."""
     text = TINY.replace("duration_s: 0.0005", "distance_mm: 0.05")
     text += "sweep: {rolling.speed_m_s: [0.1, 0.2], rolling.load_n: [0.005, 0.01]}\n"
-    scene, out = write(tmp_path, text), tmp_path / "out"
+    scene = write(tmp_path, text)
+    out = tmp_path / "out"
     marches = [contact_identity(single) for _, single in read_scene(scene).runs()]
     assert marches[0] == marches[2] != marches[1] == marches[3]
     assert run(scene, out, "--part", "1/2") == 0
@@ -146,7 +151,8 @@ def test_runs_with_one_march_stay_in_one_part(tmp_path: Path) -> None:
 def test_bad_input_writes_nothing(
     words: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    scene, out = write(tmp_path), tmp_path / "out"
+    scene = write(tmp_path)
+    out = tmp_path / "out"
     try:
         assert run(scene, out, *words) == 2
     except SystemExit as end:  # of the parser
@@ -159,7 +165,8 @@ def test_a_run_that_fails_says_why_and_leaves_the_others_whole(
 ) -> None:
     """The plate carries 2.1 GPa times 50 x 128 um, 13.44 N."""
     text = TINY + "sweep: {rolling.load_n: [40, 0.005]}\n"
-    scene, out = write(tmp_path, text), tmp_path / "out"
+    scene = write(tmp_path, text)
+    out = tmp_path / "out"
     for _ in range(2):  # the second command tries it again
         assert run(scene, out) == 1
         assert "failed: load 40 N: " in (said := capsys.readouterr().err)
@@ -177,7 +184,8 @@ def test_workers_change_no_byte(tmp_path: Path) -> None:
 
 
 def test_a_smooth_ball_that_accelerates_is_silent(tmp_path: Path) -> None:
-    scene, out = tmp_path / "s.yaml", tmp_path / "out"
+    scene = tmp_path / "s.yaml"
+    out = tmp_path / "out"
     scene.write_text(
         "name: s\nsphere: {radius_mm: 5}\nplate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3}\n"
         "surface: {kind: smooth, spacing_um: 2, width_um: 200}\n"
@@ -198,7 +206,8 @@ def test_a_height_file_is_found_from_the_folder(tmp_path: Path) -> None:
     head, _, tail = TINY.partition("surface:")
     rest = tail[tail.index("rolling:") :].replace("0.0005", "0.0016")  # two laps
     text = f"{head}surface: {{kind: file, path: z.npy, spacing_um: 2}}\n{rest}"
-    scene, out = write(tmp_path, text), tmp_path / "a" / "b"
+    scene = write(tmp_path, text)
+    out = tmp_path / "a" / "b"
     assert run(scene, out) == 0
     assert "path: ../../z.npy" in (out / "scene.yaml").read_text()
     release = open_run(out).series["release_energy"]
@@ -248,7 +257,8 @@ def test_runs_that_share_a_march_have_the_bytes_of_runs_alone(tmp_path: Path, fi
     moving = VIBRATING.replace("distance_mm: 0.48", "distance_mm: 2.8").replace("160", "120")
     moving = moving.replace("load_n: 1,", "load_n: 0.05,")
     speeds = "sweep: {rolling.speed_m_s: [%s]}\n"
-    whole, added = tmp_path / "whole", tmp_path / "added"
+    whole = tmp_path / "whole"
+    added = tmp_path / "added"
     assert run(write(tmp_path, moving + speeds % "0.1, 1"), whole, "--no-report") == 0
     for listed in (first, "0.1, 1"):
         assert run(write(tmp_path, moving + speeds % listed), added, "--no-report") == 0
@@ -263,13 +273,16 @@ def test_runs_that_share_a_march_have_the_bytes_of_runs_alone(tmp_path: Path, fi
 def test_resound_solves_nothing_and_speed_scales(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    first, fast, far = tmp_path / "first", tmp_path / "fast", tmp_path / "far"
+    first = tmp_path / "first"
+    fast = tmp_path / "fast"
+    far = tmp_path / "far"
     assert run(write(tmp_path), first) == 0
     monkeypatch.setattr("rolling.marches.march_piece.march", None)
     words = ["--no-report", "-q", "--workers", "1"]
     speed = ["resound", str(first), "--set", "rolling.speed_m_s=0.2", "--out", str(fast)]
     assert cli.main([*speed, *words]) == 0
-    slow, quick = summary(first), summary(fast)
+    slow = summary(first)
+    quick = summary(fast)
     # Speed times 2: power times 2, half the time.
     assert quick["release_power_mean_w"] == pytest.approx(
         2 * slow["release_power_mean_w"], rel=1e-12
@@ -288,7 +301,9 @@ def test_resound_solves_nothing_and_speed_scales(
 
 @pytest.mark.slow
 def test_a_resounded_sweep_has_the_bytes_of_a_run(tmp_path: Path, swept: Path) -> None:
-    scene, out, new = write(tmp_path, SEEDS), tmp_path / "out", tmp_path / "new"
+    scene = write(tmp_path, SEEDS)
+    out = tmp_path / "out"
+    new = tmp_path / "new"
     change = ["--set", "sound.distance_m=2"]
     assert cli.main(["resound", str(swept), *change, "--out", str(out), "--no-report", "-q"]) == 0
     assert run(scene, new, *change) == 0
@@ -387,7 +402,8 @@ def test_plot_draws_single_figures(
 def test_report_is_made_again_and_of_several_folders(
     swept: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    out, page = tmp_path / "out", tmp_path / "page.html"
+    out = tmp_path / "out"
+    page = tmp_path / "page.html"
     assert run(write(tmp_path), out) == 0
     assert cli.main(["report", str(out), "-q"]) == 0
     assert "tiny" in (out / "report.html").read_text()
@@ -409,7 +425,8 @@ def test_a_run_opens_its_page(
 ) -> None:
     opened: list[str] = []
     monkeypatch.setattr(webbrowser, "open", lambda page: bool(opened.append(page)) or is_found)
-    scene, out = write(tmp_path, TINY + 'title: "Ball & plate <b>"\n'), tmp_path / "out"
+    scene = write(tmp_path, TINY + 'title: "Ball & plate <b>"\n')
+    out = tmp_path / "out"
     assert cli.main(["run", str(scene), "--out", str(out), "--open", "--workers", "1"]) == 0
     assert opened == [(out / "report.html").as_uri()]
     assert ("no browser was found" in capsys.readouterr().err) == (not is_found)
@@ -430,7 +447,9 @@ def test_a_run_is_listened_to_for_as_long_as_wanted(
     assert len(samples) == 1.5 * rate and "of which the first 0.2 mm" in comment
     assert "0.2 mm (0.044 % of the time) are solved" in summary(out)["listen"]["content"]
     opened = open_run(out)
-    heard, made = long_record_of(opened), opened.long  # from the file of 24 bits, and made anew
+    # from the file of 24 bits, and made anew
+    heard = long_record_of(opened)
+    made = opened.long
     assert (
         heard is not None
         and heard is not made

@@ -81,7 +81,8 @@ def test_identity() -> None:
 
 def test_summary(run: Run) -> None:
     """The last pass is the run itself."""
-    passes, summary = run.summary["passes"], run.summary
+    passes = run.summary["passes"]
+    summary = run.summary
     assert len(passes) == 2
     for name in ("laeq_db", "level_db", "vibration_estimate_laeq_db", "release_power_mean_w"):
         assert passes[-1][name] == pytest.approx(summary[name], rel=1e-12)
@@ -95,7 +96,8 @@ def test_film_shows_the_last_pass(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its maps release as much as the steps between them; packing rounds to 1e-4."""
     monkeypatch.setattr("rolling.marches.next_pieces.SHARE", 0.3)
     result = march_all(loads(MEMORY), film=True)
-    film, series = result.slow_motion, result.series["release_energy"]
+    film = result.slow_motion
+    series = result.series["release_energy"]
     assert film is not None
     steps = series[film.first : int(film.positions[-1])]
     assert film.release.sum() * film.release_unit == pytest.approx(steps.sum(), rel=1e-3)

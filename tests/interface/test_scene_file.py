@@ -118,8 +118,10 @@ def test_round_trip_of_any_value(
     load_n: float, step_nodes: float, description: str, name: str
 ) -> None:
     data = loads(PLAIN).to_dict()
-    data["rolling"]["load_n"], data["numerics"]["step_nodes"] = load_n, step_nodes
-    data["name"], data["description"] = name, description
+    data["rolling"]["load_n"] = load_n
+    data["numerics"]["step_nodes"] = step_nodes
+    data["name"] = name
+    data["description"] = description
     scene = Scene.from_dict(data)
     assert loads(dump(scene)) == scene
 

@@ -42,7 +42,9 @@ def shortened(path: Path) -> list[str]:
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_scene_runs(path: Path, tmp_path: Path) -> None:
-    scene, source, out = read_scene(path), tmp_path / path.name, tmp_path / "out"
+    scene = read_scene(path)
+    source = tmp_path / path.name
+    out = tmp_path / "out"
     source.write_bytes(path.read_bytes())
     for heights in library.companions(path):
         shutil.copy(heights, tmp_path)

@@ -97,7 +97,8 @@ def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFix
     assert np.array_equal(saved, scene_surface.heights(scene))
     assert table("here/surface.csv")["Sa"] == pytest.approx(1e-7, rel=1e-9)
     assert cli.main(["surface", "saved.npy", "--spacing-um", "2", "--out", "again", "-q"]) == 0
-    first, again = table("here/surface.csv"), table("again/surface.csv")
+    first = table("here/surface.csv")
+    again = table("again/surface.csv")
     for name in ("Sq", "Sdq", "Sk", "Sal"):
         assert again[name] == pytest.approx(first[name], rel=0.05)
 

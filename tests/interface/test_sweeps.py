@@ -40,7 +40,9 @@ def names_of(text: str, *overrides: str) -> list[str]:
 def test_sections_and_numbers() -> None:
     runs = runs_of(PLAIN + SURFACES)
     assert len(runs) == 2 * 2 * 2
-    first, second, last = runs[0], runs[1], runs[-1]
+    first = runs[0]
+    second = runs[1]
+    last = runs[-1]
     assert first.values == {
         "surface": "ground",
         "surface.seed": 1,

@@ -180,7 +180,8 @@ class Broken(io.StringIO):
 
     def __init__(self, number: int) -> None:
         super().__init__()
-        self.number, self.tries = number, 0
+        self.number = number
+        self.tries = 0
 
     def write(self, text: str) -> int:
         self.tries += 1
@@ -323,7 +324,8 @@ def test_a_bar_that_nobody_watches_is_a_line_now_and_then(
 def test_compiling_is_said_once_in_a_command(capsys: pytest.CaptureFixture[str]) -> None:
     from numba import njit
 
-    first, second = njit(lambda x: x + 1), njit(lambda x: x + 2)
+    first = njit(lambda x: x + 1)
+    second = njit(lambda x: x + 2)
     with progress.begin(Level.NORMAL):
         with compiling.reporting(progress.compiling):
             assert first(1) + first(2) + second(3) == 10

@@ -75,7 +75,8 @@ def test_a_release_beside_a_vibration_is_heard_at_the_distance_of_its_listener(
 def test_other_bodies_over_the_same_marches_sound_as_if_solved_alone(steady: Run) -> None:
     keys = {"sphere.density_kg_m3": 15000, "plate.thickness_mm": 3, "rolling.speed_m_s": 0.7}
     scene = steady.scene.with_(keys)
-    again, alone = heard_again(steady, scene), run_of(scene)
+    again = heard_again(steady, scene)
+    alone = run_of(scene)
     assert np.array_equal(again.sound.pressure, alone.sound.pressure)
     assert np.array_equal(again.series["release_energy"], steady.series["release_energy"])
     assert again.vibration is not None and steady.vibration is not None
@@ -302,7 +303,8 @@ def test_a_short_track_states_the_mean_over_its_comb(undamped: Run) -> None:
     assert numbers["record_laeq_db"] == pytest.approx(record, abs=1e-6)
     assert numbers["laeq_db"] == numbers["vibration_laeq_db"] == numbers["comb_mean_laeq_db"]
     assert undamped.sound.levels.laeq_db == numbers["laeq_db"] != numbers["record_laeq_db"]
-    spread, step = numbers["comb_spread_db"], numbers["motion_step_error_db"]
+    spread = numbers["comb_spread_db"]
+    step = numbers["motion_step_error_db"]
     assert numbers["uncertainty_db"]["laeq"] == pytest.approx(np.hypot(spread, step))
     # Sound files and third octaves belong to the record.
     bands = [db for db in numbers["third_octave_a_db"].values() if db is not None]
@@ -326,7 +328,8 @@ def test_the_check_foresees_the_comb(undamped: Run) -> None:
     found = {x.key: x for x in checked(undamped.scene)}["comb"]
     assert found.warning and "plate.contact_loss_factor" in found.warning
     assert "plate.thickness_mm" in found.warning and "rolling.distance_mm" in found.warning
-    scene, chain = undamped.scene, of_scene.smooth_chain(undamped.scene)
+    scene = undamped.scene
+    chain = of_scene.smooth_chain(undamped.scene)
     lap = scene.track.lap_steps * scene.track.step
     spread = comb.comb_spread_db(scene, chain, lap, scene.motion.fastest(scene.duration))
     assert spread is not None and 0.5 < spread / undamped.summary["comb_spread_db"] < 2

@@ -35,7 +35,8 @@ def track() -> RollingContact:
 def calls(monkeypatch: pytest.MonkeyPatch) -> list[Call]:
     """Calls of the compiled descent."""
     listed: list[Call] = []
-    descend, convolution = solver.descend, HalfSpace.convolution
+    descend = solver.descend
+    convolution = HalfSpace.convolution
     precisions: list[bool] = []
 
     def watched(*arguments: Any) -> tuple:
@@ -74,7 +75,8 @@ def test_a_tight_tolerance_ends_in_double_precision(
 
 def made_by(monkeypatch: pytest.MonkeyPatch) -> list[tuple[int, int, bool]]:
     """Return a list that receives the padded sizes whose transforms are made from now on."""
-    made, make = [], HalfSpace._make
+    made = []
+    make = HalfSpace._make
 
     def making(space: HalfSpace, m: int, n: int, single: bool) -> Any:
         made.append((m, n, single))
@@ -91,7 +93,8 @@ def test_a_march_that_lacks_transforms_has_the_same_digits(
 
     Transforms that Python made for itself serve a descent as well.
     """
-    made, space = made_by(monkeypatch), space_of(track)
+    made = made_by(monkeypatch)
+    space = space_of(track)
     for nodes in range(20, 100, 8):
         space.deflection(np.ones((nodes, nodes)))
     states = list(march(track, 0, 12, space))
@@ -128,7 +131,8 @@ def test_a_solve_goes_on_where_transforms_are_thrown_away(
 
 def test_two_marches_in_turn_do_not_meet_in_memory(track: RollingContact) -> None:
     """Each march has scratch of its own, so that marches of threads may share a half-space."""
-    space, rising = space_of(track), replace(track, load=1.0)
+    space = space_of(track)
+    rising = replace(track, load=1.0)
     alone = [roll(contact, 0, 6) for contact in (track, rising)]
     in_turn = zip(march(track, 0, 6, space), march(rising, 0, 6, space), strict=True)
     for k, pair in enumerate(in_turn):
@@ -141,7 +145,8 @@ def test_two_marches_in_turn_do_not_meet_in_memory(track: RollingContact) -> Non
 def test_threads_share_a_half_space(track: RollingContact, monkeypatch: pytest.MonkeyPatch) -> None:
     """A march keeps the transforms that another one drops; the digits are those of one thread."""
     monkeypatch.setattr(half_space, "KEPT_BYTES", 0)
-    space, contacts = space_of(track), [replace(track, load=load) for load in (0.1, 0.5, 1.0)]
+    space = space_of(track)
+    contacts = [replace(track, load=load) for load in (0.1, 0.5, 1.0)]
     with ThreadPoolExecutor(len(contacts)) as pool:
         marched = list(pool.map(lambda contact: list(march(contact, 0, 12, space)), contacts))
     for contact, states in zip(contacts, marched, strict=True):

@@ -79,13 +79,15 @@ def test_deflection_by_few_nodes_is_that_of_the_transforms(
         return summed[-1]
 
     def both(system: Any, block: tuple, moving: int, convolution: tuple, cells: Any) -> None:
-        image, node = system.transform.image, system.transform.node
+        image = system.transform.image
+        node = system.transform.node
         summed.clear()
         convolve(system, block, moving, convolution, cells)
         if summed == [True]:
             sums = image[node].copy()
             entry, _, _, kernel = convolution
-            d, unit = system.work.d, system.transform.unit
+            d = system.work.d
+            unit = system.transform.unit
             deflect_nodes(kernel, entry, block, d, unit, image, (node, cells))
             errors.append(np.abs(sums - image[node]).max() / np.abs(sums).max())
 

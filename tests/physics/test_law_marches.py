@@ -91,10 +91,13 @@ def test_pieces_of_loads_may_come_in_any_order(solved: Result) -> None:
 
 def test_another_speed_takes_one_more_march_and_the_same_law(solved: Result) -> None:
     slower = scene("rolling.speed_m_s=0.5")
-    kept, moving = solved.load_marches, solved.moving
+    kept = solved.load_marches
+    moving = solved.moving
     result = Result.empty(slower)
     assert result.identity == solved.identity
-    result.series, result.load_marches, result.moving = solved.series, kept, moving
+    result.series = solved.series
+    result.load_marches = kept
+    result.moving = moving
     assert {piece.kind for piece in next_pieces(slower, result)} == {"moving"}
     assert result.moving is not None and moving is not None
     assert not np.allclose(result.moving.force, moving.force, atol=1e-3)
@@ -141,16 +144,19 @@ def test_a_sphere_that_flies_has_no_release_under_the_moving_load() -> None:
 @pytest.mark.parametrize("order", list(permutations(range(3))))
 def test_the_fault_of_a_load_is_that_of_its_first_piece(order: tuple[int, ...]) -> None:
     """Failed pieces may come in any order, after which the load is settled and dropped."""
-    given, steps = scene(), 600
+    given = scene()
+    steps = 600
     arrays = [
         {"approach": np.ones(201), "step_time": np.ones(200)},
         {"fault": np.array("second")},
         {"fault": np.array("third")},
     ]
-    marches, moving = LoadMarches(steps), MovingRelease("", np.ones(601), np.ones(601))
+    marches = LoadMarches(steps)
+    moving = MovingRelease("", np.ones(601), np.ones(601))
     for number in order:
         assert marches.missing(2.0) and not marches.fault and not moving.fault
-        first, last = 200 * number, 200 * number + 200
+        first = 200 * number
+        last = 200 * number + 200
         piece = Piece(given, "", "load", first, last, load=2.0)
         marches.add(piece, arrays[number])
         series = dict.fromkeys(("release_energy", "loading_energy", "energy_defect"), np.ones(200))
@@ -171,7 +177,8 @@ def test_a_run_goes_on_without_loads_that_cannot_be_marched(
         del marches.approach[load]
         marches.faults[load] = "no room"
     result = Result.empty(given)
-    result.series, result.load_marches = solved.series, marches
+    result.series = solved.series
+    result.load_marches = marches
     marched = law_loads(given, result).marched
     assert len(marched) == 3 - len(failed) and given.load in marched
     whole, law = (force_law(given, of) for of in (solved, result))
@@ -185,7 +192,8 @@ def test_a_run_goes_on_without_loads_that_cannot_be_marched(
 def test_no_load_follows_beyond_a_failed_one(solved: Result) -> None:
     """A narrow span reaches the force in batches; no load is asked for beyond a fault."""
     given = scene(*ROUGHER, "dynamics.span=1.05", "dynamics.release=false")
-    result, failing = Result.empty(given), ""
+    result = Result.empty(given)
+    failing = ""
     while pieces := next_pieces(given, result):
         batch = {piece.load for piece in pieces if piece.kind == "load"}
         failing = max(batch) if batch and result.is_complete and not failing else failing

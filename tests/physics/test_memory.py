@@ -72,8 +72,10 @@ def test_ledger_closes_with_the_plastic_work(result: Result) -> None:
     Where two pieces meet, both have the state to the solver's tolerance (measured 2e-9).
     """
     assert result.passes is not None
-    series, scene = result.series, scene_of()
-    work, stored = result.passes.series["plastic_work"], np.diff(series["stored_energy"])
+    series = result.series
+    scene = scene_of()
+    work = result.passes.series["plastic_work"]
+    stored = np.diff(series["stored_energy"])
     left = series["loading_energy"] - series["release_energy"] - stored - work[1]
     assert work[1].max() > 1e-3 * series["loading_energy"].max()
     off = np.sort(np.abs(left)) / series["stored_energy"].max()
@@ -91,9 +93,11 @@ def test_drag_does_the_plastic_work(step: float, allowed: float) -> None:
     Measured 3.5 % off at steps of 4 nodes, 0.5 % at 2, 0.05 % at 1.
     """
     scene = scene_of(f"numerics.step_nodes={step}", "rolling.passes=1")
-    steps, contact = scene.track.solved_steps, sunk_contact(scene)
+    steps = scene.track.solved_steps
+    contact = sunk_contact(scene)
     contact = replace(contact, heights=passes.unrolled(scene, contact.heights, 2 * steps))
-    drag, plastic = [], 0.0
+    drag = []
+    plastic = 0.0
     for state, work in sinking(contact, -passes.run_in(scene, 0), steps):
         rows = state.window.row + np.arange(state.window.rows)
         lever = rows * contact.spacing - contact.position(state.position)
@@ -149,7 +153,8 @@ def test_pieces_are_one_march(result: Result, monkeypatch: pytest.MonkeyPatch) -
         print(
             np.abs(result.passes.series[name] - whole.series[name]).max() / whole.series[name].std()
         )
-        ours, other = result.passes.series[name], whole.series[name]
+        ours = result.passes.series[name]
+        other = whole.series[name]
         assert np.abs(ours - other).max() < 1e-5 * other.std()
     assert np.abs(result.passes.sunk - whole.sunk).max() < 1e-5 * whole.sunk.max()
     for approach in result.passes.series["approach"]:
@@ -158,7 +163,8 @@ def test_pieces_are_one_march(result: Result, monkeypatch: pytest.MonkeyPatch) -
 
 def test_run_in_of_grooves_and_of_open_tracks() -> None:
     """A sphere in a groove forgets slowly: its pass is one piece. Open tracks have none at 0."""
-    closed, groove = scene_of(), scene_of("plate.hardness_gpa=0.5")
+    closed = scene_of()
+    groove = scene_of("plate.hardness_gpa=0.5")
     assert passes.pass_pieces(groove) == [(0, 320)]
     assert passes.run_in(groove, 0) > 4 * passes.run_in(closed, 0) == 4 * passes.run_in(closed, 99)
     vars(closed)["track"] = replace(closed.track, lap_steps=999)

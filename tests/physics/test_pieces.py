@@ -52,7 +52,8 @@ def solve(given: Scene) -> tuple[Result, list[tuple[Piece, dict]]]:
 def test_a_piece_is_a_march_from_a_cold_start(reference: Result) -> None:
     contact = rolling_contact(scene())
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)
-    first, last = PIECE_STEPS, 2 * PIECE_STEPS
+    first = PIECE_STEPS
+    last = 2 * PIECE_STEPS
     states = list(march(contact, first, last, half_space))
     for name in STATE_SERIES:
         series = reference.series[name][first + 1 : last + 1]
@@ -89,7 +90,8 @@ def test_pieces_in_any_order_make_the_same_result(reference: Result) -> None:
     for name in {*STEP_SERIES, *STATE_SERIES} - {"step_time"}:  # a time of the clock
         assert np.array_equal(result.series[name], reference.series[name]), name
     assert result.maps.keys() == reference.maps.keys()
-    events, expected = result.events(), reference.events()
+    events = result.events()
+    expected = reference.events()
     assert events is not None and expected is not None
     for name, column in expected.items():
         assert np.array_equal(events[name], column), name
@@ -120,7 +122,8 @@ def test_maps_carry_the_load(reference: Result) -> None:
 
 
 def test_keys_of_pieces_differ_and_name_files(reference: Result) -> None:
-    given, forces = scene(), np.full(441, 0.3)
+    given = scene()
+    forces = np.full(441, 0.3)
     base = {"scene": given, "identity": reference.identity, "first": 0, "last": 200}
     pieces = [
         Piece(**base, kind="track"),

@@ -23,7 +23,8 @@ def test_a_state_that_is_kept_keeps_its_numbers(hardness: float) -> None:
     """Every third state is kept, and of every other one a row, while the march goes on."""
     track = make_track(rough(64, 64, 1e-7), load=0.1, hardness=hardness, tolerance=1e-4)
     expected = roll(track, 0, 20)
-    kept, rows = {}, {}
+    kept = {}
+    rows = {}
     for state in march(track, 0, 20, space_of(track)):
         if state.position % 3 == 0:
             kept[state.position] = state

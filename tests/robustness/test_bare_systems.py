@@ -91,7 +91,8 @@ def test_without_semaphores_one_process_does_all(
         raise error
 
     monkeypatch.setattr(type(get_context("loky")), "Lock", refuse)
-    scene, out = tmp_path / "scene.yaml", tmp_path / "out"
+    scene = tmp_path / "scene.yaml"
+    out = tmp_path / "out"
     scene.write_text(TINY + "sweep: {surface.seed: [1, 2]}\n")
     assert cli.main(words_of(scene, out, "--workers", "2")) == 0
     assert "is /dev/shm there and writable?" in capsys.readouterr().err

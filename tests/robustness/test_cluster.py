@@ -92,7 +92,9 @@ def run(scene: Path, out: Path, cluster: DaskProcesses, *more: str) -> int:
 def test_a_killed_worker_or_process_of_one_changes_no_byte(
     cluster: DaskProcesses, tmp_path: Path, text: str
 ) -> None:
-    scene, out, local = tmp_path / "scene.yaml", tmp_path / "out", tmp_path / "local"
+    scene = tmp_path / "scene.yaml"
+    out = tmp_path / "out"
+    local = tmp_path / "local"
     scene.write_text(text)
     assert cli.main(words_of(scene, local, "--workers", "1")) == 0
     nanny = psutil.Process(cluster.processes["pair"].pid)
@@ -111,7 +113,8 @@ def test_a_killed_worker_or_process_of_one_changes_no_byte(
 
 
 def test_parts_of_a_sweep_run_on_a_cluster(cluster: DaskProcesses, tmp_path: Path) -> None:
-    scene, out = tmp_path / "scene.yaml", tmp_path / "out"
+    scene = tmp_path / "scene.yaml"
+    out = tmp_path / "out"
     scene.write_text(TINY + "sweep: {surface.seed: [1, 2, 3]}\n")
     assert run(scene, out, cluster, "--part", "1/2") == 0
     assert [state for state, _ in folders.states(out).values()] == ["done", "waiting", "done"]
@@ -121,7 +124,8 @@ def test_parts_of_a_sweep_run_on_a_cluster(cluster: DaskProcesses, tmp_path: Pat
 def test_a_run_that_fails_names_its_reason(
     cluster: DaskProcesses, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    scene, out = tmp_path / "scene.yaml", tmp_path / "out"
+    scene = tmp_path / "scene.yaml"
+    out = tmp_path / "out"
     scene.write_text(TINY + "sweep: {rolling.load_n: [5000, 0.005]}\n")
     assert run(scene, out, cluster) == 1
     assert "more than the surface can carry" in capsys.readouterr().err
@@ -137,7 +141,8 @@ def test_a_worker_of_another_program_is_refused_by_name(
     other = tmp_path / "other" / "rolling" / "_own_acoustics.py"
     other.write_text(f"{other.read_text()}# another program\n")
     cluster.workers("other", "--no-nanny", path=tmp_path / "other")
-    scene, out = tmp_path / "scene.yaml", tmp_path / "out"
+    scene = tmp_path / "scene.yaml"
+    out = tmp_path / "out"
     scene.write_text(TINY)
     try:
         assert run(scene, out, cluster) == 2
@@ -158,7 +163,8 @@ def test_a_late_worker_of_another_program_does_nothing(name: str) -> None:
 def test_a_lost_scheduler_ends_in_a_sentence_and_the_command_goes_on(
     cluster: DaskProcesses, tmp_path: Path
 ) -> None:
-    scene, out = tmp_path / "scene.yaml", tmp_path / "out"
+    scene = tmp_path / "scene.yaml"
+    out = tmp_path / "out"
     scene.write_text(SWEEP)
     with started(words_of(scene, out, "--cluster", str(cluster.file)), tmp_path) as command:
         wait_for(lambda: pieces(out))
@@ -187,7 +193,8 @@ def test_an_address_without_a_scheduler_is_refused_before_anything_is_written(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("rolling.run.cluster.CONNECT_SECONDS", 2.0)
-    scene, out = tmp_path / "scene.yaml", tmp_path / "out"
+    scene = tmp_path / "scene.yaml"
+    out = tmp_path / "out"
     scene.write_text(TINY)
     with socket.create_server(("127.0.0.1", 0)) as server:  # which never answers
         if address == "foreign":

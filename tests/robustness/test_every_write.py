@@ -131,7 +131,9 @@ def test_a_crash_at_every_write(tmp_path: Path, whole: tuple[Path, dict[str, byt
     After a power cut the names are there, without the content that no fsync wrote.
     """
     folder, expected = whole
-    out, states, calls = tmp_path / "out", dict[str, State](), list[tuple[str, Path]]()
+    out = tmp_path / "out"
+    states = dict[str, State]()
+    calls = list[tuple[str, Path]]()
     unsafe: set[int] = set()  # inodes of files whose content is not on the disk yet
 
     def act(name: str, real: Callable[[], Any], arguments: tuple[Any, ...]) -> Any:
@@ -140,7 +142,8 @@ def test_a_crash_at_every_write(tmp_path: Path, whole: tuple[Path, dict[str, byt
             states.setdefault(re.sub(r"[0-9a-f]{16}", "", repr(state)), state)
         place = arguments[0]
         if name in ("write", "fsync"):
-            status, place = os.fstat(place), Path(f"/dev/fd/{place}").resolve()
+            status = os.fstat(place)
+            place = Path(f"/dev/fd/{place}").resolve()
             if name == "fsync":
                 unsafe.discard(status.st_ino)
             elif stat.S_ISREG(status.st_mode):

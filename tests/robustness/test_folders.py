@@ -58,7 +58,8 @@ def run(scene: Path, out: Path, *more: str) -> int:
 def test_a_second_command_is_refused_and_status_only_looks(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    scene, out = tmp_path / "scene.yaml", tmp_path / "out"
+    scene = tmp_path / "scene.yaml"
+    out = tmp_path / "out"
     scene.write_text(SWEEP)
     with started(words_of(scene, out, "--workers", "1"), tmp_path) as first:
         wait_for(lambda: pieces(out))
@@ -99,7 +100,8 @@ def test_the_lock_of_a_dead_command_holds_nobody(scene: Path, tmp_path: Path) ->
 def test_a_lock_that_is_a_link_reaches_no_other_file(
     scene: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    victim, out = tmp_path / "victim", tmp_path / "out"
+    victim = tmp_path / "victim"
+    out = tmp_path / "out"
     victim.write_text("precious")
     out.mkdir()
     (out / ".lock").symlink_to(victim)
@@ -160,7 +162,8 @@ def test_runs_of_another_program_are_not_added_to(
     """The digest of the sources stands in the scene and in the provenance of each run."""
     out = tmp_path / "out"
     assert run(seeds, out, "--part", "1/3") == 0
-    stored, sources = out / "scene.yaml", program.identity().sources
+    stored = out / "scene.yaml"
+    sources = program.identity().sources
     summary = json.loads((out / "seed=1" / "summary.json").read_text())
     assert summary["provenance"]["sources"] == sources
     own = stored.read_text()
@@ -283,7 +286,8 @@ def test_little_memory_ends_in_a_sentence(
 
 def test_a_table_from_the_future_is_written_again(scene: Path, tmp_path: Path) -> None:
     """A clock was set back, or a shared folder has two."""
-    out, load = tmp_path / "out", "sweep.rolling.load_n=[0.005, 0.01]"
+    out = tmp_path / "out"
+    load = "sweep.rolling.load_n=[0.005, 0.01]"
     assert run(scene, out, "--set", load) == 0
     later = (out / "runs.csv").stat().st_mtime + 3600
     os.utime(out / "runs.csv", (later, later))
@@ -313,7 +317,8 @@ def test_a_folder_that_was_removed_meanwhile_is_whole_again(
 @pytest.mark.slow
 def test_a_file_that_may_grow_no_more_is_a_full_disk(seeds: Path, tmp_path: Path) -> None:
     """A real limit of the system, in the workers too."""
-    out, limit = tmp_path / "out", (20_000, resource.RLIM_INFINITY)
+    out = tmp_path / "out"
+    limit = (20_000, resource.RLIM_INFINITY)
     done = subprocess.run(
         [sys.executable, "-m", "rolling", *words_of(seeds, out, "--workers", "2")],
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit),

@@ -37,7 +37,8 @@ def scene(tmp_path: Path) -> Path:
 
 def undisturbed(folder: Path, text: str) -> dict[str, bytes]:
     """Return the files of a run that nothing disturbs."""
-    scene, out = folder / "undisturbed.yaml", folder / "undisturbed"
+    scene = folder / "undisturbed.yaml"
+    out = folder / "undisturbed"
     scene.write_text(text)
     assert cli.main(words_of(scene, out, "--workers", "1")) == 0
     return contents(out)
@@ -74,7 +75,9 @@ def test_a_killed_command_takes_its_workers_along_and_goes_on_with_its_pieces(
 def test_a_run_killed_in_a_later_pass_goes_on_to_the_same_bytes(tmp_path: Path) -> None:
     """Each pass has two pieces; the finished passes are read from their files."""
     text = MEMORY.replace("passes: 2", "passes: 8")
-    whole, out, scene = undisturbed(tmp_path, text), tmp_path / "out", tmp_path / "scene.yaml"
+    whole = undisturbed(tmp_path, text)
+    out = tmp_path / "out"
+    scene = tmp_path / "scene.yaml"
     scene.write_text(text)
     with started(words_of(scene, out, "--workers", "2"), tmp_path) as command:
         wait_for(lambda: len(pieces(out)) >= 3 or command.poll() is not None)

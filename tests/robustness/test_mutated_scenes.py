@@ -22,7 +22,9 @@ from rolling.scene.messages import SceneError
 
 SECONDS = 1.0  # of processor time, up to which a case is quick on any machine
 WORKS = 20  # maximum processor time of a case, over that of `work`; the slowest takes 12
-SHORT, LONG = 100, 300  # cases of each kind; tests/support/mutations.py runs any number
+# cases of each kind; tests/support/mutations.py runs any number
+SHORT = 100
+LONG = 300
 
 
 def processor_time(work: Callable[[], object]) -> float:

@@ -37,7 +37,8 @@ def test_only_regular_files_are_scenes(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with names here")
 def test_only_regular_files_are_heights(tmp_path: Path) -> None:
-    path, heights = scene_of(tmp_path, FILE, LAPS % (0.1, 0.01)), tmp_path / "heights.npy"
+    path = scene_of(tmp_path, FILE, LAPS % (0.1, 0.01))
+    heights = tmp_path / "heights.npy"
     for make, kind in (
         (lambda: os.mkfifo(heights), "a pipe"),
         (lambda: heights.symlink_to("/dev/zero"), "a device"),
@@ -151,7 +152,8 @@ def test_words_of_a_value_are_short() -> None:
     assert all(len(fault) < 300 for fault in faults(PLAIN + '"' + "k" * 5000 + '": 1\n'))
 
 
-LONG_HEX, LONG_DECIMAL = "0x" + "f" * 5000, "1" + "0" * 5000
+LONG_HEX = "0x" + "f" * 5000
+LONG_DECIMAL = "1" + "0" * 5000
 
 
 @pytest.mark.parametrize(

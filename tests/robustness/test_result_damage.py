@@ -66,7 +66,8 @@ def test_no_changed_byte_is_accepted(path: Path, monkeypatch: pytest.MonkeyPatch
     The HDF5 library, which such files could crash, never sees them.
     """
     monkeypatch.setattr(h5py, "File", lambda *_: pytest.fail("the damaged file was opened"))
-    good, rng = path.read_bytes(), np.random.default_rng(0)
+    good = path.read_bytes()
+    rng = np.random.default_rng(0)
     for k in range(300):
         at = int(rng.integers(len(good))) if k % 4 else len(good) - 1 - k // 4  # the digest, too
         bad = bytearray(good)
@@ -136,7 +137,8 @@ def without(name: str) -> Spoil:
     return lambda file: file.__delitem__(name)
 
 
-SOUND, SNAPSHOT = ("pressure", "sound_time"), ("pressure", "deflection")
+SOUND = ("pressure", "sound_time")
+SNAPSHOT = ("pressure", "deflection")
 HOSTILE: list[tuple[str, Spoil]] = [
     ("approach", declared({"approach": (10**12,)})),
     ("bytes, allowed for this scene", declared({f"sound/{name}": (10**12,) for name in SOUND})),

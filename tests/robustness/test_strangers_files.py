@@ -151,7 +151,8 @@ def test_whatever_is_read_ends_in_a_sentence(kind: str, name: str, out: Path) ->
 def test_no_folder_that_is_a_link_is_written(
     name: str, dangling: bool, out: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    elsewhere, single = out.parent / "elsewhere", loads(TINY, ["surface.seed=2"])
+    elsewhere = out.parent / "elsewhere"
+    single = loads(TINY, ["surface.seed=2"])
     path = out / name.replace("identity", contact_identity(single)[:16])
     path.parent.mkdir(exist_ok=True)
     path.symlink_to(elsewhere)

@@ -56,7 +56,9 @@ def convolved(transforms: Convolution, pressure: np.ndarray) -> np.ndarray:
     node = (i // 2 * 2 * width + i % 2 + 2 * j).ravel().astype(np.uint32)
     image = np.full(transforms.real.size, np.nan)
     kernel = _transform_kernels.nodes_kernel(1, transforms.single)
-    block, d, nodes = (0, 0, rows, columns), pressure.ravel(), (node, np.empty(0, np.int64))
+    block = (0, 0, rows, columns)
+    d = pressure.ravel()
+    nodes = (node, np.empty(0, np.int64))
     _transform_kernels.deflect_nodes(kernel, transforms.entry, block, d, 1.0, image, nodes)
     return image[node].reshape(pressure.shape)
 
