@@ -1,8 +1,9 @@
 """Motion of a ball beyond the solved track, over a force law that is continued at random.
 
-Approach at the scene's load and logarithms of the slopes of the law are continued as rows along the
-track, so slopes stay positive and the approach rises with the load at every place. The motion is
-the same as on the solved track, taken in stretches that carry the state on.
+The long record continues track and force law as random noise with the spectra of the solved part.
+Continued are the approach at the scene's load and the logarithms of the law's slopes, so that
+slopes stay positive and the approach rises with the load at every place. The motion is computed as
+on the solved track, in stretches that carry the state on.
 """
 
 import math
