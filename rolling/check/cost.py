@@ -99,12 +99,12 @@ def roughness(scene: Scene) -> tuple[float, float]:
 def law_roughness(scene: Scene) -> tuple[float, float]:
     """Estimate rms roughness [m] and rms slope [-] from the laws of a scene alone, as above."""
     parts = [(law.rq_m, law.rms_slope(scene.spacing_um)) for law in scene.laws]
-    rq = math.hypot(*(rq for rq, _ in parts))
+    roughnesses = [rq for rq, _ in parts]
     slopes = [slope for _, slope in parts]
     ball = scene.sphere.surface
     if ball is not None and ball.waviness:
         slopes += [k * a * 1e-6 / scene.radius / math.sqrt(2) for k, a in ball.waviness.items()]
-    return rq, math.hypot(*slopes)
+    return math.hypot(*roughnesses), math.hypot(*slopes)
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:

@@ -93,7 +93,11 @@ class Bands(NamedTuple):
 
     def only(self, known: NDArray[np.bool_]) -> Bands:
         """Return the bands of a mask, all others NaN."""
-        return Bands(*(np.where(known, numbers, np.nan) for numbers in self))
+        return Bands(
+            level_db=np.where(known, self.level_db, np.nan),
+            a_weighted_db=np.where(known, self.a_weighted_db, np.nan),
+            uncertainty_db=np.where(known, self.uncertainty_db, np.nan),
+        )
 
 
 class RecordingComparison(NamedTuple):
@@ -366,7 +370,8 @@ def page(run: Run, comparison: RecordingComparison) -> bytes:
         name: record.samples[: round(HEARD_S * RATE)] / level.a_weighted_rms(record.samples, RATE)
         for name, record in comparison.records.items()
     }
-    gain = PEAK / max(FAINTEST, *(np.abs(samples).max() for samples in sounds.values()))
+    loudest = max(np.abs(samples).max() for samples in sounds.values())
+    gain = PEAK / max(FAINTEST, loudest)
     template = environment().get_template("recording.html")
     return template.render(
         version=__version__,

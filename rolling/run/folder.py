@@ -298,8 +298,9 @@ def tidy(folder: Path, runs: Sequence[RunFolder], alone: bool) -> None:
     FolderError : the folder of a run or of the pieces is a link, which leads elsewhere.
     """
     pieces = folder / PIECES
-    real = [pieces, *pieces.glob("*"), *(run.folder for run in runs if run.values)]
-    for place in real:
+    written = [pieces, *pieces.glob("*")]
+    written += [run.folder for run in runs if run.values]
+    for place in written:
         if place.is_symlink():
             raise FolderError(f"{place}: a link, but results are written into real folders only")
     places = {run.folder for run in runs}
@@ -348,7 +349,7 @@ def status(folder: Path) -> str:
     named = ", ".join(f"{counts[state]} {state}" for state in STATES if counts[state])
     total = "1 run" if len(runs) == 1 else f"{len(runs)} runs"
     lines = [f"{folder}: {total}: {named}"]
-    pieces = len([*(folder / PIECES).glob("*/*.npz")])
+    pieces = len(list((folder / PIECES).glob("*/*.npz")))
     if pieces:
         lines.append(f"  {pieces} pieces of unfinished runs are solved")
     failed = []
