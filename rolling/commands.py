@@ -18,7 +18,7 @@ from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling.results import labels, listening, runs_table
 from rolling.results.long_record import ListeningError
-from rolling.results.run_folder import PAGE, SUMMARY, RunFolder
+from rolling.results.run_folder import PAGE, SUMMARY, RunFolder, stored_summary
 from rolling.results.run_result import PASSES, Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs, runs_of_part, solve_folder
@@ -158,7 +158,7 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
 
 def _listening_content(run: RunFolder) -> str:
     """Return the words of summary.json on listen.wav of a run; nothing where they are missing."""
-    summary = runs_table.stored_summary(run) or {}
+    summary = stored_summary(run) or {}
     listen = summary.get("listen")
     if not isinstance(listen, dict):
         return ""
@@ -428,7 +428,7 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
 
 
 def table(
-    folder: Path, numbers: Sequence[str], against: Sequence[str], over: str = runs_table.SEED
+    folder: Path, numbers: Sequence[str], against: Sequence[str], over: str = labels.SEED
 ) -> list[Path]:
     """Write the tables, statistics and plots of a sweep, as far as its runs are done.
 
@@ -453,7 +453,7 @@ def table(
     frame = runs_table.runs_table(runs)
     solved = frame[frame["laeq_db"].notna() | frame["steps"].notna()]
     swept = list(runs[0].values)
-    if over != runs_table.SEED:
+    if over != labels.SEED:
         _refuse_unknown(over, swept, "swept key")
     if len(against) > 2 or len(set(against)) < len(against):
         raise FolderError(

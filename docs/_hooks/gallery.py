@@ -155,7 +155,7 @@ def _scenes() -> dict[str, list[str]]:
 def _make_site(folder: Path) -> None:
     """Run the scenes of the site, and write sound, picture and level of each run."""
     from rolling.report import film, text
-    from rolling.results import runs_table
+    from rolling.results import answer, runs_table
     from rolling.run.folder import stored_runs
     from rolling.run.solving import open_runs
 
@@ -172,7 +172,7 @@ def _make_site(folder: Path) -> None:
             title = text.titles([run])
             if run.values:
                 title += f", {run.label}"
-            key = runs_table.level_key(run.summary)
+            key = answer.level_key(run.summary)
             level = f"{runs_table.level_text(run.summary, key)} dB(A)"
             played = f"{run.summary['listening']['laeq_db']:.1f} dB(A)"
             verdict = run.summary["verdict"]

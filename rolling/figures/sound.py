@@ -22,9 +22,9 @@ from acoustics.weighting import a_weighting_db
 from rolling.figures import picture
 from rolling.figures.picture import axes_of, compared, finish, listed, subject
 from rolling.results import labels
+from rolling.results.labels import SEED
 from rolling.results.run_errors import total_errors_db
 from rolling.results.run_result import Run
-from rolling.results.runs_table import SEED
 
 _Levels = Mapping[str, float | None]
 

@@ -21,8 +21,9 @@ from rolling.figures import picture
 from rolling.figures.picture import MAX_NAMED, axes_of, compared, finish, subject
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.results import labels
+from rolling.results.labels import SEED
 from rolling.results.run_result import Run
-from rolling.results.runs_table import SEED, runs_table
+from rolling.results.runs_table import runs_table
 from rolling.scene.scene import Scene
 from rolling.terminal.files import write_bytes
 

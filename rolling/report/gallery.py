@@ -16,7 +16,7 @@ from rolling import __version__
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import film, records, text
 from rolling.report.templates import environment
-from rolling.results import runs_table
+from rolling.results import answer, runs_table
 from rolling.results.listening import record_for_ear
 from rolling.results.notes import UNVALIDATED
 from rolling.results.run_folder import PAGE
@@ -75,7 +75,7 @@ def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
     return {
         "title": text.titles([run]),
         "label": run.label,
-        "level": runs_table.level_text(run.summary, runs_table.level_key(run.summary)),
+        "level": runs_table.level_text(run.summary, answer.level_key(run.summary)),
         "name": runs_table.level_name(run.summary),
         "verdict": run.summary.get("verdict"),
         "sentence": _sentence(run),

@@ -22,7 +22,7 @@ from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import assumed, film, live, maps, records, text
 from rolling.report.charts import Chart, chart_of
 from rolling.report.templates import environment, joined_script
-from rolling.results import runs_table, verdict
+from rolling.results import answer, runs_table, verdict
 from rolling.results.notes import REPEATS
 from rolling.results.run_result import Run
 from rolling.terminal import defaults
@@ -69,6 +69,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         origins=origins,
         film=film,
         verdict=verdict,
+        answer=answer,
         runs_table=runs_table,
         summaries=[(run.label, run.summary) for run in runs],
         assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),

@@ -13,12 +13,11 @@ import numpy as np
 from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.results.answer import level_beside, level_key
 from rolling.results.run_result import Run
 from rolling.results.runs_table import (
     LEVELS,
     MEANS,
-    level_beside,
-    level_key,
     level_name,
     level_text,
     shown_levels,

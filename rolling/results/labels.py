@@ -14,6 +14,7 @@ from rolling.scene.scene import Scene
 
 LONGEST = 72  # characters of a label: the width of a row in a legend
 _PROMINENT = 3  # differences that a label names even where fewer would distinguish the runs
+SEED = "surface.seed"
 _PATH = "surface.path"
 
 

@@ -117,6 +117,15 @@ def read_summary(path: Path) -> dict[str, Any]:
     return dict(summary)
 
 
+def stored_summary(run: RunFolder) -> dict[str, Any] | None:
+    """Return the summary of a run, from its file unless it is in memory; None without one."""
+    summary: dict[str, Any] | None = getattr(run, "summary", None)
+    path = run.folder / SUMMARY
+    if summary is None and path.is_file():
+        summary = read_summary(path)
+    return summary
+
+
 def _refuse_constant(constant: str) -> None:
     """Refuse NaN and infinity, which JSON does not have."""
     raise ValueError(f"{constant} is no number")

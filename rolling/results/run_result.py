@@ -15,7 +15,7 @@ from acoustics.traps import ignoring_underflow
 from acoustics.uncertainty import widened
 from rolling.marches import force_law
 from rolling.marches.result import Result, released_energy
-from rolling.results import listening, result_arrays, result_file, runs_table, verdict
+from rolling.results import answer, listening, result_arrays, result_file, runs_table, verdict
 from rolling.results.run_folder import RESULT, SUMMARY, RunFolder, read_summary
 from rolling.results.solved_run import SolvedRun
 from rolling.results.summary import provenance, record_scatter, summarize
@@ -116,7 +116,7 @@ class Run(SolvedRun):
         return result_file.result_tree(self)
 
     def __repr__(self) -> str:
-        key = runs_table.level_key(self.summary)
+        key = answer.level_key(self.summary)
         name = runs_table.level_name(self.summary)
         text = f"{self.title}: {name} {runs_table.level_text(self.summary, key)} dB(A)"
         judged = self.summary.get("verdict")
@@ -137,7 +137,7 @@ class Run(SolvedRun):
 
 def _levels_in_words(summary: dict[str, Any]) -> dict[str, str]:
     """Return the levels of a run in words by name, the first read first, and its verdict."""
-    first = runs_table.level_key(summary)
+    first = answer.level_key(summary)
     _, unit = runs_table.LEVELS[first]
     rows = {runs_table.level_name(summary): f"{runs_table.level_text(summary, first)} {unit}"}
     beside = runs_table.beside_text([summary])

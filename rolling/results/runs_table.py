@@ -12,18 +12,18 @@ from acoustics.bands import BAND_NAMES
 from acoustics.numbers import bracketed, decibels_a, micrometres, rounded
 from acoustics.texts import cell
 from rolling.results import verdict
+from rolling.results.answer import exposure_db, level_beside, level_key, uncertain
 from rolling.results.doubts import band_error_db, band_text
-from rolling.results.labels import labels
+from rolling.results.labels import SEED, labels
 from rolling.results.notes import REPEATS, TURNS, above_vibration_db
 from rolling.results.run_errors import LINEAR
-from rolling.results.run_folder import SUMMARY, RunFolder, read_summary
+from rolling.results.run_folder import RunFolder, stored_summary
 from rolling.scene.messages import TABLES, table
 from rolling.terminal.streams import columns, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
 
-SEED = "surface.seed"
 MAX_STEPS = 8  # of the preparation of height files that are written; one run has at most 7
 MAX_BAND_DB = 0.3  # what the steps may cut off of a level that is corrected for its errors
 MAX_WARNINGS = 3  # after a run; the page and `rolling check` have all of them
@@ -31,15 +31,6 @@ LEVELS, MEANS = table("rolling.results", "levels").values()  # keys of the summa
 BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
 MAXIMA = ("laf_max_db", "las_max_db")  # with a time weighting that a short record may not reach
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
-
-
-def stored_summary(run: RunFolder) -> dict[str, Any] | None:
-    """Return the summary of a run, from its file unless it is in memory; None without one."""
-    summary: dict[str, Any] | None = getattr(run, "summary", None)
-    path = run.folder / SUMMARY
-    if summary is None and path.is_file():
-        summary = read_summary(path)
-    return summary
 
 
 def runs_table(runs: Sequence[RunFolder]) -> pd.DataFrame:
@@ -147,15 +138,6 @@ def seed_statistics(table: pd.DataFrame, over: str = SEED) -> pd.DataFrame:
 # ---- texts
 
 
-def uncertain(level: float, uncertainty: float | None) -> str:
-    """Write a level with its standard uncertainty [dB], rounded up to a tenth.
-
-    The uncertainty never prints as 0.0 dB, because no level is known exactly.
-    """
-    spread = "" if uncertainty is None else f" ± {math.ceil(uncertainty * 10) / 10:.1f}"
-    return f"{level:.1f}{spread}"
-
-
 def level_text(summary: Mapping[str, Any], key: str) -> str:
     """Write a level of a summary with its uncertainty [dB]."""
     if (level := summary[key]) is None:
@@ -165,14 +147,6 @@ def level_text(summary: Mapping[str, Any], key: str) -> str:
     return uncertain(level, summary["uncertainty_db"][_spread(key)])
 
 
-def level_key(summary: Mapping[str, Any]) -> str:
-    """Return the key of the level of a run that is read first: LAE of an event, or LAeq.
-
-    LAeq of a knock depends on the length of the record, so knocks cannot be compared by it.
-    """
-    return "lae_db" if summary.get("single_event") else "laeq_db"
-
-
 def shown_levels(summary: Mapping[str, Any]) -> list[str]:
     """Return the keys of the levels of a run that tables show, the first read first."""
     levels = [key for key in LEVELS if key in summary]
@@ -180,14 +154,6 @@ def shown_levels(summary: Mapping[str, Any]) -> list[str]:
         first = ["lae_db", "laf_max_db"]
         return first + [key for key in levels if key not in (*first, "laeq_db", "level_db")]
     return [key for key in levels if key != "lae_db"]
-
-
-def _exposure_db(summary: Mapping[str, Any]) -> float:
-    """Return LAE over LAeq [dB] of an event, whose other levels are shown as LAE too; or 0."""
-    if not summary.get("single_event") or summary["laeq_db"] is None:
-        return 0.0
-    own = summary.get("record_laeq_db", summary["laeq_db"])  # LAeq may be a mean over a comb
-    return float(summary["lae_db"] - own)
 
 
 def error_line(label: str, summary: Mapping[str, Any]) -> str:
@@ -299,13 +265,7 @@ def _others(summary: Mapping[str, Any]) -> str:
 def listener_level(summary: Mapping[str, Any], listener: Mapping[str, Any]) -> float | None:
     """Return the level of a run at one of its listeners [dB], as LAE for an event."""
     level = listener["laeq_db"]
-    return None if level is None else level + _exposure_db(summary)
-
-
-def level_beside(summary: Mapping[str, Any], key: str) -> float | None:
-    """Return another level of a run [dB], as LAE for an event; None if it is unknown."""
-    level = summary.get(key)
-    return None if level is None else float(level) + _exposure_db(summary)
+    return None if level is None else level + exposure_db(summary)
 
 
 def _range(levels: Sequence[float | None], digits: int = 0) -> str:
