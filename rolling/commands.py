@@ -17,6 +17,7 @@ import numpy as np
 from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling.results import labels, listening, runs_table
+from rolling.results.common_gain import write_with_common_gain
 from rolling.results.long_record import ListeningError
 from rolling.results.run_folder import PAGE, SUMMARY, RunFolder, stored_summary
 from rolling.results.run_result import PASSES, Run
@@ -187,12 +188,16 @@ def _write_derived_alone(
 
 
 def write_derived(folder: Path, runs: Sequence[RunFolder], report: bool) -> None:
-    """Write table, figures and page of the runs that are done, unless they are up to date."""
+    """Write what follows from the runs that are done: one gain, table, figures and page.
+
+    Files that are up to date stay as they are.
+    """
     done = [run for run in runs if run.is_done]
     if len(done) == len(runs):
         shutil.rmtree(folder / folders.PIECES, ignore_errors=True)
     if not done:
         return
+    write_with_common_gain(runs)
     newest = max((run.folder / SUMMARY).stat().st_mtime_ns for run in done)
     report = report and len(runs) <= defaults.MAX_RUNS_COMPARED
     last = folder / TABLE

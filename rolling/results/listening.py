@@ -20,8 +20,9 @@ import soundfile
 from acoustics import resampling, wav
 from acoustics.arrays import Array
 from acoustics.numbers import decibels_a, rounded
+from rolling.results.run_folder import RunFolder
 from rolling.results.solved_run import SolvedRun
-from rolling.scene.height_files import read_regular
+from rolling.scene.height_files import open_regular, read_regular
 from rolling.sound.contact_sound import FADE_S, ContactSound
 from rolling.sound.long_listening import Listening
 from rolling.terminal import progress
@@ -33,16 +34,22 @@ PAUSE_S = 0.25
 MAX_PASSES = 12  # in passes.wav; of more, it holds passes in a geometric sequence
 MIN_S = 5.0  # [s] of listen.wav; a shorter record is a click
 MAX_BYTES = 50_000_000  # of a listen.wav; 120 s of two channels take 35 million
+QUIET_DB = 30.0  # below the loudest run of a sweep, from which on a run may be inaudible beside it
 # Rules of the gain of listen.wav, and what each means for whoever hears it.
+SILENCE = "silence"
+LARGEST_GAIN = "the largest gain"
+EQUAL_LOUDNESS = "equal loudness"
+COMMON_GAIN = "the common gain of its sweep"
 _CONSEQUENCES = {
-    "silence": "the record is silent, and the gain is 1",
-    "the largest gain": (
+    SILENCE: "the record is silent, and the gain is 1",
+    LARGEST_GAIN: (
         "the gain is the largest there is, that of a record at 0 dB(A): this record is below and"
         " stays quieter than others"
     ),
-    "equal loudness": (
+    EQUAL_LOUDNESS: (
         "the gain makes runs equally loud, so compare their levels by the numbers, not by ear"
     ),
+    COMMON_GAIN: "all runs of the sweep have this gain, so a louder run sounds louder",
 }
 
 
@@ -53,11 +60,10 @@ class EarRecord(NamedTuple):
     content: str
 
 
-class _EarFile(NamedTuple):
-    """A record as a WAV, its gain [full scale per Pa], and the rule of this gain."""
+class Gain(NamedTuple):
+    """The gain of a record for the ear [full scale per Pa], and the rule that it follows."""
 
-    content: bytes
-    gain: float
+    full_scale_per_pa: float
     rule: str
 
 
@@ -68,7 +74,17 @@ def record_for_ear(run: SolvedRun) -> EarRecord:
     """Return the long record of a run if its scene asks for it, or its record in laps."""
     long = long_record_of(run)
     if long is not None:
-        return EarRecord(long.channels, describe_long_record(run, long))
+        return long_ear_record(run, long)
+    return record_in_laps_of(run)
+
+
+def long_ear_record(run: SolvedRun, long: Listening) -> EarRecord:
+    """Return a long record for the ear."""
+    return EarRecord(long.channels, describe_long_record(run, long))
+
+
+def record_in_laps_of(run: SolvedRun) -> EarRecord:
+    """Return the record of a run in laps for the ear."""
     content = describe_laps(run.sound)
     if run.scene.sound.listen_s is not None:
         content += f"; no long record: {run.no_long}"
@@ -112,13 +128,15 @@ def long_record_of(run: SolvedRun) -> Listening | None:
 def _stored_long_record(run: SolvedRun) -> Listening | None:
     """Return the long record that listen.wav of a stored run holds; None without a whole one."""
     numbers = run.summary.get("listening", {})
-    scale = run.summary.get("listen", {}).get("pascal_per_full_scale")
-    if not scale or not numbers.get("seconds"):
+    if "provenance" not in run.summary or not numbers.get("seconds"):
         return None
-    with suppress(OSError, soundfile.LibsndfileError):
+    with suppress(OSError, ValueError, soundfile.LibsndfileError):
         content = read_regular(run.folder / "listen.wav", MAX_BYTES)
-        samples, rate = soundfile.read(io.BytesIO(content))
-        channels = np.atleast_2d(samples.T) * scale
+        with soundfile.SoundFile(io.BytesIO(content)) as file:
+            samples = file.read()
+            rate = file.samplerate
+            gain = gain_of_comment(file.comment)
+        channels = np.atleast_2d(samples.T) / gain.full_scale_per_pa
         is_whole = abs(channels.shape[1] - numbers["seconds"] * rate) < 1
         if is_whole and np.isfinite(channels).all():
             right = channels[1] if len(channels) > 1 else None
@@ -154,51 +172,123 @@ def describe_long_record(run: SolvedRun, long: Listening) -> str:
 # ---- files
 
 
-def listen_wav(run: SolvedRun) -> tuple[bytes, dict[str, Any]]:
-    """Write listen.wav of a run; return its bytes, and the content and meaning of its samples."""
-    record = record_for_ear(run)
-    is_long = run.scene.sound.listen_s is not None and not run.no_long
+def listen_wav(run: SolvedRun, common: float | None = None) -> tuple[bytes, dict[str, Any]]:
+    """Write listen.wav of a run; return its bytes, and the content and meaning of its samples.
+
+    A long record is made anew, so that the bytes do not depend on an earlier file.
+
+    Parameters
+    ----------
+    run : SolvedRun
+    common : float, full scale per Pa. The gain that it shares with the other runs of its sweep.
+        Default: its own gain.
+    """
+    record = record_in_laps_of(run) if run.long is None else long_ear_record(run, run.long)
     repeats = run.sound.loops or len(record.pressure) > len(run.sound.pressure)
-    file = _ear_file(run, record, repeats and not is_long)
-    return file.content, {
+    own = own_gain(record)
+    used = own
+    if common is not None and own.rule != SILENCE:
+        used = Gain(common, COMMON_GAIN)
+    scale = used.full_scale_per_pa
+    facts = {
         "content": record.content,
         "duration_s": len(record.pressure) / run.sound.sample_rate,
-        "meaning": (
-            "Samples times pascal_per_full_scale are sound pressure in Pa at the listener; "
-            f"{_CONSEQUENCES[file.rule]}."
-        ),
-        "pascal_per_full_scale": 1.0 / file.gain,
-        "gain_full_scale_per_pa": file.gain,
-        "gain_db_re_1_per_pa": 20.0 * math.log10(file.gain),
-        "rule": file.rule,
+        "meaning": _meaning(own, used),
+        "pascal_per_full_scale": 1.0 / scale,
+        "gain_full_scale_per_pa": scale,
+        "gain_db_re_1_per_pa": 20.0 * math.log10(scale),
+        "own_gain_full_scale_per_pa": own.full_scale_per_pa,
+        "common_gain_full_scale_per_pa": common,
+        "rule": used.rule,
     }
+    return _wav(run, record, used, loops=repeats and run.long is None), facts
+
+
+def own_gain(record: EarRecord) -> Gain:
+    """Return the gain that makes a record as loud as others, with six digits, and its rule."""
+    gain = float(f"{wav.listening_gain(record.pressure):.6g}")  # as the comment of the file has it
+    if np.abs(record.pressure).max() < np.finfo(float).tiny:
+        return Gain(gain, SILENCE)
+    if gain >= float(f"{wav.MAX_GAIN:.6g}"):
+        return Gain(gain, LARGEST_GAIN)
+    return Gain(gain, EQUAL_LOUDNESS)
+
+
+def _meaning(own: Gain, used: Gain) -> str:
+    """Say what the samples of listen.wav are, and what its gain does to the ear."""
+    text = (
+        "Samples times pascal_per_full_scale are sound pressure in Pa at the listener; "
+        f"{_CONSEQUENCES[used.rule]}."
+    )
+    lowered_db = 20.0 * math.log10(own.full_scale_per_pa / used.full_scale_per_pa)
+    if lowered_db > QUIET_DB:
+        text += (
+            f" This run plays {lowered_db:.0f} dB below the level at which it would play alone, so"
+            " you may not hear it. Its own gain is own_gain_full_scale_per_pa; the page makes the"
+            " runs equally loud with one switch."
+        )
+    return text
+
+
+def signal_facts(sound: ContactSound) -> dict[str, Any]:
+    """Say what the samples of signal.wav are, and whether a player clips them."""
+    peak_pa = float(np.abs(sound.channels).max())
+    meaning = "Samples are sound pressure in Pa at the listener, for calculations, not for playing"
+    if peak_pa > 1.0:
+        meaning += f": the peak of {peak_pa:.3g} Pa lies above full scale, and a player clips it"
+    return {"meaning": f"{meaning}; listen.wav is for the ear.", "peak_pa": peak_pa}
 
 
 def write_long(run: SolvedRun, long: Listening) -> Path:
     """Write long.wav, a long record for the ear, and return its path.
+
+    A run of a sweep keeps the common gain of listen.wav, unless the record would clip.
 
     Raises
     ------
     OSError : the file cannot be written. An earlier file is kept.
     """
     path = run.folder / "long.wav"
-    record = EarRecord(long.channels, describe_long_record(run, long))
+    record = long_ear_record(run, long)
+    gain = own_gain(record)
+    common = run.summary.get("listen", {}).get("common_gain_full_scale_per_pa")
+    if common is not None and common < gain.full_scale_per_pa:
+        gain = Gain(common, COMMON_GAIN)
     make_below(run.home, run.folder)
-    write_bytes(path, _ear_file(run, record, repeats=False).content)
+    write_bytes(path, _wav(run, record, gain, loops=False))
     return path
 
 
-def _ear_file(run: SolvedRun, record: EarRecord, repeats: bool) -> _EarFile:
+def _wav(run: SolvedRun, record: EarRecord, gain: Gain, loops: bool) -> bytes:
     """Return a record as a WAV, with a loop where it repeats."""
-    gain = wav.listening_gain(record.pressure)
-    rule = "equal loudness"
-    if not run.sound.pressure.any():
-        rule = "silence"
-    elif gain >= wav.MAX_GAIN:
-        rule = "the largest gain"
-    comment = f"{gain:.6g} full scale per Pa, {rule}; {record.content}; {wav_comment(run)}"
-    content = wav.listening(record.pressure, gain, comment, wav_title(run), loops=repeats)
-    return _EarFile(content, gain, rule)
+    comment = f"{comment_of_gain(gain)}; {record.content}; {wav_comment(run)}"
+    return wav.listening(
+        record.pressure, gain.full_scale_per_pa, comment, wav_title(run, run.label), loops=loops
+    )
+
+
+def comment_of_gain(gain: Gain) -> str:
+    """Return the words on its gain with which the comment of a file begins."""
+    return f"{gain.full_scale_per_pa:.6g} full scale per Pa, {gain.rule}"
+
+
+def has_gain(path: Path, gain: Gain, title: str) -> bool:
+    """Tell whether a sound file has a gain and a title; a file that cannot be read has none."""
+    try:
+        with open_regular(path) as stream, soundfile.SoundFile(stream) as file:
+            return gain_of_comment(file.comment) == gain and file.title == title
+    except (OSError, ValueError, soundfile.LibsndfileError):
+        return False
+
+
+def gain_of_comment(comment: str) -> Gain:
+    """Return the gain that the comment of a file names; raise ValueError where it names none."""
+    words, _, _ = comment.partition(";")
+    number, _, rule = words.partition(" full scale per Pa, ")
+    gain = float(number)
+    if not (math.isfinite(gain) and gain > 0.0):
+        raise ValueError(f"{gain}: no gain")
+    return Gain(gain, rule)
 
 
 def passes_wav(run: SolvedRun, bits: Literal[16, 24] = 24) -> tuple[bytes, str]:
@@ -222,17 +312,17 @@ def passes_wav(run: SolvedRun, bits: Literal[16, 24] = 24) -> tuple[bytes, str]:
     gain = wav.listening_gain(record)
     content = f"{PASS_S:g} s of each pass at one gain, with its LAeq: {', '.join(levels)}"
     comment = f"{gain:.6g} full scale per Pa; {content}"
-    return wav.listening(record, gain, comment, wav_title(run), bits), content
+    return wav.listening(record, gain, comment, wav_title(run, run.label), bits), content
 
 
-def wav_title(run: SolvedRun) -> str:
-    """Return the title of the sound files of a run."""
-    return f"{run.scene.name}, {run.label}"
+def wav_title(run: RunFolder, label: str) -> str:
+    """Return the title of the sound files of a run under a label."""
+    return f"{run.scene.name}, {label}"
 
 
 def wav_comment(run: SolvedRun) -> str:
     """Write the facts that the comment of a sound file holds: place, source and ends."""
-    return f"{wav_title(run)}; {_place(run)}, {_source(run)}; {run.sound.ends}"
+    return f"{wav_title(run, run.label)}; {_place(run)}, {_source(run)}; {run.sound.ends}"
 
 
 def _place(run: SolvedRun) -> str:

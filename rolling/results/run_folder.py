@@ -83,6 +83,7 @@ _MAPPINGS = (
     "third_octave_a_db",
     "provenance",
     "packages",
+    "signal",
     "listen",
     "listening",
     "error_estimate",

@@ -218,10 +218,15 @@ def write_run(run: Run) -> None:
     if run.result.passes is not None:
         contents[PASSES], _ = listening.passes_wav(run)
     make_below(run.home, run.folder)
-    run.sound.write_wav(run.folder / SIGNAL, listening.wav_comment(run), listening.wav_title(run))
+    title = f"{listening.wav_title(run, run.label)}, sound pressure in pascals"
+    run.sound.write_wav(run.folder / SIGNAL, listening.wav_comment(run), title)
     for name, content in contents.items():
         write_bytes(run.folder / name, content)
-    facts = {"listen": listen_facts, "provenance": provenance(run.scene, run.label)}
+    facts = {
+        "signal": listening.signal_facts(run.sound),
+        "listen": listen_facts,
+        "provenance": provenance(run.scene, run.label),
+    }
     write_json(run.folder / SUMMARY, run.summary | facts)
 
 

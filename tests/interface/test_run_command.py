@@ -320,7 +320,7 @@ def test_the_shortest_run_of_a_sweep_is_heard_first(
     sound = out / "load_n=0.005" / "listen.wav"
     assert f"the first sound, load 0.005 N: {sound}\n" in capsys.readouterr().err
     times = [
-        (out / f"load_n={load}" / sound.name).stat().st_mtime_ns for load in (5e-3, 2e-2, 1e-2)
+        (out / f"load_n={load}" / "signal.wav").stat().st_mtime_ns for load in (5e-3, 2e-2, 1e-2)
     ]
     assert times == sorted(times)
 
