@@ -116,7 +116,7 @@ def _reference(sections: dict[str, Json], schema: Json) -> str:
         if sections[title] is not schema:
             parts += [sections[title]["description"], ""]
         if shared:
-            parts += [f"It also has {_shared(shared)}.", ""]
+            parts += [_shared(shared), ""]
         parts += [_table(["key", "value", "meaning"], new), ""] if new else []
     return "\n".join(parts).rstrip()
 
@@ -146,9 +146,12 @@ def keys(schema: Json) -> list[tuple[str, str]]:
 
 
 def _shared(keys: dict[str, list[str]]) -> str:
-    """Return the keys that a section shares with others, in words."""
-    parts = (f"{', '.join(sorted(names))} of *{title}*" for title, names in sorted(keys.items()))
-    return ", and ".join(parts)
+    """Return sentences on the keys that a section shares with earlier ones."""
+    sentences = []
+    for title, names in sorted(keys.items()):
+        mean = "mean" if len(names) > 1 else "means"
+        sentences.append(f"{', '.join(sorted(names))} {mean} the same as in *{title}*.")
+    return " ".join(sentences)
 
 
 def _sections(prefix: str, outer: Json, schema: Json) -> dict[str, Json]:

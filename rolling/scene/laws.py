@@ -26,9 +26,9 @@ class Distribution(Section):
     Attributes
     ----------
     skewness : float, optional
-        Skewness of the heights, negative for a plateau with valleys; absent: 0
+        Skewness of the heights, negative for a plateau with valleys. Default: 0.
     kurtosis : float, optional
-        Kurtosis of the heights, above the square of the skewness plus 1; absent: 3
+        Kurtosis of the heights, above the square of the skewness plus 1. Default: 3.
     seed : int
         Seed of the random heights
     """
@@ -85,17 +85,18 @@ class Roughness(Distribution):
     Attributes
     ----------
     autocorrelation : str
-        Law in the distance r and the correlation length L: exp(-(r/L)^2) or exp(-r/L); with _10pct
-        2.3 times the exponent
+        Law of the autocorrelation over the distance r, with the correlation length L. gaussian:
+        exp(-(r/L)^2). exponential: exp(-r/L). With _10pct the exponent is 2.3 times as large, so
+        that the law has fallen to a tenth at L.
     roughness_ra_um : float
         Arithmetic mean roughness Ra [um]
     correlation_length_um : float
         Correlation length [um] along the track
     correlation_length_across_um : float, optional
-        Correlation length [um] across the track; absent: as along
+        Correlation length [um] across the track. Default: as along.
     lay_deg : float, optional
-        Angle [degrees] from the track, towards positive y, that turns both correlation lengths;
-        absent: 0
+        Angle [degrees] by which both correlation lengths are turned, from the track towards
+        positive y. Default: 0.
     """
 
     autocorrelation: Autocorrelation = "gaussian"
@@ -190,7 +191,7 @@ class SelfAffineLaw(Distribution):
     shortest_um : float
         Shortest wavelength [um], at least four spacings
     roughness_ra_um : float, optional
-        Arithmetic mean roughness Ra [um]; exactly one of roughness_ra_um, rq_um and rdq is given
+        Arithmetic mean roughness Ra [um]. Give exactly one of roughness_ra_um, rq_um and rdq.
     rq_um : float, optional
         Root-mean-square height Sq [um]
     rdq : float, optional
@@ -283,12 +284,13 @@ class SurfaceFault(Section):
     Attributes
     ----------
     kind : str
-        pit: a paraboloid; dent: a hole whose raised rim holds its volume; bump: a rounded hill;
-        scratch: a line; groove: a line across the whole surface; step: a rise over size_um
+        Shape of the fault. pit: a paraboloid. dent: a hole with a raised rim, which holds the
+        volume of the hole. bump: a rounded hill. scratch: a line. groove: a line across the whole
+        surface. step: a rise over size_um.
     at_mm : list of float, optional
-        Place (x, y) [mm]: x along the surface from its start, y from the line of the sphere
+        Place (x, y) [mm]. x counts along the surface from its start, y from the line of the sphere.
     count : int, optional
-        Number of faults at random places, in place of at_mm
+        Number of equal faults at random places, in place of at_mm
     seed : int, optional
         Seed of the random places
     size_um : float
@@ -298,7 +300,7 @@ class SurfaceFault(Section):
     length_um : float, optional
         Length of a scratch [um]
     angle_deg : float, optional
-        Angle of a scratch to the track [degrees]; absent: 90
+        Angle of a scratch to the track [degrees]. Default: 90.
 
     Examples
     --------

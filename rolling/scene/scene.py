@@ -69,9 +69,10 @@ class Scene(quantities.SceneQuantities):
     sphere, plate, surface, rolling, numerics, recovery, sound : Section
         Sections; the last three have defaults.
     dynamics : Dynamics, optional
-        Vibration of sphere and plate; absent: the load is held constant
+        Vibration of sphere and plate. Default: none, so the load is constant and the vibration is
+        only estimated.
     sweep : dict
-        Lists of values by dotted key, or values by label; all combinations are run
+        Lists of values by dotted key, or values by label. All combinations are run.
 
     Raises
     ------

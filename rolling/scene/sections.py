@@ -69,19 +69,20 @@ class Sphere(Section):
     Attributes
     ----------
     radius_mm : float
-        Radius along the track [mm]; mass, circumference and sound follow from it
+        Radius along the track [mm]. Mass, circumference and sound follow from it.
     radius_across_mm : float, optional
-        Radius across the track [mm], as of a wheel or a crowned roller; absent: radius_mm
+        Radius across the track [mm], for a wheel or a crowned roller. Default: radius_mm.
     material : str, optional
-        Material, which gives Young's modulus, Poisson's ratio and density; values beside it win
+        Material by name. It gives Young's modulus, Poisson's ratio and density; values beside it
+        win.
     density_kg_m3 : float, optional
-        Density [kg/m3]; dynamics needs it, and checks without it take 7850
+        Density [kg/m3]. Dynamics needs it; checks without it take 7850.
     youngs_modulus_gpa : float, optional
-        Young's modulus [GPa]; absent: a rigid sphere
+        Young's modulus [GPa]. Default: a rigid sphere.
     poissons_ratio : float, optional
-        Poisson's ratio [-]; absent: a rigid sphere
+        Poisson's ratio [-]. Default: a rigid sphere.
     surface : section, optional
-        Surface around the circumference; absent: smooth
+        Surface around the circumference. Default: smooth.
 
     Examples
     --------
@@ -150,47 +151,47 @@ CONTACT_AT = 0.43, 0.37  # default over length and width: many modes have nodal 
 
 
 class Plate(Section):
-    """Plate that the sphere rolls on, a half-space to the contact.
+    """Plate that the sphere rolls on. For the contact it is a half-space.
 
     Attributes
     ----------
     material : str, optional
-        Material, which gives modulus, Poisson's ratio, hardness, density and, with a thickness,
-        loss factor; values beside it win
+        Material by name. It gives modulus, Poisson's ratio, hardness, density and, with a
+        thickness, the loss factor; values beside it win.
     youngs_modulus_gpa : float
         Young's modulus [GPa]
     poissons_ratio : float
         Poisson's ratio [-]
     hardness_gpa : float or "none", optional
-        Hardness [GPa], the maximum pressure, below a fifth of the modulus; none or absent: purely
-        elastic
+        Hardness [GPa]: no pressure exceeds it. It is below a fifth of the modulus. Default, or
+        none: the plate never yields.
     yield_strength_gpa : float, optional
-        Yield strength [GPa], a third of the hardness, in place of it
+        Yield strength [GPa], in place of the hardness, which is three times as large
     plasticity : str, optional
-        Memory of yielding: memoryless (default) meets the virgin surface everywhere, permanent
-        keeps the plastic overlap and needs a hardness
+        What a yielded place remembers. memoryless (default): nothing, so every position meets the
+        virgin surface. permanent: it keeps its dent; this needs a hardness.
     density_kg_m3 : float, optional
-        Density [kg/m3]; dynamics needs it
+        Density [kg/m3]. Dynamics needs it.
     thickness_mm : float, optional
-        Thickness [mm] of a plate that bends, for dynamics; absent: a half-space
+        Thickness [mm] of a plate that bends as it vibrates. Default: a half-space.
     loss_factor : float, optional
-        Loss factor of bending waves [-], for the sound power above coincidence; a plate with edges
-        needs it
+        Loss factor of bending waves [-]. A plate with edges needs it, and so does the sound power
+        above coincidence.
     length_mm : float, optional
-        Length [mm] along x of a rectangular plate, simply supported at its edges; absent: an
-        infinite plate
+        Length [mm] along x of a rectangular plate, which is simply supported at its edges. Default:
+        an infinite plate.
     width_mm : float, optional
         Width [mm] along y of a rectangular plate
     contact_mm : pair of float, optional
-        Contact point (x, y) [mm] from a corner of a rectangular plate; absent: 0.43 of the length,
-        0.37 of the width
+        Contact point (x, y) [mm] from a corner of a rectangular plate. Default: 0.43 of the length,
+        0.37 of the width.
     contact_path : str, optional
-        Path of the contact: fixed (default) at contact_mm, or to-and-fro between contact_mm and
-        contact_end_mm
+        Path of the contact on the plate. fixed (default): it stays at contact_mm. to-and-fro: it
+        moves to contact_end_mm and back.
     contact_end_mm : pair of float, optional
         Other end (x, y) [mm] of a path to-and-fro
     contact_loss_factor : float, optional
-        Loss factor of the contact stiffness [-] at the contact resonance; absent: 0
+        Loss factor of the contact stiffness [-] at the contact resonance. Default: 0.
 
     Examples
     --------
@@ -356,25 +357,26 @@ class Rolling(Section):
     Attributes
     ----------
     load_n : float or "weight"
-        Normal load [N]; weight: that of the sphere, which needs sphere.density_kg_m3
+        Normal load [N]. weight: that of the sphere, which needs sphere.density_kg_m3.
     speed_m_s : float or pairs of float
-        Speed [m/s], or [time [s], speed [m/s]] pairs: times increasing from 0, linear between them,
-        constant after the last
+        Speed [m/s], or pairs of time [s] and speed [m/s]. The times increase from 0. The speed is
+        linear between them, and constant after the last.
     resistance : float, optional
-        Coefficient of rolling resistance c [-] of a free solid sphere, which slows down by 5/7 c
-        load/mass; absent: the speed is kept
+        Coefficient c of rolling resistance [-]. A free solid sphere slows down by 5/7 c load/mass.
+        Default: the speed is kept.
     drop_mm : float, optional
-        Height of the fall [mm] at the start; needs dynamics and the sound of the vibration
+        Height [mm] from which the sphere falls at the start. It needs dynamics, and the sound of
+        the vibration.
     duration_s : float, optional
-        Time rolled [s]; absent with distance_mm, with resistance (until the sphere rests) and with
-        a height file (once round it)
+        Time rolled [s]. It may be left out with distance_mm, with resistance (until the sphere
+        rests), and with a height file (once round it).
     distance_mm : float, optional
-        Distance rolled [mm] instead of a duration, so that every speed meets the same surface
+        Distance rolled [mm], in place of a duration. Every speed then meets the same surface.
     start_um : float
         Start position along the track [um]
     passes : int, optional
-        Passes [-] over the track, each on the surface that the pass before left; the record is the
-        last; more than 1 needs plate.plasticity: permanent
+        Number of passes over the track, each on the surface that the pass before left. The record
+        is the last. More than 1 needs plate.plasticity: permanent.
 
     Examples
     --------
@@ -437,21 +439,23 @@ class Numerics(Section):
     Attributes
     ----------
     step_nodes : float
-        Step in nodes [-]: 1 to 64, or one over a whole number down to 1/16
+        Distance between two solved positions, in nodes [-]: 1 to 64, or one over a whole number
+        down to 1/16.
     tolerance : float or "auto"
-        Maximum violation of the contact conditions over the maximum deflection [-]; auto takes
-        1e-4, and less for smooth surfaces
+        Allowed violation of the contact conditions, over the maximum deflection [-]. auto takes
+        1e-4, and less for smooth surfaces.
     edges : str
-        Nodes at the edge of yielding patches: sharp loads them in full or not at all, blended by
-        the share of their cell in contact
+        Pressure where a yielding patch ends within a cell. blended: the cell bears the share that
+        is in contact. sharp: it bears all or nothing.
     subcells : int or "auto"
-        Sub-cells along a cell's side, with heights and pressures of their own; auto takes 2 on
-        steep surfaces that yield, with blended edges
+        Sub-cells along the side of a cell, with heights and pressures of their own. auto takes 2 on
+        steep surfaces that yield, with blended edges.
     precision : str
-        Precision of the transforms in the iteration; the check of a solution is in double precision
+        Precision of the transforms within the iteration. The final check of a solution is always in
+        double precision.
     error_estimate : bool
-        Estimate the errors of grid and tolerance in every level, for a quarter more time, or 40 %
-        under an exponential law; on a short track for up to 20 s
+        Whether the errors of grid and tolerance are estimated for every level. It takes a quarter
+        more time, or 40 % more under an exponential law; on a short track up to 20 s.
 
     Examples
     --------
@@ -472,14 +476,15 @@ class Numerics(Section):
 
 
 class Recovery(Section):
-    """Recovery of the nodes that leave the contact.
+    """Energy that the nodes give back as they leave the contact.
 
     Attributes
     ----------
     events : bool
-        Write a table of recovery events
+        Whether a table of recovery events is written
     rule : str
-        Pressure of a falling node: mean of both ends of the step, or left_end, the article's
+        Pressure of a node whose deflection falls in a step. mean: that of both ends of the step.
+        left_end: that at its beginning, as in the article.
 
     Examples
     --------
@@ -500,7 +505,7 @@ def _odd(value: int) -> int:
 
 
 class Dynamics(Section):
-    """Vibration of the sphere on its contact and on the plate, which makes the force fluctuate.
+    """Vibration of sphere and plate, which makes the contact force fluctuate.
 
     Attributes
     ----------
@@ -509,8 +514,8 @@ class Dynamics(Section):
     span : float
         Ratio of a marched load to the next lower one [-]
     release : bool, optional
-        Release under the moving load, by one more march, in place of the constant load; absent:
-        true for sound.source: release
+        Whether one more march computes the release under the moving load, in place of the constant
+        load. Default: true for sound.source: release.
 
     Examples
     --------
@@ -559,27 +564,29 @@ class Sound(Section):
     Attributes
     ----------
     source : str, optional
-        Origin of the sound: release of elastic energy (an upper bound), or vibration of sphere and
-        plate, which needs dynamics; absent: vibration with dynamics, otherwise release
+        What is heard. vibration: that of sphere and plate, which needs dynamics. release: the
+        released elastic energy, an upper bound. Default: vibration with dynamics, otherwise
+        release.
     ball : bool
-        Hear the vibration of the sphere beside the plate's
+        Whether the vibration of the sphere is heard beside that of the plate
     distance_m : float
-        Distance of the listener [m], more than the sphere's radius; beside listener_mm the radius
-        of the half sphere of the mean level
+        Distance of the listener [m], more than the sphere's radius. Beside listener_mm it is the
+        radius of the half sphere of the mean level.
     listener_mm : three floats, or a list of them, optional
-        Listeners (x, y, z) [mm] of a plate with edges, from the corner of contact_mm, z on the
-        ball's side; the first has the main levels, two make stereo; absent: at distance_m above the
-        contact, or the middle of its path
+        Listeners (x, y, z) [mm] of a plate with edges, from the corner of contact_mm; z above 0 is
+        on the ball's side. The main levels are those of the first, and two make stereo. Default: at
+        distance_m above the contact, or above the middle of its path.
     q : float
         Share of the released energy that is radiated [-]
     gain_pa_per_w_m2 : float, optional
-        Fixed factor from intensity to sound pressure [Pa per W/m2]; absent: energy-true per run
+        Fixed factor from intensity to sound pressure [Pa per W/m2]. Default: each run has the
+        factor that keeps its energy.
     listen_s : float, optional
-        Length [s] of listen.wav as a long record, beyond the solved track; absent: laps of the
-        record, at least 5 s
+        Length [s] of listen.wav as a long record, in which the ball rolls on beyond the solved
+        track. Default: the record repeats, for at least 5 s.
     loudness : bool
-        Report loudness (ISO 532-1) and sharpness (DIN 45692), or N5 and the maximum of the loudness
-        in time where the sound is not steady; needs the package mosqito
+        Whether loudness (ISO 532-1) and sharpness (DIN 45692) are reported. Where the sound is not
+        steady, they are N5 and the maximum of the loudness in time. It needs the package mosqito.
 
     Examples
     --------

@@ -67,14 +67,14 @@ Finish = Annotated[str, library.listed("finishes")]
 
 
 class Gaussian(Roughness, MadeSurface):
-    """Random periodic surface by its autocorrelation, with Gaussian or other heights.
+    """Random periodic surface with a given autocorrelation.
 
     Attributes
     ----------
     kind : "gaussian"
         A random surface by its autocorrelation
     finish : str, optional
-        Finish, which gives Ra and correlation length; values beside it win
+        Finish by name. It gives Ra and correlation length; values beside it win.
 
     Examples
     --------
@@ -91,7 +91,7 @@ class Gaussian(Roughness, MadeSurface):
 
 
 class SelfAffine(SelfAffineLaw, MadeSurface):
-    """Random periodic surface of a self-affine spectrum.
+    """Random periodic surface with a self-affine spectrum.
 
     Attributes
     ----------
@@ -151,36 +151,39 @@ class HeightFile(SurfaceKind):
         File of heights, relative to the scene file: an array (.npy, .npz, .csv, .txt), .xyz, or a
         format of a measuring instrument
     channel : str, optional
-        Channel of a measuring instrument's file; absent: the first with heights
+        Channel of a measuring instrument's file. Default: the first with heights.
     along : str, optional
-        Axis of the file along the track: y (default) makes a row lie across
+        Axis of the file along the track. y (default): a row of the file lies across.
     height_unit : str
         Unit of the heights of an array, or of .xyz
     xy_unit : str, optional
-        Unit of x and y in .xyz; absent: that of the heights
+        Unit of x and y in .xyz. Default: that of the heights.
     spacing_um : float, optional
-        Node spacing [um], to which a file with its own spacings is resampled; absent: the file's
-        finer spacing
+        Node spacing [um]. A file with spacings of its own is resampled to it. Default: the file's
+        finer spacing.
     outliers : float, optional
-        Difference from the median of 5 x 5 neighbours, in robust standard deviations of the heights
-        about their plane, beyond which a node counts as unmeasured
+        Limit beyond which a node counts as unmeasured. It is the difference from the median of the
+        5 x 5 neighbours, in robust standard deviations of the heights about their plane.
     unmeasured : str, optional
-        Unmeasured points: refuse (default), or fill from their surroundings
+        What happens to unmeasured points. refuse (default): the file is refused. fill: their
+        surroundings fill them.
     s_filter_um : float, optional
         Cut-off wavelength [um] of the Gaussian S-filter, which removes shorter waves
     level : str
-        F-operator: plane removes the least-squares plane, quadratic a surface of second order; auto
-        removes the plane of a measurement, and of a period where it lowers the step at the seam
+        Form that is removed (F-operator). plane: the least-squares plane. quadratic: a surface of
+        second order. auto: the plane of a measurement, and that of a period where this lowers the
+        step at the seam.
     l_filter_um : float, optional
         Cut-off wavelength [um] of the Gaussian L-filter, which removes longer waves
     periodic : str, optional
-        Period of a measurement: blend fades the end of each side into its beginning, mirror
-        continues it backwards, none takes the file as a period; absent: none for an array,
-        otherwise blend
+        How a measurement becomes one period. blend: the end of each side fades into its beginning.
+        mirror: each side continues backwards. none: the file is a period. Default: none for an
+        array, otherwise blend.
     overlap_um : float, optional
-        Length [um] of the blend, up to half a side; absent: a tenth of each side
+        Length [um] of the blend, up to half a side. Default: a tenth of each side.
     width_um : float, optional
-        Width [um] across the track of a profile of one line, a whole number of nodes, at least 8
+        Width [um] across the track that a profile of one line gets: a whole number of nodes, at
+        least 8.
 
     Examples
     --------
@@ -338,7 +341,7 @@ class RoundSurface(SurfaceKind):
 
 
 class GaussianBall(Roughness, RoundSurface):
-    """Random surface of a sphere by its autocorrelation.
+    """Random surface of a sphere with a given autocorrelation.
 
     Attributes
     ----------
@@ -385,11 +388,11 @@ class GradedBall(RoundSurface):
     kind : "graded"
         Roughness and form at the limits of a grade of ISO 3290-1
     grade : str
-        Grade, with its limits of Ra/deviation from spherical form [um]: G3 0.010/0.08, G5
-        0.014/0.13, G10 0.020/0.25, G16 0.025/0.4, G20 0.032/0.5, G24 0.040/0.6, G28 0.050/0.7, G40
-        0.060/1, G60 0.080/1.5, G100 0.100/2.5, G200 0.150/5
+        Grade by name, with its limits of Ra and of the deviation from spherical form [um]: G3
+        0.010/0.08, G5 0.014/0.13, G10 0.020/0.25, G16 0.025/0.4, G20 0.032/0.5, G24 0.040/0.6, G28
+        0.050/0.7, G40 0.060/1, G60 0.080/1.5, G100 0.100/2.5, G200 0.150/5.
     correlation_length_um : float
-        Correlation length of the roughness [um], which no grade states
+        Correlation length of the roughness [um]. No grade states one.
     seed : int
         Seed of heights and phases
 
@@ -423,8 +426,8 @@ class BallHeightFile(RoundSurface):
     kind : "file"
         Heights from a file of one turn; their mean and the wave of order 1 are removed
     path : str
-        File of heights, .npy, .npz, .csv or .txt, relative to the scene file: (along the
-        circumference, across), or one line that is repeated across the width
+        File of heights (.npy, .npz, .csv or .txt), relative to the scene file. Its axes are along
+        the circumference and across. A single line is repeated across the width.
     height_unit : str
         Unit of the heights in the file
     spacing_um : float
