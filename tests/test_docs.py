@@ -103,7 +103,8 @@ def test_commands_have_options_scenes_and_keys_of_the_program(page: Path):
         known = named.removesuffix(".yaml").removeprefix("scenarios/")
         if known.islower() and (named.endswith(".yaml") or "." not in named):
             assert known in library, words
-        if overrides := given.get("overrides"):
+        own_file = named.endswith(".yaml") and known not in library  # which the page makes
+        if (overrides := given.get("overrides")) and not own_file:
             if "folder" in given:
                 scene_file.resound(read_scene("steel-sheet"), overrides)
             else:
