@@ -52,21 +52,25 @@ def page(measured: Sequence[Table]) -> str:
     ]
     parts = [
         "# Conformance of the package `acoustics`",
-        f"Every number on this page is computed by\n\n```sh\n{COMMAND}\n```\n\n"
-        "and a test fails when the page differs from the output of that command.",
-        "- *Limits* are on the difference between computed and expected; for an attenuation, "
-        "which ideally is infinite "
-        "(∞), the lower limit is the minimum attenuation.\n"
+        "**Do weightings, third octaves, resampling and levels meet class 1 of IEC 61672-1 and "
+        "IEC 61260-1?** Weightings, time weightings and the bands of records that close do. Third "
+        "octaves of records that do not close exceed the limits in some cases (section 8): for "
+        "tones several octaves outside the band, and in bands of a few lines. The effective "
+        "bandwidth of the lowest bands exceeds them, too (section 9). Only arithmetic is tested "
+        "here: no microphone, no display, no environment. This is no pattern evaluation.",
+        f"This command computes every number on this page:\n\n```sh\n{COMMAND}\n```\n\n"
+        "A test fails when the page differs from its output.",
+        "## How to read the tables",
+        "- *Limits* are on the difference between computed and expected. The attenuation of a "
+        "tone outside a band is infinite in the ideal case (∞); its lower limit is the minimum "
+        "attenuation.\n"
         "- *Share* is the part of the tolerance used: the difference over the limit on its side, "
-        "or the attenuation "
-        "required over the one computed. Above 100 % the limit is exceeded; "
-        "such a share is in **bold**.\n"
-        f"- *> {MAX_DB:g}*: the remainder is rounding, or close to it.\n"
-        "- *Class 1*: the acceptance limits of IEC 61672-1:2013 and IEC 61260-1:2014. "
-        "They leave out the uncertainty of "
-        "a testing laboratory, which the tolerance limits of earlier editions included.\n"
-        "- Only arithmetic is tested here: no microphone, no display, no environment. "
-        "This is no pattern evaluation.",
+        "or the required over the computed attenuation. Above 100 % the limit is exceeded, and "
+        "the share is in **bold**.\n"
+        f"- *> {MAX_DB:g}* means that the remainder is rounding, or close to it.\n"
+        "- *Class 1* stands for the acceptance limits of IEC 61672-1:2013 and IEC 61260-1:2014. "
+        "They leave out the uncertainty of a testing laboratory, which the tolerance limits of "
+        "earlier editions included.",
         "## Summary",
         _markdown(("section", "source", "rows", "worst share %", "verdict"), summary, "llrrl"),
     ]

@@ -41,10 +41,10 @@ def mid_band_frequencies() -> Table:
         "Third octaves: mid-band frequencies and names",
         f"the limit of {FREQUENCY_LIMIT_PPM:g} ppm",
         "IEC 61260-1:2014, 5.2 to 5.4 and annex E",
-        "Expected: 1000 G^(x/3) Hz with G = 10^(3/10) and x = -17 to 13, named by the R10 series. "
-        "Computed: "
-        "`bands.MID_HZ`, named by `bands.BAND_NAMES`. The standard gives no tolerance; "
-        "10 ppm is the fifth digit.",
+        "Are the bands where they should be? Expected is 1000 G^(x/3) Hz with G = "
+        "10^(3/10) and x = -17 to 13, named by the R10 series. Computed are `bands.MID_HZ`, "
+        "named by `bands.BAND_NAMES`. The standard gives no tolerance; 10 ppm is the fifth "
+        "digit.",
         ("R10 Hz", "name"),
         "Hz",
         4,
@@ -69,9 +69,9 @@ def band_edges() -> Table:
         "Third octaves: band edges",
         f"the limit of {FREQUENCY_LIMIT_PPM:g} ppm",
         "IEC 61260-1:2014, 5.6",
-        "Expected: mid-band frequency times G^(-1/6) and G^(1/6). Computed: `bands.EDGES_HZ`; "
-        "the upper edge of a band "
-        "is the lower edge of the next, so no frequency is counted twice or left out.",
+        "Do the bands meet? Expected is the mid-band frequency times G^(-1/6) and "
+        "G^(1/6). Computed are `bands.EDGES_HZ`. The upper edge of a band is the lower edge of "
+        "the next, so no frequency is counted twice or left out.",
         ("edge",),
         "Hz",
         4,
@@ -160,15 +160,13 @@ def closed_records() -> Table:
         "Third octaves: tones on a line",
         "class 1",
         "IEC 61260-1:2014, 5.10, Table 1 and formulas (9), (10)",
-        "Tones at the standard's normalised frequencies f/f_mid, each moved to the nearest of the "
-        "0.1 Hz lines of a 10 s "
-        "record at 48 kHz, so that the record holds a whole number of periods. "
-        "The lines of a record that closes on "
-        "itself are the signal itself, as for every sound at constant speed on a closed track. "
-        "Computed: level of "
-        "the tone minus its level in the band. *in*, *out*: the line next to the edge, "
-        "on this side of it. No record at "
-        "48 kHz holds a tone above 24 kHz.",
+        "Do closed records meet class 1? The tones have the standard's normalised "
+        "frequencies f/f_mid. Each is moved to the nearest of the 0.1 Hz lines of a 10 s record"
+        " at 48 kHz, so the record holds a whole number of periods. Every sound at constant "
+        "speed on a closed track is of this kind: the lines of the record are the signal "
+        "itself. Computed is the level of the tone minus its level in the band. *in* and *out* "
+        "name the line next to the edge, on this side of it. No record at 48 kHz holds a tone "
+        "above 24 kHz.",
         ("band", "f/f_mid", "f Hz"),
         "dB",
         2,
@@ -309,19 +307,16 @@ def open_records() -> Table:
         "Third octaves: tones that do not fit the record",
         "class 1",
         "IEC 61260-1:2014, 5.10, Table 1 and formulas (9), (10)",
-        "Tones at the standard's normalised frequencies, in records that are cut, "
-        "or faded by 10 ms at both ends as the "
-        "program fades every record that does not close: the ends leak into all lines. "
-        "The record is lengthened or shortened "
-        "by up to half a period (from 500 periods on, the frequency changes instead), "
-        "so that the tone lies midway between "
-        "two lines. Computed: "
-        "level of the record minus its level in the band, at the worst of the frequencies "
-        "*inside* the band, at its "
-        "*edges* (one to two lines off: nearer to an edge than a line, "
-        "a tone counts with the nearest line) and "
-        "*outside*. B T: lines in the band. Sampled at 12 times the mid-band frequency, "
-        "at least 2.4 kHz, at most 48 kHz.",
+        "What do records lose that do not close? Their ends leak into all lines. A "
+        "record is cut, or faded by 10 ms at both ends, as the program fades every record that "
+        "does not close. Each tone has one of the standard's normalised frequencies and is "
+        "midway between two lines of the record. To this end the record is lengthened or "
+        "shortened by up to half a period; from 500 periods on the frequency changes instead. "
+        "Computed is the level of the record minus its level in the band, at the worst "
+        "frequency of each part: *inside* the band, *outside* of it, and at its *edges*. At the"
+        " edges the tone is one to two lines off, because a tone that is nearer than a line "
+        "counts with the nearest line. B T is the number of lines in the band. The sample rate "
+        "is 12 times the mid-band frequency, at least 2.4 kHz and at most 48 kHz.",
         ("record", "band", "B T", "worst f/f_mid", "part"),
         "dB",
         2,
@@ -329,14 +324,13 @@ def open_records() -> Table:
         "Bands in which class 1 holds (records of 10 s searched up to the band of 500 Hz, "
         "and in the bands of the table):\n\n"
         + "\n".join(holds)
-        + "\n\nInside the bands class 1 holds for records of every length scanned from "
-        f"B T = {min_lines_inside():.1f} on; the bands `bands.reliable` names have B T of "
-        f"{MIN_BT:g} or more. Outside "
-        "it holds only from the bands above on: in lower bands a strong tone or a steep spectrum "
-        "several octaves away "
-        f"shows at the attenuations of the table, {worst_db:.0f} dB in the worst faded case, "
-        "instead of the 70 dB asked "
-        "for. A record that closes has neither limit.",
+        + "\n\n**Inside the bands** class 1 holds for records of every length scanned from "
+        f"B T = {min_lines_inside():.1f} on. The bands that `bands.reliable` names have B T of "
+        f"{MIN_BT:g} or more.\n\n"
+        "**Outside the bands** it holds from the bands above on only. In lower bands a strong "
+        "tone, or a steep spectrum several octaves away, shows at the attenuations of the table: "
+        f"{worst_db:.0f} dB in the worst faded case, where 70 dB are asked for.\n\n"
+        "A record that closes has neither limit.",
     )
 
 
@@ -362,12 +356,11 @@ def effective_bandwidth() -> Table:
         "Third octaves: effective bandwidth",
         "class 1",
         "IEC 61260-1:2014, 5.12",
-        "A band holds a whole number of lines, so of a flat spectrum up to one line more or less "
-        "than its bandwidth. "
-        "Computed: level of the lines it holds, each 1/T wide, over that of its bandwidth. "
-        "Records that close are no exception. "
-        "It is less than half the random uncertainty of noise in such a band "
-        "(`bands.band_uncertainty_db`).",
+        "Does a band count white noise right? A band holds a whole number of lines, "
+        "so of a flat spectrum it takes up to one line more or less than its bandwidth. Records"
+        " that close are no exception. Computed is the level of the lines it holds, each 1/T "
+        "wide, over that of its bandwidth. The error is less than half the random uncertainty "
+        "of noise in such a band (`bands.band_uncertainty_db`).",
         ("record", "band", "B T"),
         "dB",
         2,

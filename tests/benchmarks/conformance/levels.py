@@ -47,10 +47,11 @@ def a_weighting() -> Table:
         "A-weighting",
         "class 1",
         "IEC 61672-1:2013, 5.5 and Table 3",
-        "Sines of 1 Pa rms at the exact frequencies 10^(n/10) Hz, 48 kHz, "
-        "in records of up to 1 s nearest to a whole "
-        "number of periods. Computed: LAeq minus LZeq of `level.sound_levels`. *Formula*: annex E, "
-        "`weighting.a_weighting_db`. Expected is the standard's table, rounded to 0.1 dB.",
+        "Is the A-weighting that of the standard? The signals are sines of 1 Pa rms "
+        "at the exact frequencies 10^(n/10) Hz, sampled at 48 kHz. A record lasts up to 1 s, "
+        "and holds nearly a whole number of periods. Computed is LAeq minus LZeq of "
+        "`level.sound_levels`. *Formula* is that of annex E, `weighting.a_weighting_db`. "
+        "Expected is the standard's table, rounded to 0.1 dB.",
         ("nominal Hz", "exact Hz", "formula dB"),
         "dB",
         2,
@@ -102,12 +103,11 @@ def tone_bursts() -> Table:
         "Tone bursts",
         "class 1",
         "IEC 61672-1:2013, 5.9 and Table 4",
-        "Bursts of 4 kHz in silence, beginning at a zero of the sine, 48 kHz. Computed: "
-        "LAFmax and LASmax of "
-        "`level.sound_levels` (record not closed), and the sound exposure level LAE = LAeq + 10 "
-        "lg(T / 1 s), each minus "
-        "LAeq of the steady tone. The A-weighting of the time signal has no phase here, "
-        "which a short burst shows.",
+        "Are short events weighted right in time? The signals are bursts of 4 kHz in "
+        "silence, which begin at a zero of the sine, sampled at 48 kHz. Computed are LAFmax and"
+        " LASmax of `level.sound_levels` (record not closed), and the sound exposure level LAE "
+        "= LAeq + 10 lg(T / 1 s). Each is less LAeq of the steady tone. The A-weighting has no "
+        "phase here, and a short burst shows this.",
         ("level", "burst ms"),
         "dB",
         2,
@@ -136,8 +136,8 @@ def decay_rates() -> Table:
         "Decay of the time weightings",
         "class 1",
         "IEC 61672-1:2013, 5.8.2",
-        "4 kHz for 1 s, then silence. Computed: fall of the A-weighted level of "
-        "`level.running_mean_square` "
+        "Do Fast and Slow fall at the right rate? The signal is 4 kHz for 1 s, then "
+        "silence. Computed is the fall of the A-weighted level of `level.running_mean_square` "
         "from 0.1 s to 1.1 s after the end of the tone.",
         ("time weighting",),
         "dB/s",
@@ -154,7 +154,8 @@ def steady_tone() -> Table:
         "Steady tone: Slow and time average against Fast",
         "class 1",
         "IEC 61672-1:2013, 5.8.3",
-        "1 kHz for 1 s, closed. Computed: LASmax and LAeq, each minus LAFmax.",
+        "Do all weightings agree on a steady tone? The signal is 1 kHz for 1 s, "
+        "closed. Computed are LASmax and LAeq, each minus LAFmax.",
         ("level",),
         "dB",
         3,
@@ -207,8 +208,8 @@ def levels() -> Table:
         "Levels",
         f"the limit of {LEVEL_LIMIT_DB:g} dB",
         "own requirement: levels within 0.01 dB; Parseval's theorem",
-        "`level.sound_levels`. The noise is Gaussian, 1 Pa before it is limited to 20 Hz to 20 "
-        "kHz, 0.5 s, with a fixed "
+        "Do levels add up? Computed by `level.sound_levels`. The noise is Gaussian, "
+        "with 1 Pa before it is limited to 20 Hz to 20 kHz. It lasts 0.5 s and has a fixed "
         "seed.",
         ("quantity",),
         "dB",

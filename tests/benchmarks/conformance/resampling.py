@@ -55,10 +55,10 @@ def resampled_levels() -> Table:
         "Resampling: level of sines",
         f"the limit of {RIPPLE_DB:g} dB",
         "own requirement: ripple below 0.1 dB up to 20 kHz",
-        "Step means of a sine of 1 Pa rms over 1 s in closed form, "
-        "through `resampling.undo_step_mean`, "
-        "`resample_closed` to 48 kHz and `band_limit`; computed: level minus 93.98 dB. "
-        "50 kHz is 2 um at 0.1 m/s.",
+        "Does the way from steps to samples keep the level? The signals are step "
+        "means of a sine of 1 Pa rms over 1 s, in closed form. They go through "
+        "`resampling.undo_step_mean`, `resample_closed` to 48 kHz and `band_limit`. Computed is"
+        " their level minus 93.98 dB. 50 kHz is 2 um at 0.1 m/s.",
         ("steps per s", "f Hz"),
         "dB",
         3,
@@ -78,8 +78,8 @@ def step_mean_correction() -> Table:
         "Resampling: correction of the step means",
         f"the limit of {RIPPLE_DB:g} dB",
         "own requirement: ripple below 0.1 dB up to 20 kHz",
-        "Averaging over a step takes sinc(f/rate); expected: -20 lg sinc(f / 50 kHz); computed: "
-        "gain of "
+        "Is the mean over a step undone? Averaging over a step multiplies by "
+        "sinc(f/rate). Expected is -20 lg sinc(f / 50 kHz). Computed is the gain of "
         "`resampling.undo_step_mean` on the step means of a sine.",
         ("f Hz",),
         "dB",
@@ -108,9 +108,8 @@ def alias_rejection() -> Table:
         "Resampling: rejection of aliases",
         f"the limit of {REJECTION_DB:g} dB",
         "own requirement: rejection above 80 dB",
-        "Tones above 24 kHz that would fold back into the record; computed: "
-        "level before minus level after "
-        "`resampling.resample_closed` to 48 kHz.",
+        "Do tones above 24 kHz fold back into hearing? Computed is their level "
+        "before, minus their level after `resampling.resample_closed` to 48 kHz.",
         ("steps per s", "f Hz"),
         "dB",
         1,
@@ -141,10 +140,11 @@ def varying_speed() -> Table:
         "Resampling: varying speed",
         f"the limit of {REJECTION_DB:g} dB",
         "own requirement: error below -80 dB",
-        "Sines read by `resampling.interpolate_closed` at positions between the samples; and "
-        "sines along a track of 2 um steps passed at 0.1 to 0.2 m/s, from step means to 48 kHz "
-        "the way the program "
-        "goes, faded by 10 ms. Computed: mean square of the signal over that of its error.",
+        "How exact is a record of changing speed? The first signals are sines that "
+        "`resampling.interpolate_closed` reads between the samples. The others are sines along "
+        "a track of 2 um steps, passed at 0.1 to 0.2 m/s. They go from step means to 48 kHz as "
+        "in the program, and are faded by 10 ms. Computed is the mean square of the signal over"
+        " that of its error.",
         ("signal", "compared"),
         "dB",
         1,
