@@ -83,7 +83,8 @@ def api_page():
     lines = [
         "# API",
         "",
-        "All arguments and results are in SI units unless a name carries its unit.",
+        "**Which functions and classes may I import?** All on this page. Arguments and results "
+        "are in SI units unless a name carries its unit.",
         "",
     ]
     for package in PACKAGES:
