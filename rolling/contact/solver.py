@@ -114,6 +114,10 @@ class Contact:
     edge_share : float
         Share of the range of gaps over each cell that its edge takes: 1 where the contact yields in
         full, less where it hardly yields, and 0 where all edges are sharp.
+    plastic_area : float, m2
+        Area of the nodes at the hardness, 0 for an elastic contact. Where edges are blended, a cell
+        that the edge of a yielding patch crosses counts with its share, as in the series
+        `plastic_area` of a run.
 
     Examples
     --------
@@ -125,6 +129,8 @@ class Contact:
     >>> contact = rolling.solve_contact(rolling.HalfSpace(1e-6, 230e9), gap, load=0.1)
     >>> print(f"{contact.contact_area * 1e12:.0f} um2, {contact.load:.3f} N, {contact.spacing:g} m")
     400 um2, 0.100 N, 1e-06 m
+    >>> bool(contact.max_pressure == contact.pressure.max()), contact.plastic_area
+    (True, 0.0)
     """
 
     pressure: Array
@@ -136,6 +142,7 @@ class Contact:
     iterations: int
     edge: Array | None = None
     edge_share: float = 0.0
+    plastic_area: float = 0.0
 
     @property
     def contact_area(self) -> float:
@@ -151,6 +158,11 @@ class Contact:
         return self.contact_area
 
     @property
+    def max_pressure(self) -> float:
+        """Maximum pressure [Pa]; 3 W / (2 pi a^2) for a smooth sphere (Hertz, 1882)."""
+        return float(self.pressure.max())
+
+    @property
     def load(self) -> float:
         """Normal load [N], the sum of the pressure over the window."""
         return float(self.pressure.sum() * self.spacing**2)
@@ -158,7 +170,7 @@ class Contact:
     def __repr__(self) -> str:
         return (
             f"Contact({self.load:.4g} N on {self.contact_area:.4g} m2,"
-            f" approach {self.approach:.4g} m, maximum pressure {self.pressure.max():.4g} Pa,"
+            f" approach {self.approach:.4g} m, maximum pressure {self.max_pressure:.4g} Pa,"
             f" residual {self.residual:.1e})"
         )
 
@@ -340,7 +352,20 @@ def solve_contact(
         iterations=solution.iterations,
         edge=solution.edge if blended else None,
         edge_share=solution.edge_share,
+        plastic_area=_plastic_nodes(problem.plate, solution) * half_space.spacing**2,
     )
+
+
+def _plastic_nodes(plate: ContactPlate, solution: Solution) -> float:
+    """Return the number of nodes at the hardness, as `shares_of_row` of a march counts them."""
+    pressure = solution.pressure
+    whole = np.count_nonzero(pressure >= plate.hardness)
+    if not whole or not plate.blended:
+        return float(whole)
+    crossed = (pressure > 0) & (pressure < plate.hardness) & (solution.edge > 0)
+    half_range = solution.edge[crossed]
+    share = half_range / np.maximum(half_range, 0.5 * half_range + plate.levelled)
+    return whole + float(np.sum(share * pressure[crossed]) / plate.hardness)
 
 
 def _plain(name: str, array: Array, like: Array | None = None) -> Array:

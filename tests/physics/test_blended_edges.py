@@ -180,6 +180,31 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
     assert np.abs(again.pressure - sharp.pressure).max() < 1e-6 * HARDNESS
 
 
+@pytest.mark.parametrize("is_blended", [False, True])
+def test_a_single_contact_has_the_plastic_area_of_the_march(
+    coarse: RollingContact, is_blended: bool
+) -> None:
+    """The same position solved alone has the same plastic area, with partial cells and without."""
+    track = blended(coarse) if is_blended else coarse
+    state = roll(track, 0, 0)[0]
+    shape = None
+    if is_blended:
+        smooth = replace(track, heights=np.zeros_like(track.heights))
+        shape = track.gap(0, state.window) if track.slopes else smooth.gap(0, state.window)
+    alone = solver.solve_contact(
+        space_of(track),
+        track.gap(0, state.window),
+        track.load,
+        hardness=track.hardness,
+        shape=shape,
+        tolerance=track.tolerance,
+    )
+    assert state.plastic_area > 0
+    # A node at the rim of a patch may differ by the tolerance of the solves.
+    assert alone.plastic_area == pytest.approx(state.plastic_area, rel=0.01)
+    assert alone.max_pressure == pytest.approx(state.max_pressure, rel=1e-6)
+
+
 def test_where_nothing_yields_no_area_is_plastic() -> None:
     """A hardness that no pressure reaches leaves the areas of sharp edges."""
     track = make_track(rough(100, 100, 1e-8), load=0.3, hardness=HARDNESS, tolerance=1e-6)

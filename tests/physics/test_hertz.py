@@ -119,3 +119,31 @@ def test_a_refusal_for_rounding_names_a_tolerance_that_is_met() -> None:
         solve_contact(space, gap, 5.0, tolerance=1e-9)
     named = float(str(error.value).split("a tolerance of at least ")[1].split()[0])
     assert solve_contact(space, gap, 5.0, tolerance=1.01 * named).residual <= named
+
+
+@pytest.mark.law("Hertz: a single contact has the maximum pressure 3 W / (2 pi a^2) and no yield.")
+def test_a_single_contact_knows_its_maximum_pressure() -> None:
+    """With a node at the middle the maximum is missed by -4e-4 at 2 um, or a / 34."""
+    space = HalfSpace(2e-6, STEEL)
+    x = np.arange(-60, 61) * space.spacing
+    gap = (x[:, None] ** 2 + x**2) / (2 * RADIUS)
+    contact = solve_contact(space, gap, LOAD)
+    assert contact.max_pressure == pytest.approx(
+        closed_forms.hertz_pressure(LOAD, RADIUS, STEEL), rel=1e-3
+    )
+    assert contact.plastic_area == 0.0
+
+
+def test_a_punch_at_the_hardness_is_plastic_as_a_whole() -> None:
+    """A flat punch under hardness times its area yields on all of it, and under less on less."""
+    space = HalfSpace(2e-6, STEEL)
+    gap = np.full((24, 24), 1e-6)
+    gap[4:20, 4:20] = 0.0
+    area = 256 * space.spacing**2
+    hardness = 2e9
+    full = solve_contact(space, gap, 0.999999 * hardness * area, hardness=hardness)
+    # The last millionth of the load is missing on the four nodes in the middle.
+    assert full.plastic_area == pytest.approx(area, rel=0.02)
+    assert full.max_pressure == hardness
+    half = solve_contact(space, gap, 0.9 * hardness * area, hardness=hardness)
+    assert 0 < half.plastic_area < 0.9 * area  # the plastic part alone carries less than the load
