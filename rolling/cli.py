@@ -69,6 +69,7 @@ def _run_command(argv: Sequence[str] | None) -> int:
     arguments.refuse_unknown_command(command_line, words, list(COMMANDS))
     given, unknown = command_line.parse_known_args(words)
     if unknown:
+        _print_faults_of_scene(given)
         arguments.refuse_unknown_arguments(given.parser, unknown)
     if message := _own_acoustics.fault():
         _print_error(message)
@@ -94,6 +95,18 @@ def _run_command(argv: Sequence[str] | None) -> int:
         else:
             _print_error(str(error))
         return code
+
+
+def _print_faults_of_scene(given: argparse.Namespace) -> None:
+    """Print the faults of the scene that a command names, before those of its options."""
+    if "scene" not in given or _own_acoustics.fault():
+        return
+    from rolling.scene.messages import SceneError
+
+    try:
+        _read_scene(given)
+    except SceneError as error:
+        _print_error(str(error))
 
 
 def _code_of(error: Exception) -> int:

@@ -3,7 +3,7 @@
 import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 from ruamel.yaml import YAML
@@ -12,7 +12,7 @@ from ruamel.yaml.comments import CommentedSeq
 from acoustics.arrays import instance
 from acoustics.traps import ignoring_underflow
 from rolling.scene import library
-from rolling.scene.messages import Key, SceneError, first_faults, key_of, quoted
+from rolling.scene.messages import Fault, Key, SceneError, key_of, quoted
 from rolling.scene.models import all_keys, unknown_name
 from rolling.scene.quantities import motion_of
 from rolling.scene.scene import Scene
@@ -20,6 +20,8 @@ from rolling.scene.sections import VIBRATING_PLATE, WEIGHT, Rolling, Sound, Sphe
 from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import with_value
 from rolling.scene.yaml_text import parse, read_text
+
+SET = "--set"  # place of the overrides in messages
 
 # ---- reading, writing, overriding
 
@@ -42,7 +44,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     Raises
     ------
     SceneError
-        File or overrides have faults; the first are named, those of the overrides alone if any.
+        File or overrides have faults; all are named, in the order of their lines.
 
     Examples
     --------
@@ -65,7 +67,7 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
 def loads(
     text: str, overrides: Sequence[str] = (), where: str = "scene", folder: Path = Path()
 ) -> Scene:
-    """Read a scene from text; raise SceneError with the first faults of overrides or text.
+    """Read a scene from text; raise SceneError with all faults of text and overrides.
 
     Parameters
     ----------
@@ -74,16 +76,21 @@ def loads(
     folder : Path
         Folder that a relative `surface.path` starts from.
     """
-    data, lines = parse(text, where)
+    try:
+        parsed = parse(text, where)
+    except SceneError as error:  # no YAML, so that only the overrides are left to judge
+        wrong = _with_overrides({}, {}, overrides).faults
+        raise SceneError([*error.faults, *(found.line for found in wrong)]) from error
+    data = parsed.value
     if data is None:
         needed = ", ".join(name for name, key in Scene.model_fields.items() if key.is_required())
         raise SceneError([f"{where}: empty, a scene needs at least name, {needed}"])
     if not isinstance(data, dict):
         words = "a scene of keys and values, the first being name"
         raise SceneError([f"{where}:1: got {quoted(data)}, allowed: {words}"])
-    places = {key: f"{where}:{line}" for key, line in lines.items()}
-    data = _with_overrides(data, places, overrides)
-    return Scene.from_dict(data, folder, places)
+    places = {key: f"{where}:{line}" for key, line in parsed.lines.items()}
+    changed = _with_overrides(data, places, overrides)
+    return Scene.from_dict(changed.data, folder, places, [*parsed.faults, *changed.faults])
 
 
 def dump(scene: Scene) -> str:
@@ -109,38 +116,42 @@ def _flowing(value: Any) -> Any:
     return value
 
 
+class _Changed(NamedTuple):
+    """Plain values with overrides, and the faults of the overrides that were left out."""
+
+    data: dict[str, Any]
+    faults: list[Fault]
+
+
 def _with_overrides(
     data: dict[str, Any], places: dict[Key, str], overrides: Sequence[str]
-) -> dict[str, Any]:
-    """Return plain values with overrides, which `places` then names as their place.
-
-    Raise SceneError with the faults of wrong overrides.
-    """
+) -> _Changed:
+    """Return plain values with overrides, which `places` then names as their place."""
     faults = []
     for override in sorted(overrides, key=_order_of_override):
         name, equals, text = override.partition("=")
         name = name.strip()
         if not equals or not name:
-            faults.append(
-                f"--set: got {quoted(override)}, allowed: key=value, as in rolling.load_n=50"
-            )
+            words = f"got {quoted(override)}, allowed: key=value, as in rolling.load_n=50"
+            faults.append(Fault((), words, SET))
             continue
         if name not in all_keys(Scene):
-            faults.append(f"--set: {name}: {unknown_name(name, Scene)}")
+            faults.append(Fault(key_of(name), unknown_name(name, Scene), SET))
             continue
         try:
-            value, _ = parse(text, f"--set: {name}")
+            parsed = parse(text, f"{SET}: {name}")
         except SceneError as error:
-            faults += error.faults
+            faults += [Fault((), line.removeprefix(f"{SET}: "), SET) for line in error.faults]
             continue
-        data = with_value(data, name, value)
+        faults += [
+            Fault((*key_of(name), *found.key), found.message, SET) for found in parsed.faults
+        ]
+        data = with_value(data, name, parsed.value)
         key = key_of(name)
         for inner in [other for other in places if other[: len(key)] == key]:
             del places[inner]
-        places[key] = "--set"
-    if faults:
-        raise SceneError(first_faults(faults, "--set"))
-    return data
+        places[key] = SET
+    return _Changed(data, faults)
 
 
 def _order_of_override(override: str) -> int:
@@ -172,18 +183,15 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     free = [key for key in RESOUND_KEYS if key not in _bound_keys(scene)]
     solved = {*all_keys(Scene)} - {*free, "sound"}
     names = [override.partition("=")[0].strip() for override in overrides]
-    faults = [
-        f"--set: {name}: needs a new run; without solving again allowed: {', '.join(free)}"
-        for name in names
-        if name in solved
-    ]
-    if faults:
-        raise SceneError(first_faults(faults, "--set"))
+    needed = f"needs a new run; without solving again allowed: {', '.join(free)}"
+    faults = [Fault(key_of(name), needed, SET) for name in names if name in solved]
     places: dict[Key, str] = {(): "stored scene"}
-    data = _with_overrides(scene.to_dict(), places, overrides)
-    if scene.rolling.duration_s is not None:
+    changed = _with_overrides(scene.to_dict(), places, overrides)
+    faults += changed.faults
+    data = changed.data
+    if scene.rolling.duration_s is not None and not faults:
         data["rolling"]["duration_s"] = _time_of_same_track(scene, data)
-    return Scene.from_dict(data, scene.folder, places)
+    return Scene.from_dict(data, scene.folder, places, faults)
 
 
 def _time_of_same_track(scene: Scene, changed: Mapping[str, Any]) -> float:

@@ -8,6 +8,7 @@ import difflib
 import json
 import math
 import os
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
@@ -22,7 +23,7 @@ from acoustics.texts import printable
 # place of a value: ("rolling", "load_n"), ("sweep", "rolling.load_n", 0)
 Key = tuple[str | int, ...]
 
-MAX_FAULTS = 10  # maximum number of faults that are listed
+MAX_FAULTS = 20  # maximum number of faults that are listed
 _LONGEST = 60  # letters of a value in a message
 
 
@@ -62,25 +63,84 @@ class SceneError(Exception):
 # ---- faults
 
 
+class Fault(NamedTuple):
+    """Fault of a scene.
+
+    key : tuple. Key of the faulty value; () for a text without one.
+    message : str. What is wrong, and what is allowed.
+    place : str. File and line, where they are not those of the key.
+    """
+
+    key: Key
+    message: str
+    place: str = ""
+
+    @property
+    def line(self) -> str:
+        """Place, key and message, as a person reads them."""
+        if not self.key:
+            return f"{self.place}: {self.message}"
+        return f"{self.place}: {shortened(dotted(self.key))}: {self.message}"
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether the key is missing."""
+        return self.message.startswith("missing")
+
+    @property
+    def is_unknown(self) -> bool:
+        """Whether the key is unknown."""
+        return self.message.startswith("unknown key")
+
+    @property
+    def nearest(self) -> str:
+        """Name or value that the message gives as the nearest; empty without one."""
+        match = re.search(r"[;,] nearest: ([\w.-]+)", self.message)
+        return match[1] if match else ""
+
+    @property
+    def stands_at(self) -> Key:
+        """Key that was meant: the nearest key of the same section for a misspelt one."""
+        if not self.is_unknown or not self.nearest:
+            return self.key
+        return (*self.key[:-1], self.nearest.rpartition(".")[2])
+
+
 def fault(message: str, at: str | Key = ()) -> PydanticCustomError:
     """Make a fault for pydantic to collect, at the validated key or at another key of the scene."""
     key = key_of(at) if isinstance(at, str) else at
     return PydanticCustomError("fault", "{message}", {"message": writable(message), "at": key})
 
 
-def first_faults(lines: Sequence[str], where: str, more: int = 0) -> list[str]:
+def faults_together(found: Sequence[PydanticCustomError]) -> PydanticCustomError:
+    """Join faults of one value, at least one, for pydantic to collect."""
+    contexts = [single.context or {} for single in found]
+    pairs = [(context["message"], context["at"]) for context in contexts]
+    return PydanticCustomError("faults", "several faults", {"faults": pairs})
+
+
+def first_faults(lines: Sequence[str], where: str, more: int | None = 0) -> list[str]:
     """Return the first lines of a list of faults, and how many more there are.
 
-    `more` faults have no line, because words take long for many.
+    `more` faults have no line, because words take long for many; None: their number is unknown.
     """
     different = list(dict.fromkeys(lines))
-    more += max(0, len(different) - MAX_FAULTS)
     listed = different[:MAX_FAULTS]
+    if more is None:
+        listed.append(f"{where}: further faults are not listed")
+        return listed
+    more += max(0, len(different) - MAX_FAULTS)
     if more == 1:
         listed.append(f"{where}: 1 more fault is not listed")
     elif more > 1:
         listed.append(f"{where}: {more:,} more faults are not listed")
     return listed
+
+
+def order_of_place(place: str) -> float:
+    """Return the rank of the place of a fault: its line in a file, and --set after all lines."""
+    line = place.rpartition(":")[2]
+    return int(line) if line.isdecimal() else math.inf
 
 
 class Plausible(NamedTuple):

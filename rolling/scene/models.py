@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 import re
 import types
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import (
     TYPE_CHECKING,
@@ -36,12 +36,14 @@ from rolling.scene.messages import (
     MATERIALS,
     MAX_FAULTS,
     TABLES,
+    Fault,
     Key,
     SceneError,
     dotted,
     fault,
     first_faults,
     implausible,
+    is_number,
     nearest,
     plain_values,
     quoted,
@@ -56,6 +58,8 @@ else:
 # Minimum magnitude of a number other than zero, in the units of the scene; its inverse is the
 # maximum.
 _SMALLEST = 1e-15
+_MAX_SHOWN = 5  # values of a list in an example
+_MAX_ROUNDS = 20  # of leaving out faulty values
 
 
 @dataclass_transform(kw_only_default=True, field_specifiers=(Field,))
@@ -107,19 +111,19 @@ class Section(BaseModel, metaclass=_SceneErrors):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any]) -> Self:
-        """Validate plain values; raise SceneError with their first faults by key."""
-        try:
-            return cls.model_validate(values)
-        except ValidationError as error:
-            section = cls.SECTION or cls.__name__.lower()
-            lines = []
-            for found in faults_of(error, values, cls):
-                name = dotted(found.key)
-                if not name.startswith((f"{section}.", f"{section}[")):
-                    name = f"{section}.{name}".removesuffix(".")
-                lines.append(f"scene: {shortened(name)}: {found.message}")
-            more = error.error_count() - len(lines)
-            raise SceneError(first_faults(lines, "scene", more)) from error
+        """Validate plain values; raise SceneError with all their faults by key."""
+        judged = judge(values, cls)
+        if not judged.faults:
+            assert isinstance(judged.model, cls)  # as it has no fault
+            return judged.model
+        section = cls.SECTION or cls.__name__.lower()
+        lines = []
+        for found in judged.faults:
+            name = dotted(found.key)
+            if not name.startswith((f"{section}.", f"{section}[")):
+                name = f"{section}.{name}".removesuffix(".")
+            lines.append(f"scene: {shortened(name)}: {found.message}")
+        raise SceneError(first_faults(lines, "scene", judged.more))
 
     @model_validator(mode="before")
     @classmethod
@@ -216,22 +220,166 @@ def _keys_that_end_in(name: str, root: type[BaseModel]) -> list[str]:
     return [key for key in fitting if key.count(".") == fitting[0].count(".")]
 
 
+# ---- all faults of plain values
+
+
+class Judged(NamedTuple):
+    """Faults of plain values.
+
+    faults : list of Fault. Faults that do not follow from one another.
+    more : int. Number of faults that are not listed.
+    rest : mapping. Plain values without the faulty ones.
+    model : BaseModel or None. Model of the rest, where it makes one.
+    refused : Refused. Keys of the faults.
+    """
+
+    faults: list[Fault]
+    more: int
+    rest: Mapping[str, Any]
+    model: BaseModel | None
+    refused: Refused
+
+
+class Refused:
+    """Keys that are refused already, by which later faults are known to follow from them."""
+
+    def __init__(self) -> None:
+        self._keys: set[Key] = set()
+        self._names: set[str] = set()
+
+    def add(self, fault: Fault) -> None:
+        """Add the key of a fault, and the keys whose values a faulty material or finish gives."""
+        if not fault.key:
+            return
+        at = fault.stands_at
+        self._keys |= {fault.key, at}
+        self._names |= {str(part) for part in (*fault.key[-1:], *at[-1:])}
+        by_name = library.NAMES.get(str(at[0])) if len(at) == 2 else None
+        if by_name is not None and at[-1] == by_name.key:
+            self._keys |= {(*at[:-1], given) for given in by_name.gives}
+
+    def holds(self, key: Key) -> bool:
+        """Tell whether a key, or a section around it or key inside of it, is refused."""
+        return any(key[: len(known)] == known or known[: len(key)] == key for known in self._keys)
+
+    def explain(self, fault: Fault) -> bool:
+        """Tell whether a fault follows: it is at a refused key, or its message names one."""
+        if self.holds(fault.key):
+            return True
+        if fault.is_unknown:  # whose message names all keys of its section
+            return False
+        words = set(re.findall(r"\w+", fault.message))
+        return not self._names.isdisjoint(words)
+
+
+def judge(values: Mapping[str, Any], root: type[BaseModel], known: Sequence[Fault] = ()) -> Judged:
+    """Find all faults of plain values that do not follow from one another.
+
+    Pydantic judges a rule only where the values before it are valid. So faulty values are left out
+    and the rest is judged again, until nothing new is found. `known` are faults of the text, whose
+    values are missing.
+    """
+    faults: list[Fault] = []
+    refused = Refused()
+    for earlier in known:
+        refused.add(earlier)
+    rest = values
+    more = 0
+    for _ in range(_MAX_ROUNDS):
+        try:
+            model = root.model_validate(rest)
+            return Judged(_without_misspelt(faults), 0, rest, model, refused)
+        except ValidationError as error:
+            batch, more = faults_of(error, rest, root)
+        if rest is values:
+            new = [found for found in batch if not found.is_missing or not refused.holds(found.key)]
+        else:
+            new = [found for found in batch if not refused.explain(found)]
+        faults += new
+        for found in new:
+            refused.add(found)
+        before = rest
+        for found in batch:
+            rest = _without(rest, found, root)
+        if more or rest is before:  # nothing is left to leave out
+            break
+    return Judged(_without_misspelt(faults), more, rest, None, refused)
+
+
+def _without_misspelt(faults: Sequence[Fault]) -> list[Fault]:
+    """Return faults less those of keys that are missing because they are misspelt."""
+    present = Refused()
+    for found in faults:
+        if not found.is_missing:
+            present.add(found)
+    return [found for found in faults if not (found.is_missing and present.holds(found.key))]
+
+
+def _without(values: Any, found: Fault, root: type[BaseModel]) -> Any:
+    """Return plain values without a faulty one, or with a kind in place of a wrong or missing one.
+
+    A list goes as a whole, so that the places in it stay those of the scene.
+    """
+    key = found.key
+    while key and isinstance(key[-1], int):
+        key = key[:-1]
+    field = locate(key[:-1], root).field
+    if field is not None and field.discriminator and key[-1] == field.discriminator:
+        section = _value_at(values, key[:-1])
+        return _changed(values, key, found.nearest or _likely_kind(section, field))
+    return _changed(values, key, None)
+
+
+def _likely_kind(section: Any, field: FieldInfo) -> Any:
+    """Return the kind of a section whose model knows most of its keys."""
+    given = set(section) if isinstance(section, Mapping) else set()
+
+    def known_keys(model: type[BaseModel]) -> int:
+        return len(given & set(model.model_fields))
+
+    return _kind_of(max(_models(field), key=known_keys), field)
+
+
+def _changed(values: Any, key: Key, other: Any) -> Any:
+    """Return plain values with another value at a key, or without the key for None.
+
+    Values without such a place are returned themselves.
+    """
+    if not key:
+        return values
+    name = key[0]
+    if isinstance(values, list) and isinstance(name, int) and name < len(values):
+        inner = _changed(values[name], key[1:], other)
+        return values if inner is values[name] else [*values[:name], inner, *values[name + 1 :]]
+    if not isinstance(values, Mapping):
+        return values
+    if len(key) > 1 and name in values:
+        inner = _changed(values[name], key[1:], other)
+        return values if inner is values[name] else {**values, name: inner}
+    if len(key) == 1 and other is not None and values.get(name) != other:
+        return {**values, name: other}
+    if len(key) == 1 and name in values:
+        return {known: value for known, value in values.items() if known != name}
+    return values
+
+
 # ---- faults by their keys
-
-
-class Fault(NamedTuple):
-    """Key of a fault in the scene, and its message."""
-
-    key: Key
-    message: str
 
 
 def faults_of(
     error: ValidationError, data: Mapping[str, Any], root: type[BaseModel]
-) -> list[Fault]:
-    """Return the first MAX_FAULTS faults that pydantic found, in the words of a scene."""
-    first = error.errors(include_url=False)[:MAX_FAULTS]
-    return [_fault_of(listed, data, root) for listed in first]
+) -> tuple[list[Fault], int]:
+    """Return the first faults that pydantic found, in the words of a scene, and how many more."""
+    listed = error.errors(include_url=False)
+    found: list[Fault] = []
+    for number, single in enumerate(listed):
+        if len(found) >= MAX_FAULTS:
+            return found, len(listed) - number
+        if single["type"] == "faults":
+            found += [Fault(at, message) for message, at in single["ctx"]["faults"]]
+        else:
+            found.append(_with_sweep(_fault_of(single, data, root), data, root))
+    return found, 0
 
 
 def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
@@ -260,6 +408,24 @@ def _fault_of(error: Any, data: Mapping[str, Any], root: type[BaseModel]) -> Fau
     if choices and isinstance(value, str):
         message += nearest(value, choices)
     return Fault(key, message)
+
+
+def _with_sweep(found: Fault, data: Mapping[str, Any], root: type[BaseModel]) -> Fault:
+    """Return the fault of a list where one value is allowed with the way to sweep its values."""
+    name = dotted(found.key)
+    listed = _value_at(data, found.key)
+    is_list = isinstance(listed, list | tuple) and len(listed) > 0
+    if not is_list or "sweep" not in root.model_fields or name not in keys(root):
+        return found
+    if "[" in found.message.partition("allowed: ")[2]:  # lists of another form are allowed
+        return found
+    if not all(is_number(value) or isinstance(value, str) for value in listed):
+        return found
+    values = ", ".join(str(value)[:20] for value in listed[:_MAX_SHOWN])
+    if len(listed) > _MAX_SHOWN:
+        values += ", ..."
+    advice = f"a sweep tries several, as in `sweep: {{{name}: [{values}]}}`"
+    return found._replace(message=f"{found.message}; {advice}")
 
 
 class Located(NamedTuple):

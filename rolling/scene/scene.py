@@ -1,14 +1,13 @@
 """Scene: its sections, its sweep, the rules that join them, and its quantities in SI.
 
 `Scene` is built from sections in Python, or from the plain values of a scene file, which `file`
-reads and writes. It is frozen, and `with_` gives a changed copy. A scene is refused with its first
-faults; the runs of its sweep are all checked before any is solved, and the first faulty run is
-named.
+reads and writes. It is frozen, and `with_` gives a changed copy. A scene is refused with all its
+faults, those of the runs of its sweep included, before any run is solved.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
@@ -22,19 +21,21 @@ from pydantic import (
     WithJsonSchema,
     field_validator,
 )
+from pydantic_core import PydanticCustomError
 
 from rolling.scene import library, quantities, rules
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import (
+    MAX_FAULTS,
+    Fault,
     Key,
     SceneError,
-    dotted,
     first_faults,
     key_of,
+    order_of_place,
     plain_values,
-    shortened,
 )
-from rolling.scene.models import Fault, faults_of, full_key
+from rolling.scene.models import faults_of, full_key, judge
 from rolling.scene.sections import (
     Dynamics,
     Numerics,
@@ -166,6 +167,7 @@ class Scene(quantities.SceneQuantities):
         data: Mapping[str, Any],
         folder: Path = Path(),
         places: Mapping[Key, str] = MappingProxyType({(): "scene"}),
+        known: Sequence[Fault] = (),
     ) -> Self:
         """Build a scene from plain values as `to_dict` gives them.
 
@@ -179,28 +181,32 @@ class Scene(quantities.SceneQuantities):
             Folder that a relative `surface.path` starts from.
         places : mapping
             File and line of each key, for messages; the key () is needed.
+        known : sequence of Fault
+            Faults of the text that the data come from.
 
         Raises
         ------
         SceneError
-            The data, or a run of the sweep, has faults; its first faults are named.
+            The text, the data, or runs of the sweep have faults; all are named, in the order of
+            their lines, unless they are too many.
         """
         values = plain_values(data)
-        faults = []
-        more = 0
-        if values.get("name") is None:
+        judged = judge(values, cls, known)
+        faults = [*known, *judged.faults]
+        if values.get("name") is None and not judged.refused.holds(("name",)):
             faults.append(Fault(("name",), f"missing; {quantities.NAME}"))
-        try:
-            scene = cls.model_validate(values)
-        except ValidationError as error:
-            found = faults_of(error, values, cls)
-            faults += found
-            more = error.error_count() - len(found)
+        scene = judged.model
+        if isinstance(scene, cls):
+            scene._folder = folder
+            scene._places = dict(places)
+            of_runs, _ = scene._judged_runs()
+        else:
+            of_runs = _faults_of_swept_values(judged.rest)
+        faults += [found for found in of_runs if not judged.refused.explain(found)]
         if faults:
+            more = None if len(of_runs) > MAX_FAULTS else judged.more
             raise _scene_error(faults, places, more)
-        scene._folder = folder
-        scene._places = dict(places)
-        scene.runs()  # refuses a faulty run
+        assert isinstance(scene, cls)  # as it has no fault
         return scene
 
     def to_dict(self) -> dict[str, Any]:
@@ -263,28 +269,40 @@ class Scene(quantities.SceneQuantities):
         SceneError
             A run has faults; those of the first such run are named.
         """
+        faults, runs = self._judged_runs()
+        if faults:
+            raise _scene_error(faults, self._places, None if len(faults) > MAX_FAULTS else 0)
+        return runs
+
+    def _judged_runs(self) -> tuple[list[Fault], list[SweepRun]]:
+        """Return the faults of the runs, each once at its swept value, and the runs without any.
+
+        After more than MAX_FAULTS the other runs are not judged.
+        """
         if not self.sweep:
-            return [SweepRun({}, self)]
+            return [], [SweepRun({}, self)]
         data = self.to_dict()
         del data["sweep"]
         usual_source = "release" if self.dynamics is None else "vibration"
         if "dynamics" in self.sweep and self.sound.source == usual_source:
             del data["sound"]["source"]  # because its default follows the dynamics of each run
         places = {key: at for key, at in self._places.items() if key[:1] != ("sweep",)}
-        runs = []
+        runs: list[SweepRun] = []
+        faults: dict[Fault, Fault] = {}  # with the first of its runs, by the fault without it
         for values, forms in sweeps.product(self.sweep):
             run_data = sweeps.with_values(data, forms)
             try:
                 scene = Scene.model_validate(run_data)
             except ValidationError as error:
-                faults = faults_of(error, run_data, Scene)
-                placed = [self._in_sweep(found, values) for found in faults]
-                more = error.error_count() - len(faults)
-                raise _scene_error(placed, self._places, more) from error
+                for found in faults_of(error, run_data, Scene)[0]:
+                    faults.setdefault(found, self._in_sweep(found, values))
+                if len(faults) > MAX_FAULTS:
+                    break
+                continue
             scene._folder = self._folder
             scene._places = places
             runs.append(SweepRun(values, scene))
-        return runs
+        return list(dict.fromkeys(faults.values())), runs
 
     def _in_sweep(self, found: Fault, values: Mapping[str, sweeps.Value]) -> Fault:
         """Return a fault of a run at the place of its swept value, or with the name of the run."""
@@ -306,10 +324,31 @@ def _place_of(key: Key, places: Mapping[Key, str]) -> str:
     return next(places[key[:n]] for n in range(len(key), -1, -1) if key[:n] in places)
 
 
-def _scene_error(faults: list[Fault], places: Mapping[Key, str], more: int) -> SceneError:
-    """Make the error of a scene from its faults, each with its place, and the count of others."""
-    lines = [
-        f"{_place_of(found.key, places)}: {shortened(dotted(found.key))}: {found.message}"
-        for found in faults
-    ]
-    return SceneError(first_faults(lines, places[()], more))
+def _faults_of_swept_values(values: Mapping[str, Any]) -> list[Fault]:
+    """Return the faults of swept values, each judged alone beside sections that make no scene."""
+    try:
+        sweep = sweeps.check_lists(values.get("sweep") or {})
+    except PydanticCustomError:  # faults that are listed already
+        return []
+    data = {name: section for name, section in values.items() if name != "sweep"}
+    faults: list[Fault] = []
+    for name, listed in sweep.items():
+        for value, form in sweeps.choices(listed)[: MAX_FAULTS + 1]:
+            run_data = sweeps.with_values(data, {name: form})
+            try:
+                Scene.model_validate(run_data)
+            except ValidationError as error:
+                for found in faults_of(error, run_data, Scene)[0]:
+                    place = sweeps.place_in_sweep(found.key, {name: value}, sweep)
+                    if place is not None:
+                        faults.append(Fault(place, found.message))
+    return faults
+
+
+def _scene_error(
+    faults: Sequence[Fault], places: Mapping[Key, str], more: int | None
+) -> SceneError:
+    """Make the error of a scene from its faults in the order of their lines, and more of them."""
+    placed = [found._replace(place=found.place or _place_of(found.key, places)) for found in faults]
+    placed.sort(key=lambda found: order_of_place(found.place))
+    return SceneError(first_faults([found.line for found in placed], places[()], more))

@@ -12,8 +12,20 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from pydantic_core import PydanticCustomError
+
 from rolling.scene import library
-from rolling.scene.messages import Key, fault, is_number, key_of, nearest, plain_number, quoted
+from rolling.scene.messages import (
+    MAX_FAULTS,
+    Key,
+    fault,
+    faults_together,
+    is_number,
+    key_of,
+    nearest,
+    plain_number,
+    quoted,
+)
 from rolling.scene.models import sweepable_keys
 from rolling.scene.quantities import SceneQuantities
 
@@ -64,7 +76,7 @@ def _digest(text: str) -> str:
 
 
 def check_lists(sweep: Any) -> dict[str, Any]:
-    """Return a sweep with its lists as tuples; raise the first fault of its keys and lists.
+    """Return a sweep with its lists as tuples; raise all faults of its keys and lists.
 
     The values themselves are checked with the runs that have them. A key without a value (None)
     is not swept.
@@ -76,68 +88,83 @@ def check_lists(sweep: Any) -> dict[str, Any]:
             at="sweep",
         )
     known = sweepable_keys(SceneQuantities)
-    for name in sweep:
+    found: list[PydanticCustomError] = []
+    for name, listed in sweep.items():
         if name not in known:
             like = nearest(name, known) if isinstance(name, str) else ""
-            raise fault(f"unknown key{like}", at=("sweep", str(name)))
+            found.append(fault(f"unknown key{like}", at=("sweep", str(name))))
+        elif listed is not None and (not isinstance(listed, list | tuple | dict) or not listed):
+            found.append(_no_list(name, listed))
+    if found:
+        raise faults_together(found[:MAX_FAULTS])
     sweep = {name: listed for name, listed in sweep.items() if listed is not None}
-    for name, listed in sweep.items():
-        if not isinstance(listed, list | tuple | dict) or not listed:
-            raise fault(
-                f"got {quoted(listed)}, allowed: a list of at least one number or name, or values"
-                " by label, as in {first: ..., second: ...}",
-                at=("sweep", name),
-            )
     runs = math.prod(map(len, sweep.values()))
     if runs > MAX_RUNS:  # refused before any value is looked at
         raise fault(f"got {runs} runs, allowed: at most {MAX_RUNS}", at="sweep")
     checked: dict[str, Any] = {}
     for name, listed in sweep.items():
         if isinstance(listed, dict):
-            _check_labels(name, listed)
+            found += _faults_of_labels(name, listed)
             checked[name] = dict(listed)
         else:
-            _check_list(name, listed)
+            found += _faults_of_list(name, listed)
             checked[name] = tuple(listed)
+    if found:
+        raise faults_together(found[:MAX_FAULTS])
     return checked
 
 
-def _check_labels(name: str, listed: Mapping[Any, Any]) -> None:
-    """Raise the first fault of the labels of a key."""
+def _no_list(name: str, value: Any) -> PydanticCustomError:
+    """Return the fault of a swept key that has no list of values, with an example."""
+    words = (
+        f"got {quoted(value)}, allowed: a list of at least one number or name, or values by label,"
+        " as in {first: ..., second: ...}"
+    )
+    if is_number(value):
+        words += f"; write [{value}, {2 * value}] for two runs, or {name}={value} without a sweep"
+    elif isinstance(value, str) and value:
+        words += f"; write [{value}, ...] for several runs, or {name}={value} without a sweep"
+    return fault(words, at=("sweep", name))
+
+
+def _faults_of_labels(name: str, listed: Mapping[Any, Any]) -> Iterator[PydanticCustomError]:
+    """Yield the faults of the labels of a key."""
     at: Key = ("sweep", name)
     seen: dict[str, Value] = {}
     for label in listed:
         if not isinstance(label, str) or not 0 < len(label) <= LONGEST_LABEL:
-            raise fault(
+            yield fault(
                 f"got {quoted(label)} as a label, allowed: text of 1 to {LONGEST_LABEL} letters",
                 at=at,
             )
-        _refuse_repeated(label, seen, at)
+        else:
+            yield from _repetition(label, seen, at)
 
 
-def _check_list(name: str, listed: Sequence[Any]) -> None:
-    """Raise the first fault of the numbers or names of a key."""
+def _faults_of_list(name: str, listed: Sequence[Any]) -> Iterator[PydanticCustomError]:
+    """Yield the faults of the numbers or names of a key."""
     seen: dict[str, Value] = {}
     for i, value in enumerate(listed):
         at: Key = ("sweep", name, i)
         if not is_number(value) and not (isinstance(value, str) and value):
-            raise fault(
+            yield fault(
                 f"got {quoted(value)}, allowed: a number or a name; any other value has a label, as"
                 f" in {name}: {{first: {quoted(value)}}}",
                 at=at,
             )
-        _refuse_repeated(value, seen, at)
+        else:
+            yield from _repetition(value, seen, at)
 
 
-def _refuse_repeated(value: Value, seen: dict[str, Value], at: Key) -> None:
-    """Refuse a value that is given twice, or whose folder is that of an earlier value somewhere."""
+def _repetition(value: Value, seen: dict[str, Value], at: Key) -> Iterator[PydanticCustomError]:
+    """Yield the fault of a value that stands twice, or has the folder of another one somewhere."""
     form = _written(value).casefold()  # because some file systems do not tell the case of letters
     if form not in seen:
         seen[form] = value
     elif seen[form] == value:
-        raise fault(f"got {quoted(value)} twice, allowed: different values", at=at)
+        yield fault(f"got {quoted(value)} twice, allowed: different values", at=at)
     else:
-        raise fault(
+        yield fault(
             f"got {quoted(value)} beside {quoted(seen[form])}, allowed: texts that differ in more"
             " than upper and lower case",
             at=at,

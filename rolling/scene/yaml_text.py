@@ -1,8 +1,10 @@
 """YAML text as plain values with the line of every key, within limits of size and depth."""
 
+from __future__ import annotations
+
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
@@ -10,7 +12,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from rolling.scene import library
 from rolling.scene.height_files import read_regular, reason_of
-from rolling.scene.messages import Key, SceneError, dotted, first_line, quoted, shortened
+from rolling.scene.messages import Fault, Key, SceneError, first_line, quoted, shortened
 
 MAX_BYTES = 1_000_000  # maximum size of a file
 MAX_VALUES = 100_000  # maximum number of keys and values of a text, with its aliases expanded
@@ -42,13 +44,26 @@ def read_text(path: Path) -> str:
         raise SceneError([f"{path}:{line}: not UTF-8 text (byte {byte:#04x})"]) from error
 
 
-def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
+class Parsed(NamedTuple):
+    """Content of a YAML text.
+
+    value : Any. Plain values; a value with a fault is left out.
+    lines : dict. Line of every key.
+    faults : list of Fault. Keys that stand twice and values that are not plain, with their lines.
+    """
+
+    value: Any
+    lines: dict[Key, int]
+    faults: list[Fault]
+
+
+def parse(text: str, where: str) -> Parsed:
     """Read plain values and the line of every key; `where` names the text in messages.
 
     Raises
     ------
     SceneError
-        The text is no YAML 1.2 of plain values, or beyond a limit.
+        The text is no YAML 1.2, or beyond a limit.
     """
     if len(text) > MAX_BYTES:
         raise SceneError([f"{where}: got {len(text):,} letters, allowed: at most {MAX_BYTES:,}"])
@@ -64,9 +79,10 @@ def parse(text: str, where: str) -> tuple[Any, dict[Key, int]]:
     except Exception as error:  # ruamel.yaml raises any kind, as on a directive of YAML 1.164
         raise SceneError([f"{where}: not YAML: {first_line(error)}"]) from error
     if root is None:
-        return None, {}
+        return Parsed(None, {}, [])
     walk = _Walk(yaml, where)
-    return walk.value(root, ()), walk.lines
+    value = walk.value(root, ())
+    return Parsed(value, walk.lines, walk.faults)
 
 
 def _not_yaml(error: YAMLError, text: str, where: str) -> str:
@@ -84,6 +100,13 @@ def _not_yaml(error: YAMLError, text: str, where: str) -> str:
     return f"{where}:{line}: not YAML: {problem}"
 
 
+class _Item(NamedTuple):
+    """Node of the value of a key, and its line."""
+
+    node: Node
+    line: int
+
+
 class _Walk:
     """A walk over the nodes of a text, which collects plain values and the lines of their keys."""
 
@@ -92,16 +115,18 @@ class _Walk:
         self._where = where
         self._merges = 0
         self.lines: dict[Key, int] = {(): 1}
+        self.faults: list[Fault] = []
 
     def value(self, node: Node, key: Key) -> Any:
-        """Return the plain value of a node; raise SceneError for any other, or beyond a limit."""
+        """Return the plain value of a node, None for any other; raise SceneError beyond a limit."""
         if len(key) > MAX_NESTING:
             raise self._error(key, "nested too deeply")
         if len(self.lines) > MAX_VALUES:
             raise self._error(key, f"more than {MAX_VALUES:,} keys and values")
         kind = str(node.tag).removeprefix(_TAG)
         if kind not in _PLAIN:
-            raise self._error(key, f"got the tag {shortened(str(node.tag))}, allowed: plain values")
+            self._note(key, f"got the tag {shortened(str(node.tag))}, allowed: plain values")
+            return None
         if isinstance(node, ScalarNode):
             return self._scalar(node, kind, key)
         if isinstance(node, SequenceNode):
@@ -110,55 +135,58 @@ class _Walk:
             return [self.value(item, (*key, i)) for i, item in enumerate(node.value)]
         assert isinstance(node, MappingNode)
         items = self._items(node, key)
-        for name, (_, line) in items.items():
-            self.lines[(*key, name)] = line
-        return {name: self.value(item, (*key, name)) for name, (item, _) in items.items()}
+        for name, item in items.items():
+            self.lines[(*key, name)] = item.line
+        return {name: self.value(item.node, (*key, name)) for name, item in items.items()}
 
     def _scalar(self, node: ScalarNode, kind: str, key: Key) -> Any:
         """Return the plain value of a text; a date is text in a scene."""
         if kind in _NUMBERS and len(node.value) > MAX_DIGITS:
             words = f"got a number of {len(node.value):,} digits, allowed: at most {MAX_DIGITS}"
-            raise self._error(key, words)
+            self._note(key, words)
+            return None
         if kind == _DATE:
             return node.value
         try:
             return self._yaml.constructor.construct_object(node)
-        except Exception as error:  # ruamel.yaml raises any kind where a tag does not fit the text
-            raise self._error(key, f"got {quoted(node.value)}, allowed: plain values") from error
+        except Exception:  # ruamel.yaml raises any kind where a tag does not fit the text
+            self._note(key, f"got {quoted(node.value)}, allowed: plain values")
+            return None
 
-    def _items(self, node: MappingNode, key: Key) -> dict[str, tuple[Node, int]]:
+    def _items(self, node: MappingNode, key: Key) -> dict[str, _Item]:
         """Return node and line of each key of a section; its own keys win over merged ones (<<).
 
         Keys are text as they are written. Merged keys have the line of the section.
         """
-        items: dict[str, tuple[Node, int]] = {}
+        items: dict[str, _Item] = {}
         merged: list[Node] = []
         for name_node, item in node.value:
             line = name_node.start_mark.line + 1
             name = name_node.value
             if not isinstance(name_node, ScalarNode):
                 words = "got a list or section as a key, allowed: the name of a key"
-                raise SceneError([f"{self._where}:{line}: {words}"])
-            if str(name_node.tag) == f"{_TAG}merge":
+                self.faults.append(Fault((), words, f"{self._where}:{line}"))
+            elif str(name_node.tag) == f"{_TAG}merge":
                 merged += item.value if isinstance(item, SequenceNode) else [item]
             elif name in items:
-                path = shortened(dotted((*key, name)))
-                raise SceneError([f"{self._where}:{line}: {path}: given twice"])
+                words = f"given twice, first in line {items[name].line}"
+                self.faults.append(Fault((*key, name), words, f"{self._where}:{line}"))
             else:
-                items[name] = item, line
+                items[name] = _Item(item, line)
         for section in merged:
             self._merges += 1
             if self._merges > MAX_MERGES:
                 raise self._error(key, f"more than {MAX_MERGES} sections are merged in")
             if not isinstance(section, MappingNode):
                 raise self._error(key, "only a section can be merged in")
-            for name, (item, _) in self._items(section, key).items():
-                items.setdefault(name, (item, self.lines[key]))
+            for name, inner in self._items(section, key).items():
+                items.setdefault(name, inner._replace(line=self.lines[key]))
         return items
 
+    def _note(self, key: Key, words: str) -> None:
+        """Note the fault of a key, whose value is left out."""
+        self.faults.append(Fault(key, words, f"{self._where}:{self.lines[key]}"))
+
     def _error(self, key: Key, words: str) -> SceneError:
-        """Make the error of a key."""
-        place = f"{self._where}:{self.lines[key]}"
-        if not key:
-            return SceneError([f"{place}: {words}"])
-        return SceneError([f"{place}: {shortened(dotted(key))}: {words}"])
+        """Make the error of a key beyond which nothing is read."""
+        return SceneError([Fault(key, words, f"{self._where}:{self.lines[key]}").line])

@@ -88,11 +88,21 @@ def refuse_unknown_command(
 
 
 def refuse_unknown_arguments(parser: argparse.ArgumentParser, unknown: Sequence[str]) -> NoReturn:
-    """Exit with a usage error about arguments that a command does not take."""
+    """Exit with a usage error about arguments that a command does not take; name the nearest."""
     options = sorted(set(re.findall(r"--[a-z][a-z-]*", parser.format_help())))
-    slips = [word.partition("=")[0] for word in unknown if word.startswith("--")]
-    near = next(filter(None, (_nearest(slip, options) for slip in slips)), "")
-    parser.error(f"got {' '.join(unknown)}{near}, allowed: {', '.join(options)}")
+    groups: list[list[str]] = []  # each unknown option with its values
+    for word in unknown:
+        if word.startswith("--") or not groups:
+            groups.append([word])
+        else:
+            groups[-1].append(word)
+    texts = []
+    for group in groups:
+        text = " ".join(group)
+        if text.startswith("--"):
+            text += _nearest(group[0].partition("=")[0], options)
+        texts.append(text)
+    parser.error(f"got {'; '.join(texts)}; allowed: {', '.join(options)}")
 
 
 def _nearest(name: str, names: Sequence[str]) -> str:

@@ -43,7 +43,6 @@ PATH = [*EDGES, "plate.contact_path=to-and-fro", "plate.contact_mm=[9, 9]"]
         (["sound.source=", "sound.q=0.5"], "sound.q"),
         (["sound.gain_pa_per_w_m2=3"], "sound.gain_pa_per_w_m2"),
         (["dynamics=", "plate.thickness_mm="], "sound.source"),
-        (["dynamics="], "plate.thickness_mm"),
         (["plate.thickness_mm=", "plate.loss_factor=0.1"], "plate.loss_factor"),
         (["sphere.density_kg_m3="], "sphere.density_kg_m3"),
         (["plate.density_kg_m3="], "plate.density_kg_m3"),
@@ -72,6 +71,13 @@ def test_keys_that_do_not_go_together_are_refused(changes: list[str], key: str) 
         scene(*changes)
     (fault,) = caught.value.faults
     assert fault.split(": ")[1] == key
+
+
+def test_every_key_that_needs_dynamics_is_named() -> None:
+    with pytest.raises(SceneError) as caught:
+        scene("dynamics=")
+    named = [fault.split(": ")[1] for fault in caught.value.faults]
+    assert named == ["plate.thickness_mm", "sound.source"]
 
 
 def test_the_resolved_scene_is_read_again() -> None:

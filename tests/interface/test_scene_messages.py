@@ -5,6 +5,7 @@ import pickle
 import pytest
 from scene_text import PLAIN, TEXT, faults
 
+from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 
 PAIRS = "a number > 0, or at least two [time_s, speed_m_s] pairs"
@@ -124,16 +125,55 @@ def test_all_faults_at_once() -> None:
     text = PLAIN.replace("radius_mm: 5", "radius: 5").replace("load_n: 20", "load_n: -1")
     text = text.replace("width_um: 64", "width_um: 65")
     assert [fault.split(": ")[1] for fault in faults(text, "sound.q=2")] == [
-        "sphere.radius_mm",
         "sphere.radius",
         "surface.width_um",
         "rolling.load_n",
         "sound.q",
     ]
     assert [fault.split(": ")[1] for fault in faults(text, "rolling.lod_n=3", "x=3")] == [
+        "sphere.radius",
+        "surface.width_um",
+        "rolling.load_n",
         "rolling.lod_n",
         "x",
     ]
+
+
+def test_five_faults_of_different_kinds_stand_in_the_order_of_their_lines() -> None:
+    """A misspelt key, a wrong value, a broken rule, a value given twice, and a swept value.
+
+    The rule joins sections that are valid, and stands beside the fault of another section.
+    """
+    text = TEXT.replace("hardness_gpa: 2.1", "hardnes_gpa: 2.1\n  thickness_mm: 3")
+    text = text.replace("seed: 1", "seed: 1\n  seed: 2").replace("width_um: 64", "width_um: wide")
+    text = text.replace("[5, 20, 100]", "[5, -20, 100]")
+    lines = faults(text)
+    assert [line.split(": ")[:2] for line in lines] == [
+        ["s.yaml:6", "plate.hardnes_gpa"],
+        ["s.yaml:7", "plate.thickness_mm"],
+        ["s.yaml:13", "surface.width_um"],
+        ["s.yaml:15", "surface.seed"],
+        ["s.yaml:22", "sweep.rolling.load_n[1]"],
+    ]
+    assert "only goes with dynamics" in lines[1] and "first in line 14" in lines[3]
+
+
+def test_a_fault_that_follows_from_another_is_not_listed() -> None:
+    """Without its material the plate lacks constants, and without its thickness a loss factor."""
+    text = PLAIN.replace("youngs_modulus_gpa: 210\n  poissons_ratio: 0.3", "material: stel")
+    assert len(faults(text)) == 1
+    text = PLAIN.replace("hardness_gpa: 2.1", "thicknes_mm: 2\n  loss_factor: 0.01")
+    assert len(faults(text)) == 1
+    assert len(faults(PLAIN.replace("  seed: 1", "  seed: !t 1"))) == 1
+
+
+def test_values_in_place_of_a_list_and_a_list_in_place_of_a_value_are_answered_by_example() -> None:
+    text = PLAIN.replace("load_n: 20", "load_n: [5, 20]")
+    (line,) = faults(text)
+    assert "`sweep: {rolling.load_n: [5, 20]}`" in line
+    example = "sweep: {rolling.load_n: [5, 20]}\n"
+    assert len(loads(PLAIN + example).runs()) == 2
+    assert "write [5, 10] for two runs" in faults(PLAIN + "sweep: {rolling.load_n: 5}\n")[0]
 
 
 def test_keys_of_another_kind_of_surface() -> None:

@@ -100,7 +100,7 @@ def scene_case(number: int, folder: Path) -> Scene:
 def values_case(number: int, folder: Path) -> Scene:
     """Build a scene from plain values, of which some are swapped for others."""
     chance = random.Random(number)
-    data, _ = file.parse(SWEPT, "s.yaml")
+    data = file.parse(SWEPT, "s.yaml").value
     for _ in range(chance.choice([1, 1, 1, 3])):
         inside: Any = data
         while True:
