@@ -16,10 +16,10 @@ import numpy as np
 
 from acoustics.arrays import Array
 from acoustics.texts import printable
-from rolling.results import labels, listening, runs_table
+from rolling.results import labels, listening, run_lines, runs_table
 from rolling.results.common_gain import write_with_common_gain
 from rolling.results.long_record import ListeningError
-from rolling.results.run_folder import PAGE, SUMMARY, RunFolder, stored_summary
+from rolling.results.run_folder import PAGE, SUMMARY, RunFolder
 from rolling.results.run_result import PASSES, Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs, runs_of_part, solve_folder
@@ -137,33 +137,41 @@ def _print_runs(folder: Path, runs: Sequence[RunFolder]) -> None:
     done = [run for run in runs if run.is_done]
     if not done:
         return
+    shown = _print_answers(done)
+    for line in run_lines.doubt_lines(shown):
+        print(line)
+    _print_files(folder, done)
+    if progress.is_verbose():
+        print()
+        for line in run_lines.further_lines(shown):
+            print(line)
+
+
+def _print_answers(done: Sequence[RunFolder]) -> Sequence[RunFolder]:
+    """Print sentence, table and conclusion of runs, only the first of very many; return these."""
+    shown = done
     if len(done) > defaults.MAX_RUNS_COMPARED:
-        print(runs_table.levels_table(done[: defaults.FEW_RUNS]))
-        print(f"{len(done) - defaults.FEW_RUNS} more runs, a row each in {TABLE}")
-    else:
-        print(runs_table.levels_table(done))
+        shown = done[: defaults.FEW_RUNS]
+    print("\n".join(run_lines.answer_lines(shown)))
+    if len(done) > len(shown):
+        print(f"{len(done) - len(shown)} more runs, a row each in {TABLE}")
+    print()
+    return shown
+
+
+def _print_files(folder: Path, done: Sequence[RunFolder]) -> None:
+    """Print the files that a person opens first."""
     first = done[0]
-    listen = f"\nlisten: {printable(str(first.folder / 'listen.wav'))}"
-    content = _listening_content(first)
-    if content:
-        listen += f" ({printable(content)})"
+    listen = f"listen: {printable(str(first.folder / 'listen.wav'))}"
+    if len(done) > 1:
+        listen += f" ({labels.labels(done)[0]})"
     print(listen)
-    print(f"all files: {printable(str(folder))}")
     if (first.folder / PASSES).is_file():
         print(f"pass by pass: {printable(str(first.folder / PASSES))}")
-    if len(runs) > 1:
-        print(f"a row per run: {printable(str(folder / TABLE))}")
     if (folder / PAGE).is_file():
-        print(f"all on one page: {printable(str(folder / PAGE))}")
-
-
-def _listening_content(run: RunFolder) -> str:
-    """Return the words of summary.json on listen.wav of a run; nothing where they are missing."""
-    summary = stored_summary(run) or {}
-    listen = summary.get("listen")
-    if not isinstance(listen, dict):
-        return ""
-    return str(listen.get("content") or "")
+        print(f"page: {printable(str(folder / PAGE))}")
+    else:
+        print(f"folder: {printable(str(folder))}")
 
 
 def _write_derived_alone(
@@ -435,7 +443,7 @@ def plot(folder: Path, names: Sequence[str], form: str, out: Path | None = None)
 def table(
     folder: Path, numbers: Sequence[str], against: Sequence[str], over: str = labels.SEED
 ) -> list[Path]:
-    """Write the tables, statistics and plots of a sweep, as far as its runs are done.
+    """Print the table of a sweep, write tables, statistics and plots, as far as runs are done.
 
     Parameters
     ----------
@@ -470,6 +478,8 @@ def table(
         _refuse_unknown(key, keys, "swept key")
     for name in numbers:
         _refuse_unknown(name, list(solved.select_dtypes("number")), "number of runs.csv")
+    if not progress.is_quiet():
+        _print_answers([run for run in runs if run.is_done])
     paths = [folder / TABLE, folder / "statistics.csv"]
     write_table(frame, paths[0])
     write_table(runs_table.seed_statistics(solved, over), paths[1])

@@ -16,6 +16,7 @@ from rolling.commands import write_derived
 from rolling.contact.solver import ContactError
 from rolling.results import labels
 from rolling.results.run_folder import PAGE
+from rolling.results.run_lines import answer_lines, html_table
 from rolling.results.run_result import Run, write_run
 from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders
@@ -51,6 +52,14 @@ class Runs(dict[Values, Run]):
     >>> runs.table().index.get_level_values("rolling.load_n").to_list()
     [1, 2]
     """
+
+    def __repr__(self) -> str:
+        runs = [*self.values()]
+        return "\n".join(answer_lines(runs)) if runs else "no run"
+
+    def _repr_html_(self) -> str:
+        """Write what rolls, the two numbers of each run, and what follows for a notebook."""
+        return html_table([*self.values()])
 
     def table(self) -> pd.DataFrame:
         """Tabulate the numbers of the runs, one row per run, as `rolling run` writes runs.csv.

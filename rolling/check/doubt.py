@@ -48,7 +48,7 @@ class Doubt:
     >>> check = rolling.read_scene("quickstart").with_(load_n=20).check()
     >>> doubts = {doubt.key: doubt for doubt in check.doubts["quickstart"]}
     >>> doubts["upper_bound"].text, doubts["upper_bound"].severity.word
-    ('a level of the released power (q = 1) is an upper bound', 'indicative')
+    ('a level of the released power (q = 1) is an upper bound', 'note')
     """
 
     key: str

@@ -253,10 +253,14 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     ]
     worst = max(verdicts, key=lambda doubt: doubt.severity)
     place = "" if len(verdicts) == 1 else " of the worst run"
+    number = "vibration"
+    if all(part.sound.source == "release" for part in scenes):
+        number = "released power"
     word = worst.severity.word
     if worst.severity < Severity.DO_NOT_QUOTE:
         word = f"at best {word}"
-    return f"It runs, in {time}; the expected verdict{place} is {word}: {worst.text}."
+    expected = f"the expected verdict on the {number}{place} is {word}: {worst.text}"
+    return f"It runs, in {time}; {expected}."
 
 
 def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:
@@ -406,12 +410,12 @@ def _smooth_contact(scene: Scene) -> Iterator[Finding | Doubt]:
     yield from _hardness(scene, pressure)
     nodes = radius / scene.spacing
     yield Finding("hertz_nodes", "nodes per Hertz radius", rounded(nodes, 3))
-    if nodes < MIN_HERTZ_NODES:
+    if round(nodes) < MIN_HERTZ_NODES:
         coarsest_um = radius / MIN_HERTZ_NODES * 1e6
         yield Doubt(
             "hertz_nodes",
-            f"nodes per Hertz radius: {rounded(nodes)} nodes across the Hertz radius, "
-            f"{MIN_HERTZ_NODES} are wanted",
+            f"the grid has {rounded(nodes)} nodes per Hertz radius, and {MIN_HERTZ_NODES} are "
+            "wanted",
             Severity.INDICATIVE,
             advice=f"choose {resolution.finer(scene, coarsest_um)}",
         )

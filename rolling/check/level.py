@@ -10,11 +10,12 @@ from rolling.scene.scene import Scene
 SOURCES = ("upper_bound", "assumed_q", "fixed_gain")
 
 
-def of_source(scene: Scene, above_vibration_db: float | None = None) -> Iterator[Doubt]:
+def of_source(scene: Scene) -> Iterator[Doubt]:
     """Yield the bound or the assumption that a level of the release is.
 
-    It is known how far the level lies above the vibration [dB] once both are computed. That is the
-    size of a bound, not of an error, so the level stays indicative.
+    That a released power with q = 1 is an upper bound is a property of this number, which stands
+    beside it wherever it is shown, and no doubt about it. A q or a gain that the scene chooses is
+    an assumption, whose error nobody knows.
     """
     sound = scene.sound
     if sound.source == "vibration":
@@ -39,10 +40,9 @@ def of_source(scene: Scene, above_vibration_db: float | None = None) -> Iterator
         yield Doubt(
             "upper_bound",
             "a level of the released power (q = 1) is an upper bound",
-            Severity.INDICATIVE,
-            above_vibration_db,
-            "all released energy counts as radiated, 26 to 70 dB above the vibration (71 runs), "
-            "and more at low speed",
+            Severity.NOTE,
+            advice="all released energy counts as radiated, 26 to 70 dB above the vibration "
+            "(71 runs), and more at low speed",
         )
 
 

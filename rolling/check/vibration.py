@@ -116,8 +116,9 @@ def _waves(scene: Scene) -> Iterator[Finding | Doubt]:
     if wave < length:
         yield Doubt(
             "resonance_wave",
-            f"{name}: at {rounded(speed, 3)} m/s they are shorter than the correlation length of "
-            f"{si(length, 'm')}, and the grid decides how much of them there is",
+            f"the waves that feed the resonance at {rounded(speed, 3)} m/s are shorter than the "
+            f"correlation length of {si(length, 'm')}, and the grid decides how much of them there "
+            "is",
             Severity.INDICATIVE,
             advice=f"compare {resolution.finer(scene)}, or choose a rolling.speed_m_s of at least "
             f"{rounded_up(length * frequency)}",

@@ -22,7 +22,7 @@ from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import assumed, film, live, maps, records, text
 from rolling.report.charts import Chart, chart_of
 from rolling.report.templates import environment, joined_script
-from rolling.results import answer, runs_table, verdict
+from rolling.results import answer, run_lines, runs_table, verdict
 from rolling.results.notes import REPEATS
 from rolling.results.run_result import Run
 from rolling.terminal import defaults
@@ -292,7 +292,7 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
             "numbers": [number for number, run in enumerate(runs) if run in members],
             "words": assumed.surface_words(first.scene),
             "statistics": first.summary["surface"],
-            "parts": runs_table.surface_parts(first.summary),
+            "parts": run_lines.surface_parts(first.summary),
             "picture": exhibit,
         }
         surfaces.append(surface)

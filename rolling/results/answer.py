@@ -15,7 +15,6 @@ from typing import Any, Literal, NamedTuple
 from acoustics.texts import printable
 from rolling.results.description import listed, number_word, special
 from rolling.results.labels import SEED, labels, worded
-from rolling.results.notes import above_vibration_db
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import RunFolder, stored_summary
 from rolling.scene.scene import Scene
@@ -142,7 +141,7 @@ def _estimated(summary: Mapping[str, Any]) -> Answer:
         f"What a listener would hear, estimated by a linear chain for "
         f"{summary['vibration_estimate_bodies']}; a scene with `dynamics` computes it."
     )
-    if _loses_contact(summary):
+    if loses_contact_in_estimate(summary):
         meaning += " It is too high, because the ball would lose contact."
     return Answer(
         level_db=level_db,
@@ -155,9 +154,10 @@ def _estimated(summary: Mapping[str, Any]) -> Answer:
     )
 
 
-def _loses_contact(summary: Mapping[str, Any]) -> bool:
-    """Tell whether the force of an estimate fluctuates so much that the ball loses contact."""
-    return bool(summary.get("vibration_estimate_force_ratio", 0.0) > LINEAR)
+def loses_contact_in_estimate(summary: Mapping[str, Any]) -> bool:
+    """Tell whether a vibration is estimated for a ball that would lose contact."""
+    ratio = summary.get("vibration_estimate_force_ratio", 0.0)
+    return bool(ratio > LINEAR) and "vibration_laeq_db" not in summary
 
 
 def released_power(summary: Mapping[str, Any]) -> Answer:
@@ -232,6 +232,22 @@ def level_beside(summary: Mapping[str, Any], key: str) -> float | None:
     """Return another level of a run [dB], as LAE for an event; None if it is unknown."""
     level = summary.get(key)
     return None if level is None else float(level) + exposure_db(summary)
+
+
+def listener_level(summary: Mapping[str, Any], listener: Mapping[str, Any]) -> float | None:
+    """Return the level of a run at one of its listeners [dB], as LAE for an event."""
+    level = listener["laeq_db"]
+    return None if level is None else level + exposure_db(summary)
+
+
+def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
+    """Return the level of a release over that of the vibration, or over its estimate [dB]."""
+    difference = summary.get("release_over_vibration_db")
+    if difference is not None:
+        return float(difference)
+    estimate = summary.get("vibration_estimate_laeq_db")
+    laeq = summary.get("laeq_db")
+    return None if estimate is None or laeq is None else float(laeq - estimate)
 
 
 # ---- what follows
@@ -379,7 +395,7 @@ def _comparison(first: _Side, last: _Side) -> str:
         sentence = f"{opening} the ball {_more_power(released)}"
         if released.is_certain:
             sentence += f" than {first.words}"
-        if _loses_contact_in_estimate([*first.summaries, *last.summaries]):
+        if any(map(loses_contact_in_estimate, (*first.summaries, *last.summaries))):
             sentence += "; the vibrations are not compared, because the ball would lose contact"
         return f"{sentence}."
     hows = {vibration(summary).how for summary in (*first.summaries, *last.summaries)}
@@ -436,14 +452,9 @@ def _heard_difference(
     estimated difference is called "about". Where the ball would lose contact, the chain is too loud
     by an unknown amount, and nothing is said.
     """
-    if _loses_contact_in_estimate([*first, *last]):
+    if any(map(loses_contact_in_estimate, (*first, *last))):
         return None
     return _difference(map(vibration, first), map(vibration, last))
-
-
-def _loses_contact_in_estimate(summaries: Iterable[Mapping[str, Any]]) -> bool:
-    """Tell whether a vibration is estimated for a ball that would lose contact."""
-    return any(vibration(x).how == "estimated" and _loses_contact(x) for x in summaries)
 
 
 def _released_difference(first: _Side, last: _Side) -> _Level | None:

@@ -11,6 +11,7 @@ import numpy as np
 from acoustics.bands import BAND_NAMES, EDGES_HZ
 from acoustics.numbers import rounded
 from acoustics.texts import printable
+from rolling.dynamics import drop
 from rolling.results.labels import named, value_at
 from rolling.results.run_folder import RunFolder, stored_summary
 from rolling.scene.quantities import STEEL_DENSITY, STEEL_GPA
@@ -233,8 +234,9 @@ def _rolls(scenes: Sequence[Scene]) -> str:
     passes = _values([float(scene.passes) for scene in scenes])
     again = ""
     if passes != "1":
-        count = number_word(int(passes)) if passes.isdecimal() else passes
-        again = f" {count} times"
+        again = " twice"
+        if passes != "2":
+            again = f" {number_word(int(passes)) if passes.isdecimal() else passes} times"
     if first.rolling.resistance:
         speeds = _values([_start_speed(scene) for scene in scenes])
         out = f"rolls out from {speeds} m/s"
@@ -400,6 +402,7 @@ def _also_varied(scenes: Sequence[Scene], swept: Sequence[str]) -> str:
 HIGH_HZ = 12e3  # many ears and loudspeakers reproduce nothing above
 HEARD_RING_HZ = 16e3  # a higher resonance of the ball on its contact is not heard
 RINGS = 3.0  # quality factor from which a resonance rings
+MAX_SPECIAL = 2  # sentences on what is special
 MOST = 0.5  # share of the sound that is called most
 _HIGH = "Most of its energy lies above 12 kHz, which many ears and loudspeakers do not reproduce."
 
@@ -411,28 +414,22 @@ def special(run: RunFolder) -> str:
         return ""
     found = [
         rule(run.scene, summary)
-        for rule in (_fall, _ticks, _rests, _lost_contact, _repeats, _modes, _ringing)
+        for rule in (_fall, _ticks, _rests, _modes, _ringing, _lost_contact, _repeats, _high)
     ]
-    sentences = [sentence for sentence in found if sentence][:1]
-    if _high_share(summary) > MOST:
-        sentences.append(_HIGH)
-    return " ".join(sentences)
+    return " ".join([sentence for sentence in found if sentence][:MAX_SPECIAL])
 
 
 def _fall(scene: Scene, summary: Mapping[str, Any]) -> str:
-    """Tell of a ball that falls and bounces."""
-    if scene.rolling.drop_mm is None:
+    """Tell how long a ball that falls bounces, in the long record if there is one."""
+    restitution = summary.get("restitution")
+    if scene.rolling.drop_mm is None or restitution is None:
         return ""
-    impacts = summary.get("impacts") or 0
-    if impacts == 0:
-        return ""
-    times = "once" if impacts == 1 else f"{number_word(impacts)} times"
-    sentence = f"The ball hits the plate {times}"
-    if summary.get("restitution") is not None:
-        sentence += (
-            f", and the first impact leaves {100 * summary['restitution']:.0f} % of its speed"
-        )
-    return f"{sentence}."
+    sentence = f"The first impact leaves the ball {100 * restitution:.0f} % of its speed"
+    long = summary.get("listening") or {}
+    if not long.get("impacts"):
+        return f"{sentence}."
+    seconds = long["seconds"] * long["flight_share"] - drop.fall_s(scene)
+    return f"{sentence}. It bounces for about {rounded(seconds, 1)} s, and then rolls."
 
 
 def _ticks(scene: Scene, summary: Mapping[str, Any]) -> str:
@@ -522,6 +519,11 @@ def _loudest_band_hz(summary: Mapping[str, Any]) -> float | None:
     if not levels:
         return None
     return float(max(levels, key=lambda name: levels[name]))
+
+
+def _high(scene: Scene, summary: Mapping[str, Any]) -> str:
+    """Tell of a sound that many ears and loudspeakers do not reproduce."""
+    return _HIGH if _high_share(summary) > MOST else ""
 
 
 def _high_share(summary: Mapping[str, Any]) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from acoustics.bands import BAND_NAMES, MID_HZ, OFF_DB
-from acoustics.numbers import decibels_a, rounded, si
+from acoustics.numbers import decibels_a, rounded, rounded_up, si
 from rolling.check import findings, resolution
 from rolling.check.doubt import Doubt, Severity, sized
 from rolling.dynamics.comb import COMB_MOST_DB
@@ -67,7 +67,7 @@ def doubts(
         *_force(summary, vibration),
         *_scene(scene, sound, summary, vibration),
         *_estimate(scene, sound, summary),
-        *_motion(scene, vibration),
+        *_motion(scene, summary, vibration),
         *_comb_mean(sound, vibration),
         *_solver(scene, sound),
     ]
@@ -147,18 +147,22 @@ def _force(summary: Mapping[str, Any], vibration: Vibration | None) -> Iterator[
         advice = ""
         if motion.flight_share == 1:
             advice = "the record is shorter than a flight; choose a longer one"
-        # A fall is one event, and its parts differ in any case.
-        scatter = 0.0 if "drop_mm" in summary else summary.get("record_scatter_db") or 0.0
-        yield sized(
-            "impacts",
-            f"contact is lost for {rounded(100 * motion.flight_share)} % of the time, with {count}",
-            scatter,
-            advice,
-            least=Severity.INDICATIVE,
+        text = (
+            f"contact is lost for {rounded(100 * motion.flight_share)} % of the time, with {count}"
         )
+        scatter = summary.get("record_scatter_db")
+        if "drop_mm" in summary:  # a fall is one event, whose flights are no fault of its level
+            severity = Severity.NOTE if motion.impacts else Severity.INDICATIVE
+            yield Doubt("impacts", text, severity, advice=advice)
+        elif scatter is None:
+            yield Doubt("impacts", text, Severity.INDICATIVE, advice=advice)
+        else:
+            yield sized("impacts", text, scatter, advice, least=Severity.INDICATIVE)
 
 
-def _motion(scene: Scene, vibration: Vibration | None) -> Iterator[Doubt]:
+def _motion(
+    scene: Scene, summary: Mapping[str, Any], vibration: Vibration | None
+) -> Iterator[Doubt]:
     """Warn of a motion that does not repeat, and of a plate that bends too far."""
     if vibration is None:
         return
@@ -173,7 +177,11 @@ def _motion(scene: Scene, vibration: Vibration | None) -> Iterator[Doubt]:
             text += "; the contact moves on the plate"
         elif scene.motion.is_constant(scene.duration):
             text += "; it has not run in, so another record may have another level"
-        yield Doubt("not_settled", text, Severity.INDICATIVE)
+        scatter = summary.get("record_scatter_db")
+        if scatter is None:
+            yield Doubt("not_settled", text, Severity.INDICATIVE)
+        else:  # another record differs as the parts of this one do
+            yield sized("not_settled", text, scatter, least=Severity.INDICATIVE)
     if thickness is None:
         return
     bent = float(1e3 * np.ptp(motion.plate_m) / thickness)
@@ -285,7 +293,10 @@ def _comb_spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
     spread = summary.get("comb_spread_db")
     if spread is None:
         return
-    text = f"LAeq spreads by {rounded(spread)} dB with the place of the lines of a repeated lap"
+    text = (
+        f"LAeq changes by {rounded_up(spread)} dB (rms) with the place of a sharp resonance "
+        "between the lines of a repeated lap"
+    )
     if spread > COMB_MOST_DB:
         text = (
             "the track is so short that one undamped resonance decides the level: at speeds within "

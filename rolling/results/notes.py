@@ -85,7 +85,7 @@ def _release(scene: Scene, sound: ContactSound, summary: Mapping[str, Any]) -> I
                 "assumption.",
             )
     if sound.levels.level_db is not None:
-        yield from level.of_source(scene, above_vibration_db(summary))
+        yield from level.of_source(scene)
 
 
 def _radiation(scene: Scene) -> Iterator[Doubt]:
@@ -243,13 +243,3 @@ def _turns(sound: ContactSound, summary: Mapping[str, Any]) -> Iterator[Doubt]:
     if reason and sound.levels.laeq_db is not None and not sound.once:
         text = "turns of the sphere: the record cannot tell whether they are heard, because "
         yield note(TURNS, text + reason)
-
-
-def above_vibration_db(summary: Mapping[str, Any]) -> float | None:
-    """Return the level of a release over that of the vibration, or over its estimate [dB]."""
-    difference = summary.get("release_over_vibration_db")
-    if difference is not None:
-        return float(difference)
-    estimate = summary.get("vibration_estimate_laeq_db")
-    laeq = summary.get("laeq_db")
-    return None if estimate is None or laeq is None else float(laeq - estimate)

@@ -16,6 +16,7 @@ from acoustics.uncertainty import widened
 from rolling.marches import force_law
 from rolling.marches.result import Result, released_energy
 from rolling.results import answer, listening, result_arrays, result_file, runs_table, verdict
+from rolling.results.description import runs_sentence
 from rolling.results.run_folder import RESULT, SUMMARY, RunFolder, read_summary
 from rolling.results.solved_run import SolvedRun
 from rolling.results.summary import provenance, record_scatter, summarize
@@ -64,7 +65,7 @@ class Run(SolvedRun):
     >>> scene = rolling.read_scene("quickstart", ["rolling.load_n=1", "rolling.duration_s=0.005"])
     >>> run = rolling.simulate(scene, workers=1, progress=False)
     >>> run
-    <run quickstart, load 1 N: level of the released power (q = 1) ... dB(A)..., 250 steps>
+    <run quickstart, load 1 N: vibration ..., estimated; released power ..., upper bound; 250 steps>
     >>> frame = run.to_dataframe()
     >>> frame.shape[0], frame.attrs["contact_area"], frame.attrs["release_power"]
     (251, 'm2', 'W')
@@ -116,41 +117,43 @@ class Run(SolvedRun):
         return result_file.result_tree(self)
 
     def __repr__(self) -> str:
-        key = answer.level_key(self.summary)
-        name = runs_table.level_name(self.summary)
-        text = f"{self.title}: {name} {runs_table.level_text(self.summary, key)} dB(A)"
-        judged = self.summary.get("verdict")
-        if judged:
-            text += f", {judged['word']}"
-        return f"<run {text}, {self.result.steps} steps>"
+        heard = answer.vibration(self.summary).text
+        released = answer.released_power(self.summary).text
+        numbers = f"vibration {heard}; released power {released}"
+        return f"<run {self.title}: {numbers}; {self.result.steps} steps>"
 
     def _repr_html_(self) -> str:
-        """Write levels and doubts for a notebook."""
+        """Write what rolls, the two numbers, other levels and doubts for a notebook."""
         table = ""
         for name, text in _levels_in_words(self.summary).items():
             table += f"<tr><td>{name}</td><td>{html.escape(text)}</td></tr>"
         doubts = ""
         for doubt in verdict.listed(self.summary):
             doubts += f"<li>{html.escape(doubt.line)}</li>"
-        return f"<h4>{html.escape(self.title)}</h4><table>{table}</table><ul>{doubts}</ul>"
+        title = html.escape(self.title)
+        sentence = html.escape(runs_sentence([self]))
+        return f"<h4>{title}</h4><p>{sentence}</p><table>{table}</table><ul>{doubts}</ul>"
 
 
 def _levels_in_words(summary: dict[str, Any]) -> dict[str, str]:
-    """Return the levels of a run in words by name, the first read first, and its verdict."""
+    """Return the two numbers of a run in words, the verdicts on them, and the other levels."""
+    heard = answer.vibration(summary)
+    released = answer.released_power(summary)
+    rows = {"vibration": heard.text}
+    of_vibration = verdict.of_vibration(summary)
+    if of_vibration is not None:
+        rows["verdict on it"] = of_vibration.sentence
+    rows["released power"] = released.text
+    of_release = verdict.of_released_power(summary)
+    if of_release is not None:
+        rows["verdict on the released power"] = of_release.sentence
     first = answer.level_key(summary)
-    _, unit = runs_table.LEVELS[first]
-    rows = {runs_table.level_name(summary): f"{runs_table.level_text(summary, first)} {unit}"}
-    beside = runs_table.beside_text([summary])
-    if beside:
-        rows["beside it"] = beside
-    judged = summary.get("verdict")
-    if judged:
-        rows["verdict"] = f"{judged['word']}: {judged['reason']}"
+    source = "vibration" if summary["source"] == "vibration" else "released power"
     for key in runs_table.shown_levels(summary):
         name, unit = runs_table.LEVELS[key]
         text = runs_table.level_text(summary, key)
         if key != first and text != "-":
-            rows[name] = f"{text} {unit}"
+            rows[f"{name} of the {source}"] = f"{text} {unit}"
     return rows
 
 

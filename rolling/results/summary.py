@@ -31,6 +31,7 @@ from rolling.marches.passes import Passes
 from rolling.marches.result import MovingRelease, Result, released_energy
 from rolling.marches.stiffness import solved_stiffness
 from rolling.results import verdict
+from rolling.results.description import runs_sentence
 from rolling.results.doubts import doubts
 from rolling.results.run_errors import error_numbers, known, known_bands
 from rolling.results.solved_run import SolvedRun
@@ -85,6 +86,7 @@ def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
     found = doubts(scene, sound, summary, vibration, moving)
     summary["doubts"] = verdict.as_json(found)
     summary["verdict"] = None if summary["laeq_db"] is None else verdict.verdict(found)
+    summary["answer"] = verdict.answers_as_json(summary, runs_sentence([run]))
     if result.passes is not None:
         summary["passes"] = _passes(run, result.passes, stiffness)
     if scene.sound.listen_s is not None:

@@ -1,10 +1,12 @@
-"""Verdict on the level of a run, and lists of its doubts: all are views of its list of doubts."""
+"""Verdicts on the two numbers of a run, and lists of its doubts: views of its list of doubts."""
 
+import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from rolling.check import level
-from rolling.check.doubt import Doubt, Severity
+from rolling.check.doubt import Doubt, Severity, sized
+from rolling.results.answer import loses_contact_in_estimate, released_power, vibration
 from rolling.results.doubts import ERRORS
 from rolling.results.notes import HEADLINE
 
@@ -35,13 +37,128 @@ def of_summary(summary: Mapping[str, Any]) -> list[Doubt]:
 
 def verdict(doubts: Sequence[Doubt]) -> dict[str, Any]:
     """Return word, reason, decibels and key of the worst doubt about a level."""
-    worst = level.worst_of(doubts)
+    return _as_verdict(level.worst_of(doubts))
+
+
+def _as_verdict(worst: Doubt) -> dict[str, Any]:
+    """Return a verdict as summary.json has it."""
     return {
         "word": worst.severity.word,
         "reason": worst.text,
         "decibels": worst.decibels,
         "key": worst.key,
     }
+
+
+# ---- verdicts on the two numbers
+
+
+# Doubts about a released power alone; those of ERRORS belong to the level of the sound files.
+OF_RELEASE = (*level.SOURCES, "resonance", "solver", "band_errors", "no_moving_release")
+
+
+class Verdict(NamedTuple):
+    """The worst doubt about one of the two numbers of a run.
+
+    worst : Doubt. The doubt, which gives word and reason.
+    known_db : float or None. The largest error that is known [dB], where that of the worst is not.
+    """
+
+    worst: Doubt
+    known_db: float | None
+
+    @property
+    def word(self) -> str:
+        """How far to trust the number: trust, indicative or do not quote."""
+        return self.worst.severity.word
+
+    @property
+    def short(self) -> str:
+        """Word and decibels: `indicative, ± 1.2 dB`, or `indicative, > 0.3 dB` at least."""
+        if self.worst.decibels:
+            return f"{self.word}, ± {_rounded_up(self.worst.decibels)} dB"
+        if self.known_db:
+            return f"{self.word}, > {self.known_db:.1f} dB"
+        return self.word
+
+    @property
+    def sentence(self) -> str:
+        """Word, decibels and reason: `indicative, ± 1.2 dB: the grid leaves up to 1.2 dB`."""
+        return f"{self.short}: {self.worst.text}"
+
+
+def _rounded_up(decibels: float) -> str:
+    """Write decibels with one decimal, rounded up: no error prints as 0.0 dB."""
+    return f"{math.ceil(10 * decibels) / 10:.1f}"
+
+
+def _judged(doubts: Sequence[Doubt]) -> Verdict:
+    """Return the verdict of doubts about a number."""
+    worst = level.worst_of(doubts)
+    known = [doubt.decibels for doubt in doubts if doubt.decibels]
+    largest_db = round(max(known, default=0.0), 1)
+    return Verdict(worst, None if worst.decibels or not largest_db else largest_db)
+
+
+def of_vibration(summary: Mapping[str, Any]) -> Verdict | None:
+    """Return the verdict on the vibration of a run; None where it has no level."""
+    answer = vibration(summary)
+    if answer.level_db is None:
+        return None
+    doubts = of_summary(summary)
+    if summary["source"] == "vibration":
+        return _judged(doubts)
+    shared = [doubt for doubt in doubts if doubt.key not in (*OF_RELEASE, *ERRORS)]
+    if answer.how == "estimated":
+        shared.append(_estimate(summary))
+    return _judged(shared)
+
+
+def _estimate(summary: Mapping[str, Any]) -> Doubt:
+    """Return the doubt about a vibration that a linear chain estimates."""
+    bodies = summary["vibration_estimate_bodies"]
+    if loses_contact_in_estimate(summary):
+        text = "it is estimated too high, because the ball would lose contact"
+        return Doubt("vibration_estimate", text, Severity.DO_NOT_QUOTE)
+    text = f"a linear chain estimates it for {bodies}"
+    spread = summary.get("vibration_estimate_uncertainty_db")
+    if spread is None:
+        return Doubt("vibration_estimate", text, Severity.INDICATIVE)
+    return sized("vibration_estimate", text, spread, least=Severity.INDICATIVE)
+
+
+def of_released_power(summary: Mapping[str, Any]) -> Verdict | None:
+    """Return the verdict on a released power; None where its errors are not computed.
+
+    A run whose sound files hold the vibration computes the errors of the vibration only.
+    """
+    if summary["source"] != "release" or released_power(summary).level_db is None:
+        return None
+    doubts = of_summary(summary)
+    return _judged([doubt for doubt in doubts if doubt.key != "upper_bound"])
+
+
+def answers_as_json(summary: Mapping[str, Any], sentence: str) -> dict[str, Any]:
+    """Return the sentence of a run, and its two numbers with their verdicts, for summary.json."""
+    block: dict[str, Any] = {"sentence": sentence}
+    for name, answer, judged in (
+        ("vibration", vibration(summary), of_vibration(summary)),
+        ("released_power", released_power(summary), of_released_power(summary)),
+    ):
+        block[name] = {
+            "level_db": answer.level_db,
+            "standard_uncertainty_db": answer.uncertainty_db,
+            "how": answer.how,
+            "quantity": answer.quantity,
+            "where": answer.where,
+            "meaning": answer.meaning,
+            "reason": answer.reason,
+            "verdict": None if judged is None else _as_verdict(judged.worst),
+        }
+    return block
+
+
+# ---- lists
 
 
 def listed(summary: Mapping[str, Any]) -> list[Doubt]:

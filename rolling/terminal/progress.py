@@ -80,6 +80,11 @@ def is_quiet() -> bool:
     return _command.level == Level.QUIET
 
 
+def is_verbose() -> bool:
+    """Return whether the command says more than a person needs."""
+    return _command.level == Level.VERBOSE
+
+
 def line(text: str) -> None:
     """Print a line unless the command is quiet, above a bar if there is one."""
     if _command.level is None or is_quiet():

@@ -16,6 +16,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TextIO, cast
 
+FILE_WIDTH = 80  # letters of a line in a file or a pipe
 _JOINERS = "\u200c\u200d"  # of Persian words and of emoji
 # Errors of writing to a pipe or terminal that nobody reads any more.
 _WITHOUT_A_READER = (errno.EPIPE, errno.EBADF, errno.EIO)
@@ -168,10 +169,24 @@ def _escaped(letter: str) -> str:
 
 def wrapped(text: str, indent: str = "  ") -> str:
     """Break a text into lines of the terminal's width; a file or pipe gets it on one line."""
-    if not sys.stdout.isatty():
-        return text
-    width = max(40, shutil.get_terminal_size().columns)
-    return textwrap.fill(text, width, subsequent_indent=indent, break_long_words=False)
+    return folded(text, indent) if sys.stdout.isatty() else text
+
+
+def folded(text: str, indent: str = "  ") -> str:
+    """Break a text into lines of the terminal's width, or of 80 letters where there is none.
+
+    Paths and other long words stay whole.
+    """
+    width = FILE_WIDTH
+    if sys.stdout.isatty():
+        width = max(40, shutil.get_terminal_size().columns)
+    return textwrap.fill(
+        text,
+        width,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:

@@ -70,8 +70,8 @@ def test_the_usual_scene_is_warned_of_its_resonance_only() -> None:
             "nodes per Hertz radius",
             "rolling.load_n=0.5",
             "rolling.load_n=0.4",
-            "9.3 nodes across the Hertz radius, 10 are wanted: choose a surface.spacing_um of at"
-            " most 1.8",
+            "9.3 nodes per Hertz radius, and 10 are wanted: choose a surface.spacing_um of at most"
+            " 1.8",
         ),
         (
             "simulated Nyquist",

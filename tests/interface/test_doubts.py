@@ -19,7 +19,7 @@ from acoustics.bands import BAND_NAMES
 from rolling.check import level
 from rolling.check.doubt import Doubt, Severity, severity_of
 from rolling.check.findings import check_run, check_scene, conclusion
-from rolling.results import doubts, notes, runs_table, verdict
+from rolling.results import doubts, notes, run_lines, verdict
 from rolling.results.run_folder import RunFolder
 from rolling.results.run_result import Run
 from rolling.scene.file import loads
@@ -220,8 +220,9 @@ STEEP = ("surface.roughness_ra_um=2", "numerics.error_estimate=true")
             {"laeq_grid_error_db": None, "force_law_error_db": 4.0},
             *((), {}, "do not quote", "force law"),
         ),
-        ({"source": "release", "force_law_error_db": 4.0}, (), {}, "indicative", "upper bound"),
-        ({"source": "release", "comb_spread_db": 4.0}, (), {}, "indicative", "upper bound"),
+        # An upper bound is a property of a released power, and no doubt about it.
+        ({"source": "release", "force_law_error_db": 4.0}, (), {}, "trust", "length of the record"),
+        ({"source": "release", "comb_spread_db": 4.0}, (), {}, "trust", "length of the record"),
         ({"source": "release", "laeq_grid_error_db": 9}, (), {}, "do not quote", "the grid leaves"),
         ({"source": "release"}, ("sound.q=0.5",), {}, "indicative", "q = 0.5"),
         ({}, (), {"outside_share": 0.02}, "trust", "extrapolated for 2 %"),
@@ -276,10 +277,11 @@ def test_three_warnings_the_worst_first(monkeypatch: pytest.MonkeyPatch) -> None
     summary["verdict"] = verdict.verdict(listed)
     ordered = [doubt.key for doubt in verdict.warnings([("run", summary)])]
     assert ordered == ["slope", "nyquist", "seam", "step_length", "air_load"]
-    monkeypatch.setattr(runs_table, "stored_summary", lambda run: summary)
-    text = runs_table.levels_table([RunFolder({}, vibrating().scene, Path())])
-    assert text.count("warning: ") == 3 and "2 more warnings" in text.splitlines()[-1]
-    assert "warning: seam: cut it off" in text
+    monkeypatch.setattr(run_lines, "stored_summary", lambda run: summary)
+    runs = [RunFolder({}, vibrating().scene, Path())]
+    assert len(" ".join(run_lines.doubt_lines(runs))) < 400
+    text = "\n".join(run_lines.further_lines(runs))
+    assert text.count("warning: ") == 5 and "warning: seam: cut it off" in text
 
 
 FILLED = {
@@ -300,7 +302,7 @@ def test_lines_are_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ((), "at best indicative: a level of the released power (q = 1)"),
+        ((), "on the released power is at best indicative: the error of the grid is unknown"),
         (("surface.roughness_ra_um=2",), "is do not quote: rms slope: the rms slope is"),
         (("plate.hardness_gpa=0.001",), "It does not run: capacity"),
     ],

@@ -16,7 +16,7 @@ from scene_text import TINY
 from rolling.figures.picture import DPI, WIDTH_IN, drawable, picture
 from rolling.results.labels import labels, printable
 from rolling.results.run_folder import RunFolder
-from rolling.results.runs_table import levels_table
+from rolling.results.run_lines import levels_table
 from rolling.scene.file import loads
 
 NAMES = [

@@ -12,8 +12,8 @@ from acoustics import wav
 from acoustics.arrays import Array
 from rolling.dynamics import of_scene
 from rolling.results.listening import listen_wav
+from rolling.results.run_lines import other_levels
 from rolling.results.run_result import Run
-from rolling.results.runs_table import beside_text
 from rolling.scene.file import loads
 from rolling.scene.messages import SceneError
 from rolling.sound import edged_sound, vibration_sound
@@ -111,9 +111,8 @@ def test_listeners_in_numbers_words_and_files(run: Run, tmp_path: Path) -> None:
     ]
     assert numbers["listeners"][0]["laeq_db"] == numbers["laeq_db"]
     assert "compact_source_level_db" not in numbers
-    assert "at [140, 55, 300] mm" in beside_text([numbers]) and "half sphere" in beside_text(
-        [numbers]
-    )
+    others = "; ".join(other_levels(numbers))
+    assert "at [140, 55, 300] mm" in others and "half sphere" in others
     assert {"at_listener", "plate_edges"} <= doubt_lines(run).keys()
     samples, _, comment = wav.read(_written(tmp_path / "listen.wav", listen_wav(run)[0]))
     assert samples.shape[1] == 2 and "left and right" in comment

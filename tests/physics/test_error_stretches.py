@@ -19,7 +19,7 @@ from rolling.marches.march_piece import march_piece
 from rolling.marches.next_pieces import next_pieces
 from rolling.marches.piece import Piece, contact_identity
 from rolling.marches.result import Result
-from rolling.results import runs_table
+from rolling.results import run_lines
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.sound.error_estimate import (
@@ -212,7 +212,7 @@ def test_four_stretches_have_the_detail_of_an_exponential_law() -> None:
     numbers = run.summary
     layout = error_cost.layout(scene)
     assert numbers["laeq_uncertainty_parts_db"]["subgrid"] > abs(numbers["laeq_subgrid_error_db"])
-    assert "from missing detail below the spacing" in runs_table.error_line("run", numbers)
+    assert "from missing detail below the spacing" in run_lines.error_line("run", numbers)
     assert result.stretches is not None and layout is not None
     detailed = [first for first, level in result.stretches.marches if level == error_cost.DETAIL]
     assert detailed == list(layout.firsts[:: len(layout.firsts) // 4][:4])
