@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import sys
 import webbrowser
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,9 +21,11 @@ from rolling.results.run_result import Run, write_run
 from rolling.results.runs_table import runs_table
 from rolling.run import folder as folders
 from rolling.run.solving import Values, open_runs, simulate_runs
+from rolling.scene import sweep as sweeps
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import HeightFile
+from rolling.scene.sweep import Value
 from rolling.surface.measured import HeightArray, with_copy
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
@@ -31,6 +33,7 @@ from rolling.terminal.files import FolderError, write_temporary
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray
 
 __all__ = ["Runs", "SweepError", "live", "open_run", "save_run", "simulate", "simulate_sweep"]
 
@@ -40,6 +43,14 @@ PLAY_IT = "play-it"  # the section of the page where the ball is rolled by hand
 @ignoring_underflow
 class Runs(dict[Values, Run]):
     """Runs of a sweep by their swept value, or by a tuple of values if several keys are swept.
+
+    Parameters
+    ----------
+    runs : mapping
+        Runs by their swept values. Default: none.
+    sweep : mapping
+        Lists of the swept values by dotted key, with those of runs that failed. Default: the values
+        of the runs.
 
     Examples
     --------
@@ -51,7 +62,17 @@ class Runs(dict[Values, Run]):
     'load 2 N'
     >>> runs.table().index.get_level_values("rolling.load_n").to_list()
     [1, 2]
+    >>> runs.to_xarray().released_power_db.sel(load_n=2).item() == runs[2].sound.levels.laeq_db
+    True
     """
+
+    def __init__(
+        self,
+        runs: Mapping[Values, Run] | None = None,
+        sweep: Mapping[str, Sequence[Value]] | None = None,
+    ) -> None:
+        super().__init__(runs or {})
+        self._sweep = dict(sweep or {})
 
     def __repr__(self) -> str:
         runs = [*self.values()]
@@ -70,6 +91,33 @@ class Runs(dict[Values, Run]):
             Numbers of summary.json by label, folder and swept keys. Names end in their units.
         """
         return runs_table([*self.values()])
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the numbers and series of all runs in one Dataset.
+
+        Each swept key is a dimension, named by its last part (`load_n`), or by the whole key where
+        two share it (`plate.material`). Values without a run, such as those of a run that failed,
+        have NaN.
+
+        Returns
+        -------
+        dataset : xarray.Dataset
+            `vibration_db` and `released_power_db` with their uncertainties, and in `vibration_how`
+            and `released_power_how` whether they are computed, estimated or an upper bound; the
+            numbers of runs.csv; third octaves by `band`, the nominal mid frequency; the series of
+            `run.series` by `position` and `step` [m]. Runs with places of their own, as under
+            different speeds, are padded with NaN, and `position` and `step` have a row per run.
+            Every variable has `units` and `long_name` in `attrs`, and the Dataset has the version
+            of the program.
+
+        Raises
+        ------
+        ValueError
+            There is no run, or the runs are not of one sweep.
+        """
+        from rolling.results.runs_dataset import runs_dataset
+
+        return runs_dataset([*self.values()], self._sweep)
 
 
 class SweepError(ContactError):
@@ -202,9 +250,12 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
     if not scene.sweep:
         raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
     runs, failures = simulate_runs(scene, workers, progress)
+    values = {
+        key: [value for value, _ in sweeps.choices(listed)] for key, listed in scene.sweep.items()
+    }
     if failures:
-        raise SweepError(failures, Runs(runs))
-    return Runs(runs)
+        raise SweepError(failures, Runs(runs, values))
+    return Runs(runs, values)
 
 
 @ignoring_underflow

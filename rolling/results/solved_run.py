@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -40,6 +40,10 @@ class SolvedRun(RunFolder):
     sound: ContactSound
     summary: dict[str, Any]
     vibration: Vibration | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the fields alone, for pickle and copies; what follows from them is made again."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property  # joining the pieces of the track takes time
     def events(self) -> dict[str, NDArray[Any]] | None:

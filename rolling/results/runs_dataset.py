@@ -1,0 +1,258 @@
+"""Runs of a sweep as one xarray Dataset, whose dimensions are the swept keys."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+import rolling
+from acoustics.arrays import Array
+from acoustics.bands import BAND_NAMES, MID_HZ, NOMINAL_HZ
+from rolling.results import answer
+from rolling.results.answer import Answer
+from rolling.results.labels import named
+from rolling.results.result_arrays import DEFINITION
+from rolling.results.run_result import Run
+from rolling.results.runs_table import numbers
+from rolling.scene.sweep import Value
+
+if TYPE_CHECKING:
+    import xarray
+
+# Units by the end of a name of summary.json; the first that fits counts.
+_UNITS = {
+    "_pa_per_w_m2": "Pa/(W/m2)",
+    "_db": "dB",
+    "_m2": "m2",
+    "_pa": "Pa",
+    "_hz": "Hz",
+    "_ms": "ms",
+    "_mm": "mm",
+    "_um": "um",
+    "_w": "W",
+    "_s": "s",
+    "_m": "m",
+    "_n": "N",
+}
+_BANDS = {
+    "third_octave_db": "third octaves of the sound pressure",
+    "third_octave_a_db": "A-weighted third octaves of the sound pressure",
+    "third_octave_uncertainty_db": "standard uncertainty of the third octaves",
+}
+_PLACES = ("position", "step")  # dimensions of the series
+_TIMES = ("position_time", "time")
+
+
+class _Swept(NamedTuple):
+    """A swept key: its name in the Dataset, and its values."""
+
+    key: str
+    name: str
+    values: list[Value]
+
+
+def runs_dataset(runs: Sequence[Run], sweep: Mapping[str, Iterable[Value]]) -> xarray.Dataset:
+    """Return the numbers and series of runs, with NaN for combinations without a run.
+
+    `sweep` are the values of the swept keys; those of the runs count where it is empty.
+
+    Raises
+    ------
+    ValueError : there is no run, or the runs have no swept values, or not the same swept keys.
+    """
+    import xarray  # slow to import
+
+    swept = _swept_keys(runs, sweep)
+    shape = tuple(len(key.values) for key in swept)
+    dimensions = tuple(key.name for key in swept)
+    places = {_place_of(run, swept): run for run in runs}
+    taken = set(dimensions)
+    dataset = xarray.Dataset(
+        coords={key.name: _coordinate(key) for key in swept},
+        attrs={
+            "title": f"sweep of {runs[0].scene.name}: {', '.join(key.key for key in swept)}",
+            "program": f"rolling-contact-noise {rolling.__version__}",
+        },
+    )
+    for name, values in _two_numbers(places, shape).items():
+        dataset[name] = (dimensions, *values)
+        taken.add(name)
+    for name, array in _other_numbers(places, shape).items():
+        if name not in taken:
+            dataset[name] = (dimensions, array, {"units": _unit(name), "long_name": _words(name)})
+    _add_bands(dataset, places, dimensions, shape)
+    _add_series(dataset, places, dimensions, shape)
+    return dataset
+
+
+# ---- swept keys
+
+
+def _swept_keys(runs: Sequence[Run], sweep: Mapping[str, Iterable[Value]]) -> list[_Swept]:
+    """Return the swept keys with their values, by their last part where no two share it."""
+    if not runs:
+        raise ValueError("runs: there is none; a Dataset needs one at least")
+    keys = list(sweep) or list(runs[0].values)
+    if not keys:
+        raise ValueError("runs: none of them is of a sweep; `run.to_xarray()` is for a single run")
+    for run in runs:
+        if set(run.values) != set(keys):
+            got = ", ".join(run.values) or "nothing"
+            raise ValueError(f"runs: {run.label} sweeps {got}, allowed: {', '.join(keys)}")
+    last_parts = [key.rpartition(".")[2] for key in keys]
+    swept = []
+    for key, last in zip(keys, last_parts, strict=True):
+        values = list(dict.fromkeys([*sweep.get(key, ()), *(run.values[key] for run in runs)]))
+        swept.append(_Swept(key, last if last_parts.count(last) == 1 else key, values))
+    return swept
+
+
+def _place_of(run: Run, swept: Sequence[_Swept]) -> tuple[int, ...]:
+    """Return the place of a run among the swept values."""
+    return tuple(key.values.index(run.values[key.key]) for key in swept)
+
+
+def _coordinate(swept: _Swept) -> Any:
+    """Return the coordinate of a swept key: numbers, or texts where one of the values is a text."""
+    word, unit = named(swept.key)
+    attributes = {"long_name": word, "key": swept.key}
+    if unit:
+        attributes["units"] = unit
+    if any(isinstance(value, str) for value in swept.values):
+        texts = [value if isinstance(value, str) else f"{value:g}" for value in swept.values]
+        return (swept.name, np.array(texts, dtype=object), attributes)
+    return (swept.name, np.array(swept.values), attributes)
+
+
+# ---- numbers
+
+Places = Mapping[tuple[int, ...], Run]
+Values = tuple[NDArray[Any], dict[str, str]]
+
+
+def _two_numbers(places: Places, shape: tuple[int, ...]) -> dict[str, Values]:
+    """Return vibration and released power with their uncertainties, and how they were found."""
+    arrays: dict[str, Values] = {}
+    for name, words, find in (
+        ("vibration", "vibration, what a listener would hear", answer.vibration),
+        ("released_power", "released power", answer.released_power),
+    ):
+        answers = {place: find(run.summary) for place, run in places.items()}
+        levels = np.full(shape, np.nan)
+        spreads = np.full(shape, np.nan)
+        hows = np.full(shape, "", dtype=object)
+        for place, found in answers.items():
+            levels[place] = math.nan if found.level_db is None else found.level_db
+            spreads[place] = math.nan if found.uncertainty_db is None else found.uncertainty_db
+            hows[place] = found.how
+        quantity = _quantities(answers.values())
+        of_level = {"units": "dB(A) re 20 uPa", "long_name": f"{words}: {quantity}"}
+        of_spread = {"units": "dB", "long_name": f"standard uncertainty of the {words}"}
+        arrays[f"{name}_db"] = levels, of_level
+        arrays[f"{name}_uncertainty_db"] = spreads, of_spread
+        arrays[f"{name}_how"] = hows, {"long_name": f"way in which the {words}, was found"}
+    return arrays
+
+
+def _quantities(answers: Iterable[Answer]) -> str:
+    """Name the quantity of levels, or both where runs are events and others are not."""
+    return " or ".join(dict.fromkeys(found.quantity for found in answers))
+
+
+def _other_numbers(places: Places, shape: tuple[int, ...]) -> dict[str, Array]:
+    """Return the single numbers of summary.json by their names in runs.csv."""
+    arrays: dict[str, Array] = {}
+    for place, run in places.items():
+        for name, value in numbers(run.summary).items():
+            is_number = isinstance(value, int | float) and not isinstance(value, bool)
+            if is_number and not name.startswith("third_octave"):
+                arrays.setdefault(name, np.full(shape, np.nan))[place] = value
+    return arrays
+
+
+def _unit(name: str) -> str:
+    """Return the unit with which a name ends; 1 without any."""
+    return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "1")
+
+
+def _words(name: str) -> str:
+    """Return a name without its unit as words."""
+    end = next((end for end in _UNITS if name.endswith(end)), "")
+    return name.removesuffix(end).replace("_", " ")
+
+
+def _add_bands(
+    dataset: xarray.Dataset, places: Places, dimensions: tuple[str, ...], shape: tuple[int, ...]
+) -> None:
+    """Add the third octaves, by the nominal mid frequencies of their bands."""
+    of_band = {"units": "Hz", "long_name": "nominal mid frequency of the third octave"}
+    of_exact = {"units": "Hz", "long_name": "exact mid frequency of the third octave"}
+    dataset.coords["band"] = ("band", np.array(NOMINAL_HZ, dtype=float), of_band)
+    dataset.coords["band_exact"] = ("band", MID_HZ.copy(), of_exact)
+    for key, words in _BANDS.items():
+        levels = np.full((*shape, len(BAND_NAMES)), np.nan)
+        for place, run in places.items():
+            for number, name in enumerate(BAND_NAMES):
+                level = run.summary.get(key, {}).get(name)
+                levels[(*place, number)] = math.nan if level is None else level
+        unit = "dB" if "uncertainty" in key else "dB re 20 uPa"
+        dataset[key] = ((*dimensions, "band"), levels, {"units": unit, "long_name": words})
+
+
+# ---- series
+
+
+def _add_series(
+    dataset: xarray.Dataset, places: Places, dimensions: tuple[str, ...], shape: tuple[int, ...]
+) -> None:
+    """Add the series along the track, each run padded with NaN to the longest.
+
+    Where all runs have the same places, these are coordinates. Otherwise each run has its own, and
+    the dimension counts them.
+    """
+    lengths = {"position": max(run.result.steps + 1 for run in places.values())}
+    lengths["step"] = lengths["position"] - 1
+    of_runs = {
+        "position": [run.position for run in places.values()],
+        "step": [run.distance for run in places.values()],
+    }
+    along = {}
+    for place_name in _PLACES:
+        first, *others = of_runs[place_name]
+        is_shared = all(np.array_equal(first, other) for other in others)
+        along[place_name] = place_name if is_shared else f"{place_name}_number"
+        if is_shared:
+            attributes = _attributes(place_name)
+            dataset.coords[place_name] = (place_name, first, attributes)
+    for name, variable in DEFINITION[""].items():
+        (place_name,) = variable.dimensions.split()
+        if name in _PLACES and along[name] == name:
+            continue
+        padded = np.full((*shape, lengths[place_name]), np.nan)
+        for place, run in places.items():
+            values = _series(run, name)
+            padded[place][: len(values)] = values
+        variables = ((*dimensions, along[place_name]), padded, _attributes(name))
+        if name in (*_PLACES, *_TIMES):
+            dataset.coords[name] = variables
+        else:
+            dataset[name] = variables
+
+
+def _series(run: Run, name: str) -> Array:
+    """Return a series of a run, or the places or times of its entries."""
+    if name == "step":
+        return run.distance
+    if name in (*_PLACES, *_TIMES):
+        return np.asarray(getattr(run, name))
+    return run.series[name]
+
+
+def _attributes(name: str) -> dict[str, str]:
+    """Return unit and meaning of a series."""
+    variable = DEFINITION[""][name]
+    return {"units": variable.unit, "long_name": variable.long_name}
