@@ -20,6 +20,7 @@ Contact
 """
 
 import ast
+import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -44,7 +45,9 @@ __all__ = sorted(_MODULES)
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used."""
     if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        text = f"module {__name__!r} has no attribute {name!r}"
+        # Python suggests the nearest name where it knows the module.
+        raise AttributeError(text, name=name, obj=sys.modules[__name__])
     if message := _own_acoustics.fault():
         raise ImportError(message, name="acoustics")
     module = _MODULES[name]

@@ -74,6 +74,10 @@ class Runs(dict[Values, Run]):
         super().__init__(runs or {})
         self._sweep = dict(sweep or {})
 
+    def __missing__(self, values: Values) -> Run:
+        """Refuse values that no run has, and name those of the runs."""
+        raise KeyError(f"{values!r} is no run; the runs are {', '.join(map(repr, self))}")
+
     def __repr__(self) -> str:
         runs = [*self.values()]
         return "\n".join(answer_lines(runs)) if runs else "no run"
@@ -313,7 +317,7 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
     Raises
     ------
     FolderError
-        The folder holds files already.
+        The folder holds files already, or is a file.
 
     Examples
     --------
@@ -326,6 +330,8 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
     instance("run", run, Run)
     instance("folder", folder, str, Path)
     folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise FolderError(f"{folder}: is a file; take another name for the folder")
     if folder.exists() and any(folder.iterdir()):
         raise FolderError(f"{folder}: holds files; take another, as {folders.free_name(folder)}")
     folder.mkdir(parents=True, exist_ok=True)

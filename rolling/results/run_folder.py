@@ -89,7 +89,13 @@ _MAPPINGS = (
     "error_estimate",
     "levelling",
 )
-_TEXTS = ("name", "label", "source", "text", "advice", "word", "reason")
+_TEXTS = (
+    *("name", "label", "source", "text", "advice", "word", "reason"),
+    "vibration_estimate_bodies",
+)
+_NUMBERS = ("q",)  # whose names do not end in a unit
+# Keys of the estimate of the vibration, which a summary has together.
+_ESTIMATE = ("vibration_estimate_force_ratio", "vibration_estimate_bodies")
 _VERDICT = ("word", "reason", "decibels", "key")
 _PREPARATION = ("step", "text")  # of each step
 _DOUBT = ("key", "text", "advice", "severity", "decibels")
@@ -139,6 +145,9 @@ def _refuse_other_summary(summary: Any) -> None:
     for key in _NEEDED:
         if key not in summary:
             raise ValueError(f"{key} is missing")
+    for key in _ESTIMATE:
+        if "vibration_estimate_laeq_db" in summary and key not in summary:
+            raise ValueError(f"{key} is missing")
     for key, value in summary.items():
         if not _fits(key, value):
             raise ValueError(f"{key} is of another kind")
@@ -158,7 +167,7 @@ def _fits(key: str, value: Any) -> bool:
         if key == "levelling" and value is None:
             return True
         return isinstance(value, dict) and _fits_mapping(key, value)
-    if key in _NEEDED:
+    if key in _NEEDED or key in _NUMBERS:
         return _is_number(value)
     if isinstance(value, dict):
         return _fits_mapping(key, value)

@@ -6,6 +6,8 @@ from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from acoustics.texts import printable
 from rolling.check import refusals
 from rolling.contact.solver import ContactError
@@ -36,6 +38,8 @@ def simulate_runs(
     -------
     runs, failures : dict, dict. Runs by their swept values, and reasons by label.
     """
+    if isinstance(workers, np.integer):
+        workers = int(workers)
     if type(workers) is not int or workers < 0:
         raise ValueError(f"workers: got {workers!r}, allowed: a whole number >= 0")
     refusals.refuse(scene, workers)

@@ -53,6 +53,11 @@ def read_scene(path: Path | str, overrides: Sequence[str] = ()) -> Scene:
     50.0
     """
     instance("path", path, str, Path)
+    if isinstance(overrides, Mapping) or not all(isinstance(word, str) for word in overrides):
+        raise TypeError(
+            f"overrides: got {quoted(overrides)}, allowed: texts, as in ['rolling.load_n=50'];"
+            " read_scene(path).with_(load_n=50) takes values"
+        )
     path = Path(path)
     file = library.find(path)
     is_whole = file == path or bool(library.companions(file))

@@ -283,10 +283,12 @@ def plain_values(value: Any, depth: int = 0) -> Any:
             writable(name) if isinstance(name, str) else name: plain_values(item, depth + 1)
             for name, item in value.items()
         }
-    if isinstance(value, list | tuple):
+    if isinstance(value, list | tuple | range):
         return [plain_values(item, depth + 1) for item in value]
     if hasattr(value, "tolist"):  # numbers and arrays of numpy, which is slow to import
         return value.tolist()
+    if hasattr(value, "__array__"):  # of a library beside numpy, such as xarray
+        return value.__array__().tolist()
     if isinstance(value, int) and value.bit_length() > _MAX_BITS:
         return math.inf if value > 0 else -math.inf
     if isinstance(value, os.PathLike):

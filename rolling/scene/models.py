@@ -81,6 +81,14 @@ class Section(BaseModel, metaclass=_SceneErrors):
     IN_FILES: ClassVar[str] = ""  # key that scene files must give, and that has a default in Python
     NAMED: ClassVar[str] = ""  # section of `library.NAMES` whose name gives values
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse a change, because a scene may have been judged and shared already."""
+        if not name.startswith("_"):
+            raise AttributeError(
+                f"{name}: a scene does not change; scene.with_({name}=...) returns a changed copy"
+            )
+        super().__setattr__(name, value)
+
     @classmethod
     def descriptions(cls) -> dict[str, str]:
         """Return the text of each key from the attributes in the documentation of the model."""
@@ -192,6 +200,8 @@ def all_keys(root: type[BaseModel]) -> list[str]:
 
 def full_key(name: str, root: type[BaseModel]) -> str:
     """Return the dotted key for a bare or dotted name; raise SceneError if none or several fit."""
+    if not isinstance(name, str):
+        raise SceneError([f"scene: {quoted(name)}: a key is a text, such as rolling.load_n"])
     if name in all_keys(root):
         return name
     fitting = _keys_that_end_in(name, root)

@@ -245,19 +245,40 @@ class Scene(quantities.SceneQuantities):
         `scene.with_(load_n=20)`, `scene.with_({"plate.poissons_ratio": 0.3})`,
         `scene.with_(sweep={"rolling.load_n": [5, 20]})`
         """
-        given = {**(changes or {}), **keys}
+        if changes is not None and not isinstance(changes, Mapping):
+            example = "{'rolling.load_n': 5}, or load_n=5"
+            raise TypeError(f"changes: got {changes!r}, allowed: values by key, as in {example}")
         by_key: dict[str, Any] = {}
-        for name, value in given.items():
-            key = full_key(name, type(self))
+        faults = []
+        for name, value in [*(changes or {}).items(), *keys.items()]:
+            try:
+                key = full_key(name, type(self))
+            except SceneError as error:
+                faults += error.faults
+                continue
             if key in by_key:
-                raise SceneError([f"scene: {key}: given twice"])
+                faults.append(f"scene: {key}: given twice")
             by_key[key] = plain_values(value)
+        if isinstance(by_key.get("sweep"), dict):
+            by_key["sweep"] = self._with_full_keys(by_key["sweep"])
+        if faults:
+            raise SceneError(faults)
         data = self.to_dict()
         if "dynamics" in by_key:
             del data["sound"]["source"]  # because its default follows the dynamics
         for key in sorted(by_key, key=library.order_of_change):
             data = sweeps.with_value(data, key, by_key[key])
         return type(self).from_dict(data, self.folder)
+
+    def _with_full_keys(self, sweep: Mapping[Any, Any]) -> dict[Any, Any]:
+        """Return a sweep by its dotted keys; a name that stands for no key stays as it is."""
+        by_key = {}
+        for name, listed in sweep.items():
+            try:
+                by_key[full_key(name, type(self))] = listed
+            except SceneError:  # the sweep is refused with all that is wrong in it
+                by_key[name] = listed
+        return by_key
 
     def runs(self) -> list[SweepRun]:
         """List the runs of the scene; the last swept key varies fastest.
