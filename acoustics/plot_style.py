@@ -29,7 +29,6 @@ LINE_STYLES: tuple[str | tuple[int, tuple[int, ...]], ...] = (
     "-", "--", "-.", ":", (0, (8, 2)), (0, (4, 1, 1, 1, 1, 1)), (0, (1, 1)),
 )  # fmt: skip
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-GREY = "0.6"
 OCTAVES = slice(2, None, 3)  # of the third octaves, the octaves from 31.5 Hz on
 # SI prefixes of axes by powers of a thousand
 PREFIXES = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M"}

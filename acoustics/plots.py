@@ -18,13 +18,13 @@ from matplotlib.ticker import NullLocator
 from acoustics import plot_style as style
 from acoustics.arrays import Array
 from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, EDGES_HZ, MID_HZ, MIN_BT, OFF_DB, reliable
-from acoustics.plot_style import COLOURS, FEW, GREY, PER_OCTAVE, Lines, level_limits
+from acoustics.plot_style import COLOURS, FEW, PER_OCTAVE, Lines, level_limits
 from acoustics.spectrum import Spectrogram
 from acoustics.traps import ignoring_underflow
 
 __all__ = [
     "COLOURS", "FEW", "PER_OCTAVE", "BandErrors", "Lines", "drawn_as_means", "level_limits",
-    "spectrogram", "spectrum", "third_octaves",
+    "lowest_resolved", "resolved_levels", "spectrogram", "spectrum", "third_octaves",
 ]  # fmt: skip
 
 Limits = tuple[float, float]
@@ -41,9 +41,12 @@ class BandErrors(NamedTuple):
 
 _THIRD_OF_OCTAVES = slice(2, None, 9)  # of the third octaves, every third octave from 31.5 Hz on
 _SMALL_IN = 2.4  # height of axes that takes a name for each octave
-# Shades of a spectrogram are 2 dB apart, less than the uncertainty of noise; more make large files.
-_SHADES = 36
-_HATCHES = ("////", "\\\\\\\\", "xxxx")  # marks of bands with large errors, one for each curve
+# Shades of a spectrogram are at most 2.3 dB apart, less than the uncertainty of noise; more shades
+# make large files.
+_SHADES = 30
+_FULL = 1.3  # width of a line
+_THIN = 0.7  # width of a line where levels are uncertain
+_PERIODS = 2.0  # in a frame of a spectrogram; a slower tone is not told from a steady pressure
 
 
 @ignoring_underflow
@@ -112,9 +115,10 @@ def third_octaves(
 ) -> Axes:
     """Draw third-octave levels as steps over the bands, 20 Hz to 20 kHz.
 
-    More than three curves are drawn as lines from band to band instead. A band is grey if the
-    record is too short for its level (B T < 5, uncertain by 2 dB or more). In the other bands up to
-    three curves have bars of their standard uncertainty.
+    More than three curves are drawn as lines from band to band instead. A band stands on grey
+    ground, with thin lines and hollow marks, if the record is too short for its level (B T < 5,
+    uncertain by 2 dB or more). In the other bands up to three curves have bars of their standard
+    uncertainty.
 
     Parameters
     ----------
@@ -126,9 +130,9 @@ def third_octaves(
         Duration T of the record; the shortest of several.
     errors : sequence of BandErrors or None
         Errors of the levels of each curve in dB, too loud is positive, and their standard
-        uncertainty, both by nominal frequency; None for a curve without. Up to three curves have a
-        diamond at the level less its error, and bands off by more than 1 dB are hatched in the
-        colour of the curve. Default: none.
+        uncertainty, both by nominal frequency; None for a curve without. Where the level of up to
+        three curves is off by more than 1 dB, a diamond stands at the level less its error.
+        Default: none.
     ordered : bool
         As in `spectrum`. Default: false.
 
@@ -159,9 +163,9 @@ def third_octaves(
             _draw_line(ax, label, level, first, look)
         of_curve = errors[number] if number < len(errors) else None
         if of_curve is not None and len(curves) <= FEW:
-            shown_db += _mark_errors(ax, label, number, level, BandErrors(*of_curve), look["color"])
+            shown_db += _mark_errors(ax, level, BandErrors(*of_curve), look["color"])
     if first > 0:
-        short = f"B T < {MIN_BT:g}: uncertain by 2 dB or more"
+        short = f"record too short: uncertain by 2 dB or more (B T < {MIN_BT:g})"
         ax.axvspan(EDGES_HZ[0], EDGES_HZ[first], color="0.93", zorder=0, label=short)
     _scale_axes(ax, shown_db, None)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
@@ -188,66 +192,64 @@ def _scale_axes(
 def _draw_steps(
     ax: Axes, label: str, level: Array, spread: Array, first: int, look: dict[str, Any]
 ) -> None:
-    """Draw a curve of third octaves as steps, grey below the first reliable band."""
+    """Draw a curve of third octaves as steps, thin below the first reliable band."""
     hidden = f"_{label}"  # which is not in the legend
-    if first > 0:
-        grey: dict[str, Any] = {"color": GREY, "label": hidden}
+    for bands, width in _thin_and_full(first, len(level)):
+        edges = EDGES_HZ[bands.start : bands.stop + 1]
         ax.stairs(
-            level[:first],
-            EDGES_HZ[: first + 1],
+            level[bands],
+            edges,
             baseline=None,
+            color=look["color"],
             linestyle=look["linestyle"],
-            linewidth=1.3,
-            **grey,
+            linewidth=width,
+            label=hidden,
         )
-        _draw_marks(ax, MID_HZ[:first], level[:first], look["marker"], face="white", **grey)
-    if first < len(level):
-        own: dict[str, Any] = {"color": look["color"], "label": hidden}
-        ax.stairs(
-            level[first:],
-            EDGES_HZ[first:],
-            baseline=None,
-            linestyle=look["linestyle"],
-            linewidth=1.3,
-            **own,
-        )
-        _draw_marks(ax, MID_HZ[first:], level[first:], look["marker"], face=look["color"], **own)
+    _draw_marks(ax, level, first, look, hidden)
     style.error_bars(ax, MID_HZ[first:], level[first:], spread[first:], look["color"])
     _name_curve(ax, label, look)
 
 
 def _draw_line(ax: Axes, label: str, level: Array, first: int, look: dict[str, Any]) -> None:
-    """Draw a curve of third octaves as a line, thin and grey below the first reliable band.
+    """Draw a curve of third octaves as a line, thin below the first reliable band.
 
     The steps of many curves would hide one another.
     """
     hidden = f"_{label}"  # which is not in the legend
-    dash = look["linestyle"]
-    if first > 0:
+    for bands, width in _thin_and_full(first, len(level)):
         ax.plot(
-            MID_HZ[:first], level[:first], color=GREY, linestyle=dash, linewidth=0.7, label=hidden
+            MID_HZ[bands],
+            level[bands],
+            color=look["color"],
+            linestyle=look["linestyle"],
+            linewidth=width,
+            label=hidden,
         )
-    if first < len(level):
-        own: dict[str, Any] = {"color": look["color"], "label": hidden}
-        ax.plot(MID_HZ[first:], level[first:], linestyle=dash, linewidth=1.3, **own)
-        _draw_marks(ax, MID_HZ[first:], level[first:], look["marker"], face=look["color"], **own)
+    _draw_marks(ax, level, first, look, hidden)
     _name_curve(ax, label, look)
 
 
-def _draw_marks(
-    ax: Axes, frequency: Array, level: Array, marker: str, *, color: str, face: str, label: str
-) -> None:
-    """Draw marks without a line."""
-    ax.plot(
-        frequency,
-        level,
-        marker=marker,
-        markersize=4,
-        markerfacecolor=face,
-        color=color,
-        linestyle="none",
-        label=label,
-    )
+def _thin_and_full(first: int, count: int) -> list[tuple[slice, float]]:
+    """Return the bands below and from the first reliable one with the widths of their lines."""
+    parts = [(slice(0, first), _THIN), (slice(first, count), _FULL)]
+    return [(bands, width) for bands, width in parts if bands.stop > bands.start]
+
+
+def _draw_marks(ax: Axes, level: Array, first: int, look: dict[str, Any], label: str) -> None:
+    """Draw marks without a line, hollow below the first reliable band."""
+    parts = [(slice(0, first), "white"), (slice(first, len(level)), look["color"])]
+    for bands, face in parts:
+        if bands.stop > bands.start:
+            ax.plot(
+                MID_HZ[bands],
+                level[bands],
+                marker=look["marker"],
+                markersize=4,
+                markerfacecolor=face,
+                color=look["color"],
+                linestyle="none",
+                label=label,
+            )
 
 
 def _name_curve(ax: Axes, label: str, look: dict[str, Any]) -> None:
@@ -255,54 +257,41 @@ def _name_curve(ax: Axes, label: str, look: dict[str, Any]) -> None:
     ax.plot([], [], label=label, markersize=4, **look)
 
 
-def _mark_errors(
-    ax: Axes, label: str, number: int, level: Array, errors: BandErrors, colour: str
-) -> list[float]:
-    """Draw diamonds at levels less their errors, and hatch the bands that are off by over 1 dB.
+def _mark_errors(ax: Axes, level: Array, errors: BandErrors, colour: str) -> list[float]:
+    """Draw diamonds at levels less their errors, in the bands that are off by over 1 dB.
 
     Returns these levels [dB].
     """
     error = _by_band(errors.error_db)
     spread = _by_band(errors.uncertainty_db)
-    known = np.isfinite(error) & np.isfinite(level)
-    corrected = (level - error)[known]
-    name = "level less its estimated error"
+    is_off = np.isfinite(level) & (np.abs(np.nan_to_num(error)) > OFF_DB)
+    if not is_off.any():
+        return []
+    corrected = (level - error)[is_off]
+    name = f"level less its estimated error, where that exceeds {OFF_DB:g} dB"
     if name in ax.get_legend_handles_labels()[1]:
         name = f"_{name}"
     ax.errorbar(
-        MID_HZ[known],
+        MID_HZ[is_off],
         corrected,
-        np.nan_to_num(spread[known]),
+        np.nan_to_num(spread[is_off]),
         label=name,
         color=colour,
         fmt="D",
         markersize=7,  # the curve's own mark shows inside
-        markeredgewidth=0.8,
+        markeredgewidth=0.9,
         markerfacecolor="none",
         elinewidth=0.7,
         zorder=1.8,
     )
-    for k, band in enumerate(np.flatnonzero(known & (np.abs(error) > OFF_DB))):
-        name = f"{label}: off by more than {OFF_DB:g} dB"
-        if k > 0:
-            name = f"_{name}"
-        ax.axvspan(
-            EDGES_HZ[band],
-            EDGES_HZ[band + 1],
-            label=name,
-            facecolor="none",
-            edgecolor=colour,
-            alpha=0.6,
-            hatch=_HATCHES[number],
-            linewidth=0.0,
-            zorder=0.5,
-        )
     return [float(level) for level in corrected]
 
 
 @ignoring_underflow
 def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limits) -> Axes:
-    """Draw a spectrogram as colours over time and frequency, light where there is silence.
+    """Draw a spectrogram as colours over time and frequency, grey where there is silence.
+
+    Rows below `lowest_resolved` are grey too, because a frame holds too few of their periods.
 
     Parameters
     ----------
@@ -332,10 +321,11 @@ def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limi
     first = (shown.time_s[0] - 0.5 * shown.hop_s) / second
     last = (shown.time_s[-1] + 0.5 * shown.hop_s) / second
     low, high = np.log10(shown.edges_hz[[0, -1]])
+    level_db = resolved_levels(shown)
     # Rows are equally wide on a logarithmic scale, so an image on a linear axis of logarithms shows
     # each value as a dot.
     image = ax.imshow(
-        shown.level_db,
+        level_db,
         cmap=matplotlib.colormaps["magma"].resampled(_SHADES).with_extremes(bad="0.85"),
         vmin=limits_db[0],
         vmax=limits_db[1],
@@ -344,7 +334,7 @@ def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limi
         extent=(first, last, low, high),
         aspect="auto",
     )
-    style.say_if_silent(ax, bool(np.isfinite(shown.level_db).any()))
+    style.say_if_silent(ax, bool(np.isfinite(level_db).any()))
     ax.set(xlim=(0.0, duration_s / second), ylim=(low, high))
     is_small = ax.bbox.height <= _SMALL_IN * ax.figure.dpi
     named = _THIRD_OF_OCTAVES if is_small else style.OCTAVES
@@ -354,3 +344,38 @@ def spectrogram(ax: Axes, shown: Spectrogram, duration_s: float, limits_db: Limi
     label = "density level [dB re (20 µPa)²/Hz]"
     ax.figure.colorbar(image, cax=beside, label=label, extend="both")
     return ax
+
+
+@ignoring_underflow
+def lowest_resolved(shown: Spectrogram) -> float:
+    """Return the lowest frequency [Hz] of a spectrogram: two periods in a frame.
+
+    Below it a Hann window does not tell a tone from a steady pressure.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import plots
+    >>> from acoustics.spectrum import spectrogram
+    >>> shown = spectrogram(np.random.default_rng(1).standard_normal(24000), 48000)
+    >>> round(plots.lowest_resolved(shown))
+    50
+    """
+    return _PERIODS / shown.frame_s
+
+
+@ignoring_underflow
+def resolved_levels(shown: Spectrogram) -> Array:
+    """Return the levels (rows, frames) of a spectrogram [dB], NaN below `lowest_resolved`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from acoustics import plots
+    >>> from acoustics.spectrum import spectrogram
+    >>> shown = spectrogram(np.random.default_rng(1).standard_normal(24000), 48000)
+    >>> bool(np.isnan(plots.resolved_levels(shown)[0]).all())
+    True
+    """
+    is_resolved = shown.edges_hz[:-1] >= lowest_resolved(shown) * (1.0 - 1e-9)
+    return np.where(is_resolved[:, np.newaxis], shown.level_db, np.nan)

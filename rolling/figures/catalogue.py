@@ -51,6 +51,10 @@ def _has_snapshot(run: Run) -> bool:
     return run.result.snapshot is not None
 
 
+def _has_ball_surface(run: Run) -> bool:
+    return run.scene.sphere.surface is not None
+
+
 def _has_events(run: Run) -> bool:
     return run.event_statistics is not None
 
@@ -120,6 +124,7 @@ SINGLE = {
     "wavelengths": FigureKind(origins.wavelengths, origins.wavelength_table, _has_wavelengths),
     "running_in": FigureKind(origins.running_in, origins.running_in_table, _has_passes),
     "surface": FigureKind(contact.surface),
+    "ball_surface": FigureKind(contact.ball_surface, is_shown=_has_ball_surface),
     "contact_pressure": FigureKind(
         contact.contact_pressure, is_shown=_has_snapshot, shares_scales=True
     ),

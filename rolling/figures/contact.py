@@ -1,14 +1,15 @@
-"""Figures of the contact of a run: heights of its surface, contact pressure, recovery events."""
+"""Figures of the contact of a run: heights of its surfaces, contact pressure, recovery events."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.colors import Colormap
+from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.ticker import EngFormatter
+from numpy.typing import NDArray
 
 from acoustics.arrays import Array, instance
 from acoustics.numbers import rounded
@@ -17,20 +18,32 @@ from acoustics.traps import ignoring_underflow
 from rolling.figures.picture import axes_of, finish, listed, number
 from rolling.marches.observers import Snapshot
 from rolling.results.run_result import Run
+from rolling.scene.laws import SurfaceFault
 from rolling.scene.scene import Scene
 from rolling.surface import scene_surface
+from rolling.surface.heights import fault_places
 
 SHOWN_M = 0.8e-3  # length of a track that a map shows, so that single asperities can be seen
+YIELDED = "#FFE945"  # colour of nodes at the hardness, which no pressure below it has
 _MAX_DOTS = 110_000  # points of a map of heights, which fit into a file of 150 kB
 _SHADES = 24  # colours of such a map: more shades make larger files and are hardly distinguishable
+_HIDDEN = 0.002  # of the heights at either end, which have no colour of their own
+_BELOW_YIELD = 0.75  # of the colours of pressures, the part that the colour of yielding stands off
+_AT_HARDNESS = 1.0 - 1e-6  # of the hardness, the pressure from which a node has yielded
 _ENERGIES_PER_DECADE = 5
 _SMALLEST_SHARE = 1e-6  # of the maximum energy; smaller energies are rounding of the solution
 _LEAST_UM = 1e-3  # end of a scale of heights; it hides the rounding of a smooth surface
 
 
+# ---- surfaces
+
+
 @ignoring_underflow
 def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
-    """Plot the heights at the beginning of the track as a map, with a colour bar.
+    """Plot the heights that the ball rolls over as a map, with a colour bar.
+
+    Heights of a plate and of a ball with a surface of its own are added up. The map shows the
+    beginning of the track, or the place of the first fault.
 
     Parameters
     ----------
@@ -42,44 +55,139 @@ def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     Returns
     -------
     ax : matplotlib.axes.Axes
-        Axes with heights, µm, over the first 0.8 mm of the plate, µm.
+        Axes with heights, µm, over 0.8 mm of the plate, µm.
 
     Examples
     --------
     >>> import rolling
     >>> ax = rolling.plot.surface(rolling.read_scene("quickstart"))
     """
+    scene, title = _scene_and_title(shown)
+    rolled = scene_surface.scene_surface(scene)
+    faults = [*(scene.surface.faults or ())]
+    name = "Surface"
+    facts = [_roughness_text(rolled.statistics.ra, rolled.statistics.rq)]
+    if scene.sphere.surface is not None:
+        faults += scene.sphere.surface.faults or ()
+        name = "Surface of plate and ball, added up"
+        if rolled.part_ra is not None:
+            of_plate, of_ball = (rounded(1e6 * ra, 3) for ra in rolled.part_ra)
+            facts = [f"{facts[0]} (plate Ra {of_plate} µm, ball Ra {of_ball} µm)"]
+    facts.append(f"{rounded(len(rolled.heights) * scene.spacing * 1e3, 4)} mm of track")
+    ax = axes_of(ax)
+    facts += _draw_surface(ax, rolled.heights, scene.spacing, faults)
+    return finish(ax, f"{name}: {title}", facts)
+
+
+@ignoring_underflow
+def ball_surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
+    """Plot the heights of a ball along its rolling line as a map, with a colour bar.
+
+    Parameters
+    ----------
+    shown : Run or Scene
+        Run or scene of a ball with a surface.
+    ax : matplotlib.axes.Axes
+        Axes to draw on. Default: new axes.
+
+    Returns
+    -------
+    ax : matplotlib.axes.Axes
+        Axes with heights, µm, over 0.8 mm of the circumference, µm.
+
+    Raises
+    ------
+    ValueError
+        The ball has no surface.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> ax = rolling.plot.ball_surface(rolling.read_scene("ball-with-pit"))
+    """
+    scene, title = _scene_and_title(shown)
+    ball = scene.sphere.surface
+    if ball is None:
+        raise ValueError(f"{title}: its ball has no surface")
+    heights, _ = scene_surface.ball_heights(scene, ball)
+    about_mean = heights - heights.mean()
+    ra = float(np.abs(about_mean).mean())
+    rq = float(np.sqrt(np.square(about_mean).mean()))
+    facts = [_roughness_text(ra, rq)]
+    facts.append(f"{rounded(len(heights) * scene.spacing * 1e3, 4)} mm around the ball")
+    ax = axes_of(ax)
+    facts += _draw_surface(ax, heights, scene.spacing, [*(ball.faults or ())])
+    ax.set_xlabel("around the ball [µm]")
+    return finish(ax, f"Surface of the ball: {title}", facts)
+
+
+def _scene_and_title(shown: Run | Scene) -> tuple[Scene, str]:
+    """Return the scene of a run or scene, and its title."""
     instance("shown", shown, Run, Scene)
     if isinstance(shown, Scene):
-        scene = shown
-        title = shown.name
+        return shown, shown.name
+    return shown.scene, shown.title
+
+
+def _roughness_text(ra: float, rq: float) -> str:
+    """Write roughness parameters [m] in µm."""
+    return f"Ra {rounded(1e6 * ra, 4)} µm, Rq {rounded(1e6 * rq, 4)} µm"
+
+
+def _draw_surface(
+    ax: Axes, heights: Array, spacing: float, faults: Sequence[SurfaceFault]
+) -> list[str]:
+    """Draw the heights about the first fault, or at the beginning, and return facts for a note."""
+    nodes = min(len(heights), max(2, round(SHOWN_M / spacing)))
+    first = 0
+    facts = []
+    if faults:
+        x = _place_of_fault(faults[0], heights, spacing)
+        first = int(np.clip(round(x / spacing) - nodes // 2, 0, len(heights) - nodes))
+        facts.append(_fault_text(faults, x))
+    stride = math.ceil(math.sqrt(nodes * heights.shape[1] / _MAX_DOTS))
+    heights_um = 1e6 * heights[first : first + nodes : stride, ::stride]
+    low, high = _LEAST_UM * np.array([-1.0, 1.0])
+    if faults:  # which are seen whole
+        low = min(low, float(heights_um.min()))
+        high = max(high, float(heights_um.max()))
     else:
-        scene = shown.scene
-        title = shown.title
-    plate = scene_surface.scene_surface(scene)
-    heights_um = plate.heights * 1e6
-    nodes = min(len(heights_um), max(2, round(SHOWN_M / scene.spacing)))
-    stride = math.ceil(math.sqrt(nodes * heights_um.shape[1] / _MAX_DOTS))
-    highest_um = max(float(np.abs(heights_um).max()), _LEAST_UM)
-    ax = axes_of(ax)
+        low = min(low, float(np.quantile(heights_um, _HIDDEN)))
+        high = max(high, float(np.quantile(heights_um, 1.0 - _HIDDEN)))
     _draw_map(
         ax,
-        heights_um[:nodes:stride, ::stride],
-        corner=(0.0, 0.0),
-        spacing=stride * scene.spacing,
-        limits=(-highest_um, highest_um),
+        heights_um,
+        corner=(first * spacing, 0.0),
+        spacing=stride * spacing,
+        limits=(low, high),
         label="height [µm]",
         colours=matplotlib.colormaps["cividis"].resampled(_SHADES),
+        extend="neither" if faults else "both",
     )
-    ra_um = rounded(1e6 * plate.statistics.ra, 4)
-    rq_um = rounded(1e6 * plate.statistics.rq, 4)
-    facts = [
-        f"Ra {ra_um} µm, Rq {rq_um} µm",
-        f"{rounded(len(heights_um) * scene.spacing * 1e3, 4)} mm of track",
-    ]
     if stride > 1:
         facts.append(f"every {stride} nodes")
-    return finish(ax, f"Surface: {title}", facts)
+    return facts
+
+
+def _place_of_fault(fault: SurfaceFault, heights: Array, spacing: float) -> float:
+    """Return the place [m] of a fault, or of the first of several, along a surface."""
+    length, width = spacing * np.array(heights.shape)
+    return float(fault_places(fault, length, width)[0, 0] % length)
+
+
+def _fault_text(faults: Sequence[SurfaceFault], x: float) -> str:
+    """Describe the first fault and its place [m] along the surface."""
+    fault = faults[0]
+    size = "high" if fault.kind in ("bump", "step") else "deep"
+    text = f"{fault.kind} of {fault.size_um:g} µm, {fault.depth_um:g} µm {size}"
+    text += f", at {rounded(1e3 * x, 4)} mm"
+    others = sum(other.count or 1 for other in faults) - 1
+    if others:
+        text += f", and {others} more"
+    return text
+
+
+# ---- contact
 
 
 @ignoring_underflow
@@ -98,7 +206,8 @@ def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()
     Returns
     -------
     ax : matplotlib.axes.Axes
-        Axes with pressure, GPa, over the plate, µm.
+        Axes with pressure, GPa, over the plate, µm. Nodes that have yielded, at the hardness, have
+        a colour of their own.
 
     Raises
     ------
@@ -116,31 +225,61 @@ def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()
         raise ValueError(f"{run.title}: has no snapshot, its first steps are not solved")
     pressures_gpa = []
     reaches_um = []
+    yields = False
     for other in listed(among) or [run]:
         if other.result.snapshot is not None:
-            pressures_gpa.append(float(other.result.snapshot.pressure.max()) * 1e-9)
+            highest = float(other.result.snapshot.pressure.max())
+            pressures_gpa.append(highest * 1e-9)
             reaches_um.append(_reach(other, other.result.snapshot) * 1e6)
+            yields = yields or highest >= _AT_HARDNESS * other.scene.hardness
+    limit_gpa = max(pressures_gpa)
+    colours = matplotlib.colormaps["magma"]
+    pressure_gpa = snapshot.pressure * 1e-9
+    if yields:
+        colours = yielding_colours()
+        # Each run may have a hardness of its own, so yielding is beyond the scale in all of them.
+        pressure_gpa = np.where(_has_yielded(run, snapshot), 2.0 * limit_gpa, pressure_gpa)
     ax = axes_of(ax)
     _draw_map(
         ax,
-        snapshot.pressure * 1e-9,
+        pressure_gpa,
         corner=(snapshot.along, snapshot.across),
         spacing=run.scene.spacing,
-        limits=(0.0, max(pressures_gpa)),
+        limits=(0.0, limit_gpa),
         label="pressure [GPa]",
-        colours="magma",
+        colours=colours,
+        extend="max" if yields else "neither",
     )
+    if yields:
+        hardness_gpa = rounded(run.scene.hardness * 1e-9, 4)
+        name = f"yielded: pressure at the hardness, {hardness_gpa} GPa"
+        ax.plot([], [], "s", color=YIELDED, markeredgecolor="0.4", label=name)
     reach_um = max(reaches_um)
     along_um, across_um = (1e6 * place for place in _sphere_position(run, snapshot))
     ax.set_xlim(along_um - reach_um, along_um + reach_um)
     ax.set_ylim(across_um - reach_um, across_um + reach_um)
     ax.set_facecolor("black")
-    facts = [f"load {rounded(run.scene.load, 6)} N", f"sphere at {rounded(along_um, 4)} µm"]
-    if np.isfinite(run.scene.hardness):
-        facts.append(f"hardness {rounded(run.scene.hardness * 1e-9, 4)} GPa")
+    facts = [f"load {rounded(run.scene.load, 6)} N", f"ball at {rounded(along_um, 4)} µm"]
+    if yields:
+        share = float(np.mean(_has_yielded(run, snapshot)[snapshot.pressure > 0]))
+        facts.append(f"{rounded(100 * share, 3)} % of the contact area has yielded")
+    elif np.isfinite(run.scene.hardness):
+        facts.append(f"nothing yields, hardness {rounded(run.scene.hardness * 1e-9, 4)} GPa")
     if len(reaches_um) > 1:
-        facts.append("same scales for all runs")
+        facts.append("all runs share the scales")
     return finish(ax, f"Contact pressure: {run.title}", facts)
+
+
+def yielding_colours() -> Colormap:
+    """Return colours of pressures below the hardness, and above them the colour of yielding."""
+    places = np.linspace(0.0, _BELOW_YIELD, 256)
+    colours = ListedColormap(matplotlib.colormaps["magma"](places))
+    return colours.with_extremes(over=YIELDED)
+
+
+def _has_yielded(run: Run, snapshot: Snapshot) -> NDArray[np.bool_]:
+    """Tell which nodes of a snapshot are at the hardness."""
+    return np.asarray(snapshot.pressure >= _AT_HARDNESS * run.scene.hardness)
 
 
 def _sphere_position(run: Run, snapshot: Snapshot) -> tuple[float, float]:
@@ -164,12 +303,13 @@ def _draw_map(
     spacing: float,
     limits: tuple[float, float],
     label: str,
-    colours: str | Colormap,
+    colours: Colormap,
+    extend: str,
 ) -> None:
     """Draw values (along, across) of nodes as a map with a colour bar.
 
     `corner` is the place of the first node [m], and `limits` are the values of the first and the
-    last colour.
+    last colour. Values beyond them are shown by `extend`, as in matplotlib.
     """
     low = np.array(corner) - spacing / 2
     high = low + np.array(values.shape) * spacing
@@ -177,7 +317,7 @@ def _draw_map(
     image = ax.imshow(values.T, colours, origin="lower", extent=extent, interpolation="none")
     image.set_clim(*limits)
     beside = ax.inset_axes((1.03, 0.0, 0.04, 1.0))  # as high as the map
-    ax.figure.colorbar(image, cax=beside, label=label)
+    ax.figure.colorbar(image, cax=beside, label=label, extend=extend)
     ax.set(xlabel="along the track [µm]", ylabel="across [µm]")
 
 

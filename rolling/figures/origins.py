@@ -12,7 +12,7 @@ from acoustics.modulation import envelope_spectrum
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, MARKERS
 from acoustics.traps import ignoring_underflow
-from rolling.figures.picture import axes_of, distance_text, duration_text, finish
+from rolling.figures.picture import axes_of, distance_text, duration_text, finish, level_of
 from rolling.results.run_result import Run
 from rolling.sound.wavelengths import FOLLOWS, MIN_SHARE
 
@@ -29,9 +29,9 @@ class PassQuantity(NamedTuple):
 
 
 _PASS_QUANTITIES = (
-    PassQuantity("laeq_db", "LAeq of the release", "dB(A)"),
     PassQuantity("vibration_estimate_laeq_db", "LAeq of the vibration, estimated", "dB(A)"),
-    PassQuantity("release_power_mean_w", "release", "µW", 1e6),
+    PassQuantity("laeq_db", "LAeq of the released power (q = 1, upper bound)", "dB(A)"),
+    PassQuantity("release_power_mean_w", "mean released power", "µW", 1e6),
     PassQuantity("depth_um", "maximum depth", "µm"),
 )
 
@@ -81,7 +81,8 @@ def wavelengths(run: Run, ax: Axes | None = None) -> Axes:
     ax.set_xticks([], minor=True)
     ax.set_xlabel("wavelength along the track, lower edge of the octave [µm]")
     ax.set_ylabel("part of the A-weighted energy [%]")
-    return finish(ax, f"Wavelengths: {run.title}", [reading(run)])
+    of = level_of([run])
+    return finish(ax, f"Waves that make the {of.name}: {run.title}", [reading(run)])
 
 
 def _draw_shares(ax: Axes, low: pd.Series, percent: pd.Series, *, alpha: float, label: str) -> None:
@@ -172,21 +173,20 @@ def modulation(run: Run, ax: Axes | None = None) -> Axes:
     turn_hz = run.summary["turn_hz"]
     ax = axes_of(ax)
     for multiple in range(1, MULTIPLES + 1):
-        name = "multiples of v/(2πR)" if multiple == 1 else None
+        name = "turns per second and its multiples" if multiple == 1 else None
         ax.axvline(multiple * turn_hz, color=COLOURS[1], linestyle=":", linewidth=1, label=name)
     ax.plot(table["frequency_hz"], table["modulation"], color=COLOURS[0], linewidth=1)
     ax.set(xlim=(0.0, (MULTIPLES + 0.5) * turn_hz), ylim=(0.0, None))
-    ax.set(xlabel="frequency of the modulation [Hz]", ylabel="modulation [-]")
+    ax.set(xlabel="frequency of the modulation [Hz]", ylabel="modulation of the envelope [-]")
+    of = level_of([run])
     facts = [
-        distance_text([run]),
-        duration_text([run]),
-        f"Hilbert envelope of {low_hz:.0f} to {high_hz:.0f} Hz,"
-        " the octave where turns stand out most",
-        f"its multiples have {rounded(run.summary['turn_prominence'])} times the floor under them;"
-        " noise has 1 to 3 times",
         f"{rounded(turn_hz, 4)} turns per second",
+        f"the marked lines have {rounded(run.summary['turn_prominence'])} times the floor under"
+        " them (noise: 1 to 3 times)",
+        f"envelope of the octave from {low_hz:.0f} to {high_hz:.0f} Hz, where turns stand out most",
+        duration_text([run]),
     ]
-    return finish(ax, f"Modulation: {run.title}", facts)
+    return finish(ax, f"Modulation of the {of.name} by the turns: {run.title}", facts)
 
 
 def modulation_table(run: Run) -> pd.DataFrame:
@@ -253,12 +253,12 @@ def running_in(run: Run, ax: Axes | None = None) -> Axes:
     if (table["plastic_work_j"] > 0).any():
         _draw_plastic_work(ax, table)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_xlabel("pass")
-    ax.set_ylabel("over pass 1 [dB]")
+    ax.set_xlabel("number of the pass")
+    ax.set_ylabel("change since pass 1 [dB]")
     facts = [
         distance_text([run]),
         duration_text([run]),
-        "10 lg of release and depth over pass 1",
+        "powers and depths as 10 lg of their ratio to pass 1",
     ]
     return finish(ax, f"Running-in: {run.title}", facts)
 

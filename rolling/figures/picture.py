@@ -23,15 +23,18 @@ from pandas import DataFrame
 from acoustics.arrays import instance
 from acoustics.numbers import rounded
 from acoustics.plot_style import gridded
+from acoustics.texts import printable
 from rolling.figures.settings import own_settings
+from rolling.results import labels
 from rolling.results.run_result import Run
-from rolling.results.runs_table import without_formulas
+from rolling.results.runs_table import SEED, without_formulas
 
 DPI = 110
 WIDTH_IN = 8.5
 HEIGHT_IN = 4.4
 MAX_NAMED = 24  # curves; a legend of more takes more room than they do
 _NAMED_SCENES = 4  # scenes named in a title; more scenes are counted
+_NAMED_VALUES = 4  # of a swept key in a title; more values are a range, or are counted
 _ROW_IN = 0.19  # height of a row in a legend
 _LETTERS_PER_IN = 12.0  # of a title on axes, in letters of normal size
 _FEWEST_LETTERS = 12  # of a line on narrow axes
@@ -121,7 +124,7 @@ def finish(ax: Axes, title: str, facts: Iterable[str]) -> Axes:
     note = "; ".join(facts)
     if len(names) > MAX_NAMED:
         note += f"; {len(names)} curves"
-    caption = Caption(title, note)
+    caption = Caption(title, note[:1].upper() + note[1:])
     set_caption(ax, caption)
     size = _Size.of(ax)
     _write_title(ax, caption, size)
@@ -210,13 +213,73 @@ def _broken(label: str, letters: int) -> str:
 
 
 def subject(runs: Sequence[Run]) -> str:
-    """Name the scenes of runs, or count the scenes if there are many; one run has its title."""
+    """Name the scenes of runs and what is varied; one run has its title."""
     if len(runs) == 1:
         return runs[0].title
     names = dict.fromkeys(run.scene.name for run in runs)
+    scenes = ", ".join(names)
     if len(names) > _NAMED_SCENES:
-        return f"{len(names)} scenes"
-    return ", ".join(names)
+        scenes = f"{len(names)} scenes"
+    return ", ".join([scenes, *varied(runs)])
+
+
+def varied(runs: Sequence[Run]) -> list[str]:
+    """Say which swept keys differ between runs, with their values: load 5 to 100 N."""
+    texts = []
+    for key in dict.fromkeys(name for run in runs for name in run.values):
+        values = [*dict.fromkeys(run.values[key] for run in runs if key in run.values)]
+        if len(values) > 1:
+            texts.append(_values_text(key, values))
+    return texts
+
+
+def _values_text(key: str, values: Sequence[Any]) -> str:
+    """Write the values of a swept key with its word and unit, many numbers as a range."""
+    word, unit = labels.named(key)
+    are_numbers = all(isinstance(value, int | float) for value in values)
+    if key == SEED:
+        return f"{len(values)} seeds"
+    if are_numbers and len(values) > _NAMED_VALUES:
+        shown = f"{min(values):g} to {max(values):g}"
+    elif len(values) > _NAMED_VALUES:
+        shown = f"{len(values)} values"
+    else:
+        names = [f"{value:g}" if are_numbers else printable(str(value)) for value in values]
+        shown = f"{', '.join(names[:-1])} and {names[-1]}"
+    return f"{word} {shown} {unit}".rstrip()
+
+
+class LevelOf(NamedTuple):
+    """The quantity that a level belongs to, and a sentence on what that quantity is."""
+
+    name: str
+    meaning: str
+
+
+VIBRATION = LevelOf("vibration", "vibration: what a listener would hear of ball and plate")
+RELEASED = LevelOf("released power", "upper bound: all released energy counts as sound (q = 1)")
+FIXED_GAIN = LevelOf("release under a fixed gain", "fixed gain: only differences have a meaning")
+MIXED = LevelOf("vibration or released power", "each level as its scene has it: not comparable")
+
+
+def level_of(runs: Sequence[Run]) -> LevelOf:
+    """Return what the levels of runs are levels of."""
+    quantities = {_level_of_run(run) for run in runs}
+    if len(quantities) > 1:
+        return MIXED
+    return quantities.pop()
+
+
+def _level_of_run(run: Run) -> LevelOf:
+    """Return what the levels of a run are levels of."""
+    if run.sound.source == "vibration":
+        return VIBRATION
+    if run.scene.sound.gain_pa_per_w_m2 is not None:
+        return FIXED_GAIN
+    q = run.scene.sound.q
+    if q != 1:
+        return LevelOf(RELEASED.name, f"the share q = {q:g} of the released energy counts as sound")
+    return RELEASED
 
 
 def common(word: str, values: Sequence[float], unit: str = "") -> str:
@@ -234,7 +297,7 @@ def number(value: float) -> str:
 
 def distance_text(runs: Sequence[Run]) -> str:
     """Write the distance of the listener [m]."""
-    text = common("at", [run.scene.listener_distance_m for run in runs], "m")
+    text = common("listener at", [run.scene.listener_distance_m for run in runs], "m")
     if any(run.scene.is_listener_placed for run in runs):
         text += " from the contact"
     return text
@@ -242,7 +305,7 @@ def distance_text(runs: Sequence[Run]) -> str:
 
 def duration_text(runs: Sequence[Run]) -> str:
     """Write the duration of the records [s]."""
-    return common("T =", [run.sound.duration for run in runs], "s")
+    return common("record of", [run.sound.duration for run in runs], "s")
 
 
 # ---- files
@@ -293,8 +356,8 @@ def _move_legend_below(figure: Figure, ax: Axes) -> int:
     if legend is None:
         return 0
     legend.remove()
-    handles, labels = ax.get_legend_handles_labels()
-    names = [drawable(label) for label in labels]
+    handles, texts = ax.get_legend_handles_labels()
+    names = [drawable(text) for text in texts]
     longest = max(len(name) for name in names)
     columns = max(1, int(WIDTH_IN / (0.8 + 0.07 * longest)))
     place: Any = "outside lower left"

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from acoustics import plots
 from acoustics.arrays import Array, instance
-from acoustics.bands import BAND_NAMES, MID_HZ
+from acoustics.bands import BAND_NAMES, MID_HZ, NOMINAL_HZ
 from acoustics.numbers import rounded
 from acoustics.plot_style import COLOURS, DENSE, Lines, envelope, unit_prefix
 from acoustics.radiation import P_REF_PA
@@ -38,7 +38,8 @@ def third_octaves(
 ) -> Axes:
     """Plot third-octave levels of runs with their standard uncertainty.
 
-    Up to three runs with an error estimate have a second mark at the level less its error.
+    Where the level of up to three runs is off by more than 1 dB by their error estimate, a second
+    mark stands at the level less its error.
 
     Parameters
     ----------
@@ -76,14 +77,19 @@ def third_octaves(
         errors=[_band_errors(run) for run in shown],
         ordered=_is_ordered(shown),
     )
-    facts = [picture.distance_text(shown), picture.duration_text(shown)]
+    of = picture.level_of(shown)
+    facts = [of.meaning, picture.distance_text(shown), picture.duration_text(shown)]
     if len(shown) <= plots.FEW and any(run.sound.levels.level_db is not None for run in shown):
-        facts.append("bars: standard uncertainty of Gaussian noise of that duration")
-    weighting = "Z"
-    if a_weighted:
-        weighting = "A"
-        ax.set_ylabel("A-weighted sound pressure level [dB re 20 µPa]")
-    return finish(ax, f"Third octaves, {weighting}-weighted: {subject(shown)}", facts)
+        facts.append("bars: ± standard uncertainty for noise of that length")
+    weighted = "A-weighted" if a_weighted else "without weighting"
+    ax.set_ylabel(f"{weighted_level(of, a_weighted)} [dB re 20 µPa]")
+    return finish(ax, f"Third octaves of the {of.name}, {weighted}: {subject(shown)}", facts)
+
+
+def weighted_level(of: picture.LevelOf, a_weighted: bool) -> str:
+    """Name a level by its weighting and quantity, for an axis."""
+    level = "A-weighted level" if a_weighted else "level"
+    return f"{level} of the {of.name}"
 
 
 def third_octaves_a(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
@@ -151,8 +157,6 @@ def spectrum(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
         title="A-weighted spectrum",
         ylabel="A-weighted line level [dB re 20 µPa]",
         facts=[
-            picture.distance_text(shown),
-            picture.duration_text(shown),
             picture.common("lines of", [1 / run.sound.duration for run in shown], "Hz"),
         ],
     )
@@ -192,10 +196,8 @@ def power_density(runs: Run | Iterable[Run], ax: Axes | None = None) -> Axes:
         title="Power spectral density",
         ylabel="density level [dB re (20 µPa)²/Hz]",
         facts=[
-            picture.distance_text(shown),
-            picture.duration_text(shown),
-            f"Welch, {densities[0].window.capitalize()}",
-            picture.common("ENBW", [density.enbw_hz for density in densities], "Hz"),
+            f"Welch's method, {densities[0].window.capitalize()} window",
+            picture.common("bandwidth", [density.enbw_hz for density in densities], "Hz"),
         ],
     )
 
@@ -223,9 +225,11 @@ def _spectrum(
     curves = [*zip(labels.labels(shown), spectra, strict=True)]
     plots.spectrum(ax, curves, ordered=_is_ordered(shown))
     ax.set_ylabel(ylabel)
+    of = picture.level_of(shown)
+    facts = [of.meaning, picture.distance_text(shown), picture.duration_text(shown), *facts]
     if plots.drawn_as_means(curves):
-        facts = [*facts, f"drawn bold: mean over 1/{plots.PER_OCTAVE} octave"]
-    return finish(ax, f"{title}: {subject(shown)}", facts)
+        facts.append(f"bold: mean over 1/{plots.PER_OCTAVE} octave")
+    return finish(ax, f"{title} of the {of.name}: {subject(shown)}", facts)
 
 
 # ---- a run over time
@@ -263,13 +267,15 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
     time, power = envelope(sound.time, sound.power)
     mean = sound.mean_power / watt
     margin = 0.05 * (high - low) * mean or 1.0
+    is_dense = len(time) > DENSE
     ax = axes_of(ax)
     ax.plot(
         time / second,
         power / watt,
         color=COLOURS[0],
-        linewidth=0.5 if len(time) > DENSE else 1.5,
-        label="release power",
+        linewidth=0.5 if is_dense else 1.5,
+        alpha=0.7 if is_dense else None,
+        label="released power",
     )
     ax.axhline(
         mean,
@@ -278,17 +284,15 @@ def release_power(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -
         label=f"mean {rounded(mean, 4)} {power_prefix}W",
     )
     ax.set(xlim=(0.0, sound.duration / second), ylim=(low * mean - margin, high * mean + margin))
-    ax.set(xlabel=f"time [{time_prefix}s]", ylabel=f"release power [{power_prefix}W]")
+    ax.set(xlabel=f"time [{time_prefix}s]", ylabel=f"released power [{power_prefix}W]")
     ax.ticklabel_format(useOffset=False)
-    facts = [picture.duration_text([run]), "q and distance are not in it"]
+    facts = ["energy that asperities give back per second, of which the fluctuation is sound"]
     if run.scene.dynamics is not None:
         moved = any(doubt["key"] == "moving_load_release" for doubt in run.summary["doubts"])
         facts.append("under the moving load" if moved else "under the constant load")
     if len(others) > 1:
-        facts.append(f"axis from {rounded(low, 3)} to {rounded(high, 3)} of the mean for all runs")
-    if len(time) < len(sound.time):
-        facts.append("minimum and maximum in each of 1,500 columns")
-    return finish(ax, f"Release power: {run.title}", facts)
+        facts.append("all runs share the axis, in parts of their means")
+    return finish(ax, f"Released power over time: {run.title}", facts)
 
 
 def _power_span(runs: Sequence[Run]) -> tuple[float, float]:
@@ -336,15 +340,16 @@ def spectrogram(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()) -> 
         extremes += _extremes(_spectrogram(other))
     limits = plots.level_limits(extremes)
     ax = plots.spectrogram(axes_of(ax), shown, run.sound.duration, limits)
+    of = picture.level_of([run])
+    frame_ms = rounded(shown.frame_s * 1e3, 3)
     facts = [
+        of.meaning,
         picture.distance_text([run]),
-        picture.duration_text([run]),
-        f"{shown.window.capitalize()} frames of {rounded(shown.frame_s * 1e3, 3)} ms"
-        f" every {rounded(shown.hop_s * 1e3, 3)} ms",
-        f"ENBW {picture.number(shown.enbw_hz)} Hz",
-        "rows of 1/12 octave",
+        f"frames of {frame_ms} ms ({shown.window.capitalize()}), rows of 1/12 octave",
+        f"grey: silent, or below {picture.number(plots.lowest_resolved(shown))} Hz (two periods in"
+        " a frame)",
     ]
-    return finish(ax, f"Spectrogram: {run.title}", facts)
+    return finish(ax, f"Spectrogram of the {of.name}: {run.title}", facts)
 
 
 # The colours of a spectrogram depend on all runs compared, so each is kept as long as its run.
@@ -363,7 +368,8 @@ def _spectrogram(run: Run) -> Spectrogram:
 
 def _extremes(shown: Spectrogram) -> list[float]:
     """Return the extreme levels [dB] without the lowest fiftieth, the gaps between peaks."""
-    known = shown.level_db[np.isfinite(shown.level_db)]
+    level_db = plots.resolved_levels(shown)
+    known = level_db[np.isfinite(level_db)]
     if not len(known):
         return []
     return [float(np.quantile(known, 0.02)), float(known.max())]
@@ -373,9 +379,10 @@ def _extremes(shown: Spectrogram) -> list[float]:
 
 
 def band_table(columns: Mapping[str, _Levels]) -> pd.DataFrame:
-    """Tabulate levels by band [dB] over nominal mid frequency [Hz]."""
+    """Tabulate levels by band [dB] over nominal and exact mid frequency [Hz]."""
     table = pd.DataFrame(columns, [*BAND_NAMES], dtype=float)
-    table.insert(0, "mid_frequency_hz", MID_HZ)
+    table.insert(0, "band_hz", NOMINAL_HZ)
+    table.insert(1, "mid_frequency_hz", MID_HZ)
     return table
 
 

@@ -1,5 +1,8 @@
 """Figures of the vibration of a run: sources, contact force, contact filter, mobilities."""
 
+import math
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -18,6 +21,7 @@ from rolling.sound.wavelengths import wavelength_bands
 from rolling.surface.scene_surface import scene_surface
 
 _COLUMNS = 1500  # of the force over time, in each of which minimum and maximum are drawn
+_BANDS_DB = 40.0  # below the strongest band of the vibration, the levels that are shown
 _FILTERED_DB = 40.0  # below the maximum of the surface's spectrum
 _LINE_STYLES = ("-", "--", "-.", ":")
 
@@ -75,10 +79,10 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
     """
     _vibration(run)
     labels = {
-        "vibration": "pressure of the vibration [dB re 20 µPa]",
-        "release": f"pressure of the release, q = {run.scene.sound.q:g} [dB re 20 µPa]",
-        "plate_power": "sound power of the plate [dB re 1 pW]",
-        "ball_power": "sound power of the sphere [dB re 1 pW]",
+        "vibration": "vibration, sound pressure level [dB re 20 µPa]",
+        "release": f"released power, {_share_text(run)} [dB re 20 µPa]",
+        "plate_power": "sound power level of the plate [dB re 1 pW]",
+        "ball_power": "sound power level of the ball [dB re 1 pW]",
     }
     names = source_names(run)
     unknown = dict.fromkeys(BAND_NAMES)
@@ -88,17 +92,34 @@ def sources(run: Run, ax: Axes | None = None) -> Axes:
         if any(levels.values()):
             curves.append((labels[name], levels, unknown))
     ax = third_octaves(axes_of(ax), curves, run.sound.duration)
-    ax.set_ylabel("level [dB]")
-    distance = f"at {number(run.scene.vibration_distance_m)} m"
+    _show_down_to(ax, run.summary["vibration_third_octave_db"])
+    ax.set_ylabel("level without weighting [dB]")
+    distance = f"listener at {number(run.scene.vibration_distance_m)} m"
     if run.scene.sound.listener_mm is not None:
         distance += " from the contact"
     if run.scene.plate.loss_factor is None:
-        losses = "no loss factor: no power above coincidence"
+        losses = "no loss factor, so no sound power above coincidence"
     else:
         losses = f"loss factor {run.scene.plate.loss_factor:g}"
-    facts = [distance, duration_text([run]), "one side of the plate", losses]
-    title = "Vibration and release" if "release" in names else "Vibration"
+    facts = [distance, duration_text([run]), "sound power of one side of the plate", losses]
+    title = "Vibration and sound powers"
+    if "release" in names:
+        title = "Vibration, released power and sound powers"
     return finish(ax, f"{title}: {run.title}", facts)
+
+
+def _show_down_to(ax: Axes, levels: Mapping[str, float | None]) -> None:
+    """Extend the axis of levels [dB] downwards, so that the strongest bands of a source show."""
+    known = [level for level in levels.values() if level is not None]
+    if known:
+        low, _ = ax.get_ylim()
+        ax.set_ylim(bottom=min(low, 10.0 * math.floor((max(known) - _BANDS_DB) / 10.0)))
+
+
+def _share_text(run: Run) -> str:
+    """Say which share of the released power counts as sound."""
+    q = run.scene.sound.q
+    return "q = 1, upper bound" if q == 1 else f"q = {q:g}"
 
 
 def source_table(run: Run) -> pd.DataFrame:
@@ -166,11 +187,14 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     ax.set_xlim(0.0, 1e3 * motion.time_step_s * len(ratio))
     facts = [
         f"load {vibration.load:g} N",
-        f"rms {rounded(vibration.rms_ratio, 3)},"
-        f" from {rounded(ratio.min(), 3)} to {rounded(ratio.max(), 3)}",
-        f"in flight {rounded(100 * motion.flight_share)} % of the time",
-        "1 impact" if motion.impacts == 1 else f"{motion.impacts} impacts",
+        f"fluctuation {rounded(vibration.rms_ratio, 3)} of the load (rms), "
+        f"from {rounded(ratio.min(), 3)} to {rounded(ratio.max(), 3)}",
     ]
+    if motion.flight_share > 0 or motion.impacts:
+        facts.append(f"in flight {rounded(100 * motion.flight_share)} % of the time")
+        facts.append("1 impact" if motion.impacts == 1 else f"{motion.impacts} impacts")
+    else:
+        facts.append("the ball never loses contact")
     return finish(ax, f"Contact force: {run.title}", facts)
 
 
@@ -222,19 +246,19 @@ def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
     radius_um = 1e6 * semi_axes(run.scene)[0]
     ax = axes_of(ax)
     labels = {
-        "surface_level_db": "surface, lines under the contact",
-        "approach_level_db": "approach under the load",
-        "contact_filter_db": "contact filter, their difference [dB]",
+        "surface_level_db": "heights of the surface under the contact",
+        "approach_level_db": "movement of the ball under its load (approach)",
+        "contact_filter_db": "contact filter: their difference",
     }
     _draw_columns(ax, table, labels)
-    ax.set(xlabel="wavelength [µm]", ylabel="level [dB]")
+    ax.set(xlabel="wavelength along the track [µm]", ylabel="level [dB re 1 µm], difference [dB]")
     ax.axvline(radius_um, color="0.4", linestyle=":", linewidth=1.0)
     ax.set_ylim(bottom=np.nanmin(table["approach_level_db"]) - 10)
     ax.invert_xaxis()
     facts = [
-        "third octaves, dB re 1 µm rms",
-        f"load {rounded(run.scene.load, 6)} N, constant",
-        f"dotted: Hertz radius {rounded(radius_um, 3)} µm",
+        "third octaves of wavelength, rms",
+        f"constant load of {rounded(run.scene.load, 6)} N",
+        f"dotted: radius of Hertz's contact, {rounded(radius_um, 3)} µm",
     ]
     return finish(ax, f"Contact filter: {run.title}", facts)
 
@@ -299,20 +323,23 @@ def mobilities(run: Run, ax: Axes | None = None) -> Axes:
     _draw_columns(
         ax,
         table,
-        {column: column.removesuffix("_s_kg").replace("_", " ") for column in table.columns[1:]},
+        {column: _body(column) for column in table.columns[1:]},
     )
-    ax.set(xlabel="frequency [Hz]", ylabel="magnitude of the mobility [s/kg]", yscale="log")
+    ax.set(xlabel="frequency [Hz]", ylabel="mobility: velocity per force [s/kg]", yscale="log")
     ax.axvline(chain.resonance_hz, color="0.4", linestyle=":", linewidth=1.0)
-    quality = "undamped" if np.isinf(chain.quality) else f"Q {rounded(chain.quality, 3)}"
+    quality = "undamped" if np.isinf(chain.quality) else f"Q = {rounded(chain.quality, 3)}"
     if run.scene.plate.thickness_mm is None:
         plate = "half-space at the resonance's damping"
     else:
         plate = f"infinite plate of {run.scene.plate.thickness_mm:g} mm"
-    facts = [
-        f"dotted: resonance of sphere and contact at {number(chain.resonance_hz)} Hz, {quality}",
-        plate,
-    ]
+    resonance = f"{number(chain.resonance_hz)} Hz, {quality}"
+    facts = [f"dotted: resonance of the ball on its contact at {resonance}", plate]
     return finish(ax, f"Mobilities: {run.title}", facts)
+
+
+def _body(column: str) -> str:
+    """Name the bodies of a column of mobilities."""
+    return column.removesuffix("_s_kg").replace("_", " ").replace("sphere", "ball")
 
 
 def mobility_table(run: Run) -> pd.DataFrame:

@@ -223,7 +223,7 @@ def add_faults(heights: Array, faults: Sequence[SurfaceFault], spacing: float) -
     along, across = heights.shape
     line = np.zeros(along)  # of faults that cross the whole surface
     for fault in faults:
-        for x, y in _places(fault, along * spacing, across * spacing):
+        for x, y in fault_places(fault, along * spacing, across * spacing):
             if fault.crosses:
                 line += _crossing(fault, np.arange(along) * spacing - x, along * spacing)
             else:
@@ -232,7 +232,7 @@ def add_faults(heights: Array, faults: Sequence[SurfaceFault], spacing: float) -
         heights += line[:, None]
 
 
-def _places(fault: SurfaceFault, length: float, width: float) -> Array:
+def fault_places(fault: SurfaceFault, length: float, width: float) -> Array:
     """Return the places (n, 2) [m] of a fault on a surface of some length and width [m]."""
     if fault.at_mm is not None:
         return np.array([fault.at_mm]) * 1e-3

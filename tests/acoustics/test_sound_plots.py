@@ -1,4 +1,4 @@
-"""A plot has units, limits and gaps, and is grey where a level is too uncertain."""
+"""A plot has units, limits and gaps, and marks levels that are too uncertain."""
 
 import io
 
@@ -62,7 +62,7 @@ def test_spectrum_mean_is_of_powers(ax):
     assert above.sum() > 30 and np.max(np.abs(level[above])) < 1.6
 
 
-def test_third_octaves_grey_where_bt_is_below_5(ax):
+def test_third_octaves_have_hollow_marks_on_grey_ground_where_bt_is_below_5(ax):
     levels = dict.fromkeys(BAND_NAMES, 40.0) | {"20": None, "20000": None}
     spread = dict(zip(BAND_NAMES, band_uncertainty_db(0.5).tolist(), strict=True))
     curves = [("5 N, Z", levels, spread), ("20 N, Z", dict.fromkeys(BAND_NAMES, 50.0), spread)]
@@ -77,19 +77,17 @@ def test_third_octaves_grey_where_bt_is_below_5(ax):
         and ticks[-3:] == ["12.5k", "16k", "20k"]
     )
     np.testing.assert_allclose(ax.get_xticks(), MID_HZ)
-    assert legend(ax) == ["5 N, Z", "20 N, Z", "B T < 5: uncertain by 2 dB or more"]
-    # 0.5 s: bands up to 40 Hz are grey, from 50 Hz on coloured.
-    grey = []
-    coloured = []
-    for line in (line for line in ax.get_lines() if len(line.get_xdata())):
-        red, green, blue = to_rgb(line.get_color())
-        (grey if red == green == blue else coloured).append(line.get_xdata())
-    # Two curves, each with two lines of caps of its error bars.
-    assert len(grey) == 2 and len(coloured) == 2 + 4
-    for x in grey:
-        np.testing.assert_allclose(x, MID_HZ[:4])
-    for x in coloured:
-        np.testing.assert_allclose(x, MID_HZ[4:])
+    assert legend(ax)[:2] == ["5 N, Z", "20 N, Z"] and "B T < 5" in legend(ax)[2]
+    # 0.5 s: bands up to 40 Hz have hollow marks, from 50 Hz on full ones, in the curve's colour.
+    marks = [line for line in ax.get_lines() if line.get_label().startswith("_")]
+    hollow = [line for line in marks if line.get_markerfacecolor() == "white"]
+    full = [line for line in marks if line.get_markerfacecolor() == line.get_color()]
+    full = [line for line in full if line.get_marker() in ("o", "s")]
+    assert len(hollow) == len(full) == 2
+    for below, above in zip(hollow, full, strict=True):
+        assert below.get_color() == above.get_color()
+        np.testing.assert_allclose(below.get_xdata(), MID_HZ[:4])
+        np.testing.assert_allclose(above.get_xdata(), MID_HZ[4:])
     (span,) = [patch for patch in ax.patches if "B T" in str(patch.get_label())]
     assert span.get_extents().transformed(ax.transData.inverted()).x1 == pytest.approx(EDGES_HZ[4])
 
@@ -181,25 +179,19 @@ def test_curves_with_an_order_go_from_dark_to_light(ax) -> None:
     assert [each.get_color() for each in two.get_lines()] == list(plots.COLOURS[:2])
 
 
-def test_third_octaves_mark_levels_less_their_errors_and_hatch_bands_that_are_off() -> None:
+def test_third_octaves_mark_levels_less_their_errors_where_they_are_off() -> None:
     levels = dict.fromkeys(BAND_NAMES, 50.0)
     spread = dict.fromkeys(BAND_NAMES, 0.5)
     errors = plots.BandErrors(dict.fromkeys(BAND_NAMES, 0.4) | {"8000": 2.0, "20": None}, spread)
     ax = plots.third_octaves(Figure().subplots(), [("a", levels, spread)], 10.0, errors=[errors])
-    (marks,) = [
-        line for line in ax.get_lines() if line.get_marker() == "D" and len(line.get_xdata()) > 1
-    ]
-    shown = dict(zip(BAND_NAMES[1:], marks.get_ydata(), strict=True))
-    assert shown["1000"] == pytest.approx(49.6) and shown["8000"] == pytest.approx(48.0)
-    hatched = [patch for patch in ax.patches if patch.get_hatch()]
-    assert len(hatched) == 1
-    assert hatched[0].get_x() == pytest.approx(EDGES_HZ[BAND_NAMES.index("8000")])
+    (diamonds,) = [line for line in ax.get_lines() if line.get_marker() == "D"]
+    assert diamonds.get_xdata() == pytest.approx([MID_HZ[BAND_NAMES.index("8000")]])
+    assert diamonds.get_ydata() == pytest.approx([48.0])
     plain = plots.third_octaves(Figure().subplots(), [("a", levels, spread)], 10.0, errors=[None])
     assert plain.get_ylim() == (45, 55)
-    assert not [patch for patch in plain.patches if patch.get_hatch()]
 
 
-def test_marks_show_inside_their_diamonds_and_hatches_name_their_curve() -> None:
+def test_marks_show_inside_their_diamonds_in_the_colour_of_their_curve() -> None:
     levels = dict.fromkeys(BAND_NAMES, 50.0)
     errors = plots.BandErrors(dict.fromkeys(BAND_NAMES, 1.5), dict.fromkeys(BAND_NAMES, 0.1))
     curves = [(label, levels, levels) for label in "ab"]
@@ -208,5 +200,16 @@ def test_marks_show_inside_their_diamonds_and_hatches_name_their_curve() -> None
     marks = [line for line in ax.get_lines() if line.get_marker() in ("o", "s")]
     assert all(line.get_markerfacecolor() == "none" for line in diamonds)
     assert min(x.get_zorder() for x in marks) > max(x.get_zorder() for x in diamonds)
-    assert {f"{x}: off by more than 1 dB" for x in "ab"} < {*ax.get_legend_handles_labels()[1]}
-    assert len({(x.get_hatch(), x.get_edgecolor()) for x in ax.patches if x.get_hatch()}) == 2
+    assert {x.get_color() for x in diamonds} == {x.get_color() for x in marks}
+
+
+def test_a_spectrogram_masks_what_its_frames_cannot_resolve(ax) -> None:
+    """Two periods in a frame of 2.4 ms are 833 Hz; above it the levels are unchanged."""
+    noise = np.random.default_rng(1).standard_normal(1440)
+    shown = spectrogram(noise, 48000.0)
+    plots.spectrogram(ax, shown, 0.03, (20.0, 90.0))
+    (image,) = ax.get_images()
+    drawn = np.ma.filled(image.get_array().astype(float), np.nan)
+    is_below = shown.edges_hz[:-1] < 2.0 / shown.frame_s
+    assert is_below.any() and np.isnan(drawn[is_below]).all()
+    np.testing.assert_array_equal(drawn[~is_below], shown.level_db[~is_below])

@@ -176,7 +176,7 @@ def test_a_steady_release_power_looks_steady_in_its_own_unit(scale, unit, three)
     """A ripple of 2e-8, the error of the solver, does not fill the axis."""
     run = sounding(three[0], scale * 2e-5 * (1.0 + 2e-8 * np.sin(np.arange(100))))
     ax = plot.release_power(run, Figure().subplots())
-    assert ax.get_ylabel() == f"release power [{unit}]" and ax.get_xlabel() == "time [ms]"
+    assert ax.get_ylabel().endswith(f"[{unit}]") and ax.get_xlabel() == "time [ms]"
     low, high = ax.get_ylim()
     assert scale == 0 or high / low > 1.02
 
@@ -195,6 +195,22 @@ def test_compared_runs_have_the_same_axes(three) -> None:
     assert np.ptp(maps[0].get_xlim()) == pytest.approx(np.ptp(maps[1].get_xlim()), rel=1e-12)
     alone = single("release_power", first).figure.axes[0]
     assert np.divide(*alone.get_ylim()) != pytest.approx(shares[0], rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("three", "of the released power"), ("flying", "of the vibration")],
+)
+def test_figures_of_levels_say_what_their_level_is(name: str, words: str) -> None:
+    runs = runs_of(name)
+    pictures = [*comparing_pictures(runs, ["third_octaves", "third_octaves_a", "spectrum"])]
+    pictures.append(single("spectrogram", runs[0], runs))
+    assert all(words in picture.figure.axes[0].get_label() for picture in pictures)
+
+
+def test_figures_that_compare_runs_say_what_is_varied(three) -> None:
+    for drawn in comparing_pictures(three):
+        assert "load 0.5, 1 and 2 N" in words(drawn), drawn.name
 
 
 def test_other_distances_are_named_as_a_range_and_other_scenes_by_name(three) -> None:
