@@ -129,13 +129,21 @@ def curve_style(number: int, count: int, ordered: bool = False) -> dict[str, Any
     }
 
 
-def error_bars(ax: Axes, x: Array, level_db: Array, uncertainty_db: Array, colour: str) -> None:
-    """Draw error bars of the standard uncertainty."""
+def error_bars(
+    ax: Axes,
+    x: Array,
+    level_db: Array,
+    uncertainty_db: Array,
+    colour: str,
+    label: str = "_nolegend_",
+) -> None:
+    """Draw error bars of the standard uncertainty; a label is the name of their curve."""
     ax.errorbar(
         x,
         level_db,
         uncertainty_db,
         fmt="none",
+        label=label,
         ecolor=colour,
         elinewidth=0.9,
         capsize=2.5,

@@ -165,7 +165,7 @@ def third_octaves(
         if of_curve is not None and len(curves) <= FEW:
             shown_db += _mark_errors(ax, level, BandErrors(*of_curve), look["color"])
     if first > 0:
-        short = f"record too short: uncertain by 2 dB or more (B T < {MIN_BT:g})"
+        short = f"uncertain by 2 dB or more (B T < {MIN_BT:g})"
         ax.axvspan(EDGES_HZ[0], EDGES_HZ[first], color="0.93", zorder=0, label=short)
     _scale_axes(ax, shown_db, None)
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
@@ -268,7 +268,7 @@ def _mark_errors(ax: Axes, level: Array, errors: BandErrors, colour: str) -> lis
     if not is_off.any():
         return []
     corrected = (level - error)[is_off]
-    name = f"level less its estimated error, where that exceeds {OFF_DB:g} dB"
+    name = f"less its estimated error (over {OFF_DB:g} dB)"
     if name in ax.get_legend_handles_labels()[1]:
         name = f"_{name}"
     ax.errorbar(

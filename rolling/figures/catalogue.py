@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from pandas import DataFrame
 
 from acoustics.traps import ignoring_underflow
-from rolling.figures import contact, origins, sound, sweep, vibration
+from rolling.figures import article, contact, levels, origins, sound, sweep, vibration
 from rolling.figures.picture import Picture, csv_bytes, listed, picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.results.run_result import Run
@@ -80,12 +80,14 @@ class FigureKind:
     table : callable of the same runs or run. None for a map.
     is_shown : callable of the same. Whether the runs have the figure.
     shares_scales : bool. Whether `draw` takes the runs `among` which a run is compared.
+    is_unasked : callable of the same. Whether the runs have it without a request, if fewer runs do.
     """
 
     draw: Callable[..., Axes]
     table: Callable[..., DataFrame] | None = None
     is_shown: Callable[[Any], bool] = _always
     shares_scales: bool = False
+    is_unasked: Callable[[Any], bool] = _always
 
     def picture(self, name: str, shown: Run | Sequence[Run], among: Sequence[Run] = ()) -> Picture:
         """Draw and tabulate the figure of runs, or of one run on the axes of all runs `among`."""
@@ -113,9 +115,15 @@ COMPARING = {
     "third_octaves": FigureKind(sound.third_octaves, sound.third_octave_table),
     "third_octaves_a": FigureKind(sound.third_octaves_a, sound.third_octave_a_table),
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
-    "levels": FigureKind(sweep.levels, sweep.level_table, _has_swept_key),
+    "levels": FigureKind(levels.levels, levels.level_table, _has_swept_key),
     "contact_areas": FigureKind(sweep.contact_areas, sweep.area_table, _has_swept_key),
     "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
+    "max_level_over_load": FigureKind(
+        article.max_level_over_load,
+        article.max_level_table,
+        article.has_loads,
+        is_unasked=article.has_loads_and_seeds,
+    ),
 }
 SINGLE = {
     "release_power": FigureKind(sound.release_power, sound.release_power_table, shares_scales=True),
@@ -140,7 +148,13 @@ SINGLE = {
     ),
     "mobilities": FigureKind(vibration.mobilities, vibration.mobility_table, _has_vibration),
 }
-ON_REQUEST = {"power_density": FigureKind(sound.power_density)}
+# A figure for all loads and seeds of each combination of the other swept values.
+BY_SURFACE = {
+    "spectra_over_load": FigureKind(
+        article.spectra_over_load, article.spectra_table, article.has_loads
+    ),
+}
+ON_REQUEST = {"power_density": FigureKind(sound.power_density)} | BY_SURFACE
 FIGURES = COMPARING | SINGLE | ON_REQUEST
 
 
@@ -148,7 +162,7 @@ def comparing_pictures(runs: Sequence[Run], names: Iterable[str] = ()) -> Iterat
     """Draw the figures that compare runs, a curve or mark for each run."""
     for name in names or COMPARING:
         kind = FIGURES[name]
-        if not kind.is_shown(runs):
+        if not kind.is_shown(runs) or not (names or kind.is_unasked(runs)):
             continue
         drawn = None
         with left_out_if_it_fails(name):
@@ -176,7 +190,10 @@ def single_picture(name: str, run: Run, among: Sequence[Run] = ()) -> Picture | 
 def write_figures(runs: Sequence[Run], folder: Path) -> list[Path]:
     """Write the figures that compare runs into `folder/figures` as PNG, and return their paths."""
     make_below(folder, folder / "figures")
-    names = [name for name, kind in COMPARING.items() if kind.is_shown(runs)]
+    names = []
+    for name, kind in COMPARING.items():
+        if kind.is_shown(runs) and kind.is_unasked(runs):
+            names.append(name)
     return plot_run(runs, names, out=folder / "figures")
 
 
@@ -248,9 +265,14 @@ class _Subject(NamedTuple):
 def _subjects(name: str, runs: Sequence[Run]) -> list[_Subject]:
     """Return all runs together for a figure that compares runs, otherwise each run that has it."""
     kind = FIGURES[name]
+    subjects = []
+    if name in BY_SURFACE and kind.is_shown(runs):
+        for label, of_surface in article.runs_by_surface(runs):
+            stem = f"{name}-{slug(label)}" if label else name
+            subjects.append(_Subject(of_surface, title=f"{name} of {label}", stem=stem))
+        return subjects
     if name not in SINGLE:
         return [_Subject(runs, title=name, stem=name)] if kind.is_shown(runs) else []
-    subjects = []
     for run in runs:
         if kind.is_shown(run):
             stem = name if len(runs) == 1 else f"{name}-{slug(run.label)}"

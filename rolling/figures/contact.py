@@ -28,7 +28,7 @@ YIELDED = "#FFE945"  # colour of nodes at the hardness, which no pressure below 
 _MAX_DOTS = 110_000  # points of a map of heights, which fit into a file of 150 kB
 _SHADES = 24  # colours of such a map: more shades make larger files and are hardly distinguishable
 _HIDDEN = 0.002  # of the heights at either end, which have no colour of their own
-_BELOW_YIELD = 0.75  # of the colours of pressures, the part that the colour of yielding stands off
+BELOW_YIELD = 0.75  # of the colours of pressures, the part that the colour of yielding stands off
 _AT_HARDNESS = 1.0 - 1e-6  # of the hardness, the pressure from which a node has yielded
 _ENERGIES_PER_DECADE = 5
 _SMALLEST_SHARE = 1e-6  # of the maximum energy; smaller energies are rounding of the solution
@@ -272,7 +272,7 @@ def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()
 
 def yielding_colours() -> Colormap:
     """Return colours of pressures below the hardness, and above them the colour of yielding."""
-    places = np.linspace(0.0, _BELOW_YIELD, 256)
+    places = np.linspace(0.0, BELOW_YIELD, 256)
     colours = ListedColormap(matplotlib.colormaps["magma"](places))
     return colours.with_extremes(over=YIELDED)
 

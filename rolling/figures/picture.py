@@ -26,8 +26,9 @@ from acoustics.plot_style import gridded
 from acoustics.texts import printable
 from rolling.figures.settings import own_settings
 from rolling.results import labels
+from rolling.results.labels import SEED
 from rolling.results.run_result import Run
-from rolling.results.runs_table import SEED, without_formulas
+from rolling.results.runs_table import without_formulas
 
 DPI = 110
 WIDTH_IN = 8.5
@@ -224,12 +225,14 @@ def subject(runs: Sequence[Run]) -> str:
 
 
 def varied(runs: Sequence[Run]) -> list[str]:
-    """Say which swept keys differ between runs, with their values: load 5 to 100 N."""
+    """Write the values of the swept keys of runs: load 5 to 100 N, Ra 0.1 µm."""
     texts = []
     for key in dict.fromkeys(name for run in runs for name in run.values):
         values = [*dict.fromkeys(run.values[key] for run in runs if key in run.values)]
         if len(values) > 1:
             texts.append(_values_text(key, values))
+        elif key != SEED:
+            texts.append(labels.worded(key, values[0]))
     return texts
 
 
@@ -406,4 +409,4 @@ def csv_bytes(table: DataFrame) -> bytes:
 
 def slug(label: str) -> str:
     """Write a label as part of a file's name."""
-    return re.sub(r"[^A-Za-z0-9.=-]+", "_", label).strip("_")
+    return re.sub(r"[^A-Za-z0-9.=-]+", "_", label.replace("µ", "u")).strip("_")

@@ -1,5 +1,6 @@
 """Figures of sweeps and of tables of runs: numbers against swept keys, and means over seeds."""
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,7 +13,7 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import NullLocator
 
 from acoustics.arrays import Array
-from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ
+from acoustics.bands import AUDIBLE_HZ, BAND_NAMES, MID_HZ, NOMINAL_HZ
 from acoustics.numbers import rounded
 from acoustics.plot_style import LINE_STYLES, band_ticks, curve_style, error_bars
 from acoustics.texts import printable
@@ -29,89 +30,57 @@ from rolling.terminal.files import write_bytes
 
 
 class Quantity(NamedTuple):
-    """The label of a column of runs.csv, and the column of its standard uncertainty if any."""
+    """The label of a column of runs.csv."""
 
     label: str
-    uncertainty: str | None = None
+
+
+class _Words(NamedTuple):
+    """The words and the unit of a column of runs.csv, and whether it is one of the source."""
+
+    text: str
+    unit: str
+    of_source: bool = False
 
 
 Quantities = Mapping[str, Quantity]  # by their columns of runs.csv
 SCENE = "scene"  # column of the scene's name beside the swept keys
 FEWEST_SEEDS = 3  # that have a spread worth drawing
-EVENT_LEVELS: Quantities = {
-    "lae_db": Quantity("LAE (re 1 s)", "lae_uncertainty_db"),
-    "laf_max_db": Quantity("LAFmax", "laf_max_uncertainty_db"),
-}
-LEVELS: Quantities = {
-    "laeq_db": Quantity("LAeq", "laeq_uncertainty_db"),
-    "level_db": Quantity("LZeq", "level_uncertainty_db"),
-    "vibration_laeq_db": Quantity("LAeq of the vibration"),
-    "release_laeq_db": Quantity("level of the release, A"),
-}
-# Levels of runs that are all heard by their release, which is an upper bound.
-RELEASE_EVENT_LEVELS: Quantities = {
-    "lae_db": Quantity("LAE (re 1 s) of the released power", "lae_uncertainty_db"),
-    "laf_max_db": Quantity("LAFmax of the released power", "laf_max_uncertainty_db"),
-}
-RELEASE_LEVELS: Quantities = {
-    **LEVELS,
-    "laeq_db": Quantity("released power, A", "laeq_uncertainty_db"),
-    "level_db": Quantity("released power, Z", "level_uncertainty_db"),
-}
 AREAS: Quantities = {
     "contact_area_mean_m2": Quantity("contact area"),
-    "plastic_area_mean_m2": Quantity("plastic area"),
+    "plastic_area_mean_m2": Quantity("plastic area, at the hardness"),
 }
+_WIDE_M2 = 1e-8  # area from which on areas are given in mm²
 _MAX_CURVES = 100  # more would hide one another
 _MAX_TICKS = 8  # of an axis that names all its numbers
 _MAX_CELLS = 100  # of a map whose numbers are written in it
+_WORDS = {
+    "laeq_db": _Words("LAeq", "dB(A)", of_source=True),
+    "level_db": _Words("LZeq", "dB", of_source=True),
+    "lae_db": _Words("LAE (re 1 s)", "dB(A)", of_source=True),
+    "laf_max_db": _Words("LAFmax", "dB(A)", of_source=True),
+    "las_max_db": _Words("LASmax", "dB(A)", of_source=True),
+    "lz_peak_db": _Words("LZpeak", "dB", of_source=True),
+    "steady_level_db": _Words("steady level of the released power", "dB re 1 pW/m²"),
+    "vibration_laeq_db": _Words("LAeq of the vibration", "dB(A)"),
+    "vibration_estimate_laeq_db": _Words("LAeq of the vibration, estimated", "dB(A)"),
+    "release_laeq_db": _Words("LAeq of the released power", "dB(A)"),
+    "contact_area_mean_m2": _Words("mean contact area", "m²"),
+    "plastic_area_mean_m2": _Words("mean plastic area", "m²"),
+    "plastic_ratio": _Words("plastic area over Hertz's area", "-"),
+    "max_pressure_pa": _Words("maximum pressure", "Pa"),
+    "release_power_mean_w": _Words("mean released power", "W"),
+    "release_power_rms_w": _Words("rms fluctuation of the released power", "W"),
+}
+_UNITS = {
+    "db": "dB", "hz": "Hz", "j": "J", "kg": "kg", "m": "m", "m2": "m²", "n": "N", "pa": "Pa",
+    "s": "s", "um": "µm", "w": "W",
+}  # fmt: skip
+_BAND_COLUMN = re.compile(r"third_octave_(?P<a>a_)?db_(?P<hz>[\d.]+)")
 _BANDS = [f"third_octave_a_db_{name}" for name in BAND_NAMES]
 
 
 # ---- figures of runs
-
-
-@ignoring_underflow
-def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) -> Axes:
-    """Plot LAeq and LZeq of runs against a number of their scenes, or LAE and LAFmax of events.
-
-    Runs with dynamics also have the LAeq of the vibration and of the release.
-
-    Parameters
-    ----------
-    runs : iterable of Run
-        Runs to plot, such as the runs of a sweep.
-    key : str
-        Dotted key of the scene, such as `rolling.load_n`. Default: the first swept key.
-    ax : matplotlib.axes.Axes
-        Axes to draw on. Default: new axes.
-
-    Returns
-    -------
-    ax : matplotlib.axes.Axes
-        Axes with levels, dB re 20 µPa, with their standard uncertainty.
-
-    Raises
-    ------
-    ValueError
-        A scene has no number at the key, or the runs have no swept key.
-
-    Examples
-    --------
-    >>> import rolling
-    >>> ax = rolling.plot.levels(runs, "rolling.load_n")
-    """
-    shown = compared(runs)
-    key = key or _some_swept_key(shown)
-    ax = axes_of(ax)
-    _draw_against_key(ax, shown, key, level_quantities(shown))
-    ax.set_ylabel("level [dB re 20 µPa]")
-    facts = [
-        picture.distance_text(shown),
-        picture.duration_text(shown),
-        "bars: standard uncertainty of that duration",
-    ]
-    return finish(ax, f"Levels against {x_quantity(ax)}: {subject(shown)}", facts)
 
 
 @ignoring_underflow
@@ -130,7 +99,7 @@ def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None =
     Returns
     -------
     ax : matplotlib.axes.Axes
-        Axes with areas, µm².
+        Axes with areas, µm² or mm².
 
     Raises
     ------
@@ -143,11 +112,16 @@ def contact_areas(runs: Iterable[Run], key: str | None = None, ax: Axes | None =
     >>> ax = rolling.plot.contact_areas(runs, "rolling.load_n")
     """
     shown = compared(runs)
-    key = key or _some_swept_key(shown)
+    key = key or some_swept_key(shown)
     ax = axes_of(ax)
-    _draw_against_key(ax, shown, key, AREAS, factor=1e12)
-    ax.set(ylabel="mean area [µm²]", ylim=(0.0, None))
-    facts = ["mean over the track", "dashed: plastic area"]
+    unit, factor = "µm²", 1e12
+    if max(run.summary["contact_area_mean_m2"] for run in shown) >= _WIDE_M2:
+        unit, factor = "mm²", 1e6
+    _draw_against_key(ax, shown, key, AREAS, factor)
+    ax.set(ylabel=f"mean area [{unit}]", ylim=(0.0, None))
+    facts = ["mean over the track", "plastic area: nodes at the hardness"]
+    if any(SEED in run.values for run in shown):
+        facts.append("means over seeds, bars: their standard deviation")
     return finish(ax, f"Contact areas against {x_quantity(ax)}: {subject(shown)}", facts)
 
 
@@ -173,22 +147,7 @@ def mean_third_octaves(runs: Iterable[Run], ax: Axes | None = None) -> Axes:
     >>> ax = rolling.plot.mean_third_octaves(runs)
     """
     shown = compared(runs)
-    return mean_bands(sweep_table(shown), _other_keys(shown, SEED), axes_of(ax), subject(shown))
-
-
-def level_quantities(runs: Sequence[Run]) -> Quantities:
-    """Return the levels that a sweep is compared by: LAE and LAFmax if all runs are events."""
-    sounding = [run for run in runs if run.summary["laeq_db"] is not None]
-    are_events = bool(sounding) and all(run.summary.get("single_event") for run in sounding)
-    are_releases = all(run.sound.source == "release" for run in runs)
-    if are_events:
-        return RELEASE_EVENT_LEVELS if are_releases else EVENT_LEVELS
-    return RELEASE_LEVELS if are_releases else LEVELS
-
-
-def level_table(runs: Sequence[Run]) -> pd.DataFrame:
-    """Tabulate swept values and levels of runs with their standard uncertainty."""
-    return _swept_table(runs, level_quantities(runs))
+    return mean_bands(sweep_table(shown), other_keys(shown, SEED), axes_of(ax), subject(shown))
 
 
 def area_table(runs: Sequence[Run]) -> pd.DataFrame:
@@ -197,17 +156,25 @@ def area_table(runs: Sequence[Run]) -> pd.DataFrame:
 
 
 def swept_key(runs: Sequence[Run]) -> str | None:
-    """Return the first swept key with several numbers if the swept values tell all runs apart."""
+    """Return the first swept key with several values if the swept values tell all runs apart.
+
+    A key with numbers comes before a key with names, and the seed is no key.
+    """
+    distinct = {(run.scene.name, *run.values.items()) for run in runs}
+    if len(distinct) != len(runs):
+        return None
+    names = list[str]()
     for key in runs[0].values:
         values = [run.values.get(key) for run in runs]
-        are_numbers = all(isinstance(value, int | float) for value in values)
-        if are_numbers and len(set(values)) > 1:
-            distinct = {(run.scene.name, *run.values.items()) for run in runs}
-            return key if len(distinct) == len(runs) else None
-    return None
+        if key == SEED or None in values or len(set(values)) == 1:
+            continue
+        if not any(isinstance(value, str) for value in values):
+            return key
+        names.append(key)
+    return names[0] if names else None
 
 
-def _some_swept_key(runs: Sequence[Run]) -> str:
+def some_swept_key(runs: Sequence[Run]) -> str:
     """Return the swept key of runs, or raise ValueError if there is none."""
     key = swept_key(runs)
     if key is None:
@@ -220,22 +187,21 @@ def has_seeds(runs: Sequence[Run]) -> bool:
     frame = sweep_table(runs)
     if frame[SCENE].nunique() > 1 or SEED not in frame:
         return False
-    seeds = [group[SEED].nunique() for _, group in groups_of(frame, _other_keys(runs, SEED))]
+    seeds = [group[SEED].nunique() for _, group in groups_of(frame, other_keys(runs, SEED))]
     return bool(min(seeds) >= FEWEST_SEEDS)
 
 
 def seed_table(runs: Sequence[Run]) -> pd.DataFrame:
     """Tabulate mean and standard deviation of third octaves of runs over their seeds [dB]."""
-    return mean_band_table(sweep_table(runs), _other_keys(runs, SEED))
+    return mean_band_table(sweep_table(runs), other_keys(runs, SEED))
 
 
 def _swept_table(runs: Sequence[Run], quantities: Quantities) -> pd.DataFrame:
-    """Tabulate swept values and numbers of runs with their standard uncertainty."""
+    """Tabulate swept values and numbers of runs."""
     frame = sweep_table(runs)
-    names: list[str | None] = ["run", SCENE]
+    names = ["run", SCENE]
     names += dict.fromkeys(key for run in runs for key in run.values)
-    for column, quantity in quantities.items():
-        names += [column, quantity.uncertainty]
+    names += quantities
     return frame[[name for name in names if name in frame]]
 
 
@@ -245,18 +211,19 @@ def sweep_table(runs: Sequence[Run]) -> pd.DataFrame:
 
 
 def _draw_against_key(
-    ax: Axes, runs: Sequence[Run], key: str, quantities: Quantities, factor: float = 1.0
+    ax: Axes, runs: Sequence[Run], key: str, quantities: Quantities, factor: float
 ) -> None:
     """Draw quantities of runs, times a factor, against a key of the scenes.
 
-    The runs of each combination of the other swept values have a curve.
+    The runs of each combination of the other swept values have a curve. Runs that differ in their
+    seed have their mean with its standard deviation.
     """
     frame = sweep_table(runs)
-    frame[key] = [_number_at(run.scene, key) for run in runs]
-    groups = [*groups_of(frame.sort_values(key), _other_keys(runs, key))]
+    frame[key] = values_at(runs, key)
+    places = places_of(frame[key])
+    others = [name for name in other_keys(runs, key) if name != SEED]
+    groups = [*groups_of(frame, others)]
     columns = [name for name in quantities if name in frame and frame[name].notna().any()]
-    if "vibration_laeq_db" in columns and frame["vibration_laeq_db"].equals(frame["laeq_db"]):
-        columns.remove("vibration_laeq_db")
     for k, (label, group) in enumerate(groups):
         for number, column in enumerate(columns):
             quantity = quantities[column]
@@ -266,16 +233,34 @@ def _draw_against_key(
             else:
                 style = curve_style(number, len(columns))
             style["linestyle"] = LINE_STYLES[number]
-            style["label"] = f"{label}, {quantity.label}" if label else quantity.label
-            values = factor * group[column].astype(float)
-            ax.plot(group[key], values, markersize=5, **style)
-            if quantity.uncertainty in frame:
-                spread = group[quantity.uncertainty].astype(float)
-                error_bars(ax, group[key], values, spread, style["color"])
-    _label_values(ax, key, _places_of(frame[key]))
+            if are_names(frame[key]):
+                style["linestyle"] = "none"
+            if number > 0:
+                style["markerfacecolor"] = "white"
+            name = f"{label}, {quantity.label}" if label else quantity.label
+            values = (factor * group[column].astype(float)).groupby(group[key])
+            mean = values.mean().reindex([*places])
+            deviation = values.std().reindex([*places])
+            x = np.array([*places.values()])
+            ax.plot(x, mean, markersize=6, label=name, **style)
+            error_bars(ax, x, mean, deviation, style["color"], label=f"_{name}")
+    label_values(ax, key, places)
 
 
-def _other_keys(runs: Sequence[Run], key: str) -> list[str]:
+def are_names(values: pd.Series) -> bool:
+    """Tell whether the values of a key are names, between which nothing lies."""
+    return any(isinstance(value, str) for value in values)
+
+
+def values_at(runs: Sequence[Run], key: str) -> list[Any]:
+    """Return the numbers of runs at a dotted key, or the names under which it is swept."""
+    names = [run.values.get(key) for run in runs]
+    if all(isinstance(name, str) for name in names):
+        return names
+    return [_number_at(run.scene, key) for run in runs]
+
+
+def other_keys(runs: Sequence[Run], key: str) -> list[str]:
     """Return the swept keys other than one, after the scene's name where scenes differ."""
     keys = dict.fromkeys(name for run in runs for name in run.values if name != key)
     if len({run.scene.name for run in runs}) > 1:
@@ -336,31 +321,35 @@ def number_against(
 ) -> Axes:
     """Plot the mean of a column of runs.csv against a swept key, a line per value of `curves`."""
     groups = [*groups_of(frame, curves)]
-    places = _places_of(frame[key])
+    places = places_of(frame[key])
     x = np.array([*places.values()])
     for k, (label, group) in enumerate(groups[:_MAX_CURVES]):
         style = curve_style(k, len(groups))
+        if are_names(frame[key]):
+            style["linestyle"] = "none"
         values = group[number].astype(float).groupby(group[key])
         mean = values.mean().reindex([*places])
         deviation = values.std().reindex([*places])
         ax.plot(x, mean, markersize=5, label=label or None, **style)
         error_bars(ax, x, mean, deviation, style["color"])
-    _label_values(ax, key, places)
-    ax.set_ylabel(number)
+    label_values(ax, key, places)
+    quantity = _quantity_of(number, frame)
+    ax.set_ylabel(quantity)
     facts = _facts_of_means(frame, [key, *curves], "bars", len(groups))
-    return finish(ax, f"{number} against {x_quantity(ax)}: {title}", facts)
+    return finish(ax, f"{_capital(quantity)} against {x_quantity(ax)}: {title}", facts)
 
 
 def number_map(
     frame: pd.DataFrame, number: str, keys: tuple[str, str], ax: Axes, title: str
 ) -> Axes:
     """Plot the mean of a column of runs.csv over two swept keys, along x and y, as a map."""
-    values_x, values_y = ([*_places_of(frame[key])] for key in keys)
+    values_x, values_y = ([*places_of(frame[key])] for key in keys)
     frame = frame.astype({number: float})
     table = frame.pivot_table(number, keys[1], keys[0], "mean", observed=True)
     means = table.reindex(values_y, columns=values_x).to_numpy(dtype=float)
     image = ax.imshow(means, origin="lower", aspect="auto", cmap="viridis")
-    ax.figure.colorbar(image, ax=ax, label=number)
+    quantity = _quantity_of(number, frame)
+    ax.figure.colorbar(image, ax=ax, label=quantity)
     ax.set_xlabel(_label_of(keys[0]))
     ax.set_ylabel(_label_of(keys[1]))
     _name_ticks(ax.xaxis, {value: place for place, value in enumerate(values_x)})
@@ -369,7 +358,40 @@ def number_map(
         _write_numbers(ax, means)
     quantities = " and ".join(labels.named(key)[0] for key in keys)
     facts = [f"{len(frame)} runs", "mean over all other keys"]
-    return finish(ax, f"{number} against {quantities}: {title}", facts)
+    return finish(ax, f"{_capital(quantity)} against {quantities}: {title}", facts)
+
+
+def _quantity_of(number: str, frame: pd.DataFrame) -> str:
+    """Return the words of a column of runs.csv with its unit; a level says what it belongs to."""
+    band = _BAND_COLUMN.fullmatch(number)
+    if band is not None:
+        weighting = "A-weighted " if band["a"] else ""
+        return f"{weighting}third octave at {band['hz']} Hz{_of_source(frame)} [dB]"
+    if number in _WORDS:
+        words = _WORDS[number]
+        of = _of_source(frame) if words.of_source else ""
+        return f"{words.text}{of} [{words.unit}]"
+    word, _, ending = number.rpartition("_")
+    if ending in _UNITS:
+        return f"{word.replace('_', ' ')} [{_UNITS[ending]}]"
+    return number.replace("_", " ")
+
+
+def _of_source(frame: pd.DataFrame) -> str:
+    """Say what the levels of a table are levels of."""
+    sources = {*frame["source"].dropna()} if "source" in frame else set()
+    if sources == {"vibration"}:
+        return " of the vibration"
+    if sources == {"release"}:
+        gain = frame["q"].isna().all() if "q" in frame else True
+        return " of the release under a fixed gain" if gain else " of the released power"
+    return ""
+
+
+def _capital(quantity: str) -> str:
+    """Return a quantity without its unit, with a capital."""
+    words = quantity.partition(" [")[0]
+    return words[:1].upper() + words[1:]
 
 
 def _write_numbers(ax: Axes, means: Array) -> None:
@@ -397,12 +419,13 @@ def mean_bands(frame: pd.DataFrame, curves: Sequence[str], ax: Axes, title: str)
             ax.fill_between(
                 MID_HZ, mean - deviation, mean + deviation, color=style["color"], alpha=0.18, lw=0
             )
-    ax.set(xscale="log", xlim=AUDIBLE_HZ, ylabel="A-weighted level [dB re 20 µPa]")
+    ax.set(xscale="log", xlim=AUDIBLE_HZ)
+    ax.set_ylabel(f"A-weighted level{_of_source(frame)} [dB re 20 µPa]")
     ax.set_xlabel("third octave, nominal mid frequency [Hz]")
     ax.minorticks_off()
     band_ticks(ax)
     facts = _facts_of_means(frame, curves, "shaded", len(groups))
-    return finish(ax, f"Mean third octaves: {title}", facts)
+    return finish(ax, f"Mean third octaves{_of_source(frame)}: {title}", facts)
 
 
 def mean_band_table(frame: pd.DataFrame, curves: Sequence[str]) -> pd.DataFrame:
@@ -412,6 +435,7 @@ def mean_band_table(frame: pd.DataFrame, curves: Sequence[str]) -> pd.DataFrame:
         levels_db = group.reindex(columns=_BANDS).astype(float)
         columns = {
             "curve": label,
+            "band_hz": NOMINAL_HZ,
             "mid_frequency_hz": MID_HZ,
             "mean_a_weighted_level_db": levels_db.mean().to_numpy(),
             "standard_deviation_db": levels_db.std().to_numpy(),
@@ -456,7 +480,7 @@ def _facts_of_means(
     return facts
 
 
-def _places_of(values: pd.Series) -> dict[Any, float]:
+def places_of(values: pd.Series) -> dict[Any, float]:
     """Return the values of a swept key with their places along an axis; names stand evenly."""
     distinct = [*dict.fromkeys(values)]
     if all(isinstance(value, int | float | np.number) for value in distinct):
@@ -464,14 +488,17 @@ def _places_of(values: pd.Series) -> dict[Any, float]:
     return {name: float(place) for place, name in enumerate(distinct)}
 
 
-def _label_values(ax: Axes, key: str, places: dict[Any, float]) -> None:
+def label_values(ax: Axes, key: str, places: dict[Any, float]) -> None:
     """Label the x axis by a swept key; values that are few, or that are names, have ticks."""
     ax.set_xlabel(_label_of(key))
     first = min(places.values())
     last = max(places.values())
     if first > 0.0 and last > 10.0 * first:
         ax.set_xscale("log")
-    if len(places) <= _MAX_TICKS or any(isinstance(value, str) for value in places):
+    has_names = any(isinstance(value, str) for value in places)
+    if has_names:
+        ax.set_xlim(first - 0.5, last + 0.5)
+    if has_names or len(places) <= _MAX_TICKS:
         _name_ticks(ax.xaxis, places)
 
 

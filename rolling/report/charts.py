@@ -256,8 +256,6 @@ def _bar(ax: Axes, bar: Rectangle) -> Part:
     ends = [left, left + bar.get_width(), low, low + bar.get_height()]
     kind = "bar" if all(_is_in_data(ax, bar)) else "span"
     part: Part = {"kind": kind, "ends": numbers(ends), "alpha": bar.get_alpha()}
-    if bar.get_hatch():
-        part["hatch"] = True
     return part
 
 
@@ -299,12 +297,21 @@ def _thinned(ax: Axes, x: Array, **series: Array) -> Part:
 
 
 def _image(image: AxesImage) -> Part:
-    """Return an image as a PNG with the colours of its palette, and label and limits of these."""
+    """Return an image as a PNG with the colours of its palette, and label and limits of these.
+
+    Values beyond the limits have a colour of their own at the end of the palette if the figure
+    gives them one: `over` tells that.
+    """
     values: Any = np.ma.masked_invalid(np.ma.asarray(image.get_array()))
-    count = min(image.cmap.N, 255)
+    count = min(image.cmap.N, 254)
     colours = image.cmap(np.linspace(0.0, 1.0, count), bytes=True)[:, :3]
-    empty = np.array(image.cmap(np.ma.masked, bytes=True))
     shade = np.clip(np.ma.filled(image.norm(values), 0.0) * count, 0, count - 1).astype(np.uint8)
+    over = image.cmap(np.array([2.0]), bytes=True)[:, :3]
+    has_over = not np.array_equal(over[0], colours[-1])
+    if has_over:
+        colours = np.vstack([colours, over])
+        shade[np.ma.filled(values, -np.inf) > image.get_clim()[1]] = count
+    empty = np.array(image.cmap(np.ma.masked, bytes=True))
     pixels = np.where(np.ma.getmaskarray(values), 0, 1 + shade).astype(np.uint8)
     if image.origin == "lower":
         pixels = pixels[::-1]
@@ -317,5 +324,6 @@ def _image(image: AxesImage) -> Part:
         "ends": numbers(image.get_extent()),
         "png": maps.png(pixels, palette, None if empty[3] else 0),
         "colours": [f"#{bytes(colour).hex()}" for colour in colours],
+        "over": has_over or None,
         "scale": scale,
     }

@@ -35,13 +35,14 @@ AUDIBLE_HZ = 100.0  # that common loudspeakers play
 MOSTLY = 0.5  # share of the sound that is still heard at the first choice
 
 
-def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
+def film_of(run: Run, max_gpa: float, ends_at_hardness: bool) -> dict[str, Any] | None:
     """Return the film of a run for the script of the page; None without a slow motion of it.
 
     Parameters
     ----------
     run : Run.
     max_gpa : float, GPa. Pressure of the last colour.
+    ends_at_hardness : bool. Whether that is the hardness, so that the last colour means yielding.
 
     Returns
     -------
@@ -66,7 +67,7 @@ def film_of(run: Run, max_gpa: float) -> dict[str, Any] | None:
     return {
         "sheets": [
             _ground_sheet(run, slow, centres),
-            _sheet(pressures, _dimmed(), veil, centres, cell_um),
+            _sheet(pressures, _dimmed(ends_at_hardness), veil, centres, cell_um),
             _sheet(glow(slow.release), LIT, bytes(range(256)), centres, cell_um),
         ],
         "size_um": [cells_along * cell_um, cells_across * cell_um],
@@ -115,9 +116,9 @@ def audible_shares(run: Run) -> dict[int, float]:
     return {rate: float(power[frequency > AUDIBLE_HZ * rate].sum()) / total for rate in RATES}
 
 
-def _dimmed() -> maps.Pixels:
+def _dimmed(ends_at_hardness: bool = False) -> maps.Pixels:
     """Return the colours of pressures above a surface."""
-    return np.asarray(np.rint(DIMMED * maps.palette()), dtype=np.uint8)
+    return np.asarray(np.rint(DIMMED * maps.palette(ends_at_hardness)), dtype=np.uint8)
 
 
 def glow(release: NDArray[np.uint16]) -> maps.Pixels:

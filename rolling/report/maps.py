@@ -8,12 +8,14 @@ from typing import Any, NamedTuple
 
 import matplotlib
 import numpy as np
+from matplotlib.colors import to_rgba
 from numpy.typing import NDArray
 from PIL import Image
 
 from acoustics.arrays import Array
 from acoustics.numbers import si
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.figures.contact import BELOW_YIELD, YIELDED
 from rolling.marches.observers import PressureMap
 from rolling.results.run_result import Run
 from rolling.scene.track import Motion
@@ -40,10 +42,18 @@ class Box(NamedTuple):
 # ---- pictures of many maps
 
 
-def palette() -> Pixels:
-    """Return colours (1 + SHADES, 3): no pressure first, then from the minimum to the maximum."""
-    colours = matplotlib.colormaps[COLOUR_MAP](np.linspace(FAINTEST, 1, SHADES))[:, :3]
-    return np.vstack([np.zeros(3), np.round(255 * colours)]).astype(np.uint8)
+def palette(ends_at_hardness: bool = False) -> Pixels:
+    """Return colours (1 + SHADES, 3): no pressure first, then from the minimum to the maximum.
+
+    Where they end at the hardness, the last colour is that of nodes that have yielded, which no
+    lower pressure is like.
+    """
+    if not ends_at_hardness:
+        shades = matplotlib.colormaps[COLOUR_MAP](np.linspace(FAINTEST, 1, SHADES))
+    else:
+        shades = matplotlib.colormaps[COLOUR_MAP](np.linspace(FAINTEST, BELOW_YIELD, SHADES))
+        shades[-1] = to_rgba(YIELDED)
+    return np.vstack([np.zeros(3), np.round(255 * shades[:, :3])]).astype(np.uint8)
 
 
 def shades(pressure: NDArray[Any], maximum: float) -> Pixels:
@@ -97,8 +107,8 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
     """Return the scales of length and colour that the maps of all runs share; None without maps.
 
     The keys are half_um (half the side of the square shown), max_gpa (pressure of the last colour),
-    hardness (whether that is the hardness) and colours (of CSS). Colours end at the hardness only
-    where pressures come near it; otherwise all of them would be dark.
+    hardness (whether that is the hardness), colours below it and `yielded` (of CSS). Colours end at
+    the hardness only where pressures come near it; otherwise all of them would be dark.
     """
     mapped = [run for run in runs if run.result.maps]
     if not mapped:
@@ -126,11 +136,18 @@ def map_scale(runs: Sequence[Run]) -> dict[str, Any] | None:
         "half_um": 1.05 * max(reaches_um),
         "max_gpa": 1e-9 * last_colour,
         "hardness": ends_at_hardness,
-        "colours": [f"rgb({red},{green},{blue})" for red, green, blue in palette()[1::2]],
+        "colours": [_css(colour) for colour in palette(ends_at_hardness)[1:-1:2]],
+        "yielded": YIELDED,
     }
 
 
-def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
+def _css(colour: Pixels) -> str:
+    """Write a colour for a style sheet."""
+    red, green, blue = colour
+    return f"rgb({red},{green},{blue})"
+
+
+def run_maps(run: Run, max_gpa: float, ends_at_hardness: bool) -> dict[str, Any] | None:
     """Return the maps of a run with their times [s], places [um] and numbers; None without maps.
 
     A map is shown from `begins` on, in the `order` of its index. Where `instead` has a sentence, it
@@ -153,7 +170,7 @@ def run_maps(run: Run, max_gpa: float) -> dict[str, Any] | None:
         motion=run.scene.motion,
     )
     boxes = [_box(shown, run) for shown in maps]
-    sheet = packed(pictures, palette(), 0)
+    sheet = packed(pictures, palette(ends_at_hardness), 0)
     sheet["boxes"] = [rounded_box(*box) for box in boxes]
     places_mm = [float(f"{shown.distance * 1e3:.6g}") for shown in maps]
     return {

@@ -31,6 +31,7 @@ LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the 
 MAX_RUNS = defaults.MAX_RUNS_ON_PAGE
 MAX_BESIDE = 3  # runs whose own pictures stand below each other
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
+SURFACES = ("surface", "ball_surface")
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
 
 
@@ -161,7 +162,7 @@ def _views(runs: Sequence[Run]) -> list[RunView]:
 
 def _pictures(run: Run, number: int, runs: Sequence[Run]) -> dict[str, Chart]:
     """Return the charts of a run by their names, but those that the page shows otherwise."""
-    left_out = {"surface"}  # which the page has once for all its runs
+    left_out = {*SURFACES}  # which the page has once for all its runs
     if run.result.maps:
         left_out.add("contact_pressure")  # the page has maps that move
     if run.scene.rolling.drop_mm is not None:
@@ -189,9 +190,9 @@ def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
     run = view.run
     run_maps = slow_motion = None
     if scale is not None:
-        run_maps = maps.run_maps(run, scale["max_gpa"])
+        run_maps = maps.run_maps(run, scale["max_gpa"], scale["hardness"])
         with left_out_if_it_fails(f"of the slow motion of {run.label}"):
-            slow_motion = film.film_of(run, scale["max_gpa"])
+            slow_motion = film.film_of(run, scale["max_gpa"], scale["hardness"])
     return {
         "label": view.label,
         "lap": view.lap,
@@ -282,18 +283,19 @@ def _surfaces(runs: Sequence[Run]) -> list[dict[str, Any]]:
     surfaces = []
     for members in groups.values():
         first = members[0]
-        picture = single_picture("surface", first)
-        exhibit = None
-        with left_out_if_it_fails(f"surface of {first.label}"):
-            if picture is not None:
-                exhibit = _exhibit(picture)
+        exhibits = []
+        for name in SURFACES:
+            picture = single_picture(name, first)
+            with left_out_if_it_fails(f"{name} of {first.label}"):
+                if picture is not None:
+                    exhibits.append(_exhibit(picture))
         surface = {
             "labels": [run.label for run in members],
             "numbers": [number for number, run in enumerate(runs) if run in members],
             "words": assumed.surface_words(first.scene),
             "statistics": first.summary["surface"],
             "parts": run_lines.surface_parts(first.summary),
-            "picture": exhibit,
+            "pictures": exhibits,
         }
         surfaces.append(surface)
     return surfaces

@@ -24,6 +24,7 @@ from acoustics.arrays import Array
 from acoustics.bands import (
     BAND_NAMES,
     EDGES_HZ,
+    MID_HZ,
     NOMINAL_HZ,
     band_uncertainty_db,
     third_octave_mean_square,
@@ -244,6 +245,7 @@ def compare(
         {
             "quantity": [*bands, "LAeq", *["modulation"] * len(MODULATION_HZ)],
             "frequency_hz": [*NOMINAL_HZ, math.nan, *MODULATION_HZ],
+            "mid_frequency_hz": [*MID_HZ, math.nan, *MODULATION_HZ],
             "run_db": run_db,
             "run_uncertainty_db": run_uncertainty_db,
             "recording_db": recording_db,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from acoustics.bands import BAND_NAMES
+from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.texts import cell
 from rolling.results import verdict
 from rolling.results.answer import released_power, uncertain, vibration
@@ -140,6 +140,8 @@ def seed_statistics(table: pd.DataFrame, over: str = SEED) -> pd.DataFrame:
     names = statistics["level"].str.extract(r"^(third_octave(?:_a)?_db)_(.+)$")
     statistics["level"] = names[0].fillna(statistics["level"])
     statistics.insert(len(keys or ["all"]) + 1, "band_hz", names[1])
+    exact_hz = dict(zip(BAND_NAMES, MID_HZ, strict=True))
+    statistics.insert(len(keys or ["all"]) + 2, "mid_frequency_hz", names[1].map(exact_hz))
     statistics = statistics[statistics["runs"] > 0].astype({"runs": int})
     return statistics if keys else statistics.drop(columns="all")
 

@@ -17,7 +17,8 @@ from matplotlib.image import imread
 from report_runs import runs_of, single
 
 from acoustics import plots
-from acoustics.bands import BAND_NAMES
+from acoustics.bands import BAND_NAMES, MID_HZ
+from acoustics.spectrum import article_line_level_db
 from rolling import plot
 from rolling.figures import plot_run, write_figures, write_number_figures
 from rolling.figures.catalogue import comparing_pictures
@@ -26,6 +27,7 @@ from rolling.figures.settings import PictureWarning
 from rolling.report.page import page
 from rolling.results import runs_table
 from rolling.results.run_result import Run
+from rolling.scene.file import read_scene
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import contact_sound
 
@@ -118,12 +120,106 @@ def test_shares_of_recovery_events_add_up_to_one() -> None:
 
 def test_levels_and_areas_against_the_load_are_the_numbers_of_the_runs(three) -> None:
     ax = plot.levels(three, "rolling.load_n", Figure().subplots())
-    laeq = ax.get_lines()[0]
-    assert laeq.get_xdata().tolist() == [0.5, 1, 2]
-    assert laeq.get_ydata() == pytest.approx([run.summary["laeq_db"] for run in three])
+    (right,) = [other for other in ax.figure.axes if other is not ax]
+    for side, key in ((ax, "vibration_estimate_laeq_db"), (right, "laeq_db")):
+        line = side.get_lines()[0]
+        assert line.get_xdata().tolist() == [0.5, 1, 2]
+        assert line.get_ydata() == pytest.approx([run.summary[key] for run in three])
+    assert np.ptp(ax.get_ylim()) == pytest.approx(np.ptp(right.get_ylim()))  # decibels per length
     area = plot.contact_areas(three, None, Figure().subplots()).get_lines()[0].get_ydata()
     mean = [run.series["contact_area"][:-1].mean() * 1e12 for run in three]
     assert area == pytest.approx(mean, rel=0.01)  # the summary weights the ends of the track
+
+
+def test_vibration_stands_before_released_power_in_a_sweep(three) -> None:
+    """Each keeps to its half of the axes, and the table names both with their uncertainty."""
+    ax = plot.levels(three, "rolling.load_n", Figure().subplots())
+    label = ax.get_label()
+    assert label.index("ibration") < label.index("released power")
+    assert "vibration" in ax.get_ylabel() and "vibration" in ax.get_legend_handles_labels()[1][0]
+    (drawn,) = comparing_pictures(three, ["levels"])
+    columns = [*table_of(drawn)]
+    assert columns.index("vibration_db") < columns.index("released_power_db")
+    assert {"vibration_uncertainty_db", "released_power_uncertainty_db"} < {*columns}
+
+
+def test_nothing_joins_two_names_and_lines_join_numbers(tmp_path) -> None:
+    runs = runs_of("seeds")
+    named = [
+        replace(run, values={"surface": f"plate {run.values['surface.seed']}"}) for run in runs
+    ]
+    for draw in (plot.levels, plot.contact_areas):
+        ax = draw(named[:3], "surface", Figure().subplots())
+        drawn = [line for each in ax.figure.axes for line in each.get_lines()]
+        data = [line for line in drawn if len(line.get_xdata()) == 3 and line.get_label()[0] != "_"]
+        assert data and {line.get_linestyle() for line in data} == {"None"}
+        assert [text.get_text() for text in ax.get_xticklabels()] == [
+            "plate 1",
+            "plate 2",
+            "plate 3",
+        ]
+    ax = plot.levels(runs, "rolling.load_n", Figure().subplots())
+    assert ax.get_lines()[0].get_linestyle() == "-"
+
+
+def test_figures_8_and_9_of_the_article_are_drawn_from_a_sweep_over_loads_and_seeds(
+    tmp_path,
+) -> None:
+    """Mean and standard deviation of the maximum line are those of the lines of the runs."""
+    runs = runs_of("seeds")
+    (drawn,) = comparing_pictures(runs, ["max_level_over_load"])
+    table = table_of(drawn)
+    maxima = []
+    for run in runs[:3]:
+        rate_hz = len(run.release_power) / run.sound.duration
+        frequency_hz, level_db = article_line_level_db(run.release_power, rate_hz, 1.0)
+        maxima.append(level_db[(frequency_hz > 17.8) & (frequency_hz < 22387)].max())
+    assert table["rolling.load_n"].tolist() == [0.1, 0.2] and table["seeds"].tolist() == [3, 3]
+    assert table["maximum_db"][0] == pytest.approx(np.mean(maxima))
+    assert table["standard_deviation_db"][0] == pytest.approx(np.std(maxima, ddof=1))
+    paths = plot_run(runs, ["max_level_over_load", "spectra_over_load"], out=tmp_path)
+    assert [path.name for path in paths] == ["max_level_over_load.png", "spectra_over_load.png"]
+    assert "max_level_over_load" in {picture.name for picture in comparing_pictures(runs)}
+    # Without seeds it is drawn on request only.
+    assert "max_level_over_load" not in {x.name for x in comparing_pictures(runs_of("three"))}
+    assert plot_run(runs_of("three"), ["max_level_over_load"], out=tmp_path)
+
+
+def test_tables_of_third_octaves_hold_the_nominal_beside_the_exact_frequency() -> None:
+    three = runs_of("three")
+    pictures = [*comparing_pictures(three, ["third_octaves", "third_octaves_a"])]
+    pictures += [single("sources", runs_of("flying")[0])]
+    pictures += [*comparing_pictures(runs_of("seeds"), ["mean_third_octaves"])]
+    for drawn in pictures:
+        table = table_of(drawn)
+        assert table["band_hz"][:3].tolist() == [20, 25, 31.5], drawn.name
+        exact = table["mid_frequency_hz"]
+        assert exact[:31] == pytest.approx(MID_HZ, rel=1e-8)
+
+
+def test_yielded_nodes_have_a_colour_of_their_own(three) -> None:
+    """Those at the hardness lie beyond the scale, all others within it."""
+    ax = plot.contact_pressure(three[2], Figure().subplots())
+    (image,) = ax.get_images()
+    pressure = three[2].result.snapshot.pressure.T
+    has_yielded = pressure >= three[2].scene.hardness * (1 - 1e-6)
+    assert has_yielded.any()
+    np.testing.assert_array_equal(image.get_array() > image.get_clim()[1], has_yielded)
+    assert any("yielded" in name for name in ax.get_legend_handles_labels()[1])
+
+
+def test_the_surface_is_shown_at_its_fault_and_the_ball_has_a_surface_of_its_own() -> None:
+    scene = read_scene("ball-with-pit")
+    fault = scene.sphere.surface.faults[0]
+    for draw in (plot.surface, plot.ball_surface):
+        ax = draw(scene, Figure().subplots())
+        left, right = ax.get_xlim()
+        assert left < 1e3 * fault.at_mm[0] < right
+        (image,) = ax.get_images()
+        assert image.get_array().min() == pytest.approx(-fault.depth_um, rel=0.1)
+        assert image.get_clim()[0] <= image.get_array().min()
+    with pytest.raises(ValueError, match="no surface"):
+        plot.ball_surface(read_scene("quickstart"))
 
 
 def test_seeds_have_their_mean_and_standard_deviation() -> None:

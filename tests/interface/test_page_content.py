@@ -125,11 +125,11 @@ def image_of(uri: str) -> np.ndarray:
 def test_the_sheet_of_maps_holds_every_pressure_at_its_place() -> None:
     """Another reader decodes each pressure as its shade and no pressure as transparent."""
     (run,) = runs_of("lap")
-    shown = maps.run_maps(run, 2.1)
+    shown = maps.run_maps(run, 2.1, ends_at_hardness=True)
     assert shown is not None
     (sheet,) = shown["sheets"]
     seen = image_of(sheet["png"])
-    palette = maps.palette()
+    palette = maps.palette(ends_at_hardness=True)
     stored = [run.result.maps[position] for position in sorted(run.result.maps)]
     for own, tile, box in zip(stored, sheet["tiles"], sheet["boxes"], strict=True):
         left, top, width, height = tile

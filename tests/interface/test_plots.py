@@ -33,7 +33,7 @@ from rolling.figures.topography import topography
 from rolling.report import film
 from rolling.report.charts import chart_of
 from rolling.results.run_result import Run
-from rolling.scene.file import loads
+from rolling.scene.file import loads, read_scene
 from rolling.surface.parameters import parameters
 
 
@@ -60,7 +60,9 @@ def drawing(name: str) -> Callable[[Axes], Axes]:
     function = getattr(plot, name)
     if name in ("levels", "contact_areas"):
         return lambda ax: function(runs, "rolling.load_n", ax=ax)
-    if name == "mean_third_octaves":
+    if name == "ball_surface":
+        return lambda ax: function(read_scene("ball-with-pit"), ax=ax)
+    if name in ("mean_third_octaves", "max_level_over_load", "spectra_over_load"):
         return lambda ax: function(runs, ax=ax)
     run = runs[0]
     if name == "modulation":
@@ -241,7 +243,7 @@ from scene_text import TINY
 variables, place = dict(os.environ), os.getcwd()
 from rolling import plot
 from rolling.figures.picture import picture
-from rolling.scene.file import loads
+from rolling.scene.file import loads, read_scene
 
 draw = partial(plot.surface, loads(TINY))
 print(hashlib.sha256(picture("surface", draw).file("png")).hexdigest())

@@ -3,6 +3,7 @@
 import { pointsOf, positive } from "./chart_scale.js";
 import { MAX_NAMES, drawChart, drawn, isGrey, keyOf, layoutOf, make, namesOf, sizeChart } from "./chart_draw.js";
 import { saveChart } from "./chart_save.js";
+import { numbersButton } from "./chart_table.js";
 import { listenTo, readAt, resetZoom, setPlayhead } from "./chart_touch.js";
 
 const PALETTE = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
@@ -19,7 +20,8 @@ function colourRuns(charts, labels) {
 }
 
 /** Return the colours of curves; in a chart of one run, its colour and the first are exchanged. */
-function paintsOf({ curves, run }, labels, colours) {
+function paintsOf({ curves, run, parts }, labels, colours) {
+  if (parts.some((part) => part.kind === "image")) return curves.map(({ colour }) => colour); // as in the image
   const compared = run === undefined && curves.some((curve) => labels.includes(curve.name));
   const first = curves.find(({ colour }) => !isGrey(colour))?.colour;
   return curves.map(({ colour }) => {
@@ -41,7 +43,6 @@ export function openChart(figure, chart) {
   const plot = { figure, chart, points: pointsOf(chart), places: null, reading: null };
   plot.view = { x: viewOf(chart.x), y: chart.y.map(viewOf), hidden: new Set() };
   chart.offsets = offsetsOf(chart);
-  chart.hatched = [...new Set(chart.parts.filter((part) => part.hatch).map((part) => part.of))];
   plot.svg = drawn("svg", { role: "img", tabindex: 0, "aria-label": `${chart.title}: ${chart.note}. Arrow keys read values, + and - zoom.` });
   plot.output = make("output", { class: "reading", hidden: "" });
   figure.querySelector(".plot").replaceChildren(plot.svg, plot.output);
@@ -106,7 +107,9 @@ function makeTools(plot) {
   const { chart, view, figure, points } = plot, image = chart.parts.some((part) => part.kind === "image");
   figure.querySelector(".whole").onclick = () => resetZoom(plot);
   for (const button of figure.querySelectorAll("[data-save]")) button.onclick = () => saveChart(plot, button.dataset.save);
-  figure.querySelector("[data-save=csv]").hidden = !chart.csv && !points.flat().length;
+  const hasNumbers = Boolean(chart.csv || points.flat().length);
+  figure.querySelector("[data-save=csv]").hidden = !hasNumbers;
+  if (hasNumbers) figure.querySelector(".tools").append(numbersButton(plot));
   const able = ["x", "y"].filter((name) => {
     const { log, unit } = [view[name]].flat()[0], [least, most] = positive(points, name);
     return !image && (log || /^(Hz|.?[WJ])$/.test(unit)) && most > least;

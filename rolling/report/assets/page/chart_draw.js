@@ -39,6 +39,7 @@ export function keyOf(chart, name) {
   const number = chart.curves.findIndex((curve) => curve.name === name), parts = chart.parts.filter((part) => part.of === number);
   const marked = parts.find((part) => part.size), lined = parts.some((part) => part.width || ["rule", "steps"].includes(part.kind));
   const filled = parts.find((part) => ["span", "bar", "band"].includes(part.kind)), key = drawn("g", { style: `--c: ${chart.paints[number]}` });
+  if (!parts.length) key.append(drawn("rect", { x: 9, y: 0, width: 12, height: 12, class: "bar" })); // a colour of an image
   if (filled) key.append(drawn("rect", { x: 3, y: 1, width: 24, height: 10, class: "bar", opacity: filled.alpha }));
   else if (lined) key.append(drawn("path", { d: "M1 6H29", class: "line", "stroke-dasharray": dashesOf(chart.curves, number) }));
   if (marked) key.append(drawn("path", { d: markOf(marked, chart), transform: "translate(15 6)", class: lined ? "mark" : "mark open" }));
@@ -117,9 +118,15 @@ function drawAxes(view, { box, x, y, sides, bar, image, width, heads, rows, bott
   write(2, ROW - 2, "label", heads[0]);
   if (heads[1]) write(bar ? Math.min(width, box.right + 90) - 2 : width - 2, rows * ROW - 2, "label end", heads[1]);
   bottom.forEach((text, k) => write(middle, box.bottom + (k + 2) * ROW + 3, "label middle", text));
-  const step = (box.bottom - box.top) / image?.colours.length;
-  if (bar) axes.append(...image.colours.map((fill, k) => drawn("rect", { x: box.right + 12, y: box.bottom - (k + 1) * step, width: 12, height: step + 0.6, fill })));
+  if (bar) drawColourBar(axes, box, image);
   return axes;
+}
+
+/** Draw the colours of an image beside it, that of values beyond the last one as a cap. */
+function drawColourBar(axes, box, { colours, over }) {
+  const scaled = over ? colours.slice(0, -1) : colours, step = (box.bottom - box.top) / scaled.length, x = box.right + 12, width = 12;
+  axes.append(...scaled.map((fill, k) => drawn("rect", { x, y: box.bottom - (k + 1) * step, width, height: step + 0.6, fill })));
+  if (over) axes.append(drawn("rect", { x, y: box.top - 9, width, height: 8, fill: colours.at(-1) }));
 }
 
 /** Join places to a path that breaks where a number is missing. */
@@ -140,8 +147,7 @@ function shapeOf(part, chart, { box, x, y, step }) {
   const dashes = of === undefined ? null : dashesOf(chart.curves, of), shift = step * (chart.offsets[of] ?? 0);
   const stroke = (points, style = {}) => drawn("path", { d: pathOf(points), class: "line", "stroke-dasharray": dashes, ...style });
   if (part.ends) {
-    const strip = box.bottom - 2 - 6 * chart.hatched.indexOf(of); // marks of bands stand one above the other
-    const [low, high] = kind !== "span" ? part.ends.slice(2).map(py) : part.hatch ? [strip - 5, strip] : [box.top, box.bottom];
+    const [low, high] = kind === "span" ? [box.top, box.bottom] : part.ends.slice(2).map(py);
     const rect = rectOf(px(part.ends[0]), low, px(part.ends[1]), high);
     if (kind === "image") return drawn("image", { ...rect, href: part.png, preserveAspectRatio: "none" });
     return drawn("rect", { ...rect, class: "bar", opacity: kind === "bar" ? opacity : null });

@@ -15,13 +15,14 @@ export function download(content, type, name) {
 
 export function saveChart(plot, kind) {
   const name = `${plot.figure.dataset.file}.${kind}`;
-  if (kind === "csv") return download(plot.chart.csv ?? csvOf(plot), "text/csv", name);
+  if (kind === "csv") return download(csvOf(plot), "text/csv", name);
   const text = savedChart(plot);
   return kind === "svg" ? download(text, "image/svg+xml", name) : savePixels(text, name);
 }
 
-/** Return the drawn curves as CSV, with names in quotes. */
-function csvOf({ chart, points }) {
+/** Return the table of a chart, or its drawn curves, as CSV; names are in quotes. */
+export function csvOf({ chart, points }) {
+  if (chart.csv) return chart.csv;
   const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
   const rows = chart.curves.flatMap(({ name }, k) => points[k].map((point) => [quoted(name), point.x, point.low ?? point.y, point.high ?? point.y, point.spread ?? ""].join()));
   return ["curve", quoted(`${chart.x.label} [${chart.x.unit}]`), "minimum", "maximum", "standard uncertainty"].join().concat("\n", rows.join("\n"), "\n");

@@ -58,7 +58,7 @@ function imageAt(plot, pixel) {
   const parts = [...pen.getImageData(0, 0, 1, 1).data], colour = parts.slice(0, 3).map((part) => part.toString(16).padStart(2, "0")).join("");
   const shade = image.colours.indexOf(`#${colour}`), count = image.colours.length, [first, last] = bar.limits;
   if (shade < 0 || !parts[3]) return [];
-  const value = quantity(first + ((shade + 0.5) / count) * (last - first), bar.unit), { names, unit } = chart.y[0];
+  const value = quantity(Math.min(last, first + ((shade + 0.5) / (image.over ? count - 1 : count)) * (last - first)), bar.unit), { names, unit } = chart.y[0];
   const place = `${quantity(along, chart.x.unit)}, ${quantity(names.length && unit === "Hz" ? 10 ** up : up, unit)}`;
   return [{ x: pixel.x, place, text: `${{ 0: "≤ ", [count - 1]: "≥ " }[shade] ?? ""}${value}` }];
 }
