@@ -94,7 +94,7 @@ def spectrum(
         if lines.dense or len(curves) > FEW:
             if len(curves) <= FEW:
                 frequency, level = lines.envelope
-                ax.plot(frequency, level, color=look["color"], linewidth=0.3, alpha=0.4, zorder=1.5)
+                ax.plot(frequency, level, color=look["color"], linewidth=0.3, alpha=0.3, zorder=1.5)
             frequency, level = lines.mean
             ax.plot(frequency, level, linewidth=1.8, label=label, **look)
         else:

@@ -299,8 +299,8 @@ def _thinned(ax: Axes, x: Array, **series: Array) -> Part:
 def _image(image: AxesImage) -> Part:
     """Return an image as a PNG with the colours of its palette, and label and limits of these.
 
-    Values beyond the limits have a colour of their own at the end of the palette if the figure
-    gives them one: `over` tells that.
+    Missing values are transparent. Values beyond the limits have a colour of their own at the end
+    of the palette if the figure gives them one: `over` tells that.
     """
     values: Any = np.ma.masked_invalid(np.ma.asarray(image.get_array()))
     count = min(image.cmap.N, 254)
@@ -311,18 +311,17 @@ def _image(image: AxesImage) -> Part:
     if has_over:
         colours = np.vstack([colours, over])
         shade[np.ma.filled(values, -np.inf) > image.get_clim()[1]] = count
-    empty = np.array(image.cmap(np.ma.masked, bytes=True))
     pixels = np.where(np.ma.getmaskarray(values), 0, 1 + shade).astype(np.uint8)
     if image.origin == "lower":
         pixels = pixels[::-1]
-    palette = np.vstack([empty[:3], colours]).astype(np.uint8)
+    palette = np.vstack([np.zeros(3), colours]).astype(np.uint8)
     scale = None
     if image.colorbar:
         scale = _axis(image.colorbar.ax.yaxis, image.get_clim())
     return {
         "kind": "image",
         "ends": numbers(image.get_extent()),
-        "png": maps.png(pixels, palette, None if empty[3] else 0),
+        "png": maps.png(pixels, palette, 0),
         "colours": [f"#{bytes(colour).hex()}" for colour in colours],
         "over": has_over or None,
         "scale": scale,

@@ -11,6 +11,7 @@ const MARKS = {
 export const MAX_NAMES = 24; // of a legend
 export const LETTER = 6.4; // width of a letter of a label [pixels]
 const ROW = 16;
+const HAIR = 0.5; // width below which the lines of a dense curve stand behind all curves
 
 /** Return a function that makes elements of a kind of markup with attributes and children. */
 const making = (space) => (name, attributes = {}, ...children) => {
@@ -82,10 +83,11 @@ export function drawChart(svg, chart, view, width) {
   sizeChart(svg, places);
   const plot = drawn("svg", { class: "parts", ...whole, viewBox: Object.values(whole).join(" ") }); // clips what is outside
   if (chart.ground) plot.append(drawn("rect", { ...whole, fill: chart.ground }));
+  else if (places.image) plot.append(drawn("rect", { ...whole, class: "missing" }));
   const groups = chart.curves.map((_, number) => drawn("g", { "data-curve": number }));
   for (const part of chart.parts) {
     if (view.hidden.has(chart.curves[part.of]?.name)) continue;
-    const shape = shapeOf(part, chart, places), behind = ["span", "image", "band"].includes(part.kind);
+    const shape = shapeOf(part, chart, places), behind = ["span", "image", "band"].includes(part.kind) || part.width < HAIR;
     shape.style.setProperty("--c", chart.paints[part.of] ?? "");
     ((!behind && groups[part.of]) || plot).append(shape);
   }
@@ -169,7 +171,7 @@ function shapeOf(part, chart, { box, x, y, step }) {
     return stroke(part.base === undefined ? points : [[px(at[0]), py(part.base)], ...points, [px(at.at(-1)), py(part.base)]]);
   }
   const group = drawn("g", { class: part.pale ? "pale" : null }), points = at.map((place, k) => [px(place), py(part.y[k])]), { width } = part;
-  const thin = width < 0.5 ? { class: "line hair" } : { class: "line thin" };
+  const thin = width < HAIR ? { class: "line hair" } : { class: "line thin" };
   if (width !== undefined) group.append(stroke(points, { opacity, ...(width < 0.8 ? { ...thin, "stroke-dasharray": null } : {}) }));
   if (part.size === undefined && (points.length > 1 || width === undefined)) return group;
   for (const [left, top] of points.filter((point) => point.every(Number.isFinite))) {

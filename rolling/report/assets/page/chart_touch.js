@@ -55,6 +55,7 @@ function imageAt(plot, pixel) {
   const sheet = (plot.sheet ??= Object.assign(new Image(), { src: image.png })), pen = new OffscreenCanvas(1, 1).getContext("2d");
   const column = Math.floor(((along - left) / (right - left)) * sheet.naturalWidth), row = Math.floor(((high - up) / (high - low)) * sheet.naturalHeight);
   if (sheet.complete) pen.drawImage(sheet, -column, -row);
+  else sheet.onload = () => readAt(plot, plot.reading);
   const parts = [...pen.getImageData(0, 0, 1, 1).data], colour = parts.slice(0, 3).map((part) => part.toString(16).padStart(2, "0")).join("");
   const shade = image.colours.indexOf(`#${colour}`), count = image.colours.length, [first, last] = bar.limits;
   if (shade < 0 || !parts[3]) return [];
