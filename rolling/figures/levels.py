@@ -121,10 +121,10 @@ def level_table(runs: Sequence[Run]) -> pd.DataFrame:
         row |= run.values
         row |= {
             "quantity": heard.quantity,
-            "vibration": heard.how,
+            "vibration_how": heard.how,
             "vibration_db": heard.level_db,
             "vibration_uncertainty_db": heard.uncertainty_db,
-            "released_power": released.how,
+            "released_power_how": released.how,
             "released_power_db": released.level_db,
             "released_power_uncertainty_db": released.uncertainty_db,
         }

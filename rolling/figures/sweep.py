@@ -61,6 +61,8 @@ _WORDS = {
     "laf_max_db": _Words("LAFmax", "dB(A)", of_source=True),
     "las_max_db": _Words("LASmax", "dB(A)", of_source=True),
     "lz_peak_db": _Words("LZpeak", "dB", of_source=True),
+    "vibration_db": _Words("A-weighted level of the vibration", "dB(A)"),
+    "released_power_db": _Words("A-weighted level of the released power", "dB(A)"),
     "steady_level_db": _Words("steady level of the released power", "dB re 1 pW/m²"),
     "vibration_laeq_db": _Words("LAeq of the vibration", "dB(A)"),
     "vibration_estimate_laeq_db": _Words("LAeq of the vibration, estimated", "dB(A)"),
