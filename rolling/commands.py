@@ -162,10 +162,10 @@ def _print_answers(done: Sequence[RunFolder]) -> Sequence[RunFolder]:
 def _print_files(folder: Path, done: Sequence[RunFolder]) -> None:
     """Print the files that a person opens first."""
     first = done[0]
-    listen = f"listen: {printable(str(first.folder / 'listen.wav'))}"
+    heard = ["released power" if first.scene.sound.source == "release" else "vibration"]
     if len(done) > 1:
-        listen += f" ({labels.labels(done)[0]})"
-    print(listen)
+        heard.insert(0, labels.labels(done)[0])
+    print(f"listen: {printable(str(first.folder / 'listen.wav'))} ({', '.join(heard)})")
     if (first.folder / PASSES).is_file():
         print(f"pass by pass: {printable(str(first.folder / PASSES))}")
     if (folder / PAGE).is_file():

@@ -29,7 +29,7 @@ from rolling.results.run_folder import RunFolder, stored_summary
 from rolling.results.runs_table import MEANS, level_text
 from rolling.results.verdict import Verdict
 from rolling.scene.messages import TABLES
-from rolling.terminal.streams import columns, folded
+from rolling.terminal.streams import columns, folded, line_width
 
 MAX_STEPS = 8  # of the preparation of height files that are written; one run has at most 7
 MAX_BAND_DB = 0.3  # what the steps may cut off of a level that is corrected for its errors
@@ -101,7 +101,10 @@ def levels_table(runs: Sequence[RunFolder]) -> str:
     for label in labels(runs):
         cells = by_run.get(label, {})
         rows.append([label, *(cells.get(head, "-") for head in heads)])
-    return columns(rows)
+    text = columns(rows)
+    if max(map(len, text.splitlines())) > line_width():  # the last column is the least needed
+        text = columns([row[:-1] for row in rows]) if heads else text
+    return text
 
 
 def _cells(summary: Mapping[str, Any]) -> dict[Head, str]:

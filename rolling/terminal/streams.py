@@ -6,6 +6,7 @@ None of this may cost a run its work: a command that cannot be heard still finis
 import errno
 import io
 import os
+import re
 import shutil
 import sys
 import textwrap
@@ -16,6 +17,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TextIO, cast
 
+_NO_BREAK = "\N{NO-BREAK SPACE}"
+# The space between a number and its unit, and that after a sign of uncertainty.
+_BEFORE_UNIT = re.compile(r"(?<=\d) (?=[mµkun]?[mNsW]\b|m/s|dB|k?Hz|%)|(?<=±) ")
 FILE_WIDTH = 80  # letters of a line in a file or a pipe
 _JOINERS = "\u200c\u200d"  # of Persian words and of emoji
 # Errors of writing to a pipe or terminal that nobody reads any more.
@@ -175,18 +179,23 @@ def wrapped(text: str, indent: str = "  ") -> str:
 def folded(text: str, indent: str = "  ") -> str:
     """Break a text into lines of the terminal's width, or of 80 letters where there is none.
 
-    Paths and other long words stay whole.
+    Paths and other long words stay whole, and a number stays with its unit.
     """
-    width = FILE_WIDTH
-    if sys.stdout.isatty():
-        width = max(40, shutil.get_terminal_size().columns)
-    return textwrap.fill(
-        text,
-        width,
+    filled = textwrap.fill(
+        _BEFORE_UNIT.sub(_NO_BREAK, text),
+        line_width(),
         subsequent_indent=indent,
         break_long_words=False,
         break_on_hyphens=False,
     )
+    return filled.replace(_NO_BREAK, " ")
+
+
+def line_width() -> int:
+    """Return the letters of a line: those of the terminal, or 80 where there is none."""
+    if not sys.stdout.isatty():
+        return FILE_WIDTH
+    return max(40, shutil.get_terminal_size().columns)
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:
