@@ -55,6 +55,11 @@ def __getattr__(name: str) -> Any:
         # Scenes get the method `check`, whose module stands above theirs.
         scene = import_module("rolling.scene.scene").Scene
         scene.check = import_module("rolling.check.findings").check_scene
+        import_module("rolling.terminal.notebook").shorten_tracebacks(
+            import_module("rolling.scene.messages").SceneError,
+            import_module("rolling.terminal.files").FolderError,
+            import_module("rolling.contact.solver").ContactError,
+        )
     if name in _SUBMODULES:
         value = import_module(f"{module}.{name}")
     else:

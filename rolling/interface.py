@@ -30,6 +30,7 @@ from rolling.surface.measured import HeightArray, with_copy
 from rolling.terminal import defaults
 from rolling.terminal import progress as terminal
 from rolling.terminal.files import FolderError, write_temporary
+from rolling.terminal.notebook import Interrupted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -210,7 +211,7 @@ def simulate(
     if scene.sweep:
         keys = ", ".join(scene.sweep)
         raise SceneError([f"sweep: the scene sweeps {keys}; simulate_sweep runs all of them"])
-    runs, failures = simulate_runs(scene, workers, progress)
+    runs, failures = _simulated(scene, workers, progress)
     if failures:
         raise ContactError(next(iter(failures.values())))
     (run,) = runs.values()
@@ -253,13 +254,23 @@ def simulate_sweep(scene: Scene, workers: int = 0, progress: bool | None = None)
     instance("scene", scene, Scene)
     if not scene.sweep:
         raise SceneError(["sweep: the scene has no sweep; simulate runs it"])
-    runs, failures = simulate_runs(scene, workers, progress)
+    runs, failures = _simulated(scene, workers, progress)
     values = {
         key: [value for value, _ in sweeps.choices(listed)] for key, listed in scene.sweep.items()
     }
     if failures:
         raise SweepError(failures, Runs(runs, values))
     return Runs(runs, values)
+
+
+def _simulated(
+    scene: Scene, workers: int, progress: bool | None
+) -> tuple[dict[Values, Run], dict[str, str]]:
+    """Simulate the runs of a scene; an interrupt says what is left, also in a notebook."""
+    try:
+        return simulate_runs(scene, workers, progress)
+    except KeyboardInterrupt:
+        raise Interrupted("the simulation was interrupted, and nothing of it is kept") from None
 
 
 @ignoring_underflow
