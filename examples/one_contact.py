@@ -1,26 +1,28 @@
-"""Solve one contact on a rough surface that yields at its hardness."""
+"""How much of a rough surface does a ball touch, and how much of it yields?"""
 
 import numpy as np
 
 import rolling as rc
-from rolling.scene.laws import Roughness
-from rolling.surface.made import of_law
 
-RADIUS, LOAD, MODULUS, HARDNESS, SPACING = 5e-3, 20.0, 231e9, 2.1e9, 2e-6  # SI
+RADIUS, LOAD, MODULUS, HARDNESS = 5e-3, 20.0, 231e9, 2.1e9  # SI
+SPACING, NODES = 2e-6, 128
+ROUGHNESS, LENGTH = 0.1e-6, 10e-6  # m: Ra, and 1/e of the autocorrelation
 
-law = Roughness(roughness_ra_um=0.1, correlation_length_um=10, seed=1)
-heights = of_law((128, 128), SPACING, law, law.seed)
-x = (np.arange(128) - 63.5) * SPACING
+# A Gaussian surface: white noise whose waves have the amplitudes of the autocorrelation.
+noise = np.random.default_rng(1).standard_normal((NODES, NODES))
+waves = np.fft.fftfreq(NODES, SPACING)  # 1/m
+amplitudes = np.exp(-((np.pi * LENGTH) ** 2) * (waves[:, None] ** 2 + waves**2) / 2)
+heights = np.fft.ifft2(np.fft.fft2(noise) * amplitudes).real
+heights *= ROUGHNESS / np.abs(heights).mean()
+
+x = (np.arange(NODES) - (NODES - 1) / 2) * SPACING
 gap = (x[:, None] ** 2 + x[None, :] ** 2) / (2 * RADIUS) - heights
-half_space = rc.HalfSpace(SPACING, MODULUS)
-contact = rc.solve_contact(half_space, gap, LOAD, hardness=HARDNESS)
+contact = rc.solve_contact(rc.HalfSpace(SPACING, MODULUS), gap, LOAD, hardness=HARDNESS)
 
-cell = SPACING**2
 hertz_area = np.pi * rc.closed_forms.hertz_radius(LOAD, RADIUS, MODULUS) ** 2
-print(f"load carried: {contact.pressure.sum() * cell:.6f} N of {LOAD} N")
-print(f"contact area: {(contact.pressure > 0).sum() * cell / hertz_area:.2f} of the Hertz area")
-print(
-    f"plastic area: {(contact.pressure >= HARDNESS).sum() * cell / hertz_area:.2f} "
-    "of the Hertz area"
-)
-print(f"KKT residual: {contact.residual:.1e} after {contact.iterations} iterations")
+touching = contact.contact_area / hertz_area
+yielding = (contact.pressure >= HARDNESS).sum() * SPACING**2 / hertz_area
+print(f"The ball touches {100 * touching:.0f} % of the area of a smooth contact (Hertz).")
+print(f"{100 * yielding:.0f} % of that area yields at {HARDNESS * 1e-9:.1f} GPa.")
+print(f"The asperities carry {contact.load:.4f} N of {LOAD:.0f} N.")
+print(f"The KKT residual is {contact.residual:.0e} after {contact.iterations} iterations.")
