@@ -14,7 +14,7 @@ for spacing in (8e-6, 4e-6, 2e-6):
     gap = (x[:, None] ** 2 + x[None, :] ** 2) / (2 * RADIUS)
     contact = rc.solve_contact(rc.HalfSpace(spacing, MODULUS), gap, LOAD)
     approach_error = contact.approach / hertz_approach - 1
-    pressure_error = contact.pressure.max() / hertz_pressure - 1
+    pressure_error = contact.max_pressure / hertz_pressure - 1
     print(
         f"On nodes of {spacing * 1e6:.0f} um the approach is off by {100 * approach_error:+.3f} %"
         f" and the maximum pressure by {100 * pressure_error:+.2f} %."

@@ -13,6 +13,11 @@ for load, run in runs.items():
         f" The released power, an upper bound, has {run.summary['release_laeq_db']:.1f} dB(A)."
     )
 
+lightest, *_, heaviest = runs.values()
+difference = heaviest.sound.levels.laeq_db - lightest.sound.levels.laeq_db
+word = "louder" if difference > 0 else "quieter"
+print(f"Under 100 N the ball is {abs(difference):.1f} dB {word} than under 5 N.")
+
 fig, ax = plt.subplots()
 rc.plot.third_octaves(runs.values(), ax=ax, a_weighted=True)
 fig.savefig("load_sweep.png")

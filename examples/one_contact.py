@@ -21,7 +21,7 @@ contact = rc.solve_contact(rc.HalfSpace(SPACING, MODULUS), gap, LOAD, hardness=H
 
 hertz_area = np.pi * rc.closed_forms.hertz_radius(LOAD, RADIUS, MODULUS) ** 2
 touching = contact.contact_area / hertz_area
-yielding = (contact.pressure >= HARDNESS).sum() * SPACING**2 / hertz_area
+yielding = contact.plastic_area / hertz_area
 print(f"The ball touches {100 * touching:.0f} % of the area of a smooth contact (Hertz).")
 print(f"{100 * yielding:.0f} % of that area yields at {HARDNESS * 1e-9:.1f} GPa.")
 print(f"The asperities carry {contact.load:.4f} N of {LOAD:.0f} N.")
