@@ -256,13 +256,15 @@ def _a_thicker_plate_is_two_clicks_away(site: Path) -> None:
 
 
 def _each_scene_of_the_gallery_plays(site: Path) -> None:
-    """A player has controls, which the keyboard reaches, a name, and a level with its verdict."""
+    """A player has controls, which the keyboard reaches, a name, and both levels with a verdict."""
     listed = re.findall(r"^- `([\w-]+)`: ", (DOCS / "gallery.md").read_text(encoding="utf-8"), re.M)
     figures = re.findall(r'<figure class="run">.*?</figure>', _content(site / "gallery.html"), re.S)
     assert {re.findall(r"<code>([\w-]+)</code>", figure)[0] for figure in figures} == {*listed}
     for figure in figures:
         assert re.search(r'<audio controls preload="none" aria-label="[^"]+" src=', figure)
-        assert re.search(r"<b>[\d.]+ ± [\d.]+ dB\(A\)</b>, (trust|indicative|do not quote)", figure)
+        both = re.search(r"Vibration: <b>(.+?)</b>. Released power: (.+?)</p>", figure)
+        assert both and all("dB(A)" in text or "because" in text for text in both.groups())
+        assert re.search("Verdict: (trust|indicative|do not quote)", figure)
     sounds = [*(site / "gallery").glob("*.mp3")]
     assert len(sounds) == len(figures)
     for sound in sounds:

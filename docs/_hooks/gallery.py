@@ -57,7 +57,7 @@ SHORT = {
     "marble-rolling-out": ["rolling.distance_mm=1.5"],
     "bearing-grades": ["surface.spacing_um=8"],
 }
-CARD = "title", "stem", "name", "level", "played", "word", "reason"
+CARD = "title", "stem", "vibration", "released", "played", "word", "reason"
 ITEM = re.compile(r"^- `([\w-]+)`: (.*)$", re.MULTILINE)
 SHOWN = "![Gallery of scenes that come with the program](pictures/gallery.png)"
 
@@ -155,7 +155,7 @@ def _scenes() -> dict[str, list[str]]:
 def _make_site(folder: Path) -> None:
     """Run the scenes of the site, and write sound, picture and level of each run."""
     from rolling.report import film, text
-    from rolling.results import answer, runs_table
+    from rolling.results import answer
     from rolling.run.folder import stored_runs
     from rolling.run.solving import open_runs
 
@@ -172,26 +172,31 @@ def _make_site(folder: Path) -> None:
             title = text.titles([run])
             if run.values:
                 title += f", {run.label}"
-            key = answer.level_key(run.summary)
-            level = f"{runs_table.level_text(run.summary, key)} dB(A)"
-            played = f"{run.summary['listening']['laeq_db']:.1f} dB(A)"
-            verdict = run.summary["verdict"]
-            words = runs_table.level_name(run.summary)
-            values = title, stem, words, level, played, verdict["word"], verdict["reason"]
-            cards[name].append(dict(zip(CARD, values, strict=True)))
+            source = "vibration" if run.sound.source == "vibration" else "released power"
+            level = f"{run.summary['listening']['laeq_db']:.1f} dB(A)"
+            card = {
+                "title": title,
+                "stem": stem,
+                "vibration": answer.vibration(run.summary).text,
+                "released": answer.released_power(run.summary).text,
+                "played": f"The record that plays is the {source}, with {level}",
+                "word": run.summary["verdict"]["word"],
+                "reason": run.summary["verdict"]["reason"],
+            }
+            cards[name].append(card)
     (folder / "cards.json").write_text(json.dumps(cards), encoding="utf-8")
 
 
 def _figures(match: re.Match[str]) -> str:
-    """Return picture, level and player of each run of a scene that the page lists."""
+    """Return picture, both levels and player of each run of a scene that the page lists."""
     name, text = match.groups()
     cards = json.loads((site() / "cards.json").read_text(encoding="utf-8"))[name]
     return "\n\n".join(_figure(card, html.escape(text), name) for card in cards)
 
 
 def _figure(card: Mapping[str, str], text: str, scene: str) -> str:
-    """Return picture, level and player of a run as HTML."""
-    title, stem, name, level, played, word, reason = (html.escape(card[key]) for key in CARD)
+    """Return picture, both levels and player of a run as HTML."""
+    title, stem, vibration, released, played, word, reason = (html.escape(card[x]) for x in CARD)
     picture = ""
     if (site() / f"{stem}.png").exists():  # a ball that falls has no still
         picture = f'<img src="gallery/{stem}.png" alt="Contact seen from above" loading="lazy">\n'
@@ -199,7 +204,8 @@ def _figure(card: Mapping[str, str], text: str, scene: str) -> str:
 {picture}<figcaption>
 <strong>{title}</strong> <code>{scene}</code>
 <p>{text[0].upper()}{text[1:]}.</p>
-<p>{name} <b>{level}</b>, {word}: {reason}. The record that plays has {played}.</p>
+<p>Vibration: <b>{vibration}</b>. Released power: {released}.</p>
+<p>Verdict: {word}, {reason}. {played}.</p>
 <audio controls preload="none" aria-label="{title}" src="gallery/{stem}.mp3"></audio>
 </figcaption>
 </figure>"""
