@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from collections import Counter
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -34,3 +35,13 @@ def test_joined_scripts_are_javascript_without_doubled_names(entry: str) -> None
         without_browser("no Node")
     checked = subprocess.run([node, "--check", "-"], input=script, text=True, capture_output=True)
     assert checked.returncode == 0, checked.stderr
+
+
+def test_modules_import_each_other_in_no_circle() -> None:
+    """A sorter of the graph of imports raises CycleError for a circle."""
+    graph = {}
+    for module in MODULES:
+        imported = re.findall(r'from "(\.[^"]+)"', module.read_text())
+        graph[module] = {(module.parent / name).resolve() for name in imported}
+    order = [*TopologicalSorter(graph).static_order()]
+    assert len(order) == len(MODULES) > 30

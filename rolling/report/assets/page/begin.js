@@ -1,13 +1,14 @@
 // ---- start of the page, and its events ----
 
 import { $, $$, data, lengthOf, ownTime, runs, say, state } from "./core.js";
-import { glide, mix, pause, play, render, seek, soundAlone } from "./player.js";
+import { glide, soundAlone } from "./audio.js";
+import { mix, pause, play, render, seek } from "./player.js";
 import { copy, roundOf, saveRecord } from "./records.js";
 import { showStill, timeOfMap } from "./contact.js";
 import { playFilm, realTime, seekFilm, seekFilmTo, showFilm, showRate, stopFilm } from "./film.js";
 import { openCharts } from "./chart.js";
 import { beginTest, endTest, pressTest, showDifference } from "./compare.js";
-import { takeRun } from "./play_sound.js";
+import { takeRun } from "./play_panel.js";
 import { beginPlaying } from "./play_hand.js";
 
 function begin() {

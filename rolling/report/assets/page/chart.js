@@ -1,10 +1,10 @@
 // ---- charts: opening, colours, curves on and off, scales ----
 
 import { pointsOf, positive } from "./chart_scale.js";
-import { MAX_NAMES, drawChart, drawn, isGrey, keyOf, layoutOf, make, namesOf, sizeChart } from "./chart_draw.js";
+import { MAX_NAMES, drawn, isGrey, keyOf, layoutOf, make, namesOf, sizeChart } from "./chart_draw.js";
 import { saveChart } from "./chart_save.js";
 import { numbersButton } from "./chart_table.js";
-import { listenTo, readAt, resetZoom, setPlayhead } from "./chart_touch.js";
+import { listenTo, redraw, resetZoom, widthOf } from "./chart_touch.js";
 
 const PALETTE = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
@@ -73,16 +73,6 @@ const comingNear = new IntersectionObserver((entries) => {
   }
 }, { rootMargin: "600px" });
 addEventListener("beforeprint", () => document.querySelectorAll("figure.chart").forEach(({ plot }) => plot && redraw(plot)));
-
-const widthOf = ({ figure }) => Math.round(figure.querySelector(".plot").clientWidth) || 640;
-
-export function redraw(plot) {
-  const { view, chart } = plot;
-  plot.places = drawChart(plot.svg, chart, view, widthOf(plot));
-  plot.figure.querySelector(".whole").hidden = view.x.limits === view.x.whole;
-  readAt(plot, plot.reading);
-  setPlayhead(plot, plot.time);
-}
 
 // ---- curves on and off, scales ----
 

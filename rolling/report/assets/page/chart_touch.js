@@ -1,8 +1,7 @@
 // ---- charts: reading and zoom by pointer and keyboard, time ----
 
 import { nearest, quantity, zoomed } from "./chart_scale.js";
-import { drawn, make } from "./chart_draw.js";
-import { redraw } from "./chart.js";
+import { drawChart, drawn, make } from "./chart_draw.js";
 
 const READ_WITHIN = 30; // pixels along x within which a curve is read
 const MAX_READ = 8; // curves in a reading
@@ -79,6 +78,19 @@ function valueText(unit, { y, low, high, spread }) {
 function nameOf({ curves, y }, number) {
   const { name, colour } = curves[number], first = curves.find((curve) => curve.colour === colour);
   return curves.filter((curve) => curve.name === name).length > 1 ? `${first.name}, ${name}` : name || y[0].label;
+}
+
+// ---- drawing at the present width ----
+
+export const widthOf = ({ figure }) => Math.round(figure.querySelector(".plot").clientWidth) || 640;
+
+/** Draw a chart at its present width, with its reading and its playhead. */
+export function redraw(plot) {
+  const { view, chart } = plot;
+  plot.places = drawChart(plot.svg, chart, view, widthOf(plot));
+  plot.figure.querySelector(".whole").hidden = view.x.limits === view.x.whole;
+  readAt(plot, plot.reading);
+  setPlayhead(plot, plot.time);
 }
 
 // ---- zoom: a drag along x, or a key ----

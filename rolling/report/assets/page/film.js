@@ -1,7 +1,9 @@
 // ---- the slow motion: maps and sound by the same clock ----
 
-import { $, FADE_S, heardNow, runs, state } from "./core.js";
-import { RESTING_MS, audioContext, glide, play, restContext, seek, showPlayheads, soundAlone, starting, stopVoice } from "./player.js";
+import { $, $$, FADE_S, heardNow, runs, state } from "./core.js";
+import { RESTING_MS, audioContext, glide, restContext, soundAlone, sounds, starting, stopVoice } from "./audio.js";
+import { setPlayhead } from "./chart_touch.js";
+import { play, seek } from "./player.js";
 import { samplesOf } from "./records.js";
 import { drawContact } from "./contact.js";
 
@@ -11,6 +13,7 @@ const FLASH_S = 1 / 3; // three flashes a second are too many by WCAG 2.3.1
 
 // The film goes on at `time` in the record [s], or at its beginning where it is not `begun`; the audio clock is at `origin` at time zero. It has a `voice` while it plays.
 export const film = { at: 0, time: 0, begun: false, origin: 0, voice: null };
+sounds.push({ stop: stopFilm, isHeard: () => film.voice !== null });
 const filmOf = () => runs[state.run].film;
 const filmRate = () => Number($("#film-rate").value);
 const twoDigits = (value) => Number(value.toPrecision(2));
@@ -57,7 +60,7 @@ function drawFilm() {
   const flies = flight > 0 && (!film.voice || flight * filmRate() > FLASH_S);
   $("#film-flies").hidden = !flies;
   drawContact($("#film"), flies ? { ...shown, sheets: shown.sheets.slice(0, 1) } : shown, film.at, drawFilm);
-  showPlayheads();
+  for (const figure of $$(".film figure.timeline")) if (figure.plot) setPlayhead(figure.plot, film.time);
 }
 
 const mapAt = (time) => Math.max(0, filmOf().times.findLastIndex((start) => start <= time));

@@ -2,8 +2,10 @@
 
 import { $, runs } from "./core.js";
 import { download } from "./chart_save.js";
-import { SETTINGS, isLive, sayPlayed } from "./play_panel.js";
-import { engineUrl, live, liveOf, openWorker } from "./play_sound.js";
+import { live, liveOf } from "./play_live.js";
+import { sayPlayed } from "./play_notes.js";
+import { SETTINGS, isLive } from "./play_settings.js";
+import { engineUrl, openWorker } from "./play_sound.js";
 import { copy, wavOf } from "./records.js";
 import { ballMass, loadOf } from "../engine/chain.js";
 import { renderedRecord } from "../engine/graph.js";

@@ -1,8 +1,10 @@
 // ---- the hand: pointer, finger and keys on the ball, and the buttons below it ----
 
 import { $, runs, say } from "./core.js";
-import { giveSpeed, listenToSliders, shareAt, showRun, valueAt } from "./play_panel.js";
-import { askSettings, live, liveOf, openWorker, rollBall, soundOn, startInstrument, takeRun, tellInstrument } from "./play_sound.js";
+import { live, liveOf, tellInstrument } from "./play_live.js";
+import { giveSpeed, listenToSliders, showRun, takeRun } from "./play_panel.js";
+import { shareAt, valueAt } from "./play_settings.js";
+import { askSettings, openWorker, rollBall, soundOn, startInstrument } from "./play_sound.js";
 import { view, wakeStage } from "./play_view.js";
 import { copyYaml, saveWav, showExport } from "./play_export.js";
 

@@ -2,7 +2,7 @@
 
 import { $, RATE, data, motionUnwanted, runs, signed } from "./core.js";
 import { aWeight } from "../engine/radiation.js";
-import { SPECTRUM, live, liveOf } from "./play_sound.js";
+import { SPECTRUM, live, liveOf } from "./play_live.js";
 
 const COLUMNS = 125; // of the strip, one per report: 4 s
 const SHOWN_MS = 120; // between changes of numbers and curves

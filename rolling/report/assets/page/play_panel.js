@@ -1,29 +1,13 @@
 // ---- sliders of the settings ----
 
 import { $, $$, runs } from "./core.js";
-import { askSettings, live, liveOf, rollOn, sendVolume } from "./play_sound.js";
+import { live, liveOf } from "./play_live.js";
+import { SETTINGS, SLIDER_STEP, isLive, roundedIn, shareAt, textOf, valueAt } from "./play_settings.js";
+import { askSettings, rollOn, sendVolume } from "./play_sound.js";
 import { drawSpectrum, showStrip } from "./play_meter.js";
 import { showExport } from "./play_export.js";
 import { wakeStage } from "./play_view.js";
 import { isPlayable } from "../engine/effort.js";
-
-/** The sliders: name in the engine, unit and its number in SI units, and key of a scene. */
-export const SETTINGS = $$(".slider input").map((input) => ({ ...input.dataset, name: input.name, si: Number(input.dataset.si), input }));
-
-/** Tell whether a run has a slider for a setting. */
-export const isLive = (name, { limits }) => Boolean(limits[name]) && limits[name][0] < limits[name][1];
-
-/** Return the value at a share of a slider: by even ratios, or from zero by growing steps. */
-export const valueAt = (share, [low, high]) => (low > 0 ? low * (high / low) ** share : (high * (1000 ** share - 1)) / 999);
-
-/** Return the share of a slider at a value: the inverse of `valueAt`. */
-export const shareAt = (value, [low, high]) =>
-  low > 0 ? Math.log(value / low) / Math.log(high / low) : Math.log1p((999 * value) / high) / Math.log(1000);
-
-/** Round a value to three digits in its unit, as slider, engine and scene share it. */
-const roundedIn = (value, si) => Number((Number((value / si).toPrecision(3)) * si).toPrecision(12));
-const SLIDER_STEP = 0.005; // of the whole slider
-const textOf = ({ unit, si }, value) => `${Number((value / si).toPrecision(4))} ${unit}`.trim();
 
 /** Return the lowest and the highest share of a slider whose plate can be played, whatever share it has now. */
 function endsOf({ name, si }) {
@@ -49,6 +33,13 @@ export function listenToSliders() {
     input.addEventListener("input", () => changeSetting(name, settingAt(Number(input.value), name, si)));
   }
   $("#play-volume").addEventListener("input", showVolume);
+}
+
+/** Choose the run that is played, with its own settings. */
+export function takeRun(number) {
+  if (number === live.number || !runs[number].live) return;
+  Object.assign(live, { number, fastest: 0 });
+  showRun();
 }
 
 /** Show the chosen run with the settings of its scene. */
@@ -104,23 +95,4 @@ function showVolume() {
   $("#play-volume").setAttribute("aria-valuetext", text);
   $("#play-volume-now").textContent = text;
   sendVolume();
-}
-
-/** State how many modes of a plate with edges move, and the change of level by the others. */
-export function showModes({ modes, of, costDb } = { modes: 0, of: 0, costDb: 0 }) {
-  const kept = `The lowest ${modes} of ${of} modes of the plate move, the others in bands`;
-  const cost = costDb < 0.1 ? "less than 0.1" : `about ${costDb.toFixed(1)}`;
-  $("#play-modes").textContent = modes < of ? `${kept}: the level changes by ${cost} dB.` : "";
-}
-
-/** Show a message of the engine; an empty one hides the note. */
-export function sayPlayed(text) {
-  $("#play-note").textContent = text;
-  $("#play-note").hidden = !text;
-}
-
-/** Say that settings are prepared, wherever the reader is in the instrument; an empty text hides it. */
-export function sayPreparing(text) {
-  $("#play-preparing").textContent = text;
-  $("#play-preparing").classList.toggle("late", Boolean(text));
 }

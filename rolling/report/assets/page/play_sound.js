@@ -1,40 +1,19 @@
 // ---- the instrument: its processor, its worker, and their messages ----
 
 import { $, FADE_S, RATE, runs, state } from "./core.js";
-import { RESTING_MS, audioContext, restContext, soundAlone, starting } from "./player.js";
+import { RESTING_MS, audioContext, restContext, soundAlone, sounds, starting } from "./audio.js";
+import { SPECTRUM, heardPosition, live, liveOf, tellInstrument } from "./play_live.js";
 import { isFaint, showReport } from "./play_meter.js";
+import { sayPlayed, sayPreparing, showModes } from "./play_notes.js";
 import { view, wakeStage } from "./play_view.js";
-import { sayPlayed, sayPreparing, showModes, showRun } from "./play_panel.js";
 import { instrumentNode, leaveBody, limiterNode, throughBody } from "../engine/graph.js";
 
 const LATE_MS = 400; // after which the page says that it prepares settings
 const FADED_MS = 200; // after which an instrument has faded out
 const HOLD_S = 0.5; // that a lifted ball is held
 const METER = 2048; // samples of the Fast level
-export const SPECTRUM = 16384; // samples, whose lines resolve the third octave at 20 Hz
-
-// `rolling`: direction of the ball, 0 at rest. `fastest`: speed of the hand [m/s], which the time steps have to resolve.
-// `dropped`: drops are wanted. `behind`: the settings have changed since the worker was asked; `preparing`: promise of the
-// time when it is not behind. `latest`: the settings prepared last. `node`: the instrument that sounds, and `sounding` its
-// settings. `resting`: the audio context is suspended until the ball is touched again. `asleepAt`: time of the audio clock
-// since which the ball rests. `limited`: the latest gain of the limiter.
-export const live = {
-  number: -1, settings: {}, rolling: 0, held: false, fastest: 0, dropped: false, report: null, heardAt: 0,
-  worker: null, behind: false, preparing: null, latest: null, refused: false,
-  opening: null, bus: null, meters: [], volume: null, node: null, body: null,
-  sounding: null, resting: false, asleepAt: null, limited: 1,
-};
-
-export const liveOf = () => runs[live.number].live;
 
 export const engineUrl = () => `data:text/javascript;charset=utf-8,${encodeURIComponent($("#engine").textContent)}`;
-
-/** Choose the run that is played, with its own settings. */
-export function takeRun(number) {
-  if (number === live.number || !runs[number].live) return;
-  Object.assign(live, { number, fastest: 0 });
-  showRun();
-}
 
 // ---- prepared settings ----
 
@@ -106,13 +85,6 @@ export function soundOn(falls = false) {
   sendVolume();
 }
 
-/** Return the position of the ball [m] now: the latest report is carried on by its speed. */
-export function heardPosition(unheard) {
-  if (!live.report) return unheard;
-  const { position, speed } = live.report.state;
-  return position + speed * Math.min((performance.now() - live.heardAt) / 1000, 0.1);
-}
-
 /** Make the instrument of prepared settings, and return its output. */
 function openNode({ number, settings, prepared }, falls) {
   const from = { position: heardPosition(prepared.start), speed: live.report?.state.speed ?? 0, hold: HOLD_S };
@@ -180,9 +152,6 @@ async function openGraph(context) {
   soundOn();
 }
 
-/** Send a message to the processor; it is lost before the sound has started. */
-export const tellInstrument = (message) => live.node?.port.postMessage(message);
-
 /** Let the gain glide to the volume of the slider and the scale of the chosen run. */
 export function sendVolume() {
   const scale = runs[live.number].playback.calibrated_pa ?? liveOf().fullScale;
@@ -206,3 +175,5 @@ export async function rollBall(direction) {
 export function restBall() {
   if (live.rolling || live.held) rollBall(0);
 }
+
+sounds.push({ stop: restBall, isHeard: isBallHeard, rest: () => { live.resting = live.node !== null; } });

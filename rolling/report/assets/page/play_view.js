@@ -2,7 +2,7 @@
 
 import { $, modulo, motionUnwanted, runs } from "./core.js";
 import { digits } from "./play_meter.js";
-import { heardPosition, live, liveOf } from "./play_sound.js";
+import { heardPosition, live, liveOf } from "./play_live.js";
 import { drawLensMap } from "./contact.js";
 
 const CENTRING_S = 0.35; // in which a ball that is let go comes back to the middle

@@ -1,20 +1,15 @@
 // ---- player: records loop in step, and one of them is heard ----
 
-import { $, $$, FADE_S, RATE, lengthOf, ownTime, position, runs, seconds, solvedTime, state } from "./core.js";
+import { $, $$, RATE, lengthOf, ownTime, position, runs, seconds, solvedTime, state } from "./core.js";
+import { RESTING_MS, audioContext, glide, restContext, soundAlone, sounds, starting, stopVoice } from "./audio.js";
 import { roundOf } from "./records.js";
 import { showMap } from "./contact.js";
-import { film, stopFilm } from "./film.js";
-import { isBallHeard, live, restBall } from "./play_sound.js";
 import { setPlayhead } from "./chart_touch.js";
 
 const STILL_MS = 2000; // without a sound after which the page says so
-export const RESTING_MS = 200; // after a sound, which has faded out by then
 
 const heardRun = () => state.blind ?? state.run;
 const gainOf = (number) => (number === heardRun() ? runs[number].playback[$("#equal")?.checked ? "equal" : "calibrated"] : 0);
-
-/** Move a gain to its target within the time of a fade. */
-export const glide = ({ gain }, target, when = state.context.currentTime) => gain.setTargetAtTime(target, when, FADE_S / 4);
 
 /** Make one run audible; only gains change. */
 export function mix() {
@@ -41,44 +36,6 @@ function stopVoices() {
   state.at = position();
   state.voices?.filter(Boolean).forEach(stopVoice);
   state.voices = null;
-}
-
-export function stopVoice({ source, gain }) {
-  glide(gain, 0);
-  source.stop(state.context.currentTime + 2 * FADE_S);
-}
-
-export function audioContext() {
-  if (!state.context) {
-    state.context = new AudioContext({ sampleRate: RATE });
-    state.master = new GainNode(state.context, { gain: Number($("#volume").value) });
-    state.master.connect(state.context.destination);
-  }
-  return state.context;
-}
-
-/** Begin a sound while the audio context stays awake. */
-export async function starting(begin) {
-  state.starting += 1;
-  try {
-    return await begin();
-  } finally {
-    state.starting -= 1;
-  }
-}
-
-/** Suspend the audio context if nothing sounds: it takes processor time even for silence. */
-export function restContext() {
-  const { context, wanted, voices } = state;
-  if (context?.state !== "running" || state.starting || wanted || voices || film.voice || isBallHeard()) return;
-  live.resting = live.node !== null;
-  context.suspend();
-}
-
-/** Stop every sound of the page but one: the records, the slow motion, the ball, or a single player. */
-export function soundAlone(own) {
-  for (const stop of [pause, stopFilm, restBall]) if (stop !== own) stop();
-  for (const player of $$("audio")) if (player !== own) player.pause();
 }
 
 /** Show a note while the browser waits for a sound device. */
@@ -140,9 +97,11 @@ export function render() {
   showMap();
 }
 
-/** Move the playheads of charts over time, in the slow motion to its map. */
-export function showPlayheads() {
+/** Move the playheads of charts over time, but those of the slow motion. */
+function showPlayheads() {
   for (const figure of $$("figure.timeline")) {
-    if (figure.plot) setPlayhead(figure.plot, figure.closest(".film") ? film.time : solvedTime(figure.plot.chart.run));
+    if (figure.plot && !figure.closest(".film")) setPlayhead(figure.plot, solvedTime(figure.plot.chart.run));
   }
 }
+
+sounds.push({ stop: pause, isHeard: () => state.wanted || state.voices !== null });
