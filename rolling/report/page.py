@@ -23,12 +23,14 @@ from rolling.report import assumed, film, live, maps, records, text
 from rolling.report.charts import Chart, chart_of
 from rolling.report.templates import environment, joined_script
 from rolling.results import answer, run_lines, runs_table, verdict
+from rolling.results.listening import QUIET_DB
 from rolling.results.notes import REPEATS
 from rolling.results.run_result import Run
 from rolling.terminal import defaults
 
 LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the curves as drawn
 MAX_RUNS = defaults.MAX_RUNS_ON_PAGE
+STYLES = ("report.css", "heard.css", "play.css", "chart.css")
 MAX_BESIDE = 3  # runs whose own pictures stand below each other
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 SURFACES = ("surface", "ball_surface")
@@ -77,6 +79,8 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         runs=runs,
         views=views,
         unsolved=list(unsolved),
+        sources=len({run.sound.source for run in runs}),
+        quiet_db=QUIET_DB,
         lengths={round(run.sound.duration, 4) for run in runs},
         short=any(doubt.key == "short_loop" for view in views for doubt in view.repeats),
         map_scale=scale,
@@ -87,7 +91,12 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         curves=_comparing_exhibits(runs),
         surfaces=_surfaces(shown),
         vibration=[name for name in VIBRATION if any(name in view.pictures for view in views)],
-        css=Markup(text.asset("report.css") + text.asset("play.css") + text.asset("chart.css")),
+        css=Markup(
+            text.asset("report.css")
+            + text.asset("heard.css")
+            + text.asset("play.css")
+            + text.asset("chart.css")
+        ),
         js=Markup(joined_script("page/begin.js" if shown else "page/chart.js")),
         engine=Markup(joined_script("engine/worklet.js")),
         data=data,
@@ -114,7 +123,8 @@ class RunView:
     run : Run
     number : int. Place of the run on the page.
     playback : dict. Gains, as `records.gains` returns them.
-    records : list of dict. Name, sound and description of its records; the first is heard.
+    below_db : float. Level of the loudest run of its source over its own.
+    records : list of PageRecord. Its records; the first is heard.
     lap : dict. Lap to which the end of that record leads back.
     solved : float, s. Time in that record at which the solved track ends.
     repeats : list. Notes on the repetition of that record.
@@ -127,7 +137,8 @@ class RunView:
     run: Run
     number: int
     playback: dict[str, float | None]
-    records: list[dict[str, str]]
+    below_db: float
+    records: list[records.PageRecord]
     lap: dict[str, float]
     solved: float
     repeats: list[Doubt]
@@ -141,13 +152,14 @@ def _views(runs: Sequence[Run]) -> list[RunView]:
     views = []
     for number, (run, record) in enumerate(zip(runs, records.of_runs(runs), strict=True)):
         repeats = []
-        if record.records[0]["name"] == "run":  # a long record goes on
+        if record.records[0].name == "run":  # a long record goes on
             repeats = [doubt for doubt in verdict.listed(run.summary) if doubt.key in REPEATS]
         view = RunView(
             label=run.label,
             run=run,
             number=number,
             playback=record.playback,
+            below_db=record.below_db,
             records=record.records,
             lap=record.lap,
             solved=record.solved,

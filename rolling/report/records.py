@@ -22,24 +22,46 @@ from rolling.results.run_result import Run
 from rolling.sound.contact_sound import ContactSound, fade_length
 from rolling.sound.long_listening import Listening
 
-_FULL = 2**15  # steps of full scale
+_FULL = 2**23  # steps of full scale
+
+
+class PageRecord(NamedTuple):
+    """A record on the page.
+
+    `name` is long, run or passes; `title` and `text` describe it, `src` is its sound in a data URI,
+    `full_pa` the pressure [Pa] of full scale in it, and `size` that of its WAV in words.
+    """
+
+    name: str
+    title: str
+    text: str
+    src: str
+    full_pa: float
+    size: str
+    silent: bool
 
 
 class RunRecords(NamedTuple):
     """Records of a run for the page, the first of which is heard: long, computed, by passes.
 
-    `playback` are the gains of the first record, `lap` is the part of it to which its end leads
-    back, and `solved` the time [s] in it at which the solved track ends.
+    `playback` are the gains of the first record, and `below_db` is the level of the loudest run
+    with this gain over its own. `lap` is the part of it to which its end leads back, and `solved`
+    the time [s] in it at which the solved track ends.
     """
 
-    records: list[dict[str, str]]
+    records: list[PageRecord]
     playback: dict[str, float | None]
+    below_db: float
     lap: dict[str, float]
     solved: float
 
 
 def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
-    """Return the records of runs that are compared on a page."""
+    """Return the records of runs that are compared on a page.
+
+    Runs share a gain with the runs that are heard by the same source: nobody compares vibration and
+    release by ear, and the release is louder by tens of decibels.
+    """
     longs = [listening.long_record_of(run) for run in runs]
     peaks_pa = []
     levels_db = []
@@ -50,41 +72,83 @@ def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
         else:
             peaks_pa.append(float(np.abs(long.channels).max()))
             levels_db.append(long.numbers["laeq_db"])
-    playbacks = gains(peaks_pa, levels_db)
-    return [
-        RunRecords(
-            records=_records(run, long),
-            playback=playback,
-            lap=lap(run.sound, long),
-            solved=solved(run.sound, long),
-        )
-        for run, long, playback in zip(runs, longs, playbacks, strict=True)
-    ]
-
-
-def _records(run: Run, long: Listening | None) -> list[dict[str, str]]:
-    """Return name, sound and description of the records of a run, the one that is heard first."""
+    sources = [run.sound.source for run in runs]
+    playbacks = gains_by_source(sources, peaks_pa, levels_db)
     records = []
-    if long is not None:
-        full_pa = full_scale(float(np.abs(long.channels).max()))
-        sentence = listening.describe_long_record(run, long)
-        text = f"long record: {sentence}; full scale is {full_pa:.4g} Pa"
-        records.append({"name": "long", "text": text, "src": compressed(long.channels / full_pa)})
-    full_pa = full_scale(float(np.abs(run.sound.channels).max()))
-    text = f"computed record of {run.sound.duration:.4g} s; full scale is {full_pa:.4g} Pa"
-    records.append({"name": "run", "text": text, "src": lossless(run.sound.channels / full_pa)})
-    if run.result.passes is not None:
-        content, sentence = listening.passes_wav(run, 16)
-        samples, _ = soundfile.read(io.BytesIO(content))
-        text = f"pass by pass: {sentence}"
-        records.append({"name": "passes", "text": text, "src": compressed(samples)})
+    for number, (run, long) in enumerate(zip(runs, longs, strict=True)):
+        beside = [
+            level
+            for source, level in zip(sources, levels_db, strict=True)
+            if source == sources[number] and level is not None
+        ]
+        own_db = levels_db[number]
+        records.append(
+            RunRecords(
+                records=_records(run, long),
+                playback=playbacks[number],
+                below_db=0.0 if own_db is None else max(beside) - own_db,
+                lap=lap(run.sound, long),
+                solved=solved(run.sound, long),
+            )
+        )
     return records
 
 
+def _records(run: Run, long: Listening | None) -> list[PageRecord]:
+    """Return the records of a run, the one that is heard first."""
+    records = []
+    if long is not None:
+        full_pa = full_scale(float(np.abs(long.channels).max()))
+        record = PageRecord(
+            name="long",
+            title="long record",
+            text=f"long record: {listening.describe_long_record(run, long)}",
+            src=compressed(long.channels / full_pa),
+            full_pa=full_pa,
+            size=_wav_size(long.channels),
+            silent=False,
+        )
+        records.append(record)
+    channels = run.sound.channels
+    full_pa = full_scale(float(np.abs(channels).max()))
+    record = PageRecord(
+        name="run",
+        title="solved record",
+        text=f"computed record of {run.sound.duration:.4g} s",
+        src=lossless(channels / full_pa),
+        full_pa=full_pa,
+        size=_wav_size(channels),
+        silent=not channels.any(),
+    )
+    records.append(record)
+    if run.result.passes is not None:
+        content, sentence = listening.passes_wav(run, 16)
+        with soundfile.SoundFile(io.BytesIO(content)) as file:
+            samples = file.read()
+            gain = listening.gain_of_comment(file.comment).full_scale_per_pa
+        record = PageRecord(
+            name="passes",
+            title="passes",
+            text=f"pass by pass: {sentence}",
+            src=compressed(samples),
+            full_pa=1.0 / gain,
+            size=_wav_size(samples),
+            silent=not samples.any(),
+        )
+        records.append(record)
+    return records
+
+
+def _wav_size(samples: Array) -> str:
+    """Return the size of a record as a WAV of 24 bits in words."""
+    kilobytes = 3 * samples.size / 1000
+    return f"{kilobytes:.0f} kB" if kilobytes < 1000 else f"{kilobytes / 1000:.1f} MB"
+
+
 def lossless(samples: Array) -> str:
-    """Return samples within full scale in 16 bits as a FLAC in a data URI."""
-    steps = np.clip(np.rint(_FULL * samples), -_FULL, _FULL - 1).astype(np.int16)
-    return _embedded(steps, "FLAC", "audio/flac", subtype="PCM_16")
+    """Return samples within full scale in 24 bits as a FLAC in a data URI."""
+    steps = np.clip(np.rint(_FULL * samples), -_FULL, _FULL - 1).astype(np.int32) << 8
+    return _embedded(steps, "FLAC", "audio/flac", subtype="PCM_24")
 
 
 def compressed(samples: Array) -> str:
@@ -122,6 +186,19 @@ def solved(sound: ContactSound, long: Listening | None) -> float:
 
 
 # ---- gains
+
+
+def gains_by_source(
+    sources: Sequence[str], peaks_pa: Sequence[float], laeq_db: Sequence[float | None]
+) -> list[dict[str, float | None]]:
+    """Compute the gains of records, as `gains`, among the records of each source."""
+    computed: list[dict[str, float | None]] = [{} for _ in sources]
+    for source in dict.fromkeys(sources):
+        numbers = [number for number, other in enumerate(sources) if other == source]
+        of_source = gains([peaks_pa[k] for k in numbers], [laeq_db[k] for k in numbers])
+        for number, gain in zip(numbers, of_source, strict=True):
+            computed[number] = gain
+    return computed
 
 
 def gains(

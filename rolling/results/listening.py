@@ -309,10 +309,11 @@ def passes_wav(run: SolvedRun, bits: Literal[16, 24] = 24) -> tuple[bytes, str]:
         parts.append(pause)
         levels.append(f"{number} ({decibels_a(sound.levels.laeq_db)})")
     record = np.concatenate(parts)
-    gain = wav.listening_gain(record)
     content = f"{PASS_S:g} s of each pass at one gain, with its LAeq: {', '.join(levels)}"
-    comment = f"{gain:.6g} full scale per Pa; {content}"
-    return wav.listening(record, gain, comment, wav_title(run, run.label), bits), content
+    gain = own_gain(EarRecord(record, content))
+    comment = f"{comment_of_gain(gain)}; {content}"
+    scale = gain.full_scale_per_pa
+    return wav.listening(record, scale, comment, wav_title(run, run.label), bits), content
 
 
 def wav_title(run: RunFolder, label: str) -> str:

@@ -25,13 +25,13 @@ from acoustics import level
 
 
 def test_the_records_of_the_page_times_their_scale_are_the_records_of_the_runs(pages) -> None:
-    """The peak lies 1 dB below full scale, and 16 bits round by half a step at most."""
+    """The peak lies 1 dB below full scale, and 24 bits round by half a step at most."""
     path = pages("three")
     for k, run in enumerate(runs_of("three")):
         record = embedded_record(path, k)
         scale = data_of(path)["runs"][k]["playback"]["full_scale_pa"]
-        assert np.abs(record).max() == pytest.approx(10 ** (-1 / 20), abs=2**-15)
-        assert np.abs(record - run.sound.pressure / scale).max() <= 2**-16 * (1 + 1e-6)
+        assert np.abs(record).max() == pytest.approx(10 ** (-1 / 20), abs=2**-23)
+        assert np.abs(record - run.sound.pressure / scale).max() <= 2**-24 * (1 + 1e-6)
 
 
 def test_gains_give_the_stated_levels_and_never_clip(pages, opened) -> None:
@@ -180,19 +180,25 @@ def test_play_begins_with_the_long_record_at_its_own_level(pages, opened) -> Non
         assert float(page.text_content("#map-time").split()[0]) == pytest.approx(solved, abs=0.01)
 
 
-def test_a_record_is_downloaded_as_a_wav_with_its_scale(pages, opened) -> None:
+def test_a_record_is_saved_as_a_wav_at_the_gain_that_is_heard(pages, opened) -> None:
+    """The common gain by default, that of equal loudness with the switch; 24 bits."""
     path = pages("three")
+    stated = data_of(path)["runs"][1]["playback"]
     with opened(path, accept_downloads=True) as page:
-        page.evaluate("document.querySelector('.singles').open = true")
-        with page.expect_download() as download:
-            page.locator("[data-wav]").nth(1).click()
-        content = download.value.path().read_bytes()
-        scale = data_of(path)["runs"][1]["playback"]["full_scale_pa"]
-    samples, rate = soundfile.read(io.BytesIO(content))
-    # Chromium divides positive samples by 32767 and negative ones by 32768.
-    assert rate == RATE and np.abs(samples - embedded_record(path, 1)).max() <= 2**-15
-    comment = soundfile.SoundFile(io.BytesIO(content)).comment
-    assert float(re.search(r"full scale is (\S+) Pa", comment)[1]) == pytest.approx(scale, rel=1e-3)
+        page.keyboard.press("2")
+        for mode in ("calibrated", "equal"):
+            page.set_checked("#equal", mode == "equal")
+            with page.expect_download() as download:
+                page.locator("[data-wav]:visible").first.click()
+            content = download.value.path().read_bytes()
+            file = soundfile.SoundFile(io.BytesIO(content))
+            samples = file.read()
+            assert file.subtype == "PCM_24" and file.samplerate == RATE
+            expected = embedded_record(path, 1) * stated[mode]
+            assert np.abs(samples - expected).max() <= 2**-22
+            full_pa = stated["full_scale_pa"] / stated[mode]
+            named = float(re.search(r"full scale is (\S+) Pa", file.comment)[1])
+            assert named == pytest.approx(full_pa, rel=1e-5)
 
 
 def test_a_record_that_does_not_close_goes_round_as_listen_wav_does(pages, opened) -> None:

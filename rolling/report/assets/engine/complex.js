@@ -10,16 +10,27 @@ export function over(u, [c, d]) {
   return times(u, [c / square, -d / square]);
 }
 
+const turns = new Map(); // cosine and sine of the parts of half a turn, by the number of parts
+
+/** Return cosine and sine of half a turn in so many parts. */
+function turnsOf(parts) {
+  if (!turns.has(parts)) {
+    const angles = Float64Array.from({ length: parts }, (_, p) => (Math.PI * p) / parts);
+    turns.set(parts, { cosines: angles.map(Math.cos), sines: angles.map(Math.sin) });
+  }
+  return turns.get(parts);
+}
+
 /** Return the sums of x[i] exp(-2 pi i j k / n), after Stockham: every stage also sorts its values. */
 function transform(re, im) {
-  const { length } = re;
+  const { length } = re, { cosines, sines } = turnsOf(length / 2);
   let [xr, xi, yr, yi] = [re, im, new Float64Array(length), new Float64Array(length)];
   for (let half = length / 2, stride = 1; half >= 1; half /= 2, stride *= 2) {
     for (let p = 0; p < half; p++) {
-      const [cos, sin] = [Math.cos((Math.PI * p) / half), Math.sin((Math.PI * p) / half)];
+      const cos = cosines[p * stride], sin = sines[p * stride];
       for (let a = p * stride; a < (p + 1) * stride; a++) {
-        const [b, to] = [a + half * stride, a + p * stride];
-        const [dr, di] = [xr[a] - xr[b], xi[a] - xi[b]];
+        const b = a + half * stride, to = a + p * stride;
+        const dr = xr[a] - xr[b], di = xi[a] - xi[b];
         yr[to] = xr[a] + xr[b];
         yi[to] = xi[a] + xi[b];
         yr[to + stride] = dr * cos + di * sin;

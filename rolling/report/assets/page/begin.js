@@ -3,6 +3,7 @@
 import { $, $$, data, lengthOf, ownTime, runs, say, state } from "./core.js";
 import { glide, soundAlone } from "./audio.js";
 import { mix, pause, play, render, seek } from "./player.js";
+import { listenToHeard, showHeard, showLoudness } from "./heard.js";
 import { copy, roundOf, saveRecord } from "./records.js";
 import { showStill, timeOfMap } from "./contact.js";
 import { playFilm, realTime, seekFilm, seekFilmTo, showFilm, showRate, stopFilm } from "./film.js";
@@ -37,6 +38,7 @@ export function choose(number) {
   for (const element of $$("[data-only]")) element.hidden = !element.dataset.only.split(" ").includes(String(number));
   say(runs[number].label);
   takeRun(number);
+  showHeard();
   showStill();
   showFilm();
   render();
@@ -74,7 +76,8 @@ function listen() {
   on("#seek", "input", (slider) => seek(Number(slider.value)));
   on("#volume", "input", (slider) => state.master && glide(state.master, Number(slider.value)));
   on("#choose, input[name=run], input[name=play-run]", "change", (choice) => choose(Number(choice.value)));
-  on("#equal", "change", mix);
+  on("#equal", "change", () => { mix(); showLoudness(); });
+  listenToHeard(seek);
   on("audio", "play", soundAlone);
   on("#compare-a, #compare-b", "change", endTest);
   on("#compare-a, #compare-b", "change", showDifference);

@@ -2,6 +2,7 @@
 
 import { $, $$, data, runs, state } from "./core.js";
 import { openChart } from "./chart.js";
+import { showLoudness } from "./heard.js";
 import { mix, play } from "./player.js";
 
 const pair = () => ["#compare-a", "#compare-b"].map((selector) => Number($(selector).value));
@@ -72,6 +73,7 @@ export function beginTest() {
   Object.assign(test, { trials: 0, right: 0 });
   $("#equal").checked = true; // otherwise the level alone would tell the runs apart
   mix();
+  showLoudness();
   chooseX();
   $("#abx-result").textContent = $("#abx").disabled ? "A and B are the same run." : "Listen, then say what X is.";
 }

@@ -104,7 +104,7 @@ export async function saveWav() {
     const file = wavOf(channels.map((channel) => channel.map((sample) => sample / fullScale)), `full scale = ${fullScale} Pa`);
     const name = runs[number].label.replace(/[^\w.=-]+/g, "_");
     download(file, "audio/wav", `${name}_played_full_scale_${fullScale}_Pa.wav`);
-    $("#play-saved").textContent = `${RECORD_S} s at 48 kHz, 16 bit; full scale is ${fullScale} Pa.`;
+    $("#play-saved").textContent = `${RECORD_S} s at 48 kHz, 24 bit; full scale is ${fullScale} Pa.`;
   } catch (error) {
     sayPlayed(`No record: ${error.message}.`);
   } finally {

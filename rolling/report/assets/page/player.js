@@ -92,6 +92,7 @@ export function render() {
   const time = ownTime(state.run), length = lengthOf(state.run);
   Object.assign($("#seek"), { max: length, value: time });
   $("#seek").setAttribute("aria-valuetext", seconds(time));
+  $("#heard").style.setProperty("--at", time / length);
   $("#time").textContent = `${seconds(time)} / ${seconds(length)}`;
   showPlayheads();
   showMap();

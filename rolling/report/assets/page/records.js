@@ -30,27 +30,35 @@ function crossFade(record, { begin, end, overlap, correlation }) {
   return record;
 }
 
-/** Save the record of the player beside a button as a WAV. */
-export async function saveRecord(button) {
-  const line = button.parentElement, record = await samplesOf(line.querySelector("audio"));
-  const channels = Array.from({ length: record.numberOfChannels }, (_, c) => record.getChannelData(c));
-  download(wavOf(channels, line.querySelector("span").textContent), "audio/wav", `${button.dataset.wav}.wav`);
+/** Save the record of a player as a WAV, at the gain at which the page plays its run. */
+export async function saveRecord({ dataset: { wav, of } }) {
+  const player = document.getElementById(of), record = await samplesOf(player), full = Number(player.dataset.full);
+  const { calibrated, equal, calibrated_pa: common } = runs[Number(of.split("-").at(-1))].playback;
+  const wanted = $("#equal")?.checked ? (common * calibrated) / equal : common;
+  const scale = Math.max(full, wanted); // a record with a higher peak than the one that is heard must not clip
+  const channels = Array.from({ length: record.numberOfChannels }, (_, c) => record.getChannelData(c).map((sample) => (sample * full) / scale));
+  const text = document.getElementById(player.getAttribute("aria-labelledby")).textContent;
+  download(wavOf(channels, `${text.split("; full scale is")[0]}; full scale is ${Number(scale.toPrecision(6))} Pa`), "audio/wav", `${wav}.wav`);
 }
 
-/** Write channels of samples within full scale as a WAV of 16 bits with a comment. */
+/** Write channels of samples within full scale as a WAV of 24 bits with a comment. */
 export function wavOf(channels, comment, rate = RATE) {
   const text = new TextEncoder().encode(`${comment}\0`), note = text.length + (text.length % 2);
-  const count = channels.length, frames = channels[0].length, size = 2 * count * frames;
-  const file = new DataView(new ArrayBuffer(44 + size + 20 + note));
+  const count = channels.length, frames = channels[0].length, size = 3 * count * frames, end = 44 + size + (size % 2);
+  const file = new DataView(new ArrayBuffer(end + 20 + note));
   const word = (at, letters) => [...letters].forEach((letter, i) => file.setUint8(at + i, letter.charCodeAt(0)));
-  const numbers = [[4, 4, file.byteLength - 8], [16, 4, 16], [20, 2, 1], [22, 2, count], [24, 4, rate], [28, 4, 2 * count * rate], [32, 2, 2 * count], [34, 2, 16], [40, 4, size]];
-  const info = [[44 + size + 4, 4, 12 + note], [44 + size + 16, 4, text.length]];
-  for (const [at, letters] of [[0, "RIFF"], [8, "WAVE"], [12, "fmt "], [36, "data"], [44 + size, "LIST"], [52 + size, "INFO"], [56 + size, "ICMT"]]) word(at, letters);
+  const numbers = [[4, 4, file.byteLength - 8], [16, 4, 16], [20, 2, 1], [22, 2, count], [24, 4, rate], [28, 4, 3 * count * rate], [32, 2, 3 * count], [34, 2, 24], [40, 4, size]];
+  const info = [[end + 4, 4, 12 + note], [end + 16, 4, text.length]];
+  for (const [at, letters] of [[0, "RIFF"], [8, "WAVE"], [12, "fmt "], [36, "data"], [end, "LIST"], [end + 8, "INFO"], [end + 12, "ICMT"]]) word(at, letters);
   for (const [at, bytes, value] of [...numbers, ...info]) bytes === 2 ? file.setUint16(at, value, true) : file.setUint32(at, value, true);
   for (let i = 0; i < frames; i++) {
-    for (let c = 0; c < count; c++) file.setInt16(44 + 2 * (count * i + c), Math.max(-32768, Math.min(32767, Math.round(32768 * channels[c][i]))), true);
+    for (let c = 0; c < count; c++) {
+      const step = Math.max(-8388608, Math.min(8388607, Math.round(8388608 * channels[c][i]))), at = 44 + 3 * (count * i + c);
+      file.setUint8(at, step & 255);
+      file.setInt16(at + 1, step >> 8, true);
+    }
   }
-  new Uint8Array(file.buffer).set(text, 64 + size);
+  new Uint8Array(file.buffer).set(text, end + 20);
   return file.buffer;
 }
 
