@@ -195,7 +195,7 @@ def test_a_record_is_saved_as_a_wav_at_the_gain_that_is_heard(pages, opened) -> 
             samples = file.read()
             assert file.subtype == "PCM_24" and file.samplerate == RATE
             expected = embedded_record(path, 1) * stated[mode]
-            assert np.abs(samples - expected).max() <= 2**-22
+            assert np.abs(samples - expected).max() <= 2**-21
             full_pa = stated["full_scale_pa"] / stated[mode]
             named = float(re.search(r"full scale is (\S+) Pa", file.comment)[1])
             assert named == pytest.approx(full_pa, rel=1e-5)
