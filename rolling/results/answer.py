@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import statistics
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
@@ -337,10 +338,16 @@ def _sides(runs: Sequence[RunFolder]) -> list[_Side]:
         values = {key: value for key, value in run.values.items() if key != SEED}
         by_values.setdefault((run.scene.name, *values.items()), []).append(run)
     firsts = [of_side[0] for of_side in by_values.values()]
+    names = Counter(run.scene.name for run in firsts)
     sides = []
     for of_side, label in zip(by_values.values(), labels(firsts), strict=True):
-        values = {key: value for key, value in of_side[0].values.items() if key != SEED}
-        sides.append(_Side(of_side, values, _words(values, label)))
+        first = of_side[0]
+        values = {key: value for key, value in first.values.items() if key != SEED}
+        words = _words(values, label)
+        if len(names) > 1:
+            is_alone = names[first.scene.name] == 1 or not values
+            words = f"in {first.scene.name}" + ("" if is_alone else f" {words}")
+        sides.append(_Side(of_side, values, words))
     return sides
 
 
@@ -391,7 +398,7 @@ def _comparison(first: _Side, last: _Side) -> str:
     opening = last.words[0].upper() + last.words[1:]
     if heard is None:
         if released is None:
-            return gap([*first.summaries, *last.summaries])
+            return _not_compared([*first.summaries, *last.summaries])
         sentence = f"{opening} the ball {_more_power(released)}"
         if released.is_certain:
             sentence += f" than {first.words}"
@@ -406,6 +413,13 @@ def _comparison(first: _Side, last: _Side) -> str:
     is_one_sided = released.is_certain and not heard.is_certain
     joint = "although" if is_opposite or is_one_sided else "and"
     return f"{sentence}, {joint} it {_more_power(released)}.{_means(first, last)}"
+
+
+def _not_compared(summaries: Sequence[Mapping[str, Any]]) -> str:
+    """Say why runs are not compared, or how their two numbers compare."""
+    if len({_quantity(summary) for summary in summaries}) > 1:
+        return "A single event has an LAE and a lasting sound an LAeq, so they are not compared."
+    return gap(summaries)
 
 
 def _means(first: _Side, last: _Side) -> str:

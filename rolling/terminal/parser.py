@@ -428,7 +428,7 @@ def _add_volume(parser: argparse.ArgumentParser, *, default: Any) -> None:
         "--verbose",
         action="store_true",
         default=default,
-        help="say more: steps and times",
+        help="say more: errors, notes and warnings, steps and times",
     )
 
 

@@ -130,6 +130,15 @@ def test_runs_of_several_seeds_are_one_side() -> None:
     assert "three surfaces" in text
 
 
+def test_runs_of_several_scenes_are_compared_by_their_names() -> None:
+    sheet = a_run(read_scene(Path("steel-sheet")), COMPUTED | {"laeq_db": 56.4})
+    pit = a_run(read_scene(Path("ball-with-pit")), COMPUTED | {"laeq_db": 18.0})
+    assert follows([sheet, pit]).startswith("In steel-sheet the ball is 38 dB louder than in ball")
+    fall = COMPUTED | {"single_event": True, "lae_db": 70.0, "drop_mm": 20.0}
+    marble = a_run(read_scene(Path("marble-dropped")), fall)
+    assert "louder" not in follows([sheet, marble]) and "LAE" in follows([sheet, marble])
+
+
 def test_the_gap_names_both_levels() -> None:
     assert gap([ESTIMATED]).startswith("Released power is 56 dB above the estimated vibration")
     assert gap([ESTIMATED | {"q": None}]) == ""
