@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,13 +24,15 @@ from rolling.results.run_result import PASSES, Run
 from rolling.run import folder as folders
 from rolling.run.solving import open_runs, runs_of_part, solve_folder
 from rolling.scene import file
-from rolling.scene.height_files import HeightFormatError
+from rolling.scene.height_files import HeightFormatError, is_instrument
 from rolling.scene.messages import nearest
 from rolling.scene.scene import Scene
-from rolling.surface import measured
+from rolling.surface import character, measured
+from rolling.surface.character import PROFILE_NODES
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
+from rolling.terminal.streams import wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -567,10 +569,26 @@ def surface(
         return [folder]
     nodes = " x ".join(str(count) for count in described.heights.shape)
     sides = " x ".join(str(step) for step in np.round(1e6 * described.steps, 6))
-    print(f"{printable(described.name)}: {nodes} nodes of {sides} um, {described.words}")
-    print("\n".join(lines))
+    print(f"{printable(described.name)}: {nodes} nodes of {sides} um, {described.words}\n")
+    _print_character(described)
+    print("\n".join(["\nAll parameters of ISO 25178-2:", *lines]))
     print(f"\nall files: {printable(str(folder))}")
     return []
+
+
+def _print_character(described: _DescribedSurface) -> None:
+    """Print the numbers by which finishes are compared, and lines of a scene with the surface."""
+    numbers = character.character(described.heights, described.steps, described.is_periodic)
+    for sentence in character.sentences(numbers, described.pair):
+        print(wrapped(sentence, ""))
+    if described.file_keys:
+        print("\nIn a scene, this rolls over the file itself:")
+        print(f"  {character.line_of_file(described.file_keys)}")
+    nodes_across = described.heights.shape[1]
+    made = character.line_of_statistics(numbers, min(described.steps), nodes_across)
+    if made:
+        print("\nIn a scene, this makes a random surface of these Ra and 1/e lengths:")
+        print(f"  {made}")
 
 
 @dataclass(frozen=True)
@@ -582,6 +600,8 @@ class _DescribedSurface:
     heights : (along, across) array, m. NaN where they are not measured.
     steps : (2,) array, m. Spacing of the nodes along and across.
     is_periodic : bool. Whether the surface closes, as that of a scene does.
+    pair : Pair. Ball and plate of the plasticity index.
+    file_keys : dict. Keys of the section `surface` of a scene with the file; empty for a scene.
     """
 
     name: str
@@ -589,6 +609,8 @@ class _DescribedSurface:
     heights: Array
     steps: Array
     is_periodic: bool
+    pair: character.Pair
+    file_keys: dict[str, Any]
 
 
 def _refuse_taken(save: Path | None, out: Path | None) -> None:
@@ -614,6 +636,8 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
         heights=surface.heights,
         steps=np.full(2, scene.spacing),
         is_periodic=True,
+        pair=character.pair_of_scene(scene),
+        file_keys={},
     )
 
 
@@ -628,12 +652,25 @@ def _surface_of_file(
     gaps = np.count_nonzero(np.isnan(heights))
     if gaps:
         words += f", {gaps} unmeasured"
+    keys: dict[str, Any] = {"kind": "file", "path": path.as_posix()}
+    given = {"channel": channel, "spacing_um": spacing_um, "xy_unit": xy_unit}
+    keys |= {name: value for name, value in given.items() if value is not None}
+    if unit != "m":
+        keys["height_unit"] = unit
+    if gaps:
+        keys["unmeasured"] = "fill"
+    if not is_instrument(path):
+        keys["periodic"] = "blend"  # as a measurement, which does not close
+    if heights.shape[1] == 1:
+        keys["width_um"] = float(f"{PROFILE_NODES * 1e6 * steps[0]:.10g}")
     return _DescribedSurface(
         name=path.name,
         words=words,
         heights=heights,
         steps=steps,
         is_periodic=False,
+        pair=character.pair_of_steel(),
+        file_keys=keys,
     )
 
 

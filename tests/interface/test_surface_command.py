@@ -9,7 +9,10 @@ import pandas as pd
 import pytest
 
 from rolling import cli, read_scene
+from rolling.scene.file import loads
+from rolling.scene.scene import Scene
 from rolling.surface import measured, scene_surface
+from rolling.surface.character import character, pair_of_scene, plasticity_index
 from rolling.surface.parameters import NAMES, parameters, without_plane
 
 SCENE = """\
@@ -101,6 +104,91 @@ def test_the_surface_of_a_scene_is_described_and_saved(capsys: pytest.CaptureFix
     again = table("again/surface.csv")
     for name in ("Sq", "Sdq", "Sk", "Sal"):
         assert again[name] == pytest.approx(first[name], rel=0.05)
+
+
+def pasted(said: str, number: int) -> Scene:
+    """Return the scene with a line of YAML that the command printed."""
+    lines = [line.strip() for line in said.splitlines() if line.startswith("  surface: {")]
+    text = "".join(line for line in SCENE.splitlines(True) if not line.startswith("surface"))
+    text = text.replace("width_um: 200, seed: 3}\n", "")
+    return loads(text + lines[number] + "\n")
+
+
+def test_the_line_for_a_scene_makes_a_surface_of_the_same_numbers(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Ra is equal, and the 1/e lengths scatter by some per cent over a surface of 400 um."""
+    words = ["plate.yaml", "--set", "surface.correlation_length_across_um=20", "--out", "a"]
+    assert cli.main(["surface", *words]) == 0
+    scene = pasted(capsys.readouterr().out, 0)
+    made = scene_surface.heights(scene)
+    numbers = character(made, np.full(2, scene.spacing), True)
+    assert numbers.ra == pytest.approx(1e-7, rel=1e-3)
+    assert numbers.along == pytest.approx(10e-6, rel=0.2)
+    assert numbers.across == pytest.approx(20e-6, rel=0.2)
+
+
+def test_the_lines_for_a_scene_name_a_file_or_make_one_like_it(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """An array needs its spacing and unit, a measurement with a gap is filled in and blended."""
+    heights = 0.1 * scene_surface.heights(read_scene("plate.yaml")) * 1e6
+    np.save("scan of a.npy", heights[:, :150])
+    words = ["scan of a.npy", "--spacing-um", "2", "--height-unit", "um"]
+    assert cli.main(["surface", *words]) == 0
+    said = capsys.readouterr().out
+    assert np.std(scene_surface.heights(pasted(said, 0))) == pytest.approx(1.25e-8, rel=0.05)
+    assert np.std(scene_surface.heights(pasted(said, 1))) == pytest.approx(1.25e-8, rel=0.05)
+    assert cli.main(["surface", "scan.xyz"]) == 0
+    surface = pasted(capsys.readouterr().out, 0).surface
+    assert surface.unmeasured == "fill" and surface.made_periodic == "blend"
+
+
+def test_a_profile_and_grooves_say_which_length_is_unknown(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    rows = 1e-7 * np.random.default_rng(2).standard_normal(400)
+    np.savetxt("profile.txt", rows)
+    assert cli.main(["surface", "profile.txt", "--spacing-um", "2"]) == 0
+    said = capsys.readouterr().out
+    assert "not across it" in said
+    assert pasted(said, 0).surface.width_um == 256
+    np.save("grooves.npy", np.tile(rows[:60], (60, 1)))
+    assert cli.main(["surface", "grooves.npy", "--spacing-um", "2"]) == 0
+    assert "not along it" in capsys.readouterr().out
+    np.save("level.npy", np.zeros((20, 20)))
+    assert cli.main(["surface", "level.npy", "--spacing-um", "2"]) == 0
+    assert "is smooth" in capsys.readouterr().out
+
+
+@pytest.mark.law("Plasticity: the index E' s/H of a cosine is its rms slope, in any direction.")
+def test_the_plasticity_index_of_a_cosine_is_a_closed_form() -> None:
+    """Neighbouring nodes see the slope sqrt(2) pi A/L up to (pi/200)^2/6, 4e-5."""
+    amplitude = 1e-7
+    length = 200e-6
+    wave = amplitude * np.cos(2 * np.pi * np.arange(200) / 200)
+    slope = np.sqrt(2) * np.pi * amplitude / length
+    for heights in (np.tile(wave[:, None], (1, 16)), np.tile(wave, (16, 1))):
+        numbers = character(heights, np.full(2, 1e-6), True)
+        index = plasticity_index(numbers.rms_slope, 115e9, 7.9e9)
+        assert index == pytest.approx(slope * 115e9 / 7.9e9, rel=1e-4)
+        # The autocorrelation of a cosine is a cosine.
+        expected = np.arccos(np.exp(-1)) / (2 * np.pi) * length
+        lag = max(x for x in (numbers.along, numbers.across) if np.isfinite(x))
+        assert lag == pytest.approx(expected, rel=1e-3)
+
+
+def test_the_index_ranks_finishes_that_never_yield() -> None:
+    """Half the height is half the index, with the hardness of the material of an elastic plate."""
+    scene = read_scene("plate.yaml")
+    pair = pair_of_scene(scene)
+    assert np.isfinite(pair.hardness) and "steel-100cr6" in pair.words
+    glass = pair_of_scene(scene.with_({"plate.material": "glass", "plate.hardness_gpa": "none"}))
+    assert glass.hardness == 6e9
+    heights = scene_surface.heights(scene)
+    steps = np.full(2, scene.spacing)
+    high, low = (character(factor * heights, steps, True).rms_slope for factor in (1.0, 0.5))
+    assert low == pytest.approx(high / 2, rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,240 @@
+"""The few numbers by which finishes are compared, in sentences, and the line of a scene for them.
+
+They are roughness, the 1/e lengths of the autocorrelation, the rms slope and the plasticity index.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.numbers import rounded
+from rolling.contact.closed_forms import contact_modulus
+from rolling.scene import library
+from rolling.scene.messages import SceneError
+from rolling.scene.scene import Scene
+from rolling.scene.surfaces import Gaussian
+from rolling.scene.track import MIN_NODES
+from rolling.surface.parameters import DECAY, about_mean, autocorrelation, roughness
+
+MATERIAL = "steel-100cr6"  # of ball and plate, where a file or an elastic plate names none
+E_FOLD = math.exp(-1)
+# Mikic's limits of E' tan(theta)/H are 1/3 and 3 with the mean absolute slope of a profile. On
+# isotropic Gaussian heights it is 1/sqrt(pi) of the rms slope of the surface.
+ELASTIC_BELOW = math.sqrt(math.pi) / 3
+PLASTIC_ABOVE = math.sqrt(math.pi) * 3
+_ISOTROPIC = 1.1  # ratio of both lengths up to which a surface counts as isotropic
+# Lag of a decay to 0.2 over that to 1/e: 1.27 of a Gaussian autocorrelation, 1.61 of an exponential
+# one. Between them lies the geometric mean.
+_EXPONENTIAL_ABOVE = 1.43
+_SKEWED = 0.2  # skewness from which heights are not made Gaussian
+_PEAKED = 0.5  # the same of the kurtosis about 3
+PROFILE_NODES = 128  # width of a surface that is made after a profile
+
+
+class Character(NamedTuple):
+    """Numbers of a surface.
+
+    ra, rq : float, m. Arithmetic mean and root mean square of the heights.
+    skewness, kurtosis : float. Moments of the heights.
+    along, across : float, m. Lag at which the autocorrelation falls to 1/e; NaN where it does not
+        up to half the surface, or where the surface is a profile.
+    is_exponential : bool. Whether the autocorrelation is nearer to exp(-r/L) than to exp(-(r/L)^2).
+    rms_slope : float. Root mean square gradient Sdq, of neighbouring nodes.
+    """
+
+    ra: float
+    rq: float
+    skewness: float
+    kurtosis: float
+    along: float
+    across: float
+    is_exponential: bool
+    rms_slope: float
+
+
+class Pair(NamedTuple):
+    """Ball and plate, by which the plasticity index is reckoned.
+
+    modulus : float, Pa. Contact modulus E'.
+    hardness : float, Pa. Hardness H of the plate.
+    words : str. Origin of both numbers.
+    """
+
+    modulus: float
+    hardness: float
+    words: str
+
+
+def character(heights: Array, steps: Array, wrap: bool) -> Character:
+    """Compute the numbers of heights [m] with spacings [m] along and across."""
+    values = roughness(heights, steps, wrap)
+    z = about_mean(heights)
+    lengths = [math.nan, math.nan]
+    ratios = []
+    if values["Sq"] > 0:
+        share = autocorrelation(z, wrap)
+        middle = np.array(share.shape) // 2
+        curves = share[middle[0] :, middle[1]], share[middle[0], middle[1] :]
+        for axis, curve in enumerate(curves):
+            lengths[axis] = _lag(curve, E_FOLD) * steps[axis]
+            ratios.append(_lag(curve, DECAY) / _lag(curve, E_FOLD))
+    known = [ratio for ratio in ratios if math.isfinite(ratio)]
+    return Character(
+        ra=values["Sa"],
+        rq=values["Sq"],
+        skewness=values["Ssk"],
+        kurtosis=values["Sku"],
+        along=lengths[0],
+        across=lengths[1],
+        is_exponential=bool(known) and float(np.mean(known)) > _EXPONENTIAL_ABOVE,
+        rms_slope=values["Sdq"],
+    )
+
+
+def _lag(curve: Array, level: float) -> float:
+    """Return the lag [nodes] at which a curve first falls to a level; NaN where it does not."""
+    below = np.flatnonzero(curve <= level)
+    if not below.size:
+        return math.nan
+    k = int(below[0])
+    return float(k - 1 + (curve[k - 1] - level) / (curve[k - 1] - curve[k]))
+
+
+# ---- plasticity index
+
+
+def plasticity_index(rms_slope: float, modulus: float, hardness: float) -> float:
+    """Return E' s/H of an rms slope s, a contact modulus E' and a hardness H [Pa].
+
+    It is the inverse of Mikic's ratio H/(E' tan(theta)), with the rms slope in place of the mean
+    absolute slope tan(theta) of a profile (B. B. Mikic, Int. J. Heat Mass Transfer 17 (1974) 205,
+    as usually quoted). It needs no load: it tells whether asperities yield at their first touch.
+    """
+    return rms_slope * modulus / hardness
+
+
+def pair_of_steel() -> Pair:
+    """Return a ball and a plate of bearing steel."""
+    steel = library.named_values("plate", MATERIAL)
+    young = 1e9 * steel["youngs_modulus_gpa"]
+    poisson = steel["poissons_ratio"]
+    modulus = contact_modulus(young, poisson, young, poisson)
+    return Pair(modulus, 1e9 * steel["hardness_gpa"], f"a ball and a plate of {MATERIAL}")
+
+
+def pair_of_scene(scene: Scene) -> Pair:
+    """Return ball and plate of a scene; an elastic plate has the hardness of its material here."""
+    if math.isfinite(scene.hardness):
+        return Pair(scene.contact_modulus, scene.hardness, "ball and plate of the scene")
+    material = scene.plate.material or MATERIAL
+    hardness = library.named_values("plate", material).get("hardness_gpa")
+    if not isinstance(hardness, float):
+        material = MATERIAL
+        hardness = library.named_values("plate", material)["hardness_gpa"]
+    words = f"ball and plate of the scene, which is elastic, with the hardness of {material}"
+    return Pair(scene.contact_modulus, 1e9 * hardness, words)
+
+
+# ---- sentences
+
+
+def sentences(numbers: Character, pair: Pair) -> list[str]:
+    """Write the numbers of a surface in sentences, one for each comparison of finishes."""
+    if numbers.rq == 0:
+        return ["The surface is smooth."]
+    index = plasticity_index(numbers.rms_slope, pair.modulus, pair.hardness)
+    if index < ELASTIC_BELOW:
+        outcome = "its asperities stay elastic"
+    elif index < PLASTIC_ABOVE:
+        outcome = "a part of its asperities yields"
+    else:
+        outcome = "its asperities yield"
+    return [
+        f"Roughness: Ra {_um(numbers.ra)} and Rq {_um(numbers.rq)}.",
+        f"The autocorrelation falls to 1/e {_lengths(numbers)}.",
+        f"The rms slope is {rounded(numbers.rms_slope, 3)} between neighbouring nodes.",
+        f"Mikic's plasticity index E' s/H is {rounded(index, 2)}: {outcome}. The rms slope is s; E'"
+        f" {rounded(1e-9 * pair.modulus, 3)} GPa and H {rounded(1e-9 * pair.hardness, 3)} GPa are"
+        f" those of {pair.words}.",
+        "The index ranks finishes of one spacing on one material, also those that never yield:"
+        f" elastic below {ELASTIC_BELOW:.1f}, plastic above {PLASTIC_ABOVE:.0f} (Mikic 1974).",
+    ]
+
+
+def _um(length: float) -> str:
+    """Write a length in um."""
+    return f"{rounded(1e6 * length, 3)} um"
+
+
+def _lengths(numbers: Character) -> str:
+    """Write where the autocorrelation falls along and across the track."""
+    ends = {"along": numbers.along, "across": numbers.across}
+    known = {name: length for name, length in ends.items() if math.isfinite(length)}
+    if not known:
+        return "nowhere up to half the surface"
+    if len(known) == len(ends):
+        return f"after {_um(numbers.along)} along the track and {_um(numbers.across)} across it"
+    ((name, length),) = known.items()
+    (other,) = ends.keys() - known.keys()
+    return f"after {_um(length)} {name} the track, and not {other} it up to half the surface"
+
+
+# ---- lines of a scene
+
+
+def line_of_file(keys: Mapping[str, Any]) -> str:
+    """Write the section `surface` of a scene that rolls over a file, on one line of YAML."""
+    return f"surface: {{{_flow(keys)}}}"
+
+
+def line_of_statistics(numbers: Character, spacing: float, width_nodes: int) -> str:
+    """Write the section `surface` of a random surface with the numbers of a surface, on one line.
+
+    It is empty where the autocorrelation does not fall to 1/e along the track.
+    """
+    length = numbers.along
+    if not math.isfinite(length):
+        return ""
+    across = numbers.across
+    spacing_um = float(rounded(1e6 * spacing, 6))
+    if width_nodes < MIN_NODES:
+        width_nodes = PROFILE_NODES
+    keys: dict[str, Any] = {"kind": "gaussian"}
+    if numbers.is_exponential:
+        keys["autocorrelation"] = "exponential"
+    keys["roughness_ra_um"] = float(rounded(1e6 * numbers.ra, 4))
+    keys["correlation_length_um"] = float(rounded(1e6 * length, 3))
+    if math.isfinite(across) and not 1 / _ISOTROPIC <= across / length <= _ISOTROPIC:
+        keys["correlation_length_across_um"] = float(rounded(1e6 * across, 3))
+    moments = {}
+    if abs(numbers.skewness) > _SKEWED or abs(numbers.kurtosis - 3) > _PEAKED:
+        moments["skewness"] = float(rounded(numbers.skewness, 2))
+        moments["kurtosis"] = float(rounded(numbers.kurtosis, 3))
+    grid = {"spacing_um": spacing_um, "width_um": float(f"{spacing_um * width_nodes:.10g}")}
+    for candidate in ({**keys, **moments, **grid, "seed": 1}, {**keys, **grid, "seed": 1}):
+        try:
+            Gaussian(**candidate)
+        except SceneError:  # such moments, which no made surface has
+            continue
+        return line_of_file(candidate)
+    return ""
+
+
+def _flow(keys: Mapping[str, Any]) -> str:
+    """Write keys and values as YAML on one line, texts that need it in quotes."""
+    return ", ".join(f"{name}: {_scalar(value)}" for name, value in keys.items())
+
+
+def _scalar(value: Any) -> str:
+    """Write a value as YAML."""
+    if isinstance(value, float):
+        return f"{value:g}" if float(f"{value:g}") == value else repr(value)
+    if isinstance(value, str) and not value.replace("_", "a").replace("-", "a").isalnum():
+        doubled = value.replace("'", "''")
+        return f"'{doubled}'"
+    return str(value)
