@@ -158,13 +158,15 @@ def _check(given: argparse.Namespace) -> int:
     scene = _read_scene(given)
     with progress.step(LOADING):
         from rolling.check.findings import check_scene, conclusion
+        from rolling.check.in_short import lines_in_short
     findings = check_scene(scene, solve=not given.fast)
     if progress.is_quiet():
         for warning in findings.warnings:
             print(f"warning: {warning}")
+    elif progress.is_verbose():
+        print(f"{findings}\n\n{streams.folded(conclusion(scene, findings), '')}")
     else:
-        print(findings)
-        print(f"\n{streams.wrapped(conclusion(scene, findings), '')}")
+        print("\n".join(lines_in_short(scene, findings)))
     if findings.refusal is None:
         return OK
     if findings.refusal.key in ("memory", "disk"):

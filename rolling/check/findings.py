@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -35,7 +36,7 @@ from rolling.scene.surfaces import HeightFile
 from rolling.scene.sweep import run_name
 from rolling.surface import scene_surface
 from rolling.terminal import progress
-from rolling.terminal.streams import columns, wrapped
+from rolling.terminal.streams import columns, line_width, wrapped
 
 if TYPE_CHECKING:
     from rolling.check.probe import Probe
@@ -124,8 +125,8 @@ class Findings(Sequence[Finding]):
     def __str__(self) -> str:
         shared, by_run = self._rows()
         blocks = [columns(shared)]
-        for k in range(1, len(by_run[0]), RUNS_ABREAST) if by_run[1:] else ():
-            blocks.append(columns([[row[0], *row[k : k + RUNS_ABREAST]] for row in by_run]))
+        if by_run[1:]:
+            blocks += _abreast(by_run)
         warnings = "\n".join(wrapped(f"warning: {line}") for line in self.warnings)
         return "\n\n".join(filter(None, [*blocks, warnings]))
 
@@ -151,6 +152,20 @@ class Findings(Sequence[Finding]):
         shared = [[name, row[0]] for name, row in cells.items() if len({*row}) == 1]
         by_run = [[name, *row] for name, row in cells.items() if len({*row}) > 1]
         return shared + [list(row) for row in self.of_all], [["", *self.runs], *by_run]
+
+
+def _abreast(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Yield blocks of as many runs side by side as a terminal holds, at most RUNS_ABREAST."""
+    width = line_width() if sys.stdout.isatty() else math.inf
+    first = 1
+    while first < len(rows[0]):
+        last = min(first + RUNS_ABREAST, len(rows[0]))
+        block = columns([[row[0], *row[first:last]] for row in rows])
+        while last > first + 1 and max(map(len, block.splitlines())) > width:
+            last -= 1
+            block = columns([[row[0], *row[first:last]] for row in rows])
+        yield block
+        first = last
 
 
 @ignoring_underflow
@@ -246,7 +261,7 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     time = forecast.takes(findings.seconds)
     scenes = [run.scene for run in scene.runs()]
     if all(part.is_smooth and part.rolling.drop_mm is None for part in scenes):
-        return f"It runs, in {time}; a smooth surface is silent."
+        return f"It runs in {time}. A smooth surface is silent."
     verdicts = [
         level.expected(part, doubts)
         for part, doubts in zip(scenes, findings.doubts.values(), strict=True)
@@ -256,11 +271,12 @@ def conclusion(scene: Scene, findings: Findings) -> str:
     number = "vibration"
     if all(part.sound.source == "release" for part in scenes):
         number = "released power"
-    word = worst.severity.word
-    if worst.severity < Severity.DO_NOT_QUOTE:
-        word = f"at best {word}"
-    expected = f"the expected verdict on the {number}{place} is {word}: {worst.text}"
-    return f"It runs, in {time}; {expected}."
+    expected = f"The verdict on the {number}{place} will be {worst.severity.word}: {worst.text}."
+    if worst.severity is Severity.TRUST:
+        expected = f"Nothing speaks against the {number}: the verdict will be trust."
+    elif worst.severity is Severity.INDICATIVE:
+        expected = expected.replace("will be", "will at best be")
+    return f"It runs in {time}. {expected}"
 
 
 def check_run(scene: Scene, solved: Probe | None = None) -> RunCheck:

@@ -131,13 +131,37 @@ def test_scenes_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
 def test_check_prints_the_cost_and_quiet_its_warnings(
     scene: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(["check", "--fast", str(scene)]) == 0
+    assert cli.main(["check", "--fast", "-v", str(scene)]) == 0
     printed = capsys.readouterr().out.lower()
     for word in ("steps", "window", "memory", "time", "hertz", "nyquist"):
         assert word in printed
     assert cli.main(["check", "-q", "--fast", str(scene)]) == 0
     printed = capsys.readouterr()
     assert all(line.startswith("warning: ") for line in printed.out.splitlines())
+
+
+@pytest.mark.parametrize("name", [*library.scenes()][::6])
+def test_a_check_fits_on_a_screen(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The verdict comes first, then at most ten lines of 80 letters on cost and doubts."""
+    code = cli.main(["check", name, "--fast"])
+    lines = capsys.readouterr().out.splitlines()
+    if code == 2:  # its height file is not in this folder
+        assert not lines
+        return
+    assert lines[0].startswith(("It runs in", "It does not run"))
+    verdict = next(k for k, line in enumerate(lines) if " of memory and " in line)
+    assert len(lines) - verdict <= 10 and max(map(len, lines)) <= 100
+    assert lines[-1].startswith("-v shows")
+
+
+def test_a_check_names_the_largest_doubt_first(
+    scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rough = ["--set", "surface.roughness_ra_um=2", "--set", "surface.width_um=256"]
+    cli.main(["check", "quickstart", "--fast", *rough])
+    printed = capsys.readouterr().out
+    doubts = [line for line in printed.splitlines() if line.startswith("- ")]
+    assert "do not quote" in printed and doubts[0].startswith("- Rms slope")
 
 
 # ---- refusals
