@@ -205,15 +205,19 @@ def _grid_and_solver(runs: Solved) -> str:
     """Write in one line what grid and solver leave of the level of the sound files."""
     errors = []
     for _, summary in runs:
-        parts = ("laeq_grid_error_db", "laeq_solver_error_db", "laeq_subgrid_error_db")
-        if summary.get("laeq_grid_error_db") is not None:
-            errors.append(max(abs(summary.get(part) or 0.0) for part in parts))
+        if summary.get("laeq_grid_error_db") is None:
+            continue
+        parts = [summary.get("laeq_solver_error_db") or 0.0]
+        for name in ("laeq_grid_error", "laeq_subgrid_error"):
+            error = summary.get(f"{name}_db") or 0.0
+            parts.append(math.hypot(error, summary.get(f"{name}_uncertainty_db") or 0.0))
+        errors.append(max(map(abs, parts)))
     if not errors:
         reasons = {(summary.get("error_estimate") or {}).get("reason") for _, summary in runs}
         known = [reason for reason in reasons if reason]
         why = known[0] if known else "numerics.error_estimate: true does it"
         return f"grid and solver: errors not measured ({why})"
-    size = max(LEAST_DB, math.ceil(100 * max(errors)) / 100)
+    size = max(LEAST_DB, math.ceil(100 * max(errors)) / 100)  # no error prints as 0.00 dB
     return f"grid and solver: errors below {size:g} dB"
 
 
