@@ -16,7 +16,7 @@ from rolling import __version__
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import film, records, text
 from rolling.report.templates import environment
-from rolling.results import answer, runs_table
+from rolling.results import answer
 from rolling.results.listening import record_for_ear
 from rolling.results.notes import UNVALIDATED
 from rolling.results.run_folder import PAGE
@@ -75,10 +75,9 @@ def _card(run: Run, seconds: float, folder: Path) -> dict[str, Any]:
     return {
         "title": text.titles([run]),
         "label": run.label,
-        "level": runs_table.level_text(run.summary, answer.level_key(run.summary)),
-        "name": runs_table.level_name(run.summary),
-        "verdict": run.summary.get("verdict"),
+        "judged": text.judged(run),
         "sentence": _sentence(run),
+        "heard": text.heard(run, is_alone=True),
         "picture": still,
         "sound": records.compressed(wav.PEAK / peak * sound) if peak > 0 else None,
         "peak": peak,
@@ -104,8 +103,8 @@ def _excerpt(run: Run, seconds: float) -> Array:
 
 
 def _sentence(run: Run) -> str:
-    """Return the description of a scene of one run; in a sweep, a sentence on the run's sound."""
+    """Return the description of a scene of one run; in a sweep, what follows from the run."""
     description = " ".join((run.scene.description or "").split())
     if run.values or not description:
-        return text.headline([run])
+        return answer.follows([run])
     return printable(description).rstrip(".") + "."

@@ -15,14 +15,13 @@ from acoustics.plot_style import PREFIXES
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.check.doubt import Doubt
-from rolling.figures import origins
 from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import assumed, film, live, maps, records, text
 from rolling.report.charts import Chart, chart_of
 from rolling.report.templates import environment, joined_script
-from rolling.results import answer, run_lines, runs_table, verdict
+from rolling.results import answer, description, run_lines, runs_table, verdict
 from rolling.results.listening import QUIET_DB
 from rolling.results.notes import REPEATS
 from rolling.results.run_result import Run
@@ -32,6 +31,7 @@ LARGEST_CSV = 20_000  # bytes of a table on the page; of longer ones it has the 
 MAX_RUNS = defaults.MAX_RUNS_ON_PAGE
 STYLES = ("report.css", "heard.css", "play.css", "chart.css")
 MAX_BESIDE = 3  # runs whose own pictures stand below each other
+MAIN_CURVES = "third_octaves_a"  # which the page shows first; the others are one choice away
 TIMELINES = ("release_power", "spectrogram")  # pictures of a run over time
 SURFACES = ("surface", "ball_surface")
 VIBRATION = ("sources", "contact_force", "contact_filter", "mobilities")
@@ -69,13 +69,16 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         title=text.titles(runs),
         descriptions=_descriptions(shown),
         text=text,
-        origins=origins,
         film=film,
         verdict=verdict,
         answer=answer,
+        description=description,
         runs_table=runs_table,
         summaries=[(run.label, run.summary) for run in runs],
+        judged=[text.judged(run) for run in runs],
         assumptions=text.facts(runs, [assumed.assumptions(run) for run in runs]),
+        provenance=text.provenance(runs),
+        recipes=text.recipes(runs),
         runs=runs,
         views=views,
         unsolved=list(unsolved),
@@ -86,6 +89,7 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         map_scale=scale,
         map_flies=any(any(player["maps"]["instead"]) for player in players if player["maps"]),
         stills=any(player["maps"] and not player["falls"] for player in players),
+        MAIN_CURVES=MAIN_CURVES,
         filmed=any(player["film"] for player in players),
         moved=any(len(view.curves) > 1 for view in views),
         curves=_comparing_exhibits(runs),

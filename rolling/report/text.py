@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from acoustics.numbers import rounded
+from acoustics.numbers import bracketed, rounded
 from acoustics.texts import printable
 from rolling.dynamics.smooth_contact import semi_axes
-from rolling.results.answer import level_beside, level_key
+from rolling.results import answer, description, verdict
+from rolling.results.answer import level_beside, level_key, listener_level
 from rolling.results.run_result import Run
 from rolling.results.runs_table import (
     LEVELS,
@@ -25,6 +26,7 @@ from rolling.results.runs_table import (
 from rolling.scene import file
 from rolling.sound.wavelengths import mean_speed, weighted_lines
 
+INSTALL = "python3 -m venv .venv && .venv/bin/pip install -c constraints.txt -e ."
 NOTHING = "-"  # for a number that does not exist
 Fact = tuple[str, list[tuple[str, str]]]  # quantity; labels of runs (empty: all runs) and value
 
@@ -34,17 +36,16 @@ def asset(name: str) -> str:
     return files("rolling.report").joinpath("assets", name).read_text(encoding="utf-8")
 
 
-class Column(NamedTuple):
-    """A column of the table of levels, which levels.toml explains."""
+class Quantity(NamedTuple):
+    """A row of the table of numbers, which levels.toml explains."""
 
     head: str
     unit: str = ""
     factor: float = 1.0
     form: str = ".1f"
-    always: bool = False
 
 
-COLUMNS = {key: Column(**column) for key, column in tomllib.loads(asset("levels.toml")).items()}
+QUANTITIES = {key: Quantity(**row) for key, row in tomllib.loads(asset("levels.toml")).items()}
 
 
 # ---- levels
@@ -65,41 +66,118 @@ def titles(runs: Sequence[Run]) -> str:
     return printable(", ".join(dict.fromkeys(run.scene.title or run.scene.name for run in runs)))
 
 
-def sentence(runs: Sequence[Run]) -> str:
-    """State the result in one sentence, or in one each for steady sounds and single events."""
-    sounding = [run for run in runs if main_level(run) is not None]
-    if not sounding:
-        reasons = dict.fromkeys(silence(run) for run in runs)
-        return f"No sound: {'; '.join(reasons)}."
+class Number(NamedTuple):
+    """One of the two numbers of a run with its verdict; None where its errors are not known."""
+
+    answer: answer.Answer
+    verdict: verdict.Verdict | None
+
+
+class Judged(NamedTuple):
+    """A run with its two numbers, in the order in which they are read."""
+
+    label: str
+    vibration: Number
+    released: Number
+
+
+def judged(run: Run) -> Judged:
+    """Return a run with its two numbers and their verdicts."""
+    summary = run.summary
+    return Judged(
+        label=run.label,
+        vibration=Number(answer.vibration(summary), verdict.of_vibration(summary)),
+        released=Number(answer.released_power(summary), verdict.of_released_power(summary)),
+    )
+
+
+WORDS = {  # of verdicts
+    "trust": "no error above 1 dB is known",
+    "indicative": "good for comparing, because its error is up to 3 dB or of unknown size",
+    "do not quote": "its error exceeds 3 dB",
+}
+
+
+def verdict_words(runs: Sequence[Judged]) -> list[tuple[str, str]]:
+    """Explain the words of the verdicts on the numbers of runs."""
+    numbers = [number for run in runs for number in (run.vibration, run.released)]
+    used = {number.verdict.word for number in numbers if number.verdict is not None}
+    return [(word, meaning) for word, meaning in WORDS.items() if word in used]
+
+
+def doubts(runs: Sequence[Run]) -> list[str]:
+    """Return the doubts about the numbers of runs as sentences, the worst of each number first."""
+    all_judged = [judged(run) for run in runs]
+    numbers = {
+        "Vibration": [(run.label, run.vibration.verdict) for run in all_judged],
+        "Released power": [(run.label, run.released.verdict) for run in all_judged],
+    }
     sentences = []
-    for key in dict.fromkeys(level_key(run.summary) for run in sounding):
-        sentences.append(_range([run for run in sounding if level_key(run.summary) == key]))
-    silent = len(runs) - len(sounding)
-    if silent > 0:
-        sentences.append(f"{silent} of {len(runs)} runs are silent.")
-    return " ".join(sentences)
+    told = set[str]()
+    for name, verdicts in numbers.items():
+        by_reason: dict[str, dict[str, verdict.Verdict]] = {}
+        for label, found in verdicts:
+            if found is not None and found.word != "trust":
+                by_reason.setdefault(found.worst.text, {})[label] = found
+                told.add(found.worst.key)
+        for by_label in by_reason.values():
+            largest = max(by_label.values(), key=_size)
+            of_some = "" if len(by_label) == len(runs) else f" of {description.listed(by_label)}"
+            sentences.append(f"{name}{of_some} is {_ended(largest.sentence)}")
+    for doubt in verdict.warnings([(run.label, run.summary) for run in runs]):
+        if doubt.key not in told:
+            sentences.append(_ended(_capitalized(doubt.text)))
+    return sentences
 
 
-def _range(sounding: Sequence[Run]) -> str:
-    """State between which levels runs of one kind lie."""
-    ordered = sorted(sounding, key=_level_or_zero)
-    quietest = ordered[0]
-    loudest = ordered[-1]
-    at = ""
-    places = {run.scene.listener_place for run in sounding}
-    if len(places) == 1:
-        at = f" at {places.pop()}"
-    name = level_head(sounding)
-    if len(sounding) == 1:
-        level = level_text(quietest.summary, level_key(quietest.summary))
-        return f"{quietest.label}: {name} {level} dB(A) re 20 µPa{at}."
-    name = _capitalized(name)
-    low_db = _level_or_zero(quietest)
-    high_db = _level_or_zero(loudest)
-    if high_db - low_db < 0.05:
-        return f"{name}{at} is {low_db:.1f} dB(A) in all {len(sounding)} runs that sound."
-    ends = f"{low_db:.1f} dB(A) ({quietest.label}) and {high_db:.1f} dB(A) ({loudest.label})"
-    return f"{name}{at} lies between {ends}, {high_db - low_db:.1f} dB apart."
+def _size(found: verdict.Verdict) -> float:
+    """Return the decibels of a verdict, by which verdicts of one reason are sorted."""
+    return abs(found.worst.decibels or found.known_db or 0.0)
+
+
+def _ended(sentence: str) -> str:
+    """End a sentence with a full stop."""
+    return sentence if sentence.endswith(".") else f"{sentence}."
+
+
+def meanings(runs: Sequence[Judged]) -> list[tuple[str, str]]:
+    """Explain the numbers that runs have: name and the rest of the sentence, each meaning once."""
+    explained = []
+    for meaning in _unique_meanings([run.vibration.answer for run in runs]):
+        explained.append(("Vibration", f": {meaning[0].lower()}{meaning[1:]}"))
+    for meaning in _unique_meanings([run.released.answer for run in runs]):
+        explained.append(("Released power", meaning.removeprefix("Released power")))
+    return explained
+
+
+def _unique_meanings(answers: Sequence[answer.Answer]) -> list[str]:
+    """Return the different meanings of the levels that exist."""
+    return [*dict.fromkeys(each.meaning for each in answers if each.level_db is not None)]
+
+
+def units(runs: Sequence[Run]) -> str:
+    """Say of what and where the levels of runs are."""
+    are_events = [answer.vibration(run.summary).quantity == "LAE" for run in runs]
+    mean = "Levels are A-weighted means over the record (LAeq)"
+    if any(are_events):
+        mean = "Levels are A-weighted"
+    places = [*dict.fromkeys(run.scene.listener_place for run in runs)]
+    at = f" at {places[0]}" if len(places) == 1 else ""
+    return f"{mean}{at}, in dB re 20 µPa."
+
+
+def heard(run: Run, is_alone: bool) -> str:
+    """Say what one hears of a run, and what is special about it unless the page has it alone."""
+    if main_level(run) is None:
+        return f"{_capitalized(run.label)} is silent: {silence(run)}."
+    if run.sound.source == "vibration":
+        sound = "the vibration of ball and plate"
+    else:
+        sound = "the released power, as if all of it became sound"
+    sentence = f"You hear {sound}."
+    if not is_alone:
+        sentence = f"{sentence} {description.special(run)}".rstrip()
+    return sentence
 
 
 def main_level(run: Run) -> float | None:
@@ -128,45 +206,47 @@ def level_head(runs: Sequence[Run]) -> str:
 
 
 def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]:
-    """Return heads and rows (label, cells) of the table of levels and contact numbers.
+    """Return the labels of runs, and rows (quantity, cells) of the table of all their numbers.
 
-    A level without sound is `silent`, and one that was not computed or says nothing `-`. LAE and
-    LAFmax of single events come first.
+    A level without sound is `silent`, and one that was not computed or says nothing `-`. A row is
+    shown if a run has its number. LAE and LAFmax of single events come first.
     """
     are_events = [bool(run.summary.get("single_event")) for run in runs]
-    columns = _shown_columns(runs, are_events)
-    heads = []
-    for key, column in columns.items():
-        head = column.head
+    rows = []
+    for key, quantity in _shown_quantities(runs, are_events).items():
+        head = quantity.head
         if key in ("lae_db", "laeq_db"):
             head = level_head([run for run in runs if level_key(run.summary) == key])
         elif all(are_events) and key in MEANS:
-            head = f"LAE (re 1 s), {column.head}"
-        heads.append(f"{head} [{column.unit}]" if column.unit else head)
-    rows = []
-    for run in runs:
-        cells = [_cell(run, key, column, all(are_events)) for key, column in columns.items()]
-        rows.append((run.label, cells))
-    return heads, rows
+            head = f"LAE (re 1 s), {quantity.head}"
+        if quantity.unit:
+            head = f"{head} [{quantity.unit}]"
+        cells = [_cell(run, key, quantity, all(are_events)) for run in runs]
+        if any(cell != NOTHING for cell in cells):
+            rows.append((head, cells))
+    return [run.label for run in runs], rows
 
 
-def _shown_columns(runs: Sequence[Run], are_events: Sequence[bool]) -> dict[str, Column]:
-    """Return the columns that say something of the runs, those of single events first."""
-    keys = [*COLUMNS]
+def _shown_quantities(runs: Sequence[Run], are_events: Sequence[bool]) -> dict[str, Quantity]:
+    """Return the quantities that say something of the runs, those of single events first."""
+    keys = [*QUANTITIES]
     if any(are_events):
-        keys = [*dict.fromkeys(["lae_db", "laf_max_db", *COLUMNS])]
+        keys = [*dict.fromkeys(["lae_db", "laf_max_db", *QUANTITIES])]
     else:
         keys.remove("lae_db")
     if all(are_events):
         keys = [key for key in keys if key not in OF_LENGTH]
-    return {
-        key: COLUMNS[key]
-        for key in keys
-        if COLUMNS[key].always or any(run.summary.get(key) is not None for run in runs)
-    }
+    return {key: QUANTITIES[key] for key in keys if not _is_repeated(runs, key)}
 
 
-def _cell(run: Run, key: str, column: Column, only_events: bool) -> str:
+def _is_repeated(runs: Sequence[Run], key: str) -> bool:
+    """Tell whether a level of a source is LAeq itself, because all runs are of that source."""
+    if key not in ("vibration_laeq_db", "release_laeq_db"):
+        return False
+    return all(run.summary.get(key) == run.summary.get("laeq_db") for run in runs)
+
+
+def _cell(run: Run, key: str, quantity: Quantity, only_events: bool) -> str:
     """Write a number of a run for a table, which may have runs of events only."""
     if key in LEVELS:
         return level_text(run.summary, key) if key in shown_levels(run.summary) else NOTHING
@@ -178,8 +258,43 @@ def _cell(run: Run, key: str, column: Column, only_events: bool) -> str:
     value = level_beside(run.summary, key) if key in MEANS else run.summary.get(key)
     if value is None:
         return NOTHING
-    number = value * column.factor
-    return f"{number:{column.form}}" if column.form else rounded(number, 4)
+    number = value * quantity.factor
+    return f"{number:{quantity.form}}" if quantity.form else rounded(number, 4)
+
+
+class ListenerLevels(NamedTuple):
+    """Levels of a run at one of several listeners, as text."""
+
+    head: str
+    place: str
+    a_weighted: str
+    unweighted: str
+
+
+def listeners(runs: Sequence[Run]) -> list[ListenerLevels]:
+    """Return the levels at the listeners of runs that have several."""
+    rows = []
+    for run in runs:
+        own = run.summary.get("listeners") or []
+        if len(own) < 2:
+            continue
+        for listener in own:
+            place = f"{bracketed(listener['at_mm'])} mm"
+            if len(runs) > 1:
+                place = f"{run.label}: {place}"
+            row = ListenerLevels(
+                head="LAE (re 1 s)" if run.summary.get("single_event") else "LAeq",
+                place=place,
+                a_weighted=_level_or_silent(listener_level(run.summary, listener)),
+                unweighted=_level_or_silent(listener["level_db"]),
+            )
+            rows.append(row)
+    return rows
+
+
+def _level_or_silent(level_db: float | None) -> str:
+    """Write a level [dB], or that there is no sound."""
+    return "silent" if level_db is None else f"{level_db:.1f}"
 
 
 # ---- facts
@@ -216,7 +331,7 @@ def recipes(runs: Sequence[Run]) -> list[dict[str, str]]:
             "labels": "; ".join(run.label for run in siblings),
             "file": name,
             "scene": path.read_text("utf-8") if is_stored else file.dump(first.scene),
-            "command": f"rolling run {name}",
+            "command": f".venv/bin/rolling run {name}",
         }
         written.append(recipe)
     return written
@@ -243,9 +358,7 @@ def provenance(runs: Sequence[Run]) -> list[Fact]:
 
 
 MAIN = 0.8  # share of the A-weighted power that counts as most of it
-ALIKE = 0.05  # relative difference of pitch that is not named
 MAINLY = 0.5  # share of the sound that is called most
-DIFFERS = 2.0  # standard uncertainties of a difference of levels that is named
 
 
 class Colour(NamedTuple):
@@ -270,58 +383,19 @@ def colour(run: Run) -> Colour | None:
     )
 
 
-def headline(runs: Sequence[Run]) -> str:
-    """State in one sentence how the loudest run differs from the quietest, or how one sounds.
-
-    Only runs of one source are compared, because a release is an upper bound, and single events
-    with each other, because their level is that of one second.
-    """
-    sounding = _by_level(runs)
-    if not sounding:
-        return sentence(runs)
-    loud, loud_colour = sounding[-1]
-    quiet, quiet_colour = next(pair for pair in sounding if _are_comparable(pair[0], loud))
-    if loud is quiet:
-        label = f"{loud.label}: " if len(runs) > 1 else ""
-        if loud.sound.source == "vibration":
-            return label + _motion_sentences(loud)[:2][-1]  # its fall, its flights, or its ringing
-        return f"{label}{100 * MAIN:.0f} % of the sound lies between {_khz(loud_colour)}."
-    key = level_key(loud.summary)
-    louder_db = loud.summary[key] - quiet.summary[key]
-    spread_db = math.hypot(
-        loud.summary["uncertainty_db"]["laeq"] or 0.0,
-        quiet.summary["uncertainty_db"]["laeq"] or 0.0,
-    )
-    if louder_db < DIFFERS * spread_db:
-        level = f"as loud as {quiet.label} within the uncertainty"
-    elif louder_db < 10:
-        level = f"{louder_db:.1f} dB louder than {quiet.label}"
-    else:
-        level = f"{louder_db:.0f} dB louder than {quiet.label}"
-    if abs(loud_colour.mean_hz / quiet_colour.mean_hz - 1.0) <= ALIKE:
-        pitch = "of the same colour"
-    elif loud_colour.mean_hz > quiet_colour.mean_hz:
-        pitch = "brighter"
-    else:
-        pitch = "darker"
-    return _capitalized(f"{loud.label} is {level} and {pitch}.")
-
-
 def reason(runs: Sequence[Run]) -> str:
-    """Explain the frequencies of the loudest run; empty if all are silent."""
+    """State where the sound of the run with the highest level lies; empty if all are silent."""
     sounding = _by_level(runs)
     if not sounding:
         return ""
     run, its_colour = sounding[-1]
-    return _capitalized(
-        f"{run.label}: {100 * MAIN:.0f} % of the A-weighted power lies between "
-        f"{_khz(its_colour)}. {_reason(run)}"
+    of_run = f" of {run.label}" if len(runs) > 1 else ""
+    low = rounded(its_colour.low_hz / 1e3)
+    high = rounded(its_colour.high_hz / 1e3)
+    return (
+        f"{100 * MAIN:.0f} % of the A-weighted power{of_run} lies between {low} kHz and {high} kHz."
+        f"{_rates(run)}"
     )
-
-
-def _khz(its_colour: Colour) -> str:
-    """Write the ends of a colour in kHz."""
-    return f"{rounded(its_colour.low_hz / 1e3)} kHz and {rounded(its_colour.high_hz / 1e3)} kHz"
 
 
 def _by_level(runs: Sequence[Run]) -> list[tuple[Run, Colour]]:
@@ -334,76 +408,38 @@ def _by_level(runs: Sequence[Run]) -> list[tuple[Run, Colour]]:
     return sounding
 
 
-def _are_comparable(run: Run, other: Run) -> bool:
-    """Tell whether the levels of two runs can be compared: of one source, and both of an event."""
-    same_source = run.sound.source == other.sound.source
-    return same_source and level_key(run.summary) == level_key(other.summary)
-
-
 def _capitalized(text: str) -> str:
     return text[0].upper() + text[1:]
 
 
-def _reason(run: Run) -> str:
-    """Give the rates at which the sphere passes its own contact width and the asperities."""
+def _rates(run: Run) -> str:
+    """Give the rates at which the ball passes its contact width and the asperities, if they tell.
+
+    Waves of the surface between the two lengths fit into the contact, so a release lies mostly
+    between the two rates. Empty where it does not, and for a vibration.
+    """
     scene = run.scene
+    if run.sound.source == "vibration" or not scene.laws:
+        return ""
     speed = mean_speed(scene, run.sound)
     width = 2 * semi_axes(scene)[0]
-    width_words = f"The sphere rolls over its own contact width, {_rate(width, speed)}"
-    if run.sound.source == "vibration":
-        return " ".join([f"{width_words}.", *_motion_sentences(run)])
-    if not scene.laws:
-        return f"{width_words}."
     rougher = max(scene.laws, key=attrgetter("rq_m"))
     length = 1e-6 * rougher.lengths_um[0]
     frequency, _, power = weighted_lines(run.sound)
     within = (frequency >= speed / width) & (frequency <= speed / length)
-    share = float(power[within].sum() / power.sum())
-    percent = f"{100 * share:.0f} % of the A-weighted power"
-    if share >= MAINLY:
-        reason = (
-            "Waves of the surface between these two lengths fit into the contact: "
-            f"{percent} lies between the two rates."
-        )
-    else:
-        reason = (
-            f"Only {percent} lies between the two rates, where waves of the surface fit into the "
-            "contact."
-        )
-    length_words = f"over a correlation length of the surface, {_rate(length, speed)}"
-    return f"{width_words}, and {length_words}. {reason}"
+    if float(power[within].sum() / power.sum()) < MAINLY:
+        return ""
+    return (
+        f" The ball rolls over its own contact width ({rounded(width * 1e6, 3)} µm) "
+        f"{_times(speed / width)} times a second, and over a correlation length of the surface "
+        f"({rounded(length * 1e6, 3)} µm) {_times(speed / length)} times a second; waves in "
+        "between fit into the contact."
+    )
 
 
-def _motion_sentences(run: Run) -> list[str]:
-    """State the frequency at which the ball rings on its contact, its fall, and its flights."""
-    summary = run.summary
-    khz = rounded(summary["resonance_hz"] / 1e3)
-    wave_um = rounded(summary["resonance_wavelength_m"] * 1e6)
-    sentences = [
-        f"The ball rings on its contact at {khz} kHz, where waves of the surface of {wave_um} µm "
-        "shake it."
-    ]
-    if "drop_mm" in summary:
-        fall = f"The ball falls from {rounded(summary['drop_mm'])} mm above the surface"
-        if summary["restitution"] is not None:
-            percent = 100 * summary["restitution"]
-            fall += f", and its first impact leaves {percent:.0f} % of its speed"
-        sentences.append(f"{fall}.")
-    share = summary["flight_share"]
-    if share > 0:
-        impacts = summary["impacts"]
-        times = "1 time" if impacts == 1 else f"{impacts} times"
-        sentences.append(
-            f"The ball flies for {100 * share:.0f} % of the time, and hits the plate {times}."
-        )
-    return sentences
-
-
-def _rate(length: float, speed: float) -> str:
-    """Write a length [m] with the time to pass it and the rate."""
-    ms = rounded(length / speed * 1e3)
-    khz = rounded(speed / length / 1e3)
-    return f"{rounded(length * 1e6, 3)} µm, once in {ms} ms ({khz} kHz)"
+def _times(rate: float) -> str:
+    """Write how often something happens in a second, with two digits."""
+    return f"{float(rounded(rate)):,.0f}"
 
 
 def explanations(runs: Sequence[Run]) -> list[tuple[str, str]]:

@@ -258,7 +258,7 @@ def test_the_distance_is_that_of_the_listener() -> None:
     assert data is not None
     assert data["settings"]["distance"] == pytest.approx(0.25209, rel=1e-4)
     assert data["limits"]["distance"][0] <= data["settings"]["distance"]
-    assert "0.252 m from the contact" in text.sentence([placed])
+    assert "0.252 m from the contact" in text.units([placed])
     assert "0.252 m" in assumptions(placed)["distance from the contact to the listener"]
     released = placed.scene.with_({"sound.source": "release"})
     assert released.listener_distance_m == 1.0

@@ -5,6 +5,7 @@ import { MAX_NAMES, drawn, isGrey, keyOf, layoutOf, make, namesOf, sizeChart } f
 import { saveChart } from "./chart_save.js";
 import { numbersButton } from "./chart_table.js";
 import { listenTo, redraw, resetZoom, widthOf } from "./chart_touch.js";
+import { foldAgain, unfold } from "./folds.js";
 
 const PALETTE = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
@@ -72,7 +73,11 @@ const comingNear = new IntersectionObserver((entries) => {
     resized.observe(target);
   }
 }, { rootMargin: "600px" });
-addEventListener("beforeprint", () => document.querySelectorAll("figure.chart").forEach(({ plot }) => plot && redraw(plot)));
+addEventListener("beforeprint", () => {
+  unfold(); // so that charts have a width
+  document.querySelectorAll("figure.chart").forEach(({ plot }) => plot && redraw(plot));
+});
+addEventListener("afterprint", foldAgain);
 
 // ---- curves on and off, scales ----
 
