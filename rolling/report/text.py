@@ -36,7 +36,7 @@ def asset(name: str) -> str:
     return files("rolling.report").joinpath("assets", name).read_text(encoding="utf-8")
 
 
-class Quantity(NamedTuple):
+class TableRow(NamedTuple):
     """A row of the table of numbers, which levels.toml explains."""
 
     head: str
@@ -45,7 +45,7 @@ class Quantity(NamedTuple):
     form: str = ".1f"
 
 
-QUANTITIES = {key: Quantity(**row) for key, row in tomllib.loads(asset("levels.toml")).items()}
+QUANTITIES = {key: TableRow(**row) for key, row in tomllib.loads(asset("levels.toml")).items()}
 
 
 # ---- levels
@@ -73,7 +73,7 @@ class Number(NamedTuple):
     verdict: verdict.Verdict | None
 
 
-class Judged(NamedTuple):
+class JudgedRun(NamedTuple):
     """A run with its two numbers, in the order in which they are read."""
 
     label: str
@@ -81,10 +81,10 @@ class Judged(NamedTuple):
     released: Number
 
 
-def judged(run: Run) -> Judged:
+def judged(run: Run) -> JudgedRun:
     """Return a run with its two numbers and their verdicts."""
     summary = run.summary
-    return Judged(
+    return JudgedRun(
         label=run.label,
         vibration=Number(answer.vibration(summary), verdict.of_vibration(summary)),
         released=Number(answer.released_power(summary), verdict.of_released_power(summary)),
@@ -98,7 +98,7 @@ WORDS = {  # of verdicts
 }
 
 
-def verdict_words(runs: Sequence[Judged]) -> list[tuple[str, str]]:
+def verdict_words(runs: Sequence[JudgedRun]) -> list[tuple[str, str]]:
     """Explain the words of the verdicts on the numbers of runs."""
     numbers = [number for run in runs for number in (run.vibration, run.released)]
     used = {number.verdict.word for number in numbers if number.verdict is not None}
@@ -140,7 +140,7 @@ def _ended(sentence: str) -> str:
     return sentence if sentence.endswith(".") else f"{sentence}."
 
 
-def meanings(runs: Sequence[Judged]) -> list[tuple[str, str]]:
+def meanings(runs: Sequence[JudgedRun]) -> list[tuple[str, str]]:
     """Explain the numbers that runs have: name and the rest of the sentence, each meaning once."""
     explained = []
     for meaning in _unique_meanings([run.vibration.answer for run in runs]):
@@ -227,7 +227,7 @@ def levels(runs: Sequence[Run]) -> tuple[list[str], list[tuple[str, list[str]]]]
     return [run.label for run in runs], rows
 
 
-def _shown_quantities(runs: Sequence[Run], are_events: Sequence[bool]) -> dict[str, Quantity]:
+def _shown_quantities(runs: Sequence[Run], are_events: Sequence[bool]) -> dict[str, TableRow]:
     """Return the quantities that say something of the runs, those of single events first."""
     keys = [*QUANTITIES]
     if any(are_events):
@@ -246,7 +246,7 @@ def _is_repeated(runs: Sequence[Run], key: str) -> bool:
     return all(run.summary.get(key) == run.summary.get("laeq_db") for run in runs)
 
 
-def _cell(run: Run, key: str, quantity: Quantity, only_events: bool) -> str:
+def _cell(run: Run, key: str, quantity: TableRow, only_events: bool) -> str:
     """Write a number of a run for a table, which may have runs of events only."""
     if key in LEVELS:
         return level_text(run.summary, key) if key in shown_levels(run.summary) else NOTHING
