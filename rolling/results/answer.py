@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 from acoustics.texts import printable
-from rolling.results.description import listed, number_word, special
+from rolling.results.description import listed, material_word, number_word, special
 from rolling.results.labels import SEED, labels, worded
 from rolling.results.run_errors import LINEAR
 from rolling.results.run_folder import RunFolder, stored_summary
@@ -360,7 +360,11 @@ def _words(values: Mapping[str, Any], label: str) -> str:
         return f"at {value:g} N"
     if key == "rolling.speed_m_s" and not isinstance(value, str):
         return f"at {value:g} m/s"
-    if key in ("surface.finish", "surface.path", "plate.material"):
+    if key == "surface.finish":
+        return f"on the {value} finish"
+    if key == "plate.material":
+        return f"on {material_word(str(value))}"
+    if key == "surface.path":
         return f"on {printable(str(value))}"
     return f"with {worded(key, value)}"
 

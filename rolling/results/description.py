@@ -115,7 +115,7 @@ def _ball_material(scene: Scene) -> str:
     """Name the material of the ball in a word; a body without values is taken as steel."""
     sphere = scene.sphere
     if sphere.material is not None:
-        return _material_word(sphere.material)
+        return material_word(sphere.material)
     return _kind_of_material(sphere.youngs_modulus_gpa, sphere.density_kg_m3) or ""
 
 
@@ -123,11 +123,11 @@ def _plate_material(scene: Scene) -> str:
     """Name the material of the plate in a word; empty for values of no common one."""
     plate = scene.plate
     if plate.material is not None:
-        return _material_word(plate.material)
+        return material_word(plate.material)
     return _kind_of_material(plate.youngs_modulus_gpa, plate.density_kg_m3) or ""
 
 
-def _material_word(name: str) -> str:
+def material_word(name: str) -> str:
     """Return the word for a material of the library: steel-100cr6 is bearing steel."""
     if name == "steel-100cr6":
         return "bearing steel"

@@ -126,7 +126,7 @@ def test_runs_of_several_seeds_are_one_side() -> None:
             one = scene.with_({"surface.finish": finish, "surface.seed": seed, "sweep": {}})
             runs.append(a_run(one, summary, **values))
     text = follows(runs)
-    assert "On ground the ball is 6.0 dB louder than on lapped" in text
+    assert "On the ground finish the ball is 6.0 dB louder than on the lapped" in text
     assert "three surfaces" in text
 
 
