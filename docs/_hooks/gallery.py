@@ -37,9 +37,9 @@ LEFT_OUT = {
     "events": "it sounds like the quickstart",
 }
 GALLERY_SIZE = (1400, 1400)
-PAGE_SIZE = (1100, 1520)
+PAGE_SIZE = (1100, 1290)
 COLOURS = 128  # of a picture
-SETTLED_MS = 1500  # until scripts have drawn
+SETTLED_MS = 5000  # until scripts have drawn, the spectrogram too
 # Settings with which the site runs its scenes on short tracks, to be built in minutes.
 BRIEF = "sound.listen_s=6"
 SITE = {
