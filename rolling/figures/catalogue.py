@@ -55,6 +55,10 @@ def _has_ball_surface(run: Run) -> bool:
     return run.scene.sphere.surface is not None
 
 
+def _rolls(run: Run) -> bool:
+    return run.scene.rolling.drop_mm is None
+
+
 def _has_events(run: Run) -> bool:
     return run.event_statistics is not None
 
@@ -126,7 +130,9 @@ COMPARING = {
     ),
 }
 SINGLE = {
-    "release_power": FigureKind(sound.release_power, sound.release_power_table, shares_scales=True),
+    "release_power": FigureKind(
+        sound.release_power, sound.release_power_table, _rolls, shares_scales=True
+    ),
     "spectrogram": FigureKind(sound.spectrogram, shares_scales=True),
     "modulation": FigureKind(origins.modulation, origins.modulation_table, _has_turns),
     "wavelengths": FigureKind(origins.wavelengths, origins.wavelength_table, _has_wavelengths),

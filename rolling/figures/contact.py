@@ -259,7 +259,7 @@ def contact_pressure(run: Run, ax: Axes | None = None, among: Iterable[Run] = ()
     ax.set_xlim(along_um - reach_um, along_um + reach_um)
     ax.set_ylim(across_um - reach_um, across_um + reach_um)
     ax.set_facecolor("black")
-    facts = [f"load {rounded(run.scene.load, 6)} N", f"ball at {rounded(along_um, 4)} µm"]
+    facts = [f"load {rounded(run.scene.load, 4)} N", f"ball at {rounded(along_um, 4)} µm"]
     if yields:
         share = float(np.mean(_has_yielded(run, snapshot)[snapshot.pressure > 0]))
         facts.append(f"{rounded(100 * share, 3)} % of the contact area has yielded")

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from acoustics.arrays import instance
 from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
+from acoustics.plot_style import unit_prefix
 from acoustics.plots import COLOURS, third_octaves
 from acoustics.traps import ignoring_underflow
 from rolling.dynamics.smooth_contact import semi_axes
@@ -157,7 +158,8 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     Returns
     -------
     ax : matplotlib.axes.Axes
-        Axes with minimum and maximum of the force over the load in each column, over time, ms.
+        Axes with minimum and maximum of the force in each column, over time, ms: over the load, or
+        in newtons for a ball that falls.
 
     Raises
     ------
@@ -173,25 +175,31 @@ def contact_force(run: Run, ax: Axes | None = None) -> Axes:
     motion = vibration.motion
     ratio = vibration.force_ratio
     table = contact_force_table(run)
+    factor = 1.0
+    label = "contact force over load [-]"
+    if run.scene.rolling.drop_mm is not None:  # whose impacts are many times the load
+        newton, prefix = unit_prefix(float(vibration.load * ratio.max()))
+        factor = vibration.load / newton
+        label = f"contact force [{prefix}N]"
     ax = axes_of(ax)
     ax.fill_between(
         1e3 * table["time_s"],
-        table["minimum_ratio"],
-        table["maximum_ratio"],
+        factor * table["minimum_ratio"],
+        factor * table["maximum_ratio"],
         step="post",
         color=COLOURS[0],
         linewidth=0.6,
     )
-    ax.axhline(1.0, color="0.4", linewidth=0.6)
-    ax.set(xlabel="time [ms]", ylabel="contact force over load [-]")
+    ax.axhline(factor, color="0.4", linewidth=0.6)
+    ax.set(xlabel="time [ms]", ylabel=label)
     ax.set_xlim(0.0, 1e3 * motion.time_step_s * len(ratio))
     facts = [
-        f"load {vibration.load:g} N",
+        f"load {rounded(vibration.load, 4)} N",
         f"fluctuation {rounded(vibration.rms_ratio, 3)} of the load (rms), "
-        f"from {rounded(ratio.min(), 3)} to {rounded(ratio.max(), 3)}",
+        f"from {rounded(ratio.min(), 3)} to {rounded(ratio.max(), 3)} times the load",
     ]
     if motion.flight_share > 0 or motion.impacts:
-        facts.append(f"in flight {rounded(100 * motion.flight_share)} % of the time")
+        facts.append(f"in flight {rounded(100 * motion.flight_share, 3)} % of the time")
         facts.append("1 impact" if motion.impacts == 1 else f"{motion.impacts} impacts")
     else:
         facts.append("the ball never loses contact")
@@ -257,7 +265,7 @@ def contact_filter(run: Run, ax: Axes | None = None) -> Axes:
     ax.invert_xaxis()
     facts = [
         "third octaves of wavelength, rms",
-        f"constant load of {rounded(run.scene.load, 6)} N",
+        f"constant load of {rounded(run.scene.load, 4)} N",
         f"dotted: radius of Hertz's contact, {rounded(radius_um, 3)} µm",
     ]
     return finish(ax, f"Contact filter: {run.title}", facts)
@@ -330,6 +338,8 @@ def mobilities(run: Run, ax: Axes | None = None) -> Axes:
     quality = "undamped" if np.isinf(chain.quality) else f"Q = {rounded(chain.quality, 3)}"
     if run.scene.plate.thickness_mm is None:
         plate = "half-space at the resonance's damping"
+    elif run.scene.plate.length_mm is not None:
+        plate = f"plate of {run.scene.plate.thickness_mm:g} mm with edges"
     else:
         plate = f"infinite plate of {run.scene.plate.thickness_mm:g} mm"
     resonance = f"{number(chain.resonance_hz)} Hz, {quality}"

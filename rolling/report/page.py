@@ -181,8 +181,6 @@ def _pictures(run: Run, number: int, runs: Sequence[Run]) -> dict[str, Chart]:
     left_out = {*SURFACES}  # which the page has once for all its runs
     if run.result.maps:
         left_out.add("contact_pressure")  # the page has maps that move
-    if run.scene.rolling.drop_mm is not None:
-        left_out.add("release_power")  # it does not roll at that time
     pictures = {}
     for name in SINGLE:
         if name in left_out:

@@ -12,6 +12,8 @@ from rolling.scene.messages import table
 from rolling.scene.models import Section
 from rolling.scene.scene import Scene
 
+WEIGHT = "weight"  # the value of a load that is the ball's own
+BY_WEIGHT = "under its own weight"
 LONGEST = 72  # characters of a label: the width of a row in a legend
 _PROMINENT = 3  # differences that a label names even where fewer would distinguish the runs
 SEED = "surface.seed"
@@ -38,6 +40,8 @@ def named(key: str) -> tuple[str, str]:
 
 def worded(key: str, value: float | str) -> str:
     """Write a value with its word and unit, or with its label: load 5 N, surface lapped."""
+    if value == WEIGHT:
+        return BY_WEIGHT
     name, unit = named(key)
     return f"{name} {printable(value) if isinstance(value, str) else f'{value:g} {unit}'}".rstrip()
 
@@ -139,6 +143,8 @@ def _written(word: Word, value: Any, detail: int) -> str:
         return f"{'with' if value else 'without'} {word.word}"
     if isinstance(value, Path):
         return f"{word.word} {printable('/'.join(value.parts[-detail:]))}"
+    if value == WEIGHT:
+        return BY_WEIGHT
     if isinstance(value, str):
         return f"{word.word} {printable(value.replace('_', ' '))}"
     if isinstance(value, tuple) and word.unit == "mm":  # a point, or listeners

@@ -50,7 +50,7 @@ def gallery(
             if sheets is not None:
                 yield reading, name, sheets
         figure, axes = _blank(reading, 1)
-        against_load(axes[0], cases, "plastic_ratio", "plastic area / Hertz area")
+        against_load(axes[0], cases, "plastic_ratio", "plastic area over Hertz's area [-]")
         axes[0].set_ylim(plastic_limits)
         yield reading, "fig7_plastic_ratio", figure
         roughnesses = sorted(cases[ROUGHNESS].unique())
@@ -60,8 +60,15 @@ def gallery(
             ax.set_title(title(cases, roughness), fontsize="small")
         yield reading, "fig8_spectra", figure
         figure, axes = _blank(reading, 2)
-        against_load(axes[0], cases, "maximum_10_db", "maximum A-weighted line [dB re 1 pW/m²]")
-        against_load(axes[1], cases, "maximum_20_db", "with 20 lg [dB], only differences count")
+        against_load(
+            axes[0],
+            cases,
+            "maximum_10_db",
+            "maximum A-weighted line of the\nreleased power [dB re 1 pW/m²]",
+        )
+        against_load(
+            axes[1], cases, "maximum_20_db", "the same with 20 lg [dB],\nonly differences count"
+        )
         for ax, limits in zip(axes, maximum_limits, strict=True):
             ax.set_ylim(limits)
         yield reading, "fig9_maximum_level", figure
@@ -104,7 +111,7 @@ def spectra(ax: Axes, cases: pd.DataFrame, by: str, limits_db: tuple[float, floa
         level = 10 * np.log10(np.where(np.isnan(power), 0.0, power) + 1e-30)
         curves.append((label(by, float(value)), Lines(group["curve_hz"].iloc[0], level)))
     spectrum(ax, curves, limits_db, ordered=True)
-    ax.set_ylabel("A-weighted line level [dB re 1 pW/m²]")
+    ax.set_ylabel("A-weighted line of the\nreleased power [dB re 1 pW/m²]")
     ax.legend(fontsize="small")
     return ax
 

@@ -130,13 +130,13 @@ def diagram_png(study: xr.Dataset) -> bytes:
 
 def diagram(study: xr.Dataset) -> Figure:
     """Draw the errors of release signal, LAeq and third octaves over the computing time."""
-    figure = Figure(figsize=(10, 13), layout="constrained")
+    figure = Figure(figsize=(8.5, 10), layout="constrained")
     axes = figure.subplots(3, 1, sharex=True)
     frame = table(study)
     for ax, name, label in (
-        (axes[0], "error_signal_db", "release signal: rms error re rms of fluctuation [dB]"),
-        (axes[1], "error_laeq_db", "|LAeq error| [dB]"),
-        (axes[2], "worst_band_db", "largest third-octave error [dB]"),
+        (axes[0], "error_signal_db", "error of the signal over its fluctuation [dB]"),
+        (axes[1], "error_laeq_db", "size of the error of LAeq [dB]"),
+        (axes[2], "worst_band_db", "largest error of a third octave [dB]"),
     ):
         work_precision(frame, name, ax)
         ax.set_ylabel(label)
@@ -146,9 +146,10 @@ def diagram(study: xr.Dataset) -> Figure:
         ax.yaxis.set_major_formatter("{x:g}")
         ax.yaxis.set_minor_formatter(NullFormatter())
         ax.axhline(limit, color="black", linewidth=1, label="limit of a recommendation")
+    axes[2].xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes[2].xaxis.set_major_formatter("{x:g}")
-    axes[2].xaxis.set_minor_formatter("{x:g}")
-    axes[2].set_xlabel("seconds of computing per second of sound, on one core")
+    axes[2].xaxis.set_minor_formatter(NullFormatter())
+    axes[2].set_xlabel("computing time per second of sound, on one core [s]")
     handles, labels = axes[2].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
     best = frame[frame.curve == REFERENCE].iloc[0]
@@ -181,7 +182,7 @@ def work_precision(frame: pd.DataFrame, name: str, ax: Axes) -> Axes:
                 word = f"{value:g} µm"
                 if setting == "tolerance":
                     word = tolerance_text(value)
-                ax.annotate(word, (at, error), (5, 4), textcoords="offset points", fontsize=7)
+                ax.annotate(word, (at, error), (5, 4), textcoords="offset points", fontsize=8)
     ring: dict[str, Any] = {"color": "black", "markersize": 13, "fillstyle": "none"}
     seconds = own.seconds_per_second
     errors = _drawn(own, name)

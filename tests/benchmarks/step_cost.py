@@ -191,21 +191,27 @@ def draw(costs: list[Cost], path: Path) -> None:
     """Draw times, fits and bare transforms over the width of the window."""
     from matplotlib.figure import Figure
 
+    from acoustics.plot_style import curve_style
+
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     ax = figure.subplots()
-    for at, kind in enumerate(dict.fromkeys(c.kind for c in costs)):
+    kinds = dict.fromkeys(c.kind for c in costs)
+    for number, kind in enumerate(kinds):
         mine = [c for c in costs if c.kind == kind]
-        ax.plot(
-            [c.width for c in mine], [c.milliseconds for c in mine], "osD^v"[at], color=f"C{at}"
-        )
+        style = curve_style(number, len(kinds))
+        line = {"color": style["color"], "linestyle": style["linestyle"]}
+        mark = {"color": style["color"], "marker": style["marker"]}
+        ax.plot([c.width for c in mine], [c.milliseconds for c in mine], linestyle="none", **mark)
         at_100, power = fit(mine)
         widths = np.array([mine[0].width, mine[-1].width])
-        ax.plot(widths, at_100 * (widths / 100) ** power, color=f"C{at}", label=kind, lw=1)
+        ax.plot(widths, at_100 * (widths / 100) ** power, linewidth=1, **line)
+        ax.plot([], [], label=kind, **style)
     rough = sorted((c for c in costs if "smooth" not in c.kind), key=lambda c: c.width)
     at_100, power = fit(rough, "bare")
     widths = np.array([rough[0].width, rough[-1].width])
     ax.plot(widths, at_100 * (widths / 100) ** power, "k--", lw=1, label=LIMIT)
-    ax.set(xscale="log", yscale="log", xlabel="width of the window, nodes", ylabel="time, ms")
+    ax.set(xscale="log", yscale="log", xlabel="width of the window [nodes]")
+    ax.set_ylabel("time of a step [ms]")
     ax.grid(alpha=0.3, which="both")
     ax.legend(fontsize="small")
     figure.savefig(path, metadata={"Date": None})

@@ -366,6 +366,37 @@ def test_saved_charts_hold_their_colours_and_the_table(opened_charts) -> None:
     assert (np.abs(pixels.astype(int) - colour).max(axis=2) < 3).sum() > 500
 
 
+def test_the_numbers_of_a_chart_are_one_choice_away(opened_charts) -> None:
+    """The table has the rows of the CSV file, and goes again."""
+    read, picture = chart("third_octaves", "three")
+    read["csv"] = (picture.file("csv") or b"").decode()
+    table = pd.read_csv(io.StringIO(read["csv"]))
+    with opened_charts(read) as page:
+        drawn = figure(page)
+        button = drawn.get_by_role("button", name="Numbers")
+        button.click()
+        assert button.get_attribute("aria-expanded") == "true"
+        rows = drawn.locator(".numbers tbody tr")
+        assert rows.count() == len(table)
+        first = rows.first.locator("td").all_text_contents()
+        assert len(first) == len(table.columns) and first[:2] == [table["run"][0], "20"]
+        button.click()
+        assert not rows.count()
+
+
+def test_yielded_nodes_are_read_as_the_hardness_in_a_chart() -> None:
+    """Their colour is the last one of the image, beyond those of the scale."""
+    read, picture = chart("contact_pressure", "three")
+    (image,) = [part for part in read["parts"] if part["kind"] == "image"]
+    values = np.ma.filled(picture.figure.axes[0].images[0].get_array(), np.nan)
+    limit = picture.figure.axes[0].images[0].get_clim()[1]
+    content = io.BytesIO(base64.b64decode(image["png"].partition(",")[2]))
+    pixels = np.asarray(Image.open(content).convert("RGB"))[::-1]
+    last = [int(image["colours"][-1][k : k + 2], 16) for k in (1, 3, 5)]
+    np.testing.assert_array_equal((pixels == last).all(axis=2), values > limit)
+    assert image["over"] and (values > limit).any()
+
+
 def test_runs_have_one_colour_and_charts_over_time_seek(pages, opened) -> None:
     """A click on a chart over time seeks within a pixel, and the playhead stands there."""
     path = pages("three")
