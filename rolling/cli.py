@@ -296,7 +296,7 @@ def _scenes(given: argparse.Namespace) -> int:
     titles = library.titles(given.all)
     width = max(len(name) for name, _ in titles)
     for name, title in titles:
-        print(f"{name:{width}}  {title}")
+        print(streams.wrapped(f"{name:{width}}  {title}", " " * (width + 2)))
     if not given.all:
         inner = len(library.scenes()) - len(titles)
         print(f"\n{inner} more scenes are of studies; `rolling scenes --all` lists them")

@@ -32,7 +32,7 @@ from rolling.surface.character import PROFILE_NODES
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
-from rolling.terminal.streams import wrapped
+from rolling.terminal.streams import folded, wrapped
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -405,8 +405,9 @@ def compare(
     files.write_bytes(page.with_suffix(".csv"), csv_bytes(comparison.table))
     files.write_bytes(page, content)
     if not progress.is_quiet():
+        print(*map(folded, comparison.notes), "", sep="\n")
         print(recordings.words(comparison.table).to_string(index=False))
-        print("", *comparison.notes, "", sep="\n")
+        print()
     return [page]
 
 

@@ -254,13 +254,17 @@ def compare(
             "difference_uncertainty_db": np.hypot(run_uncertainty_db, recording_uncertainty_db),
         }
     )
-    verdict = run.summary.get("verdict") or {}
     notes = [
-        f"run: {own.name}, {own.seconds:.3g} s; its level: {verdict.get('word', '-')}",
+        f"run: {_quantity(run)}, {own.name} of {own.seconds:.3g} s",
         f"recording: {recording.name}, first channel, {recording.seconds:.3g} s; {scale}",
         f"modulation: from {octave[0]:.0f} to {octave[1]:.0f} Hz, where the run is loudest",
-        *left_out,
     ]
+    if run.summary["source"] == "release":
+        notes.append(
+            "a recording holds what is heard, and the run its released power: compare the shape of"
+            " the spectrum, not its level"
+        )
+    notes += left_out
     if recording.is_clipped:
         notes.append("the recording is clipped: repeat it with less gain")
     return RecordingComparison(
@@ -268,6 +272,19 @@ def compare(
         notes=notes,
         records={"run": own, "recording": recording},
     )
+
+
+def _quantity(run: Run) -> str:
+    """Name what the levels of a run are of, with the verdict on them."""
+    verdict = run.summary.get("verdict") or {}
+    word = verdict.get("word", "-")
+    if run.summary["source"] == "vibration":
+        return f"levels of the vibration (verdict: {word})"
+    if run.summary.get("q", 1) is None:
+        return f"levels of the released power under the gain of the scene (verdict: {word})"
+    q = run.summary.get("q") or 1
+    bound = ", an upper bound" if q == 1 else ""
+    return f"levels of the released power with q = {q:g}{bound} (verdict: {word})"
 
 
 def _left_out(fault: str, bands: NDArray[np.bool_]) -> list[str]:

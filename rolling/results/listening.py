@@ -158,9 +158,10 @@ def describe_long_record(run: SolvedRun, long: Listening) -> str:
             f"({rounded(100 * numbers['solved_share'])} % of the time) are solved and the others "
             f"follow their statistics at random (seed {numbers['seed']})"
         )
+    name = "vibration" if run.summary["source"] == "vibration" else "released power"
     text = (
         f"{rounded(numbers['seconds'], 4)} s over {rounded(numbers['rolled_mm'], 3)} mm, {track}: "
-        f"LAeq {decibels_a(numbers['laeq_db'])} (the run {own}), kurtosis {kurtosis}"
+        f"LAeq of the {name} {decibels_a(numbers['laeq_db'])} (the run {own}), kurtosis {kurtosis}"
     )
     if "impacts" in numbers:
         text += f", {rounded(numbers['impacts'] / numbers['seconds'], 3)} impacts per second"

@@ -27,15 +27,19 @@ def build(version: str) -> argparse.ArgumentParser:
     argparse.ArgumentParser
     """
     parser = argparse.ArgumentParser(
-        prog="rolling", description="Contact noise of a sphere rolling over a rough surface."
+        prog="rolling",
+        description="What does a ball sound like that rolls over a rough surface?",
+        epilog="A first run: rolling run quickstart --open. Help on a command: rolling run -h.",
     )
     parser.add_argument(
         "-V", "--version", action="version", version=f"rolling-contact-noise {version}"
     )
     _add_volume(parser, default=False)
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    _add_run(commands)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
+    _add_scenes(commands)
+    _add_init(commands)
     _add_check(commands)
+    _add_run(commands)
     _add_status(commands)
     _add_table(commands)
     _add_plot(commands)
@@ -48,8 +52,6 @@ def build(version: str) -> argparse.ArgumentParser:
     _add_accuracy(commands)
     _add_reproduce(commands)
     _add_validate(commands)
-    _add_scenes(commands)
-    _add_init(commands)
     _add_schema(commands)
     return parser
 
@@ -61,17 +63,18 @@ def _add_run(commands: Any) -> None:
     run = _command(
         commands,
         name="run",
-        help="run a scene: release, sound, levels and page; again: goes on, or adds runs of its"
-        " sweep",
+        help="run a scene: two numbers, sounds, pictures, one page",
+        answer="What does this scene sound like? The command writes its two numbers, "
+        "sounds, pictures and a page into a folder. The same command again goes on "
+        "where it stopped, and adds new runs of its sweep.",
     )
     _add_scene(run)
-    _add_out(run, help="run folder (default: outputs/NAME-DIGITS); again: goes on there")
+    _add_out(run, help="run folder (default: outputs/NAME-DIGITS)")
     run.add_argument(
         "--part",
         type=arguments.part,
         metavar="K/N",
-        help="do every N-th march of a sweep from march K on, in a folder that the commands of all"
-        " parts share: for array jobs",
+        help="for array jobs: do part K of N of a sweep, in a folder that all parts share",
     )
     _add_workers(run)
     run.add_argument(
@@ -87,13 +90,15 @@ def _add_check(commands: Any) -> None:
     check = _command(
         commands,
         name="check",
-        help="validate a scene, estimate its cost and name its doubtful numbers",
+        help="say before a run whether it runs and what to doubt",
+        answer="Does the scene run, for how long, and what will be doubtful? The command "
+        "solves a few positions; -v prints all quantities.",
     )
     _add_scene(check)
     check.add_argument(
         "--fast",
         action="store_true",
-        help="solve no positions; use closed forms and estimates only",
+        help="solve nothing, and estimate by closed forms only",
     )
 
 
@@ -101,13 +106,14 @@ def _add_status(commands: Any) -> None:
     status = _command(
         commands,
         name="status",
-        help="tell which runs of a folder are done, running, waiting or failed (why)",
+        help="say which runs of a folder are done or failed",
+        answer="Which runs of a folder are done, running or waiting, and why did one fail?",
     )
     _add_folder(status)
     status.add_argument(
         "--watch",
         action="store_true",
-        help="print the status again when it changes, until no run is waiting or running",
+        help="print the status at each change, until no run is waiting or running",
     )
 
 
@@ -115,7 +121,10 @@ def _add_table(commands: Any) -> None:
     table = _command(
         commands,
         name="table",
-        help="gather all numbers of a sweep, their statistics over the seeds, and plots of them",
+        help="tabulate and plot the runs of a sweep",
+        answer="How do the numbers of a sweep depend on its keys, and how far do they "
+        "scatter over the seeds? The command writes runs.csv, statistics.csv and "
+        "plots.",
     )
     _add_folder(table)
     table.add_argument(
@@ -145,7 +154,8 @@ def _add_plot(commands: Any) -> None:
     plot = _command(
         commands,
         name="plot",
-        help="draw single figures of a run as PNG or SVG, or write their numbers as CSV",
+        help="draw single figures of a run, or their numbers",
+        answer="Draw figures of a run as PNG or SVG, or write their numbers as CSV.",
     )
     _add_folder(plot)
     plot.add_argument(
@@ -170,12 +180,14 @@ def _add_resound(commands: Any) -> None:
     resound = _command(
         commands,
         name="resound",
-        help="run a stored scene with another sound, speed or body; stored marches are not solved"
-        " again",
+        help="hear stored runs elsewhere, or at another speed",
+        answer="What would a stored run sound like at another distance or speed, or with "
+        "another mass or plate thickness? The command solves nothing that is stored "
+        "already.",
     )
     _add_folder(resound)
     _add_set(resound)
-    _add_out(resound, help="run folder; again: goes on there")
+    _add_out(resound, help="run folder (default: outputs/NAME-DIGITS)")
     _add_workers(resound)
     _add_no_report(resound)
 
@@ -184,7 +196,9 @@ def _add_report(commands: Any) -> None:
     report = _command(
         commands,
         name="report",
-        help="write one page to hear, see and read runs: a single HTML file that needs no network",
+        help="write the page of runs anew, or one of several",
+        answer="Write one page to hear, see and read runs: a single HTML file that needs "
+        "no network.",
     )
     _add_run_folders(report)
     _add_out(report, metavar="PAGE", help="page to write (default: RUN/report.html)")
@@ -194,7 +208,9 @@ def _add_gallery(commands: Any) -> None:
     gallery = _command(
         commands,
         name="gallery",
-        help="write one page of many runs: each with a picture, a sound, its level and a sentence",
+        help="write one page of many runs to listen to",
+        answer="Write one page of many runs, each with a picture, a sound, its level and a "
+        "sentence.",
     )
     _add_run_folders(gallery)
     _add_out(gallery, metavar="PAGE", help="page to write (default: gallery.html)")
@@ -204,8 +220,10 @@ def _add_listen(commands: Any) -> None:
     listen = _command(
         commands,
         name="listen",
-        help="write a long record of a run: the ball rolls on beyond the solved track, over a"
-        " random continuation of it, at any speed",
+        help="write a long record of a run",
+        answer="How does the run sound for longer, or at another speed? The command writes "
+        "long.wav: beyond the solved track the ball rolls on over a random "
+        "continuation of it.",
     )
     _add_folder(listen)
     listen.add_argument(
@@ -236,8 +254,9 @@ def _add_compare(commands: Any) -> None:
     compare = _command(
         commands,
         name="compare",
-        help="compare a run with a recording of the real thing: third octaves, LAeq, modulation;"
-        " writes RUN/compare-RECORDING.html",
+        help="compare a run with a recording of the real thing",
+        answer="How near is a run to a recording? The command compares third octaves, LAeq "
+        "and modulation, and writes RUN/compare-RECORDING.html.",
     )
     _add_folder(compare)
     compare.add_argument(
@@ -264,8 +283,10 @@ def _add_surface(commands: Any) -> None:
     surface = _command(
         commands,
         name="surface",
-        help="describe measured heights, or the surface of a scene: parameters of ISO 25178-2,"
-        " picture",
+        help="say how rough a surface is, and how a scene has it",
+        answer="How rough is a surface, which finish yields first, and which line gives it "
+        "to a scene? The command describes a file of heights or the surface of a "
+        "scene, with a picture and all parameters of ISO 25178-2.",
     )
     surface.add_argument(
         "source",
@@ -306,10 +327,12 @@ def _add_accuracy(commands: Any) -> None:
     accuracy = _command(
         commands,
         name="accuracy",
-        help="speed against error: a scene on finer grids, with other edges, tolerances and steps",
+        help="measure the error of a scene on finer grids",
+        answer="How far are the numbers of a scene from those of finer grids, other edges, "
+        "tolerances and steps, and what do these cost?",
     )
     _add_scene(accuracy)
-    _add_out(accuracy, help="run folder; again: goes on there")
+    _add_out(accuracy, help="folder of the study")
     _add_workers(accuracy)
     accuracy.add_argument(
         "--finest",
@@ -333,8 +356,10 @@ def _add_reproduce(commands: Any) -> None:
     reproduce = _command(
         commands,
         name="reproduce",
-        help="run the study of an article in several readings and answer for its statements; again:"
-        " goes on where it stopped",
+        help="repeat the study of Lee, Kim and Kim (2025)",
+        answer="Do the statements of the article hold? The command runs its study in "
+        "several readings and answers for each statement. The same command again "
+        "goes on where it stopped.",
     )
     reproduce.add_argument(
         "study",
@@ -356,7 +381,7 @@ def _add_reproduce(commands: Any) -> None:
         help=f"{defaults.QUICK_SEEDS} surface, loads of {first}, {second}, {third} N,"
         f" {defaults.QUICK_SECONDS:g} s in steps {defaults.QUICK_STRIDES} times as long",
     )
-    _add_out(reproduce, help="folder of the study (default: outputs/STUDY); again: goes on there")
+    _add_out(reproduce, help="folder of the study (default: outputs/STUDY)")
     _add_workers(reproduce)
 
 
@@ -364,7 +389,9 @@ def _add_validate(commands: Any) -> None:
     validate = _command(
         commands,
         name="validate",
-        help="compare the program with published results, and write the page of all differences",
+        help="compare the program with published results",
+        answer="How far is the program from published results? The command writes a page "
+        "of all differences.",
     )
     validate.add_argument(
         "cases",
@@ -378,7 +405,13 @@ def _add_validate(commands: Any) -> None:
 
 
 def _add_scenes(commands: Any) -> None:
-    scenes = _command(commands, name="scenes", help="list the scenes that come with the program")
+    scenes = _command(
+        commands,
+        name="scenes",
+        help="list the scenes that come with the program",
+        answer="List the scenes that come with the program. `rolling run NAME` runs one, "
+        "and `rolling init NAME` copies it.",
+    )
     scenes.add_argument("--all", action="store_true", help="list the scenes of studies as well")
 
 
@@ -386,7 +419,9 @@ def _add_init(commands: Any) -> None:
     init = _command(
         commands,
         name="init",
-        help="copy a scene that comes with the program into the current folder",
+        help="copy such a scene here, to change it",
+        answer="Copy a scene that comes with the program into the current folder, where "
+        "you can change it.",
     )
     init.add_argument(
         "name",
@@ -398,15 +433,21 @@ def _add_init(commands: Any) -> None:
 
 
 def _add_schema(commands: Any) -> None:
-    _command(commands, name="schema", help="print the JSON Schema of scene files, for editors")
+    _command(
+        commands,
+        name="schema",
+        help="print the JSON Schema of scenes, for editors",
+        answer="Print the JSON Schema of scene files, with which an editor completes and "
+        "checks keys.",
+    )
 
 
 # ---- arguments of several commands
 
 
-def _command(commands: Any, *, name: str, help: str) -> argparse.ArgumentParser:
-    """Add the parser of a command."""
-    parser: argparse.ArgumentParser = commands.add_parser(name, help=help, description=help)
+def _command(commands: Any, *, name: str, help: str, answer: str) -> argparse.ArgumentParser:
+    """Add the parser of a command, with a line for the list and what the command answers."""
+    parser: argparse.ArgumentParser = commands.add_parser(name, help=help, description=answer)
     parser.set_defaults(command=name, parser=parser)
     # An option before the command holds, too: the default of the command must not replace it.
     _add_volume(parser, default=argparse.SUPPRESS)
@@ -421,7 +462,7 @@ def _add_volume(parser: argparse.ArgumentParser, *, default: Any) -> None:
         "--quiet",
         action="store_true",
         default=default,
-        help="print refusals, errors and the folder (or page) only",
+        help="print refusals, errors and the name of the folder or page only",
     )
     either.add_argument(
         "-v",
@@ -444,7 +485,7 @@ def _add_set(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="override, such as rolling.load_n=50",
+        help="give a key another value, such as rolling.load_n=50; may stand several times",
     )
 
 
@@ -458,7 +499,7 @@ def _add_run_folders(parser: argparse.ArgumentParser) -> None:
         type=arguments.path,
         metavar="RUN",
         nargs="+",
-        help="run folders, and folders of sweeps",
+        help="run folders, or folders of single runs in them",
     )
 
 

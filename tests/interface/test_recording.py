@@ -94,9 +94,9 @@ def test_the_difference_is_the_filter_within_the_stated_uncertainty(
     assert (error.abs() > 2).sum() <= 2
     longest = table["run_uncertainty_db"] - table["recording_uncertainty_db"]
     assert longest.min() > 0  # the solved track is shorter than the recording
-    said = capsys.readouterr().out
+    said = " ".join(capsys.readouterr().out.split())
     assert "3 dB above the background, left out: 20, 25," in said
-    assert "run: long record, 6 s" in said
+    assert "levels of the vibration" in said and "long record of 6 s" in said
 
 
 def test_a_tone_gives_the_level_back(folder: Path, run: Run, tmp_path: Path) -> None:
@@ -132,7 +132,7 @@ def test_without_calibration_shapes_are_compared(
     assert {path.name for path in folder.iterdir()} - before == {out.name, "compare-a_b_c.ogg.csv"}
     said = capsys.readouterr().out
     html = out.read_text(encoding="utf-8")
-    assert said.splitlines()[-1] == str(out) and "LAeq is made equal" in said
+    assert said.splitlines()[-1] == str(out) and "is made equal" in " ".join(said.split())
     assert "<b>" not in html and html.count("<audio") == 2
     assert re.findall(r'(?:src|href)="(?!data:)', html) == []
     table = pd.read_csv(out.with_suffix(".csv"))
