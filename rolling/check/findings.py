@@ -393,13 +393,17 @@ def _window(scene: Scene, rq: float) -> Iterator[Finding | Doubt]:
             key = "rolling.distance_mm"
     if isinstance(scene.surface, HeightFile) and not (side == "width" and scene.surface.width_um):
         key = "height file"
+    example = ""
+    if key == "surface.width_um":
+        wider = period * 2 ** math.ceil(math.log2(max(1.01 * across / period, 1.0)))
+        example = f", such as {key}: {1e6 * wider:.10g}"
     if across > period:
         yield Doubt(
             "window",
             f"window: the contact is about {si(across, 'm')} across, the surface has a {side} of "
             f"{si(period, 'm')}",
             Severity.INDICATIVE,
-            advice=f"choose a larger {key}, at least {1e6 * across:.0f} um of surface",
+            advice=f"choose a larger {key}, at least {1e6 * across:.0f} um of surface{example}",
         )
 
 

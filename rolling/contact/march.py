@@ -378,14 +378,17 @@ def _refuse_the_impossible(contact: RollingContact) -> None:
 def _refuse_wide(contact: RollingContact, along: float, across: float) -> None:
     """Raise ContactError for a contact [m] wider than one period of the surface."""
     rows, columns = contact.heights.shape
-    for needed, nodes, way in (
-        (along, rows, "along the track"),
-        (across, columns, "across the track"),
+    for needed, nodes, way, key in (
+        (along, rows, "along the track", "rolling.distance_mm"),
+        (across, columns, "across the track", "surface.width_um"),
     ):
         period = nodes * contact.spacing
         if needed > period:
+            wider = period * 2 ** math.ceil(math.log2(1.01 * needed / period))
+            unit = 1e3 if key.endswith("_mm") else 1e6
             raise ContactError(
                 f"contact is {rounded(needed * 1e6, 4)} um wide {way}, more than one period of the"
                 f" surface ({rounded(period * 1e6, 4)} um); it needs a surface of more than"
-                f" {rounded(needed * 1e6, 4)} um {way}"
+                f" {rounded(needed * 1e6, 4)} um {way}, in a scene"
+                f" {key}: {wider * unit:.10g}"
             )
