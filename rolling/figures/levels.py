@@ -218,9 +218,9 @@ def _stand_one_above_the_other(left: Axes, right: Axes, frame: pd.DataFrame) -> 
     middles = []
     spans = []
     for quantities in ([_VIBRATION, _FAST_MAXIMUM], [_RELEASED]):
-        known = frame[[x.column for x in _known(frame, quantities)]].stack().dropna()
-        middles.append(0.5 * (known.min() + known.max()))
-        spans.append(known.max() - known.min())
+        low, high = _extremes(frame, _known(frame, quantities))
+        middles.append(0.5 * (low + high))
+        spans.append(high - low)
     half = (1.0 + 2.0 * _ROOM) * max(_LEAST_SPAN_DB, *spans)
     left.set_ylim(middles[0] - 0.5 * half, middles[0] + 1.5 * half)
     right.set_ylim(middles[1] - 1.5 * half, middles[1] + 0.5 * half)
@@ -233,21 +233,37 @@ def _stand_one_above_the_other(left: Axes, right: Axes, frame: pd.DataFrame) -> 
         ax.yaxis.set_major_formatter("{x:g}")
 
 
+def _release_text(runs: Sequence[Run]) -> str:
+    """Say what the released power of runs means."""
+    of_release = [run for run in runs if run.sound.source != "vibration"]
+    own = picture.level_of(of_release) if of_release else picture.RELEASED
+    if own == picture.RELEASED:
+        return "released power (q = 1): upper bound"
+    return own.meaning
+
+
+def _extremes(frame: pd.DataFrame, quantities: Sequence[_Quantity]) -> tuple[float, float]:
+    """Return the ends of the levels of quantities with their uncertainties [dB]."""
+    lows = []
+    highs = []
+    for quantity in quantities:
+        spread = frame[quantity.uncertainty].fillna(0.0)
+        lows.append(float((frame[quantity.column] - spread).min()))
+        highs.append(float((frame[quantity.column] + spread).max()))
+    return min(lows), max(highs)
+
+
 def _facts(runs: Sequence[Run], has_vibration: bool, has_release: bool, seeds: int) -> list[str]:
     """Say what the two levels are, where they hold, and what the bars are."""
     facts = []
     if has_vibration:
         hows = {answer.vibration(run.summary).how for run in runs} - {"none"}
-        facts.append(f"vibration: {' or '.join(sorted(hows))}, what a listener would hear")
+        facts.append(f"vibration ({' or '.join(sorted(hows))}): what a listener would hear")
     else:
         reasons = {answer.vibration(run.summary).reason for run in runs}
         facts.append(f"no vibration: {'; '.join(sorted(reasons))}")
     if has_release:
-        meanings = {
-            picture.level_of([run]).meaning for run in runs if run.sound.source != "vibration"
-        }
-        meanings = meanings or {picture.RELEASED.meaning}
-        facts.append(f"released power: {'; '.join(sorted(meanings))}")
+        facts.append(_release_text(runs))
     if has_vibration and has_release:
         facts.append("each has its own axis, with equal decibels")
     facts.append(picture.distance_text(runs))

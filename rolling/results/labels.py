@@ -11,8 +11,8 @@ from rolling.scene.library import NAMES
 from rolling.scene.messages import table
 from rolling.scene.models import Section
 from rolling.scene.scene import Scene
+from rolling.scene.sections import WEIGHT
 
-WEIGHT = "weight"  # the value of a load that is the ball's own
 BY_WEIGHT = "under its own weight"
 LONGEST = 72  # characters of a label: the width of a row in a legend
 _PROMINENT = 3  # differences that a label names even where fewer would distinguish the runs
