@@ -46,8 +46,8 @@ MOVE = """
     const bodies = chain.chainAt(run, chosen, places, modes);
     const steps = motion.stepsPerSample(run, chosen, bodies);
     const lap = places.length / chosen.speed;
-    const count = samples ? samples * steps : Math.round(lap * motion.RATE * steps);
-    const step = samples ? 1 / (motion.RATE * steps) : lap / count;
+    const count = samples ? samples * steps : Math.round(lap * 48000 * steps);
+    const step = samples ? 1 / (48000 * steps) : lap / count;
     const ball = new motion.Motion(places, bodies, chain.loadOf(run, chosen), step);
     if (height !== undefined) ball.release(height);
     const force = new Float64Array(count);
@@ -208,7 +208,7 @@ FUZZ = """
       const modes = rectangle.moving(sides.map((side) => side * random()));
       if (modes.frequency.length < 100) bodies = chain.chainOf(mass, modes, k, tau);
     }
-    const step = 1 / (motion.RATE * motion.stepsPerSample(run, settings, bodies));
+    const step = 1 / (48000 * motion.stepsPerSample(run, settings, bodies));
     const ball = new motion.Motion(places, bodies, settings.load, step);
     ball.release(settings.dropHeight);
     let [highest, met, position] = [0, false, 0];

@@ -7,6 +7,7 @@
 
 import { ballMass, loadOf } from "./chain.js";
 import { over, plus, times } from "./complex.js";
+import { RATE } from "./rate.js";
 
 const FASTEST = 1.5; // phase of a pole in a step, beyond which it has no inertia,
 const SHARP = 0.1; // if its damping over its frequency is less
@@ -18,7 +19,6 @@ const CALM = 400; // steps without a flight after which the source becomes a par
 const [FALL, ROUGH] = [1, 1e-4]; // speed [m/s] and height [m] that a ball on a track does not exceed
 const HIGHER = 1.1; // height that a ball does not reach over the height of its fall
 const STRONGEST = 1e9; // force over the load that a ball on a track does not reach
-export const RATE = 48000; // samples per second
 const MAX_STEPS = 32; // per sample
 
 // The steps resolve the period of the resonance, the impact from the height, and the shortest waves of the law.

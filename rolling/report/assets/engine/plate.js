@@ -4,7 +4,7 @@
 
 import { linesOfRecord, over, plus } from "./complex.js";
 import { MODES_HZ } from "./effort.js";
-import { RATE } from "./motion.js";
+import { RATE } from "./rate.js";
 import { AIR, AUDIBLE, aWeight } from "./radiation.js";
 import { distances, radiationResistance, rayleighIntegrals } from "./rayleigh.js";
 

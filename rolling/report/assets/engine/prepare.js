@@ -4,7 +4,8 @@
 import { chainAt, loadOf } from "./chain.js";
 import { DECIMATION_DELAY } from "./vibration.js";
 import { ForceLaw, lawTable } from "./law.js";
-import { RATE, stepsPerSample } from "./motion.js";
+import { stepsPerSample } from "./motion.js";
+import { RATE } from "./rate.js";
 import { isPlayable, plateNumbers } from "./effort.js";
 import { costOfModes, EdgedPlate } from "./plate.js";
 import { ballPressure, halfSpacePressure, platePressure } from "./radiation.js";

@@ -4,7 +4,7 @@
 import { BLOCK, cubic, Decimator } from "./vibration.js";
 import { recordOfLines } from "./complex.js";
 import { numbersOf } from "./law.js";
-import { RATE } from "./motion.js";
+import { RATE } from "./rate.js";
 import { AUDIBLE, IMPEDANCE } from "./radiation.js";
 
 const FINER = 8; // values per step of the track at least, between which cubics interpolate

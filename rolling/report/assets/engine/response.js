@@ -5,7 +5,7 @@
 // fraction is a resonator with two poles at 48 kHz behind a short filter, which has all of the rest.
 
 import { over, plus, recordOfLines, times } from "./complex.js";
-import { RATE } from "./motion.js";
+import { RATE } from "./rate.js";
 import { AUDIBLE, SOUND } from "./radiation.js";
 
 const TAPER = 500; // [Hz] beyond hearing in which the band ends

@@ -1,7 +1,8 @@
 // Contact force of a rolling ball at 48 kHz: its motion in time steps, brought down to samples.
 
 import { ForceLaw } from "./law.js";
-import { Motion, RATE } from "./motion.js";
+import { Motion } from "./motion.js";
+import { RATE } from "./rate.js";
 
 export const BLOCK = 128; // samples that are computed at once
 export const DECIMATION_DELAY = 42; // samples on either side of the low-pass

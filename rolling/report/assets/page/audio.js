@@ -1,6 +1,7 @@
 // ---- the audio context, which all sounds of the page share, and one of which is heard at a time ----
 
-import { $, $$, FADE_S, RATE, state } from "./core.js";
+import { $, $$, FADE_S, state } from "./core.js";
+import { RATE } from "../engine/rate.js";
 
 export const RESTING_MS = 200; // after a sound, which has faded out by then
 

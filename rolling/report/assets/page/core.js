@@ -1,6 +1,7 @@
 // ---- data and elements of the page, and state of the player ----
 
-export const RATE = 48000;
+import { RATE } from "../engine/rate.js";
+
 export const FADE_S = 0.01; // short enough to switch at once, long enough not to click
 
 export const $ = (selector) => document.querySelector(selector);

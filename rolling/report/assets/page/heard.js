@@ -1,6 +1,7 @@
 // ---- the record that is heard: its waveform and its spectrogram, on which a pointer or a key seeks ----
 
-import { $, RATE, lengthOf, runs, state } from "./core.js";
+import { $, lengthOf, runs, state } from "./core.js";
+import { RATE } from "../engine/rate.js";
 import { roundOf } from "./records.js";
 import { linesOfRecord } from "../engine/complex.js";
 import { aWeight } from "../engine/radiation.js";

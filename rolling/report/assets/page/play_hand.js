@@ -4,11 +4,12 @@ import { $, runs, say } from "./core.js";
 import { live, liveOf, tellInstrument } from "./play_live.js";
 import { giveSpeed, listenToSliders, showRun, takeRun } from "./play_panel.js";
 import { shareAt, valueAt } from "./play_settings.js";
-import { askSettings, openWorker, rollBall, soundOn, startInstrument } from "./play_sound.js";
+import { askSettings, openWorker, prepareSound, rollBall, soundOn, startInstrument } from "./play_sound.js";
 import { view, wakeStage } from "./play_view.js";
 import { copyYaml, saveWav, showExport } from "./play_export.js";
 
 const REST_M_S = 0.01; // below which a ball that is let go stays where it is
+const IDLE_MS = 1000; // after which the sound is prepared, even if the page has never been idle
 const KEY_STEP = 0.03; // of the slider of the speed
 
 const STAGE_KEYS = {
@@ -37,6 +38,13 @@ export function beginPlaying() {
     wakeStage();
   }, { rootMargin: "200px" }).observe(stage);
   if (live.number < 0) takeRun(first);
+  whenIdle(prepareSound);
+}
+
+/** Do work once the page has nothing else to do. */
+function whenIdle(work) {
+  if (window.requestIdleCallback) requestIdleCallback(work, { timeout: IDLE_MS });
+  else setTimeout(work, IDLE_MS);
 }
 
 const placeOf = ({ clientX }) => {
@@ -98,8 +106,8 @@ async function dropBall() {
   if ($("#play-drop").hidden) return;
   live.dropped = true;
   showExport();
-  askSettings();
-  await startInstrument();
+  askSettings({ silent: true });
+  await startInstrument({ silent: true });
   await live.preparing;
   if (live.refused || !live.bus) return;
   soundOn(true);

@@ -12,7 +12,7 @@ export const SPECTRUM = 16384; // samples, whose lines resolve the third octave 
 export const live = {
   number: -1, settings: {}, rolling: 0, held: false, fastest: 0, dropped: false, report: null, heardAt: 0,
   worker: null, behind: false, preparing: null, latest: null, refused: false,
-  opening: null, bus: null, meters: [], volume: null, node: null, body: null,
+  opening: null, bus: null, meters: [], volume: null, limiter: null, node: null, body: null,
   sounding: null, resting: false, asleepAt: null, limited: 1,
 };
 

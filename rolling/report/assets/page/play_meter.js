@@ -1,6 +1,7 @@
 // ---- meters: level, spectrum, and force ----
 
-import { $, RATE, data, motionUnwanted, runs, signed } from "./core.js";
+import { $, data, motionUnwanted, runs, signed } from "./core.js";
+import { RATE } from "../engine/rate.js";
 import { aWeight } from "../engine/radiation.js";
 import { SPECTRUM, live, liveOf } from "./play_live.js";
 

@@ -1,16 +1,18 @@
 // ---- the instrument: its processor, its worker, and their messages ----
 
-import { $, FADE_S, RATE, runs, state } from "./core.js";
+import { $, FADE_S, runs, state } from "./core.js";
+import { RATE } from "../engine/rate.js";
 import { RESTING_MS, audioContext, restContext, soundAlone, sounds, starting } from "./audio.js";
 import { SPECTRUM, heardPosition, live, liveOf, tellInstrument } from "./play_live.js";
 import { isFaint, showReport } from "./play_meter.js";
 import { sayPlayed, sayPreparing, showModes } from "./play_notes.js";
 import { view, wakeStage } from "./play_view.js";
 import { instrumentNode, leaveBody, limiterNode, throughBody } from "../engine/graph.js";
+import { stepsPerSample } from "../engine/motion.js";
 
 const LATE_MS = 400; // after which the page says that it prepares settings
 const FADED_MS = 200; // after which an instrument has faded out
-const HOLD_S = 0.5; // that a lifted ball is held
+const HOLD_S = 0.15; // that a lifted ball is held, long enough to be seen; an impact is heard within half a second
 const METER = 2048; // samples of the Fast level
 
 export const engineUrl = () => `data:text/javascript;charset=utf-8,${encodeURIComponent($("#engine").textContent)}`;
@@ -24,10 +26,33 @@ export function openWorker() {
   askSettings();
 }
 
-/** Prepare the present settings; while the worker prepares others, only the last ones wait. */
-export function askSettings() {
+/** Prepare the sound while the page is idle: a browser starts it by a gesture only, and may load it before. */
+export async function prepareSound() {
+  openWorker();
+  if (window.AudioContext) await (live.opening ??= openGraph(audioContext()));
+}
+
+/** Prepare the present settings; while the worker prepares others, only the last ones wait. A caller that is `silent` makes the sound itself. */
+export function askSettings({ silent = false } = {}) {
+  const again = live.preparing ? null : steppedAgain(preparedSettings());
+  if (again) {
+    const isSame = again.prepared.steps === live.latest.prepared.steps;
+    if (isSame && live.sounding === live.latest) live.sounding = again;
+    live.latest = again;
+    if (!isSame && !silent) soundOn();
+    return;
+  }
   live.behind = true;
   if (live.worker) live.preparing ??= prepareSettings();
+}
+
+/** Return the latest settings at another speed or fall, which change the time steps alone; null where more has changed. */
+function steppedAgain(settings) {
+  const { latest, number } = live;
+  const isSame = (name) => name === "speed" || name === "dropHeight" || settings[name] === latest.settings[name];
+  if (latest?.number !== number || !Object.keys(settings).every(isSame)) return null;
+  const { prepared } = latest, isRelease = prepared.kind === "release";
+  return { number, settings, prepared: isRelease ? prepared : { ...prepared, steps: stepsPerSample(liveOf(), settings, prepared.chain) } };
 }
 
 async function prepareSettings() {
@@ -83,6 +108,7 @@ export function soundOn(falls = false) {
   if (body) leaveBody(body);
   setTimeout(() => node?.port.postMessage({ task: "end" }), FADED_MS);
   sendVolume();
+  if (state.context.state === "suspended") live.resting = true; // until the ball is touched
 }
 
 /** Make the instrument of prepared settings, and return its output. */
@@ -107,7 +133,7 @@ function openNode({ number, settings, prepared }, falls) {
 }
 
 /** Start the sound by a gesture of the user, and silence all other sound of the page. */
-export async function startInstrument() {
+export async function startInstrument({ silent = false } = {}) {
   soundAlone(restBall);
   live.asleepAt = null;
   await starting(async () => {
@@ -118,7 +144,8 @@ export async function startInstrument() {
   });
   const isNew = live.resting && live.sounding !== live.latest;
   live.resting = false;
-  if (isNew) soundOn();
+  joinGraph();
+  if (isNew && !silent) soundOn();
 }
 
 /** Tell whether the ball is held, moves, rings out on its plate, or will sound once it is prepared. */
@@ -144,12 +171,19 @@ async function openGraph(context) {
   const bus = new GainNode(context), volume = new GainNode(context, { gain: 0 });
   const limiter = limiterNode(context);
   limiter.port.onmessage = ({ data: gain }) => { live.limited = gain; };
-  bus.connect(volume).connect(limiter).connect(state.master);
+  volume.connect(limiter);
   const first = { smoothingTimeConstant: 0, channelCount: 1, channelCountMode: "explicit", channelInterpretation: "discrete" }; // channel
   const meters = [METER, SPECTRUM].map((fftSize) => new AnalyserNode(context, { fftSize, ...first }));
-  for (const meter of meters) bus.connect(meter);
-  Object.assign(live, { bus, volume, meters });
+  Object.assign(live, { bus, volume, limiter, meters });
   soundOn();
+}
+
+/** Connect the instrument with its way out and its meters; before the first touch it takes no time of the processor. */
+function joinGraph() {
+  const { bus, volume, limiter, meters } = live;
+  if (!bus) return;
+  limiter.connect(state.master);
+  for (const node of [volume, ...meters]) bus.connect(node);
 }
 
 /** Let the gain glide to the volume of the slider and the scale of the chosen run. */

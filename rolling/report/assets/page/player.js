@@ -1,6 +1,7 @@
 // ---- player: records loop in step, and one of them is heard ----
 
-import { $, $$, RATE, lengthOf, ownTime, position, runs, seconds, solvedTime, state } from "./core.js";
+import { $, $$, lengthOf, ownTime, position, runs, seconds, solvedTime, state } from "./core.js";
+import { RATE } from "../engine/rate.js";
 import { RESTING_MS, audioContext, glide, restContext, soundAlone, sounds, starting, stopVoice } from "./audio.js";
 import { roundOf } from "./records.js";
 import { showMap } from "./contact.js";

@@ -1,6 +1,7 @@
 // ---- records: decoding, looping, and saving ----
 
-import { $, RATE, runs, say } from "./core.js";
+import { $, runs, say } from "./core.js";
+import { RATE } from "../engine/rate.js";
 import { download } from "./chart_save.js";
 
 const rounds = new Map(); // promises of buffers by number of the run
