@@ -22,7 +22,7 @@ from rolling.report import assumed, film, live, maps, records, text
 from rolling.report.charts import Chart, chart_of
 from rolling.report.templates import environment, joined_script
 from rolling.results import answer, description, run_lines, runs_table, verdict
-from rolling.results.listening import QUIET_DB
+from rolling.results.listening import QUIET_DB, Raised
 from rolling.results.notes import REPEATS
 from rolling.results.run_result import Run
 from rolling.terminal import defaults
@@ -131,6 +131,7 @@ class RunView:
     records : list of PageRecord. Its records; the first is heard.
     lap : dict. Lap to which the end of that record leads back.
     solved : float, s. Time in that record at which the solved track ends.
+    raised : Raised or None. Its end that is raised.
     repeats : list. Notes on the repetition of that record.
     pictures : dict. Charts of the run by their names.
     live : dict. Data for the engine, or None.
@@ -145,6 +146,7 @@ class RunView:
     records: list[records.PageRecord]
     lap: dict[str, float]
     solved: float
+    raised: Raised | None
     repeats: list[Doubt]
     pictures: dict[str, Chart]
     live: dict[str, Any] | None
@@ -167,6 +169,7 @@ def _views(runs: Sequence[Run]) -> list[RunView]:
             records=record.records,
             lap=record.lap,
             solved=record.solved,
+            raised=record.raised,
             repeats=repeats,
             pictures=_pictures(run, number, runs),
             live=live.live_of(run),
@@ -211,6 +214,7 @@ def _player(view: RunView, scale: dict[str, Any] | None) -> dict[str, Any]:
         "label": view.label,
         "lap": view.lap,
         "solved": view.solved,
+        "raised": None if view.raised is None else view.raised.begin / run.sound.sample_rate,
         "playback": view.playback,
         "live": view.live,
         "falls": run.scene.rolling.drop_mm is not None,

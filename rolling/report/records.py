@@ -46,7 +46,7 @@ class RunRecords(NamedTuple):
 
     `playback` are the gains of the first record, and `below_db` is the level of the loudest run
     with this gain over its own. `lap` is the part of it to which its end leads back, and `solved`
-    the time [s] in it at which the solved track ends.
+    the time [s] in it at which the solved track ends. `raised` is its end that is raised, if any.
     """
 
     records: list[PageRecord]
@@ -54,6 +54,7 @@ class RunRecords(NamedTuple):
     below_db: float
     lap: dict[str, float]
     solved: float
+    raised: listening.Raised | None
 
 
 def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
@@ -63,19 +64,23 @@ def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
     release by ear, and the release is louder by tens of decibels.
     """
     longs = [listening.long_record_of(run) for run in runs]
-    peaks_pa = []
+    ears = []  # the records that are heard
     levels_db = []
     for run, long in zip(runs, longs, strict=True):
         if long is None:
-            peaks_pa.append(float(np.abs(run.sound.channels).max()))
+            ear = listening.record_in_laps_of(run)
+            if ear.raised is None:  # the page goes round by itself
+                ear = listening.EarRecord(run.sound.channels, "")
             levels_db.append(run.record_laeq_db)
         else:
-            peaks_pa.append(float(np.abs(long.channels).max()))
+            ear = listening.long_ear_record(run, long)
             levels_db.append(long.numbers["laeq_db"])
+        ears.append(ear)
+    peaks_pa = [float(np.abs(ear.pressure).max()) for ear in ears]
     sources = [run.sound.source for run in runs]
     playbacks = gains_by_source(sources, peaks_pa, levels_db)
     records = []
-    for number, (run, long) in enumerate(zip(runs, longs, strict=True)):
+    for number, (run, long, ear) in enumerate(zip(runs, longs, ears, strict=True)):
         beside = [
             level
             for source, level in zip(sources, levels_db, strict=True)
@@ -84,28 +89,29 @@ def of_runs(runs: Sequence[Run]) -> list[RunRecords]:
         own_db = levels_db[number]
         records.append(
             RunRecords(
-                records=_records(run, long),
+                records=_records(run, ear),
                 playback=playbacks[number],
                 below_db=0.0 if own_db is None else max(beside) - own_db,
-                lap=lap(run.sound, long),
+                lap=lap(run.sound, long, len(ear.pressure)),
                 solved=solved(run.sound, long),
+                raised=ear.raised,
             )
         )
     return records
 
 
-def _records(run: Run, long: Listening | None) -> list[PageRecord]:
+def _records(run: Run, ear: listening.EarRecord) -> list[PageRecord]:
     """Return the records of a run, the one that is heard first."""
     records = []
-    if long is not None:
-        full_pa = full_scale(float(np.abs(long.channels).max()))
+    if ear.content:
+        full_pa = full_scale(float(np.abs(ear.pressure).max()))
         record = PageRecord(
             name="long",
             title="long record",
-            text=f"long record: {listening.describe_long_record(run, long)}",
-            src=compressed(long.channels / full_pa),
+            text=f"long record: {ear.content}",
+            src=compressed(ear.pressure / full_pa),
             full_pa=full_pa,
-            size=_wav_size(long.channels),
+            size=_wav_size(ear.pressure),
             silent=False,
         )
         records.append(record)
@@ -165,11 +171,10 @@ def _embedded(samples: Any, form: str, kind: str, **options: Any) -> str:
     return maps.uri(kind, content.getvalue())
 
 
-def lap(sound: ContactSound, long: Listening | None = None) -> dict[str, float]:
-    """Return the lap to which the end of the record that is heard leads back."""
+def lap(sound: ContactSound, long: Listening | None, samples: int) -> dict[str, float]:
+    """Return the lap to which the end of the record that is heard, of so many samples, leads."""
     if sound.once:
-        record = sound.pressure if long is None else long.pressure
-        return asdict(Lap(0, len(record)))
+        return asdict(Lap(0, samples))
     if long is None:
         return asdict(sound.lap)
     ends = fade_length(len(long.pressure), len(long.pressure) / long.sample_rate)

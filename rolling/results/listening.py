@@ -17,7 +17,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import soundfile
 
-from acoustics import resampling, wav
+from acoustics import level, resampling, wav
 from acoustics.arrays import Array
 from acoustics.numbers import decibels_a, rounded
 from rolling.results.run_folder import RunFolder
@@ -34,6 +34,14 @@ PAUSE_S = 0.25
 MAX_PASSES = 12  # in passes.wav; of more, it holds passes in a geometric sequence
 MIN_S = 5.0  # [s] of listen.wav; a shorter record is a click
 MAX_BYTES = 50_000_000  # of a listen.wav; 120 s of two channels take 35 million
+# A record that is heard once has died away where its level LAF stays so far below its maximum
+# [dB], or within so many decibels of the level at which it ends: a marble that has bounced rolls
+# on. What follows is raised, for no longer than so many seconds, if it is much quieter.
+DEAD_DB = 60.0
+NEAR_END_DB = 3.0
+MUCH_QUIETER_DB = 30.0
+MAX_RAISED_S = 4.0
+MIN_RAISED_S = 0.25
 QUIET_DB = 30.0  # below the loudest run of a sweep, from which on a run may be inaudible beside it
 # Rules of the gain of listen.wav, and what each means for whoever hears it.
 SILENCE = "silence"
@@ -53,11 +61,27 @@ _CONSEQUENCES = {
 }
 
 
+class Raised(NamedTuple):
+    """The end of a record that is raised: its first sample, and its factor over the beginning."""
+
+    begin: int
+    factor: float
+
+    @property
+    def decibels(self) -> float:
+        """The factor [dB]."""
+        return 20.0 * math.log10(self.factor)
+
+
 class EarRecord(NamedTuple):
-    """A record for the ear: its pressure [Pa], (samples,) or (samples, 2), and its content."""
+    """A record for the ear: its pressure [Pa], (samples,) or (samples, 2), and its content.
+
+    The pressure of an end that is raised is that of the sound times its factor.
+    """
 
     pressure: Array
     content: str
+    raised: Raised | None = None
 
 
 class Gain(NamedTuple):
@@ -80,7 +104,50 @@ def record_for_ear(run: SolvedRun) -> EarRecord:
 
 def long_ear_record(run: SolvedRun, long: Listening) -> EarRecord:
     """Return a long record for the ear."""
-    return EarRecord(long.channels, describe_long_record(run, long))
+    return _with_raised_end(run, EarRecord(long.channels, describe_long_record(run, long)))
+
+
+def _with_raised_end(run: SolvedRun, record: EarRecord) -> EarRecord:
+    """Return a record whose end, after impacts that have died away, is raised so that it is heard.
+
+    Records that go round stay as they are.
+    """
+    if not run.sound.once or not record.pressure.any():
+        return record
+    rate = run.sound.sample_rate
+    begin = _end_of_impacts(record.pressure, rate)
+    end = min(len(record.pressure), begin + round(MAX_RAISED_S * rate))
+    if end - begin < MIN_RAISED_S * rate:
+        return record
+    ends = round(FADE_S * rate)
+    impacts = _faded(record.pressure[:begin], ends)
+    rest = _faded(record.pressure[begin:end], ends)
+    content = f"{record.content}; the impacts end after {rounded(begin / rate, 3)} s"
+    factor = wav.listening_gain(rest) / wav.listening_gain(impacts)
+    if factor <= 1.0 or not rest.any():
+        return EarRecord(impacts, content)
+    raised = Raised(begin, factor)
+    content += f", and what follows is raised by {raised.decibels:.0f} dB"
+    return EarRecord(np.concatenate((impacts, factor * rest)), content, raised)
+
+
+def _end_of_impacts(pressure: Array, rate: int) -> int:
+    """Return the sample from which on a record has died away; its length if it does not."""
+    first = pressure if pressure.ndim == 1 else pressure[:, 0]
+    square = level.running_mean_square(level.a_weighted(first, rate), rate, level.FAST_S, False)
+    largest = float(square.max())
+    at_its_end = float(np.median(square[len(square) // 2 :]))
+    if at_its_end > largest * 10.0 ** (-MUCH_QUIETER_DB / 10.0):
+        return len(pressure)
+    dead = max(largest * 10.0 ** (-DEAD_DB / 10.0), at_its_end * 10.0 ** (NEAR_END_DB / 10.0))
+    return int(np.flatnonzero(square > dead)[-1]) + 1
+
+
+def _faded(record: Array, samples: int) -> Array:
+    """Fade both ends of a record of one channel or two."""
+    if record.ndim == 1:
+        return resampling.fade(record, samples)
+    return np.stack([resampling.fade(channel, samples) for channel in record.T], 1)
 
 
 def record_in_laps_of(run: SolvedRun) -> EarRecord:
@@ -88,7 +155,7 @@ def record_in_laps_of(run: SolvedRun) -> EarRecord:
     content = describe_laps(run.sound)
     if run.scene.sound.listen_s is not None:
         content += f"; no long record: {run.no_long}"
-    return EarRecord(record_in_laps(run.sound), content)
+    return _with_raised_end(run, EarRecord(record_in_laps(run.sound), content))
 
 
 def record_in_laps(sound: ContactSound) -> Array:
@@ -202,12 +269,24 @@ def listen_wav(run: SolvedRun, common: float | None = None) -> tuple[bytes, dict
         "common_gain_full_scale_per_pa": common,
         "rule": used.rule,
     }
+    if record.raised is not None:
+        facts["meaning"] += (
+            " From raised.begin_s on, the factor is raised.pascal_per_full_scale: what follows the"
+            " impacts has a gain of its own, so that it is heard."
+        )
+        facts["raised"] = {
+            "begin_s": record.raised.begin / run.sound.sample_rate,
+            "raised_db": record.raised.decibels,
+            "pascal_per_full_scale": 1.0 / (scale * record.raised.factor),
+        }
     return _wav(run, record, used, loops=repeats and run.long is None), facts
 
 
 def own_gain(record: EarRecord) -> Gain:
     """Return the gain that makes a record as loud as others, with six digits, and its rule."""
-    gain = float(f"{wav.listening_gain(record.pressure):.6g}")  # as the comment of the file has it
+    whole = record.pressure
+    impacts = whole if record.raised is None else whole[: record.raised.begin]
+    gain = float(f"{wav.listening_gain(impacts):.6g}")  # as the comment of the file has it
     if np.abs(record.pressure).max() < np.finfo(float).tiny:
         return Gain(gain, SILENCE)
     if gain >= float(f"{wav.MAX_GAIN:.6g}"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import sys
@@ -20,6 +21,7 @@ from scene_text import PLAIN, TINY
 from acoustics import wav
 from acoustics.level import laeq_db, peak_pressure
 from acoustics.radiation import P_REF_PA
+from rolling.results.listening import listen_wav
 from rolling.results.run_result import Run, write_run
 from rolling.scene import file
 from rolling.scene.scene import Scene
@@ -185,3 +187,35 @@ def test_a_release_is_continued_where_noise_sounds_like_it(
     assert long.numbers["kurtosis"] == pytest.approx(3 if kind == "noise" else 3.3, abs=0.3)
     if kind == "noise":  # bands of 0.5 s of record; 0.3 dB
         assert long.numbers["laeq_db"] == pytest.approx(sound.levels.laeq_db, abs=0.5)
+
+
+@pytest.mark.law(
+    "listening: what follows the impacts of a fall is raised, and its factor is stated"
+)
+def test_a_ball_that_rolls_on_after_its_impacts_is_heard(run: Run) -> None:
+    """Both parts times their factors are the sound, apart from 10 ms of fades at their ends."""
+    rate = wav.SAMPLE_RATE_HZ
+    random = np.random.default_rng(3)
+    rolling = 1e-5 * random.standard_normal(6 * rate)
+    decay = np.exp(-np.arange(6 * rate) / (0.02 * rate))
+    knocks = np.roll(decay, rate // 10) * random.standard_normal(6 * rate)
+    sound = replace(run.sound, pressure=rolling + knocks, closed=False, once=True)
+    content, facts = listen_wav(replace(run, sound=sound))
+    samples, _ = soundfile.read(io.BytesIO(content))
+    begin = round(facts["raised"]["begin_s"] * rate)
+    fade = round(0.02 * rate)
+    parts = (
+        (slice(fade, begin - fade), facts["pascal_per_full_scale"]),
+        (slice(begin + fade, len(samples) - fade), facts["raised"]["pascal_per_full_scale"]),
+    )
+    for part, factor in parts:
+        assert np.abs(samples[part] * factor - sound.pressure[part]).max() <= factor * 2**-23
+    assert np.abs(samples).max() < 1.0 and len(samples) < 6 * rate
+    heard = laeq_db(samples[begin:], rate)
+    assert heard is not None and heard > laeq_db(samples[:begin], rate) - 20
+    # A fall without an end that sounds is cut; a record that goes round is not touched.
+    dying = replace(sound, pressure=knocks * (np.arange(len(knocks)) < rate))
+    content, facts = listen_wav(replace(run, sound=dying))
+    assert "raised" not in facts and facts["duration_s"] < 4
+    content, facts = listen_wav(replace(run, sound=replace(sound, once=False)))
+    assert "raised" not in facts and facts["duration_s"] >= 5

@@ -173,9 +173,11 @@ function showAxes(lowest) {
   $("#heard-words").textContent = `Waveform at the gain that you hear, and spectrogram from ${bottom} to 20 kHz: the A-weighted level in each twelfth of an octave, from the maximum of this record to ${RANGE_DB} dB below it.`;
 }
 
-/** Mark the solved part of a long record. */
+/** Mark the solved part of a long record, and the place from which on it is raised. */
 function showSolved() {
-  const { solved } = runs[state.run], length = lengthOf(state.run), isLong = solved < 0.99 * length;
+  const { solved, raised } = runs[state.run], length = lengthOf(state.run), isLong = solved < 0.99 * length;
+  $("#heard-raised").hidden = raised === null;
+  $("#heard-raised").style.left = `${(100 * raised) / length}%`;
   $("#heard-solved").hidden = !isLong;
   $("#heard-solved i").style.width = `${(100 * solved) / length}%`;
   $("#heard-solved span").textContent = isLong ? `The first ${Number(solved.toPrecision(2))} s are solved; the rest goes on at random with the same statistics.` : "";
