@@ -258,7 +258,7 @@ def listen_wav(run: SolvedRun, common: float | None = None) -> tuple[bytes, dict
     if common is not None and own.rule != SILENCE:
         used = Gain(common, COMMON_GAIN)
     scale = used.full_scale_per_pa
-    facts = {
+    facts: dict[str, Any] = {
         "content": record.content,
         "duration_s": len(record.pressure) / run.sound.sample_rate,
         "meaning": _meaning(own, used),
