@@ -389,6 +389,7 @@ def test_the_lens_shows_the_contact_wherever_it_lies(playing) -> None:
     It is so before the ball is touched, and while it rolls.
     """
     with playing("edged", "beside") as page:
+        page.locator("#play-stage").scroll_into_view_if_needed()  # it is drawn where it is seen
         for radio in page.locator("input[name=play-run]").all():
             radio.check(force=True)
             until(page, f"({LIT})() > 0.01")

@@ -8,11 +8,12 @@ export const SPECTRUM = 16384; // samples, whose lines resolve the third octave 
 // `dropped`: drops are wanted. `behind`: the settings have changed since the worker was asked; `preparing`: promise of the
 // time when it is not behind. `latest`: the settings prepared last. `node`: the instrument that sounds, and `sounding` its
 // settings. `resting`: the audio context is suspended until the ball is touched again. `asleepAt`: time of the audio clock
-// since which the ball rests. `limited`: the latest gain of the limiter.
+// since which the ball rests. `joined`: the
+// instrument is connected with its way out, as it is from the first touch on. `limited`: the latest gain of the limiter.
 export const live = {
   number: -1, settings: {}, rolling: 0, held: false, fastest: 0, dropped: false, report: null, heardAt: 0,
   worker: null, behind: false, preparing: null, latest: null, refused: false,
-  opening: null, bus: null, meters: [], volume: null, limiter: null, node: null, body: null,
+  opening: null, bus: null, meters: [], volume: null, limiter: null, joined: false, node: null, body: null,
   sounding: null, resting: false, asleepAt: null, limited: 1,
 };
 

@@ -30,6 +30,7 @@ export function openWorker() {
 export async function prepareSound() {
   openWorker();
   if (window.AudioContext) await (live.opening ??= openGraph(audioContext()));
+  setTimeout(restContext, RESTING_MS);
 }
 
 /** Prepare the present settings; while the worker prepares others, only the last ones wait. A caller that is `silent` makes the sound itself. */
@@ -152,7 +153,7 @@ export async function startInstrument({ silent = false } = {}) {
 export function isBallHeard() {
   const { node, preparing, rolling, held, asleepAt, sounding } = live;
   if (preparing || rolling !== 0 || held) return true;
-  if (!node) return false;
+  if (!node || !live.joined) return false;
   const rings = sounding.prepared.responses[0].length / RATE;
   return asleepAt === null || (!isFaint() && state.context.currentTime < asleepAt + rings);
 }
@@ -182,6 +183,7 @@ async function openGraph(context) {
 function joinGraph() {
   const { bus, volume, limiter, meters } = live;
   if (!bus) return;
+  live.joined = true;
   limiter.connect(state.master);
   for (const node of [volume, ...meters]) bus.connect(node);
 }
