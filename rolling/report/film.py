@@ -260,9 +260,9 @@ def curves(run: Run) -> list[Chart]:
 def _power_chart(run: Run, slow: SlowMotion) -> Chart:
     """Draw the release power of a film."""
     times = run.position_time[slow.positions]
-    ax = _axes_over_time("Release power", run, times)
+    ax = _axes_over_time("Released power in slow motion", run, times)
     ax.plot(1e3 * times[1:], 1e6 * _power(run, slow)[1:], color=COLOURS[0], linewidth=1)
-    ax.set_ylabel("release power [µW]")
+    ax.set_ylabel("released power [µW]")
     return _chart("film_power", ax)
 
 
@@ -282,7 +282,7 @@ def _motion_chart(run: Run, slow: SlowMotion, vibration: Vibration) -> Chart:
     ax.plot(time_ms, height_nm, color=COLOURS[0], linewidth=1, label="height")
     right.plot(time_ms, motion.force_n[shown], color=COLOURS[1], linewidth=1)
     right.axhline(vibration.load, color=COLOURS[1])
-    ax.plot([], [], color=COLOURS[1], label="contact force; dotted: load")
+    ax.plot([], [], color=COLOURS[1], label="contact force; straight line: load")
     ax.set_ylabel("height [nm]")
     right.set_ylabel("contact force [N]")
     return _chart("film_motion", ax)

@@ -52,13 +52,20 @@ export const rowsOf = (text, letters) => text.match(new RegExp(`\\S.{0,${letters
 
 const labelOf = ({ label, unit }) => (unit ? `${label} [${unit}]` : label);
 
+/** Return the rows of the labels of the axes on both sides, beside each other where they have room. */
+function headRows(heads, width) {
+  const letters = Math.floor((width - 4) / LETTER), beside = heads.join("  ").length <= letters;
+  const rows = heads.map((text) => rowsOf(text, letters));
+  return rows.flatMap((texts, side) => texts.map((text, k) => ({ text, side, row: k + (side && !beside ? rows[0].length : 0) })));
+}
+
 /** Return the places of axes, plot and labels for a width in pixels. */
 export function layoutOf(chart, view, width) {
   const image = chart.parts.find((part) => part.kind === "image"), bar = image?.scale, second = bar ?? view.y[1];
   const sides = [view.y[0], second].map((axis) => (axis ? ticksOf(axis, axis === bar ? 5 : 7) : []));
   const [left, right] = sides.map((ticks) => Math.max(2, ...ticks.map(([, text]) => text.length)) * LETTER + 12);
   const bottom = rowsOf(labelOf(chart.x), Math.floor((width - 16) / LETTER)), heads = [view.y[0], second].filter(Boolean).map(labelOf);
-  const rows = heads.length > 1 && (heads.join().length + 2) * LETTER > width ? 2 : 1, top = rows * ROW + 10;
+  const headed = headRows(heads, width), top = (Math.max(...headed.map(({ row }) => row)) + 1) * ROW + 10;
   let across = width - left - (second ? right + (bar ? 26 : 0) : 14), high = chart.high ?? Math.min(400, Math.max(210, 0.46 * width));
   if (chart.aspect) {
     const [wide, tall] = [chart.x, chart.y[0]].map(({ limits }) => Math.abs(limits[1] - limits[0])), share = (chart.aspect * tall) / wide;
@@ -70,7 +77,7 @@ export function layoutOf(chart, view, width) {
   const gaps = barred.slice(1).map((pixel, k) => pixel - barred[k]).filter((gap) => gap > 0);
   return {
     box, x, y: view.y.map(({ limits, log }) => scaleOf(limits, log, box.bottom, box.top)), width, height: box.bottom + 24 + ROW * bottom.length,
-    image, bar, sides, bottom, heads, rows, step: Math.min(4, Math.min(...gaps, 99) / (1 + chart.offsets.filter(Boolean).length)),
+    image, bar, sides, bottom, headed, step: Math.min(4, Math.min(...gaps, 99) / (1 + chart.offsets.filter(Boolean).length)),
   };
 }
 
@@ -101,7 +108,7 @@ export function drawChart(svg, chart, view, width) {
 const rectOf = (x0, y0, x1, y1) => ({ x: Math.min(x0, x1), y: Math.min(y0, y1), width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) });
 
 /** Draw grid, ticks, labels and colour bar. */
-function drawAxes(view, { box, x, y, sides, bar, image, width, heads, rows, bottom }) {
+function drawAxes(view, { box, x, y, sides, bar, image, width, headed, bottom }) {
   const axes = drawn("g", { class: "axes" }), scales = [y[0], bar ? scaleOf(bar.limits, bar.log, box.bottom, box.top) : y[1]];
   const grid = (d) => axes.append(drawn("path", { d, class: "grid" })), middle = (box.left + box.right) / 2, end = box.right + (bar ? 30 : 6);
   const write = (left, top, kind, text) => axes.append(drawn("text", { x: left, y: top, class: kind }, text));
@@ -117,8 +124,8 @@ function drawAxes(view, { box, x, y, sides, bar, image, width, heads, rows, bott
     write(side ? end : box.left - 6, at + 4, side ? "" : "end", text);
   }));
   axes.append(drawn("path", { d: `M${box.left} ${box.bottom}H${box.right}`, class: "frame" }));
-  write(2, ROW - 2, "label", heads[0]);
-  if (heads[1]) write(bar ? Math.min(width, box.right + 90) - 2 : width - 2, rows * ROW - 2, "label end", heads[1]);
+  const last = bar ? Math.min(width, box.right + 90) - 2 : width - 2;
+  for (const { text, row, side } of headed) write(side ? last : 2, (row + 1) * ROW - 2, side ? "label end" : "label", text);
   bottom.forEach((text, k) => write(middle, box.bottom + (k + 2) * ROW + 3, "label middle", text));
   if (bar) drawColourBar(axes, box, image);
   return axes;
