@@ -403,6 +403,7 @@ def test_runs_have_one_colour_and_charts_over_time_seek(pages, opened) -> None:
     shown = data_of(path)["charts"]
     assert sum(len(json.dumps(chart)) for chart in shown) < 700e3
     with opened(path) as page:
+        page.evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
         colours = [
             page.evaluate(
                 f"getComputedStyle(document.documentElement).getPropertyValue('--run-{k}')"
@@ -430,6 +431,7 @@ def test_runs_have_one_colour_and_charts_over_time_seek(pages, opened) -> None:
 def test_nothing_moves_when_a_chart_is_drawn(pages, opened) -> None:
     """A chart has its height before it is drawn: the page is as high at its end as at its head."""
     with opened(pages("three")) as page:
+        page.evaluate("document.querySelectorAll('details').forEach((d) => { d.open = true; })")
         heights = []
         for share in (0.0, 0.3, 0.6, 1.0):
             page.evaluate("(share) => scrollTo(0, share * document.body.scrollHeight)", share)
