@@ -3,7 +3,7 @@
 import re
 
 import jinja2
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from rolling.figures.picture import slug
 from rolling.report import text
@@ -20,10 +20,15 @@ def environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"slug": slug, "css_text": css_text}
+    environment.filters |= {"slug": slug, "css_text": css_text, "coded": coded}
     # NaN must not reach the script of the page, because it is not JSON.
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return environment
+
+
+def coded(words: str) -> Markup:
+    """Set what stands between backquotes in a sentence as code."""
+    return Markup(re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(words))))
 
 
 def css_text(title: str) -> Markup:
