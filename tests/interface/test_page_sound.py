@@ -210,7 +210,7 @@ def test_a_record_that_does_not_close_goes_round_as_listen_wav_does(pages, opene
     heard = lap.samples(run.sound.pressure) / lap.factor / playback["full_scale_pa"]
     record = run.sound.pressure / playback["full_scale_pa"]
     with opened(path) as page:
-        assert "cross-faded" in page.inner_text("main")
+        assert "cross-faded" in page.text_content("main")
         page.click("#play")
         until(page, "tap.sources.length > 0")
         played = np.array(page.evaluate("[...tap.sources[0].buffer.getChannelData(0)]"))
