@@ -75,7 +75,7 @@ def test_stored_outputs_are_there_small_and_of_no_machine(path: Path):
     assert sounds and max(map(len, sounds)) < 80_000
     for sound in sounds:
         samples, rate = soundfile.read(io.BytesIO(sound))
-        assert len(samples) >= 4.9 * rate
+        assert len(samples) > 3 * rate  # a fall ends where its impacts have died away
         assert 0.02 < np.abs(samples).max() <= 1
 
 
