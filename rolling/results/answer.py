@@ -140,7 +140,7 @@ def _estimated(summary: Mapping[str, Any]) -> Answer:
         )
     meaning = (
         f"What a listener would hear, estimated by a linear chain for "
-        f"{summary['vibration_estimate_bodies']}; a scene with `dynamics` computes it."
+        f"{summary['vibration_estimate_bodies']}; with a section dynamics it is computed."
     )
     if loses_contact_in_estimate(summary):
         meaning += " It is too high, because the ball would lose contact."
