@@ -27,9 +27,9 @@ class Level(IntEnum):
     VERBOSE = 2  # times as well
 
 
-@dataclass
+@dataclass(eq=False)
 class _Command:
-    """State of the command that runs.
+    """State of a command.
 
     level : Level. Amount of text; None in a program of somebody else, which runs no command.
     has_reported_compiling : bool. Whether the line of the compilation was printed.
@@ -41,53 +41,56 @@ class _Command:
     has_solved: bool = False
 
 
-_command = _Command()
+# The program of somebody else, and the commands that run in it. Threads may begin and end theirs in
+# any order, so each takes away its own.
+_commands = [_Command()]
+
+
+def _current() -> _Command:
+    """Return the command that began last of those that run, or the program around them."""
+    return _commands[-1]
 
 
 @contextmanager
 def begin(level: Level) -> Iterator[None]:
     """Print as much as the level asks for until the command ends."""
-    level_before = _command.level
-    reported_before = _command.has_reported_compiling
-    if level_before is None:  # a command begins
-        _command.has_solved = False
-    _command.level = level
-    _command.has_reported_compiling = False
+    command = _Command(level)
+    _commands.append(command)
     try:
         yield
     finally:
-        _command.level = level_before
-        _command.has_reported_compiling = reported_before
+        _commands.remove(command)
+        _current().has_solved = command.has_solved
 
 
 def silence() -> None:
     """Print nothing from now on: a worker process leaves the terminal to its parent."""
-    _command.level = Level.QUIET
+    _current().level = Level.QUIET
 
 
 def solved() -> None:
     """Note that the command has solved something."""
-    _command.has_solved = True
+    _current().has_solved = True
 
 
 def has_solved() -> bool:
-    """Return whether the command, the present or the last, has solved something."""
-    return _command.has_solved
+    """Return whether the present command, or the last one that ended, has solved something."""
+    return _current().has_solved
 
 
 def is_quiet() -> bool:
     """Return whether the command prints errors and its folder only."""
-    return _command.level == Level.QUIET
+    return _current().level == Level.QUIET
 
 
 def is_verbose() -> bool:
     """Return whether the command says more than a person needs."""
-    return _command.level == Level.VERBOSE
+    return _current().level == Level.VERBOSE
 
 
 def line(text: str) -> None:
     """Print a line unless the command is quiet, above a bar if there is one."""
-    if _command.level is None or is_quiet():
+    if _current().level is None or is_quiet():
         return
     tqdm: Any = getattr(sys.modules.get("tqdm"), "tqdm", None)  # imported with the first bar
     if tqdm is not None:
@@ -98,16 +101,16 @@ def line(text: str) -> None:
 
 def detail(text: str) -> None:
     """Print a line if the command is verbose."""
-    if _command.level == Level.VERBOSE:
+    if _current().level == Level.VERBOSE:
         line(text)
 
 
 def compiling() -> None:
     """Say that the solver is compiled, the first time in a command or a program."""
-    if _command.has_reported_compiling:
+    if _current().has_reported_compiling:
         return
-    _command.has_reported_compiling = True
-    if _command.level is not None:
+    _current().has_reported_compiling = True
+    if _current().level is not None:
         line(COMPILING)
         return
     with begin(Level.NORMAL):

@@ -45,7 +45,7 @@ def listened(folder: Path) -> dict:
     return summary(folder)["listen"]
 
 
-@pytest.mark.law("listening: a louder run of a sweep is louder in listen.wav, by its LAeq")
+@pytest.mark.law("listening: a louder run of a sweep is louder in listen.wav, by its LAeq.")
 def test_a_louder_run_sounds_louder(swept: Path) -> None:
     """Levels of the files differ as LAeq does, within the rounding to 24 bits."""
     heard = []
@@ -63,7 +63,7 @@ def test_a_louder_run_sounds_louder(swept: Path) -> None:
     assert heard[1] - heard[0] == pytest.approx(stated[1] - stated[0], abs=0.05)
 
 
-@pytest.mark.law("listening: listen.wav of a sweep does not depend on the order of its runs")
+@pytest.mark.law("listening: listen.wav of a sweep does not depend on the order of its runs.")
 @pytest.mark.parametrize("order", ["workers", "grown", "reversed parts"])
 def test_the_bytes_do_not_depend_on_the_order(order: str, swept: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"

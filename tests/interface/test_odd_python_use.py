@@ -95,8 +95,8 @@ def test_workers_of_numpy_are_counted(run: rc.Run) -> None:
     assert again.summary["laeq_db"] == run.summary["laeq_db"]
 
 
-def test_threads_simulate_at_the_same_time() -> None:
-    """Each thread has the numbers that it has alone."""
+def test_threads_simulate_at_the_same_time(capsys: pytest.CaptureFixture[str]) -> None:
+    """Each thread has the numbers that it has alone, and silence ends with the last of them."""
     levels: dict[int, float] = {}
 
     def solve(seed: int) -> None:
@@ -112,6 +112,8 @@ def test_threads_simulate_at_the_same_time() -> None:
     for seed in (1, 2, 3):
         solve(seed)
     assert levels == together
+    rc.simulate(loads(TINY), workers=1, progress=True)
+    assert "100%" in capsys.readouterr().err
 
 
 def test_a_damaged_summary_is_refused_whatever_is_wrong_in_it(run: rc.Run, tmp_path: Path) -> None:

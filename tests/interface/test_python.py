@@ -298,7 +298,7 @@ def test_compilation_is_said_once_unless_silence_is_asked_for(
         terminal_progress.compiling()
         return submit(pool, task, team)
 
-    monkeypatch.setattr(terminal_progress._command, "has_reported_compiling", False)
+    monkeypatch.setattr(terminal_progress, "_commands", [terminal_progress._Command()])
     monkeypatch.setattr(pools.Pool, "submit", compiling)
     rc.simulate(rc.read_scene(folder / "scene.yaml"), workers=1, progress=progress)
     told = capsys.readouterr().err.count(terminal_progress.COMPILING)

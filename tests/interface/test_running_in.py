@@ -137,7 +137,9 @@ def test_check_says_that_a_vibration_waits_for_the_passes() -> None:
 def test_figure_and_page(run: Run) -> None:
     ax = rc.plot.running_in(run)
     curves = {line.get_label(): line.get_ydata() for line in ax.lines}
-    release = next(y for label, y in curves.items() if str(label).startswith("release, "))
+    release = next(
+        y for label, y in curves.items() if str(label).startswith("mean released power, ")
+    )
     power = [numbers["release_power_mean_w"] for numbers in run.summary["passes"]]
     assert release == pytest.approx([0, 10 * np.log10(power[1] / power[0])])
     html = page([run]).decode()

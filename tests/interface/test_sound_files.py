@@ -190,7 +190,7 @@ def test_a_release_is_continued_where_noise_sounds_like_it(
 
 
 @pytest.mark.law(
-    "listening: what follows the impacts of a fall is raised, and its factor is stated"
+    "listening: what follows the impacts of a fall is raised, and its factor is stated."
 )
 def test_a_ball_that_rolls_on_after_its_impacts_is_heard(run: Run) -> None:
     """Both parts times their factors are the sound, apart from 10 ms of fades at their ends."""

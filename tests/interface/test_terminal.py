@@ -317,7 +317,7 @@ def test_a_silent_process_shows_no_bar(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A worker is killed at the end, and a lock of tqdm would be reported as leaked then."""
-    monkeypatch.setattr(progress, "_command", progress._Command())
+    monkeypatch.setattr(progress, "_commands", [progress._Command()])
     progress.silence()
     monkeypatch.setitem(sys.modules, "tqdm", None)  # an import of it fails
     with progress.Bar(1, "listening", True) as bar:

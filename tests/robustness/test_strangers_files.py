@@ -135,7 +135,10 @@ def test_whatever_stands_at_the_names_of_files_is_replaced_or_refused(
     cli.main(["status", str(out)])
     code = cli.main(words_of(out.parent / "scene.yaml", out, "--workers", "1"))
     said = capsys.readouterr().err
-    assert code == (1 if kind == "folder" else 0), said  # a folder is not replaced
+    # A folder is not replaced, and a regular file that holds no summary is not taken for one.
+    expected = {"folder": 1, "link": 2, "hard link": 2}.get(kind, 0)
+    assert code == expected, said
+    assert code != 2 or "summary.json: not readable" in said
     assert kind != "folder" or "Is a directory" in said
 
 
