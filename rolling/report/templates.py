@@ -5,6 +5,7 @@ import re
 import jinja2
 from markupsafe import Markup, escape
 
+from acoustics.texts import unbroken
 from rolling.figures.picture import slug
 from rolling.report import text
 
@@ -20,7 +21,12 @@ def environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"slug": slug, "css_text": css_text, "coded": coded}
+    environment.filters |= {
+        "slug": slug,
+        "css_text": css_text,
+        "coded": coded,
+        "unbroken": unbroken,
+    }
     # NaN must not reach the script of the page, because it is not JSON.
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return environment

@@ -101,8 +101,12 @@ WORDS = {  # of verdicts
 def verdict_words(runs: Sequence[JudgedRun]) -> list[tuple[str, str]]:
     """Explain the words of the verdicts on the numbers of runs."""
     numbers = [number for run in runs for number in (run.vibration, run.released)]
-    used = {number.verdict.word for number in numbers if number.verdict is not None}
-    return [(word, meaning) for word, meaning in WORDS.items() if word in used]
+    verdicts = [number.verdict for number in numbers if number.verdict is not None]
+    words = {found.word for found in verdicts}
+    explained = [(word, meaning) for word, meaning in WORDS.items() if word in words]
+    if any(">" in found.short for found in verdicts):
+        explained.append((">", "a part of the error has this size, and the rest is not known"))
+    return explained
 
 
 def doubts(runs: Sequence[Run]) -> list[str]:

@@ -6,7 +6,6 @@ None of this may cost a run its work: a command that cannot be heard still finis
 import errno
 import io
 import os
-import re
 import shutil
 import sys
 import textwrap
@@ -17,9 +16,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TextIO, cast
 
+from acoustics.texts import unbroken
+
 _NO_BREAK = "\N{NO-BREAK SPACE}"
-# The space between a number and its unit, and that after a sign of uncertainty.
-_BEFORE_UNIT = re.compile(r"(?<=\d) (?=[mµkun]?[mNsW]\b|m/s|dB|k?Hz|%)|(?<=±) ")
 FILE_WIDTH = 80  # letters of a line in a file or a pipe
 _JOINERS = "\u200c\u200d"  # of Persian words and of emoji
 # Errors of writing to a pipe or terminal that nobody reads any more.
@@ -182,7 +181,7 @@ def folded(text: str, indent: str = "  ") -> str:
     Paths and other long words stay whole, and a number stays with its unit.
     """
     filled = textwrap.fill(
-        _BEFORE_UNIT.sub(_NO_BREAK, text),
+        unbroken(text),
         line_width(),
         subsequent_indent=indent,
         break_long_words=False,

@@ -225,7 +225,7 @@ def test_louder_is_said_of_no_release(names: list[str]) -> None:
     content = page(runs_of(*names)).decode()
     lead = re.search(r'<p class="lead">(.*?)</p>', content, re.S)
     if re.search("louder|quieter", lead[1]):
-        assert re.search("the ball is (about )?[0-9.]+ dB", lead[1])
+        assert re.search(r"the ball is (about )?[0-9.]+\sdB", lead[1])
 
 
 def test_silence_and_missing_numbers_are_named() -> None:

@@ -4,8 +4,8 @@ import { $, data, motionUnwanted, runs, seconds, solvedTime, state } from "./cor
 
 const OF_CONTACT = ["load", "pressure", "area", "plastic"]; // readings that belong to a map
 const HOLD_MS = 400; // of a map while it plays: at most 2.5 changes a second, which is 1.25 flashes
-const MAP_WORDS = "The contact from above: the pressure on the asperities.";
-const FILM_WORDS = "The contact from above: the surface (grey), the pressure on its asperities (warm), and the energy that they release (blue).";
+const MAP_WORDS = "The contact from above: the pressure on the asperities. Dashed: the contact of smooth bodies.";
+const FILM_WORDS = "The contact from above: the surface (grey), the pressure on its asperities (warm), and the energy that they release (blue). Dashed: the contact of smooth bodies.";
 
 const FALL_WORDS = "The ball falls and bounces: no picture of a contact under its load is shown.";
 
