@@ -451,7 +451,7 @@ def table(
     Parameters
     ----------
     folder : Path. The folder of the sweep.
-    numbers : sequence of str. Columns of runs.csv to plot. Empty: LAeq.
+    numbers : sequence of str. Columns of runs.csv to plot. Empty: the two numbers.
     against : sequence of str. One or two swept keys. Empty: the first swept key.
     over : str. The swept key over which statistics are made. Default: the seed.
 
@@ -494,21 +494,17 @@ def table(
     files.make_below(folder, folder / "figures")
     return paths + figures.write_number_figures(
         solved.reset_index(),
-        numbers or [_main_level(solved)],
+        numbers or _answers_to_plot(solved),
         axes,
         folder / "figures",
         runs[0].scene.name,
     )
 
 
-def _main_level(solved: pd.DataFrame) -> str:
-    """Return the level by which runs are compared: LAE if all that sound are single events."""
-    sounding = solved[solved["laeq_db"].notna()]
-    if "single_event" not in sounding or len(sounding) == 0:
-        return "laeq_db"
-    if sounding["single_event"].eq(True).all():
-        return "lae_db"
-    return "laeq_db"
+def _answers_to_plot(solved: pd.DataFrame) -> list[str]:
+    """Return the columns of the two numbers that runs have, the vibration first."""
+    columns = [f"{name}_db" for name in runs_table.ANSWERS]
+    return [column for column in columns if solved[column].notna().any()]
 
 
 def _refuse_unknown(name: str, known: Sequence[str], kind: str) -> None:

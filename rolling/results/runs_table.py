@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LEVELS, MEANS = table("rolling.results", "levels").values()  # keys of the summary with their words
+ANSWERS = ("vibration", "released_power")  # the two numbers of a run, in the order of reading
 BANDS = ("third_octave_db", "third_octave_a_db", "third_octave_uncertainty_db")
 MAXIMA = ("laf_max_db", "las_max_db")  # with a time weighting that a short record may not reach
 _METRES = ("ra", "rq", "highest", "lowest")  # statistics of a surface that are lengths
@@ -117,7 +118,8 @@ def seed_statistics(table: pd.DataFrame, over: str = SEED) -> pd.DataFrame:
     import pandas as pd
 
     keys = [name for name in table.index.names if name not in ("run", "folder", over)]
-    uncertainties = {name: f"{_spread(name)}_uncertainty_db" for name in LEVELS}
+    uncertainties = {f"{name}_db": f"{name}_uncertainty_db" for name in ANSWERS}
+    uncertainties |= {name: f"{_spread(name)}_uncertainty_db" for name in LEVELS}
     for kind in ("third_octave_db", "third_octave_a_db"):
         for band in BAND_NAMES:
             uncertainties[f"{kind}_{band}"] = f"third_octave_uncertainty_db_{band}"

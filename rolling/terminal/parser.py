@@ -133,7 +133,7 @@ def _add_table(commands: Any) -> None:
         nargs="+",
         default=[],
         metavar="NUMBER",
-        help="columns of runs.csv to plot (default: laeq_db, or lae_db of single events)",
+        help="columns of runs.csv to plot (default: vibration_db and released_power_db)",
     )
     table.add_argument(
         "--against",
