@@ -82,7 +82,6 @@ def page(runs: Sequence[Run], unsolved: Sequence[str] = ()) -> bytes:
         runs=runs,
         views=views,
         unsolved=list(unsolved),
-        sources=len({run.sound.source for run in runs}),
         quiet_db=QUIET_DB,
         lengths={round(run.sound.duration, 4) for run in runs},
         short=any(doubt.key == "short_loop" for view in views for doubt in view.repeats),

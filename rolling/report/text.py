@@ -184,6 +184,23 @@ def heard(run: Run, is_alone: bool) -> str:
     return sentence
 
 
+def common_gain(runs: Sequence[Run]) -> str:
+    """Say what the gain that runs share does to the ear; vibration and release have one each."""
+    sources = {run.sound.source for run in runs}
+    if sources == {"vibration"}:
+        return "All runs play with one gain, so a louder run sounds louder."
+    if sources == {"release"}:
+        return (
+            "All runs play with one gain, so a run that releases more power sounds louder here. "
+            "Which ball is louder, only the vibration says."
+        )
+    return (
+        "Runs that play their vibration share one gain, so the louder one sounds louder. Runs that "
+        "play their released power share another; which of these balls is louder, only the "
+        "vibration says."
+    )
+
+
 def main_level(run: Run) -> float | None:
     """Return the level of a run that is read first [dB]; None for silence."""
     if run.sound.levels.laeq_db is None:

@@ -57,7 +57,7 @@ _CONSEQUENCES = {
     EQUAL_LOUDNESS: (
         "the gain makes runs equally loud, so compare their levels by the numbers, not by ear"
     ),
-    COMMON_GAIN: "all runs of the sweep have this gain, so a louder run sounds louder",
+    COMMON_GAIN: "all runs of the sweep have this gain, so a louder record sounds louder",
 }
 
 
@@ -261,7 +261,7 @@ def listen_wav(run: SolvedRun, common: float | None = None) -> tuple[bytes, dict
     facts: dict[str, Any] = {
         "content": record.content,
         "duration_s": len(record.pressure) / run.sound.sample_rate,
-        "meaning": _meaning(own, used),
+        "meaning": _meaning(run.summary["source"], own, used),
         "pascal_per_full_scale": 1.0 / scale,
         "gain_full_scale_per_pa": scale,
         "gain_db_re_1_per_pa": 20.0 * math.log10(scale),
@@ -294,12 +294,14 @@ def own_gain(record: EarRecord) -> Gain:
     return Gain(gain, EQUAL_LOUDNESS)
 
 
-def _meaning(own: Gain, used: Gain) -> str:
+def _meaning(source: str, own: Gain, used: Gain) -> str:
     """Say what the samples of listen.wav are, and what its gain does to the ear."""
     text = (
         "Samples times pascal_per_full_scale are sound pressure in Pa at the listener; "
         f"{_CONSEQUENCES[used.rule]}."
     )
+    if source == "release":
+        text += " The record is of the released power; which ball is louder, the vibration says."
     lowered_db = 20.0 * math.log10(own.full_scale_per_pa / used.full_scale_per_pa)
     if lowered_db > QUIET_DB:
         text += (
