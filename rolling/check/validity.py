@@ -8,7 +8,6 @@ from rolling.check import cost, resolution
 from rolling.check.doubt import Doubt, Finding, Severity
 from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene import library
-from rolling.scene.quantities import STEEL_DENSITY
 from rolling.scene.scene import Scene
 from rolling.scene.surfaces import (
     BallHeightFile,
@@ -133,29 +132,25 @@ def _bouncing(scene: Scene) -> Iterator[Finding | Doubt]:
         return
     density = scene.sphere.density_kg_m3
     correlation = 0.0
-    ball = f"as if of steel, {STEEL_DENSITY:g} kg/m3 (sphere.density_kg_m3)"
-    if density is not None:
-        ball = f"of {density:g} kg/m3"
+    ball = "of steel" if density is None else f"of {density:g} kg/m3"
     if scene.laws:
         correlation = 1e-6 * min(law.lengths_um[0] for law in scene.laws)
     wave = speed / frequency / (semi_axes(scene)[0] + correlation)
     if wave < FELT:
-        part = "its part is some 30 dB or more below the release"
+        part = "this part of the sound is some 30 dB or more below the release"
     elif wave < DOMINANT:
-        part = "its part is heard: do not trust the bands about that frequency"
+        part = "this part of the sound is heard: do not trust the bands about that frequency"
     else:
         part = (
-            "it is a large part of the sound or most of it: do not trust levels, nor bands from a "
+            "this is a large part of the sound or most of it: do not trust levels, nor bands from "
             "half of that frequency up, or choose a lower rolling.speed_m_s"
         )
     yield Doubt(
         "resonance",
-        f"contact resonance: a free ball {ball} would bounce on its contact at "
-        f"{si(frequency, 'Hz')}, inside hearing and the simulated band, and the load is held "
-        "constant here",
+        f"contact resonance: the load is held constant, but a free ball {ball} would ring on its "
+        f"contact at {si(frequency, 'Hz')}, inside hearing",
         Severity.TRUST,
-        advice=f"at {rounded(speed, 3)} m/s {part}; `dynamics: {{}}`, with both densities, lets "
-        "the sphere bounce",
+        advice=f"{part}; `dynamics: {{}}`, with both densities, lets the ball move",
     )
 
 

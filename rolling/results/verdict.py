@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from rolling.check import level
 from rolling.check.doubt import Doubt, Severity, sized
+from rolling.results import description
 from rolling.results.answer import loses_contact_in_estimate, released_power, vibration
 from rolling.results.doubts import ERRORS
 from rolling.results.notes import HEADLINE
@@ -181,8 +182,10 @@ def gathered(runs: Runs) -> list[Doubt]:
         lines = [_sentence(doubt) for doubt in by_label.values()]
         text = lines[0]
         if len(set(lines)) > 1:
-            likewise = f"; likewise {', '.join(others)}" if others else ""
-            text += f" (in the numbers of {first}{likewise})"
+            text += f" (for {first}"
+            if others:
+                text += f"; similarly for {description.listed(others)}"
+            text += ")"
         elif len(by_label) < len(runs):
             text += f" ({'; '.join(by_label)})"
         worst = max(by_label.values(), key=lambda doubt: doubt.rank)

@@ -135,7 +135,7 @@ def test_several_runs_say_each_doubt_once() -> None:
     runs = [("x", summary(a="All.")), ("y", summary(a="All.", b="Of one."))]
     assert verdict.gathered([*runs, ("z", summary(a="All.", b="Of another."))]) == [
         Doubt("a", "All.", Severity.NOTE),
-        Doubt("b", "Of one. (in the numbers of y; likewise z)", Severity.NOTE),
+        Doubt("b", "Of one. (for y; similarly for z)", Severity.NOTE),
     ]
 
 
