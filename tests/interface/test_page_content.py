@@ -262,7 +262,7 @@ def test_each_kind_of_warning_and_equal_assumptions_stand_once(three) -> None:
     warnings = verdict.warnings([(run.label, run.summary) for run in three])
     keys = [warning.key for warning in warnings]
     assert keys and len(set(keys)) == len(keys)
-    assert any("in the numbers of" in warning.text for warning in warnings)  # other resonances
+    assert any("similarly for" in warning.text for warning in warnings)  # other resonances
     facts = dict(text.facts(three, [assumptions(run) for run in three]))
     assert facts["distance"] == [("", "1 m, spherical spreading")]
     assert facts["load"] == [(run.label, f"{run.scene.load:g} N, constant") for run in three]
