@@ -152,7 +152,7 @@ def lowest(cases: pd.DataFrame, column: str, roughness: float) -> Iterator[Compa
             yield _steps(label(LOAD, load), steps, -1)
 
 
-def loudest(
+def highest_level(
     cases: pd.DataFrame, column: str, roughness: float, loads: Sequence[float]
 ) -> Iterator[Comparison]:
     """Compare the means of all roughnesses; one must be highest, or nearly so at some loads.
@@ -301,10 +301,10 @@ def less_than_twin(cases: pd.DataFrame, column: str) -> Iterator[Comparison]:
         yield Comparison(place, bool((ratios < 1).all()), f"{ratios.mean():.3f} of the twin")
 
 
-def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> Iterator[Comparison]:
+def beside_twin(cases: pd.DataFrame, column: str, higher: bool) -> Iterator[Comparison]:
     """Compare level and third octaves with the twin without hardness.
 
-    The level must rise by more than twice the uncertainty of the difference. Unless `louder`, it
+    The level must rise by more than twice the uncertainty of the difference. Unless `higher`, it
     may fall as well, or a third of the resolved third octaves may differ in its place.
     """
     error = column.replace("_db", "_uncertainty_db")
@@ -314,7 +314,7 @@ def beside_twin(cases: pd.DataFrame, column: str, louder: bool) -> Iterator[Comp
         margin = 2 * math.sqrt(square) / len(group)
         measured = f"{step:+.1f} ± {margin / 2:.1f} dB"
         holds = step > margin
-        if not louder:
+        if not higher:
             beyond = _bands_beside_twin(group)
             holds = abs(step) > margin or (len(beyond) > 0 and beyond.mean() >= MIN_SHARE)
             measured += f", {beyond.sum()} of {len(beyond)} third octaves"

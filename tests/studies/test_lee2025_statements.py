@@ -61,7 +61,7 @@ def row_of(roughness: float, load: float, seed: int = 1, reading: str = "article
     } | dict.fromkeys(BANDS, 50.0)
 
 
-def louder(db: Value) -> Edit:
+def raised(db: Value) -> Edit:
     """Return an edit that raises all levels of a case, by twice as much with 20 lg."""
 
     def edit(row: Row) -> Row:
@@ -77,7 +77,7 @@ def louder(db: Value) -> Edit:
 
 def twin_of(row: Row) -> Row:
     """Return the case without hardness: 3 dB quieter, with a tenth more deflection."""
-    quiet = louder(-3.0)(row) | dict.fromkeys(BANDS, 44.0)
+    quiet = raised(-3.0)(row) | dict.fromkeys(BANDS, 44.0)
     plain = {"reading": "elastic", "hardness_gpa": math.nan, "plastic_ratio": 0.0}
     return row | quiet | plain | {"deflection_um": 1.1 * row["deflection_um"]}
 
@@ -100,7 +100,7 @@ def at(*loads: float) -> Callable[[Row], bool]:
 
 def by_load(values: Sequence[float]) -> Edit:
     """Return an edit to levels at SMOOTH_DB plus a value for each load."""
-    return louder(lambda row: SMOOTH_DB + values[LOADS.index(row["load_n"])] - row["maximum_10_db"])
+    return raised(lambda row: SMOOTH_DB + values[LOADS.index(row["load_n"])] - row["maximum_10_db"])
 
 
 def study(
@@ -128,7 +128,7 @@ def falling(row: Row) -> Row:
 
 
 def as_twin(row: Row) -> Row:
-    return louder(-3.0)(row) | dict.fromkeys(BANDS, 44.0)
+    return raised(-3.0)(row) | dict.fromkeys(BANDS, 44.0)
 
 
 HIGH = at(50, 100)
@@ -173,31 +173,31 @@ EDITS: dict[str, tuple[Edit, Edit]] = {
     ),
     "yielding-noise": (when(on(1.0), as_twin), as_twin),
     "level-roughness": (
-        when(on(5.0), louder(-3.0)),
-        louder(lambda row: -2 * ABOVE_SMOOTH[row["roughness_um"]]),
+        when(on(5.0), raised(-3.0)),
+        raised(lambda row: -2 * ABOVE_SMOOTH[row["roughness_um"]]),
     ),
-    "level-load": (when(on(0.1), louder(against_trend)), louder(against_trend)),
+    "level-load": (when(on(0.1), raised(against_trend)), raised(against_trend)),
     # In part: records of a tenth of the length pass 70 dB.
-    "level-above-70": (louder(-25.0), louder(-45.0)),
+    "level-above-70": (raised(-25.0), raised(-45.0)),
     # 6 dB but not apart from the other steps; neither
     "high-frequency-gap": (by_load([0, 6, 12, 19, 26]), by_load([0, 3, 6, 9, 12])),
-    "maximum-over-smooth": (when(on(0.1), louder(-4.0)), when(on(0.1, 1.0, 5.0), louder(-6.0))),
+    "maximum-over-smooth": (when(on(0.1), raised(-4.0)), when(on(0.1, 1.0, 5.0), raised(-6.0))),
     "maximum-load": (
-        when(on(0.1, 1.0, 5.0, loads=(100,)), louder(-5.0)),
-        when(at(100), louder(-5.0)),
+        when(on(0.1, 1.0, 5.0, loads=(100,)), raised(-5.0)),
+        when(at(100), raised(-5.0)),
     ),
     "maximum-flattens": (
-        when(on(0.01, 0.1, loads=(100,)), louder(3.0)),
-        when(at(100), louder(3.0)),
+        when(on(0.01, 0.1, loads=(100,)), raised(3.0)),
+        when(at(100), raised(3.0)),
     ),
-    "loudest-20-50": (when(on(5.0, loads=(50,)), louder(2.0)), when(on(5.0), louder(2.0))),
-    "loudest-100": (
-        # Two of three surfaces of Ra 0.1 um are much louder and one is not: no certain lead.
-        when(on(0.1), louder(lambda row: -4.0 if row["seed"] == 1 else 9.0)),
-        when(on(0.1), louder(9.0)),
+    "highest-20-50": (when(on(5.0, loads=(50,)), raised(2.0)), when(on(5.0), raised(2.0))),
+    "highest-100": (
+        # Two of three surfaces of Ra 0.1 um have much higher levels and one has not: no certain lead.
+        when(on(0.1), raised(lambda row: -4.0 if row["seed"] == 1 else 9.0)),
+        when(on(0.1), raised(9.0)),
     ),
-    "little-influence": (when(on(5.0, loads=(5,)), louder(-8.0)), when(on(5.0), louder(-8.0))),
-    "yielding-louder": (when(on(1.0), as_twin), as_twin),
+    "little-influence": (when(on(5.0, loads=(5,)), raised(-8.0)), when(on(5.0), raised(-8.0))),
+    "yielding-higher": (when(on(1.0), as_twin), as_twin),
 }
 
 
@@ -295,7 +295,7 @@ def test_a_twin_differs_in_hardness_only(other: Row) -> None:
 
 
 @pytest.mark.parametrize(
-    ("level_db", "bands", "noise", "louder_than"),
+    ("level_db", "bands", "noise", "higher_than"),
     [
         (1.0, 0, FAILS, FAILS),
         (1.2, 0, HOLDS, HOLDS),
@@ -305,17 +305,17 @@ def test_a_twin_differs_in_hardness_only(other: Row) -> None:
     ],
 )
 def test_yielding_is_heard_by_the_level_or_by_the_bands(
-    level_db: float, bands: int, noise: str, louder_than: str
+    level_db: float, bands: int, noise: str, higher_than: str
 ) -> None:
     """Levels uncertain by 0.4 dB each have a difference uncertain by 0.57 dB.
 
     A record of 0.05 s resolves ten third octaves from 500 Hz to 4 kHz; a third of them are four.
     """
-    raised = [BANDS[k] for k in np.flatnonzero(MID_HZ > 450)[:bands]]
+    changed = [BANDS[k] for k in np.flatnonzero(MID_HZ > 450)[:bands]]
     row = row_of(0.1, 5.0)
-    row |= louder(lambda _: level_db - 3.0)(row) | dict.fromkeys(BANDS, 44.0)
+    row |= raised(lambda _: level_db - 3.0)(row) | dict.fromkeys(BANDS, 44.0)
     twin = twin_of(row_of(0.1, 5.0))
-    cases = by_reading(frame([row | dict.fromkeys(raised, 56.0), twin]))
+    cases = by_reading(frame([row | dict.fromkeys(changed, 56.0), twin]))
     for scale in (10, 20):
         assert word("yielding-noise", cases, scale) == noise
-        assert word("yielding-louder", cases, scale) == louder_than
+        assert word("yielding-higher", cases, scale) == higher_than
