@@ -294,8 +294,8 @@ def _comb_spread(summary: Mapping[str, Any]) -> Iterator[Doubt]:
     if spread is None:
         return
     text = (
-        f"LAeq changes by {rounded_up(spread)} dB (rms) with the place of a sharp resonance "
-        "between the lines of a repeated lap"
+        f"the track is short, so a sharp resonance makes LAeq differ by {rounded_up(spread)} dB "
+        "(rms) between near speeds; contact damping or a longer track helps"
     )
     if spread > COMB_MOST_DB:
         text = (
