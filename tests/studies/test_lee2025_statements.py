@@ -192,7 +192,7 @@ EDITS: dict[str, tuple[Edit, Edit]] = {
     ),
     "highest-20-50": (when(on(5.0, loads=(50,)), raised(2.0)), when(on(5.0), raised(2.0))),
     "highest-100": (
-        # Two of three surfaces of Ra 0.1 um have much higher levels and one has not: no certain lead.
+        # Two of three surfaces of Ra 0.1 um have much higher levels, one has not: no certain lead.
         when(on(0.1), raised(lambda row: -4.0 if row["seed"] == 1 else 9.0)),
         when(on(0.1), raised(9.0)),
     ),
