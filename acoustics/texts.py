@@ -1,18 +1,4 @@
-"""Texts of strangers, as lists and tables may have them, and numbers that stay with their units."""
-
-import re
-
-# The space between a number and its unit, and that after a sign of uncertainty.
-_BEFORE_UNIT = re.compile(r"(?<=\d) (?=[mµkun]?[mNsW]\b|m/s|dB|k?Hz|%)|(?<=±) ")
-
-
-def unbroken(text: str) -> str:
-    r"""Join numbers with their units by spaces at which no line breaks.
-
-    >>> unbroken("under 100 N").split(" ")
-    ['under', '100\xa0N']
-    """
-    return _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text)
+"""Texts of strangers, from files and names of files, as lists and tables may have them."""
 
 
 def printable(text: str) -> str:

@@ -5,9 +5,9 @@ import re
 import jinja2
 from markupsafe import Markup, escape
 
-from acoustics.texts import unbroken
 from rolling.figures.picture import slug
 from rolling.report import text
+from rolling.terminal.streams import unbroken
 
 _IMPORT = re.compile(r'^import \{[^}]*\} from "(\./|\.\./)([\w/]+\.js)";\n', re.MULTILINE)
 

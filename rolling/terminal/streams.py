@@ -6,6 +6,7 @@ None of this may cost a run its work: a command that cannot be heard still finis
 import errno
 import io
 import os
+import re
 import shutil
 import sys
 import textwrap
@@ -16,9 +17,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TextIO, cast
 
-from acoustics.texts import unbroken
-
 _NO_BREAK = "\N{NO-BREAK SPACE}"
+# The space between a number and its unit, and that after a sign of uncertainty.
+_BEFORE_UNIT = re.compile(r"(?<=\d) (?=[mµkun]?[mNsW]\b|m/s|dB|k?Hz|%)|(?<=±) ")
 FILE_WIDTH = 80  # letters of a line in a file or a pipe
 _JOINERS = "\u200c\u200d"  # of Persian words and of emoji
 # Errors of writing to a pipe or terminal that nobody reads any more.
@@ -188,6 +189,11 @@ def folded(text: str, indent: str = "  ") -> str:
         break_on_hyphens=False,
     )
     return filled.replace(_NO_BREAK, " ")
+
+
+def unbroken(text: str) -> str:
+    """Join numbers with their units by spaces at which no line breaks."""
+    return _BEFORE_UNIT.sub(_NO_BREAK, text)
 
 
 def line_width() -> int:
