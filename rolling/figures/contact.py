@@ -64,7 +64,7 @@ def surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     """
     scene, title = _scene_and_title(shown)
     rolled = scene_surface.scene_surface(scene)
-    faults = [*(scene.surface.faults or ())]
+    faults = list(scene.surface.faults or ())
     name = "Surface"
     facts = [_roughness_text(rolled.statistics.ra, rolled.statistics.rq)]
     if scene.sphere.surface is not None:
@@ -116,7 +116,7 @@ def ball_surface(shown: Run | Scene, ax: Axes | None = None) -> Axes:
     facts = [_roughness_text(ra, rq)]
     facts.append(f"{rounded(len(heights) * scene.spacing * 1e3, 4)} mm around the ball")
     ax = axes_of(ax)
-    facts += _draw_surface(ax, heights, scene.spacing, [*(ball.faults or ())])
+    facts += _draw_surface(ax, heights, scene.spacing, list(ball.faults or ()))
     ax.set_xlabel("around the ball [µm]")
     return finish(ax, f"Surface of the ball: {title}", facts)
 

@@ -106,7 +106,11 @@ def levels(runs: Iterable[Run], key: str | None = None, ax: Axes | None = None) 
     ax.set_ylabel(f"{name} of the {_VIBRATION.name if left else release_name} [dB(A)]")
     sweep.label_values(ax, key, places)
     facts = _facts(shown, bool(left), bool(right), seeds)
-    quantities = [_VIBRATION.name] * bool(left) + [release_name] * bool(right)
+    quantities = []
+    if left:
+        quantities.append(_VIBRATION.name)
+    if right:
+        quantities.append(release_name)
     title = f"{' and '.join(quantities)} against {sweep.x_quantity(ax)}"
     return finish(ax, f"{title[:1].upper()}{title[1:]}: {subject(shown)}", facts)
 

@@ -102,8 +102,9 @@ def levels_table(runs: Sequence[RunFolder]) -> str:
         cells = by_run.get(label, {})
         rows.append([label, *(cells.get(head, "-") for head in heads)])
     text = columns(rows)
-    if max(map(len, text.splitlines())) > line_width():  # the last column is the least needed
-        text = columns([row[:-1] for row in rows]) if heads else text
+    is_too_wide = max(map(len, text.splitlines())) > line_width()
+    if heads and is_too_wide:
+        text = columns([row[:-1] for row in rows])  # the last column is the least needed
     return text
 
 

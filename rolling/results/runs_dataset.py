@@ -106,8 +106,12 @@ def _swept_keys(runs: Sequence[Run], sweep: Mapping[str, Iterable[Value]]) -> li
     last_parts = [key.rpartition(".")[2] for key in keys]
     swept = []
     for key, last in zip(keys, last_parts, strict=True):
-        values = list(dict.fromkeys([*sweep.get(key, ()), *(run.values[key] for run in runs)]))
-        swept.append(_Swept(key, last if last_parts.count(last) == 1 else key, values))
+        # The values of the sweep give the order; runs that were added later may have others.
+        of_sweep = list(sweep.get(key, ()))
+        of_runs = [run.values[key] for run in runs]
+        values = list(dict.fromkeys(of_sweep + of_runs))
+        is_unique = last_parts.count(last) == 1
+        swept.append(_Swept(key, last if is_unique else key, values))
     return swept
 
 
