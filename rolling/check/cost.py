@@ -8,6 +8,7 @@ from acoustics.numbers import clock
 from rolling.contact import closed_forms
 from rolling.dynamics import drop, of_scene
 from rolling.dynamics.smooth_contact import equivalent_radius, semi_axes
+from rolling.scene import grid_error
 from rolling.scene.scene import Scene
 from rolling.surface import refined
 from rolling.surface.scene_surface import scene_surface
@@ -26,8 +27,6 @@ SUBCELL_POWER = 1.6
 STEP_LAWS = {"smooth": (0.65, 1.45), "sharp": (0.8, 2.3), "blended": (1.2, 2.25)}
 # On a smoother surface [m] pressures move with the sphere, and a solve hardly iterates.
 SMOOTH = 1e-9
-# Generated heights are a little more or less steep than their law.
-SLOPE_MARGIN = 1.05
 # Share of the positions of a pass with memory that are marched again, as run-in of its pieces.
 RUN_IN_SHARE = 0.25
 
@@ -87,24 +86,12 @@ def roughness(scene: Scene) -> tuple[float, float]:
     """Estimate rms roughness [m] and rms slope [-] without making random heights.
 
     The slope is the norm of the gradient over one spacing. A height file is read, or SceneError
-    is raised. Mean squares of plate and sphere add; faults and waves of the circumference are left
-    out, but for the slope of these waves.
+    is raised.
     """
     if scene.height_paths:
         statistics = scene_surface(scene).statistics
         return statistics.rq, statistics.rms_slope
-    return law_roughness(scene)
-
-
-def law_roughness(scene: Scene) -> tuple[float, float]:
-    """Estimate rms roughness [m] and rms slope [-] from the laws of a scene alone, as above."""
-    parts = [(law.rq_m, law.rms_slope(scene.spacing_um)) for law in scene.laws]
-    roughnesses = [rq for rq, _ in parts]
-    slopes = [slope for _, slope in parts]
-    ball = scene.sphere.surface
-    if ball is not None and ball.waviness:
-        slopes += [k * a * 1e-6 / scene.radius / math.sqrt(2) for k, a in ball.waviness.items()]
-    return math.hypot(*roughnesses), math.hypot(*slopes)
+    return grid_error.law_roughness(scene)
 
 
 def overlap_radius(scene: Scene, rq: float) -> float:
@@ -138,35 +125,19 @@ def window_nodes(scene: Scene, rq: float) -> float:
 def subcells(scene: Scene) -> int:
     """Estimate the sub-cells along the side of a cell; a height file is read."""
     if scene.numerics.subcells != "auto" or not scene.height_paths:
-        return law_subcells(scene)
-    if not has_blended_edges(scene):
+        return grid_error.law_subcells(scene)
+    if not grid_error.has_blended_edges(scene):
         return 1
     step = refined.median_step(scene_surface(scene).heights)
     slope = refined.rms_slope(step, scene.spacing)
-    return refined.auto_subcells(slope, scene.contact_modulus, scene.hardness)
-
-
-def law_subcells(scene: Scene) -> int:
-    """Estimate the sub-cells along the side of a cell; a height file counts as gentle."""
-    chosen = scene.numerics.subcells
-    if chosen != "auto":
-        return chosen
-    if not has_blended_edges(scene) or scene.height_paths:
-        return 1
-    _, slope = law_roughness(scene)
-    return refined.auto_subcells(SLOPE_MARGIN * slope, scene.contact_modulus, scene.hardness)
-
-
-def has_blended_edges(scene: Scene) -> bool:
-    """Tell whether the edges of yielding patches are blended."""
-    return scene.numerics.edges == "blended" and math.isfinite(scene.hardness)
+    return grid_error.auto_subcells(slope, scene.contact_modulus, scene.hardness)
 
 
 def step_law(scene: Scene, rq: float) -> str:
     """Return the key of STEP_LAWS of a scene whose surface has an rms roughness of rq [m]."""
     if rq < SMOOTH:
         return "smooth"
-    return "blended" if has_blended_edges(scene) else "sharp"
+    return "blended" if grid_error.has_blended_edges(scene) else "sharp"
 
 
 def expected_step_ms(window_nodes: float, subcells: int = 1, law: str = "sharp") -> float:
@@ -228,7 +199,7 @@ def surface_seconds(scene: Scene) -> tuple[float, float]:
     edges = 0.0
     if _has_moments(scene):
         making += MOMENTS
-    if has_blended_edges(scene):
+    if grid_error.has_blended_edges(scene):
         side = subcells(scene)
         edges = EDGES if side == 1 else SUBCELL_HEIGHTS * (side / 2) ** 2
     nodes = surface_nodes(scene)
@@ -270,7 +241,7 @@ def memory(scenes: Sequence[Scene], workers: int) -> dict[str, float]:
 
 def _surface_memory(scene: Scene) -> float:
     """Estimate the bytes of the heights of a scene, and four times those of its passes."""
-    side = law_subcells(scene)
+    side = grid_error.law_subcells(scene)
     per_node = NODE + NODE_SUBCELL * side**2
     if _has_moments(scene):
         per_node += NODE_MOMENTS
@@ -283,9 +254,9 @@ def _window_memory(scene: Scene) -> float:
     track = scene.track
     rq = 0.0
     if not scene.height_paths:
-        rq, _ = law_roughness(scene)
+        rq, _ = grid_error.law_roughness(scene)
     nodes = min(window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across)) ** 2
-    size = (WINDOW + WINDOW_SUBCELL * law_subcells(scene) ** 2) * nodes
+    size = (WINDOW + WINDOW_SUBCELL * grid_error.law_subcells(scene) ** 2) * nodes
     if scene.numerics.error_estimate:
         size *= ESTIMATE
     return size

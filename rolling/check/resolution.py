@@ -1,9 +1,5 @@
 """Resolution of heights, contact and sound: spacing, steps and length of the record.
 
-The rule for the error that the grid leaves in the release was fitted to 36 scenes and tested on 24
-others (docs/accuracy.md): 60 steps of each were marched on a grid of 2 um and on a quarter of it.
-On the others it is off by 3.7 dB rms, and by 10 dB at most.
-
 The release of a step is the mean pressure at its ends times the fall between them. It is
 accurate to second order in the step, and wrong as soon as the contacts at both ends have little in
 common.
@@ -16,15 +12,14 @@ import numpy as np
 
 from acoustics import bands
 from acoustics.numbers import micrometres, rounded, rounded_down, rounded_up, si
-from rolling.check import cost
 from rolling.check.doubt import Doubt, Finding, Severity, sized
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.scene import grid_error
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 from rolling.scene.surfaces import MadeSurface
 from rolling.scene.sweep import run_name
-from rolling.surface import refined
 
 KEY = "resolution"  # of the error of the release
 LEVEL_KEY = "grid"  # of what it leaves of the level
@@ -35,16 +30,6 @@ WANTED_DB = -20.0  # rms error of the release over its rms fluctuation
 MARGIN_DB = 1.0
 # Blended edges leave third octaves up to 16 kHz within 1 dB at this error (0.7 dB at -31.9 dB).
 BANDS_DB = -32.0
-CONSTANT_DB = -7.2
-PER_LENGTH_DB = -14.8
-PER_AREA_DB = -4.9
-# Flat cells, as exponential laws have them; the reference has them as well.
-FLAT_DB = -4.4
-# Sharp edges add this per decade of slope over the slope that the hardness levels.
-SHARP_DB = 27.5
-SHARP_FLAT_DB = 5.8
-SUBCELLS_DB = -6.0  # per doubling of the sub-cells beyond the number of `auto`
-PER_SPACING_DB = -PER_LENGTH_DB - 2 * PER_AREA_DB  # per decade of the spacing
 MAX_TRIED = 10_000  # numbers of nodes that a search for a spacing of few digits tries
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
@@ -74,36 +59,6 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
 # ---- error of the grid
 
 
-def grid_signal_db(scene: Scene) -> float | None:
-    """Estimate the rms error of the release from the grid over its rms fluctuation [dB].
-
-    The numbers of nodes within rms roughness over slope and within the loaded area decide. None is
-    returned for a surface that is not random or has no slope.
-    """
-    if not scene.laws:
-        return None
-    rq, slope = cost.roughness(scene)
-    if not slope > 0:
-        return None
-    flat = any(law.goes_on for law in scene.laws)
-    # A rough elastic contact carries E* slope / sqrt(2 pi) on its loaded area, a smooth one Hertz's
-    # mean pressure, and no area more than the hardness.
-    rough = scene.contact_modulus * slope / math.sqrt(2 * math.pi)
-    length, width = semi_axes(scene)
-    pressure = min(scene.hardness, max(rough, scene.load / (math.pi * (length * width))))
-    error = CONSTANT_DB + PER_LENGTH_DB * math.log10(rq / slope / scene.spacing)
-    error += PER_AREA_DB * math.log10(scene.load / pressure / scene.spacing**2)
-    error += FLAT_DB if flat else 0.0
-    if math.isfinite(scene.hardness) and scene.numerics.edges == "sharp":
-        sharp = SHARP_DB * math.log10(1 + rough / scene.hardness)
-        error += min(SHARP_FLAT_DB, sharp) if flat else sharp
-    if cost.has_blended_edges(scene):
-        slope_of_heights = cost.SLOPE_MARGIN * slope
-        usual = refined.auto_subcells(slope_of_heights, scene.contact_modulus, scene.hardness)
-        error += SUBCELLS_DB * math.log2(cost.subcells(scene) / usual)
-    return error
-
-
 def grid_of_level(scene: Scene, reason: str | None = None) -> Doubt:
     """Return the doubt about a level whose error of the grid is not measured, for a reason.
 
@@ -111,7 +66,7 @@ def grid_of_level(scene: Scene, reason: str | None = None) -> Doubt:
     """
     error = None
     if scene.sound.source != "vibration":
-        error = grid_signal_db(scene)
+        error = grid_error.grid_signal_db(scene)
     if error is not None and error > WANTED_DB:
         decibels = 20 * math.log10(1 + 10 ** (error / 20))
         text = f"the grid may leave {rounded(decibels)} dB, by a rule"
@@ -122,7 +77,7 @@ def grid_of_level(scene: Scene, reason: str | None = None) -> Doubt:
 
 def _spacing(scene: Scene) -> Iterator[Finding | Doubt]:
     """Judge the spacing of a random surface by the error that it leaves."""
-    error = grid_signal_db(scene)
+    error = grid_error.grid_signal_db(scene)
     if error is None:
         return
     shortest = min(min(law.lengths_um) for law in scene.laws)
@@ -190,7 +145,7 @@ def finer(scene: Scene, at_most_um: float | None = None) -> str:
 
 def spacing(scene: Scene, error: float, goal: float) -> float:
     """Return the spacing [um] that brings an error of the grid [dB] down to a goal [dB]."""
-    factor = 10 ** ((goal - error) / PER_SPACING_DB)
+    factor = 10 ** ((goal - error) / grid_error.PER_SPACING_DB)
     return fitting_spacing(scene, scene.spacing_um * factor)
 
 

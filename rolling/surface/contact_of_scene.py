@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from acoustics.arrays import Array
 from rolling.contact.state import RollingContact, kept
+from rolling.scene import grid_error
 from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface import refined
@@ -60,7 +61,7 @@ def auto_subcells(contact: RollingContact) -> int:
         return 1
     z = contact.heights
     slope = refined.rms_slope(kept(z, "step", lambda: refined.median_step(z)), contact.spacing)
-    return refined.auto_subcells(slope, contact.contact_modulus, contact.hardness)
+    return grid_error.auto_subcells(slope, contact.contact_modulus, contact.hardness)
 
 
 def on_subcells(

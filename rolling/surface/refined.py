@@ -148,28 +148,6 @@ def _padded_lines(values: Array, times: int, shift: float) -> Array:
     return np.fft.irfft(lines * np.exp(-2j * np.pi * frequency * shift)[:, None], n * times, axis=0)
 
 
-# Sub-cells along the side of a cell that `auto` takes on steep surfaces.
-STEEP_SUBCELLS = 2
-# A surface is steep from this ratio on: half the rms slope times the node spacing, over a node's
-# deflection by the hardness on its own cell. Ra 0.1 um at 2.1 GPa has 1.2, Ra 1 um 12.
-STEEP = 3.0
-# Deflection of the centre of a square by a uniform pressure, over side times pressure over E*.
-OWN = 4 * math.asinh(1) / math.pi
-
-
-def auto_subcells(slope: float, contact_modulus: float, hardness: float) -> int:
-    """Choose the sub-cells along the side of a cell for a surface of this slope [-].
-
-    Sub-cells gain most where the heights vary within a cell by more than pressures can level: on
-    steep surfaces that yield. Elsewhere a single node per cell finds the edge well enough, as it
-    does in an elastic contact.
-    """
-    levelled = OWN * hardness / contact_modulus
-    if 0.5 * slope > STEEP * levelled:
-        return STEEP_SUBCELLS
-    return 1
-
-
 def median_step(heights: Array) -> float:
     """Return the median change of heights [m] from node to node, along and across together."""
     if heights.min() == heights.max():  # without a copy of a large smooth plate

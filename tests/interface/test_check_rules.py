@@ -20,6 +20,7 @@ from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
 from rolling.contact.recovery import step_energy
 from rolling.contact.state import RollingContact
+from rolling.scene import grid_error
 from rolling.scene.file import loads, read_scene
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact
@@ -73,14 +74,14 @@ def test_the_named_spacing_does(overrides: list[str]) -> None:
     assert warning is not None
     spacing = float(warning.rpartition("spacing_um of at most ")[2].split(",")[0])
     finer = scene.with_({"surface.spacing_um": spacing})
-    error = resolution.grid_signal_db(finer)
+    error = grid_error.grid_signal_db(finer)
     assert error is not None and resolution.WANTED_DB - 6 < error <= resolution.WANTED_DB - 0.5
     assert finding(finer, resolution.KEY).warning is None
 
 
 def test_the_rule_knows_edges_sub_cells_and_laws() -> None:
     def error(*overrides: str) -> float:
-        value = resolution.grid_signal_db(loads(TEXT, overrides))
+        value = grid_error.grid_signal_db(loads(TEXT, overrides))
         assert value is not None
         return value
 
@@ -109,7 +110,7 @@ def test_the_grid_rule_holds_for_marches_on_every_fourth_node(overrides: list[st
     fine = replace(fine, step=own.step)
     coarse = replace(fine, heights=fine.heights[::4, ::4].copy(), spacing=own.spacing)
     measured = error_db(release(coarse), release(fine))
-    assert measured == pytest.approx(resolution.grid_signal_db(scene), abs=10)
+    assert measured == pytest.approx(grid_error.grid_signal_db(scene), abs=10)
 
 
 # ---- tolerance
@@ -137,7 +138,7 @@ def test_the_tolerance_keeps_the_solver_14_db_below_the_grid(roughness_um: float
     scene = loads(WIDE, [f"surface.roughness_ra_um={roughness_um}", ELASTIC])
     scene = scene.with_(duration_s=0.002)
     contact = rolling_contact(scene)
-    grid_db = resolution.grid_signal_db(scene)
+    grid_db = grid_error.grid_signal_db(scene)
     assert grid_db is not None
     tight = release(replace(contact, tolerance=1e-7))
     assert error_db(release(contact), tight) < min(grid_db, -25) - 14
