@@ -170,6 +170,13 @@ class HalfSpace:
         self.subcells = 1
         self.count = 0
         self._convolutions: OrderedDict[tuple[int, int, bool], Convolution] = OrderedDict()
+        self._coarser: HalfSpace | None = None
+
+    def coarser(self) -> HalfSpace:
+        """Return the half-space of cells twice as wide, which is made once."""
+        if self._coarser is None:
+            self._coarser = HalfSpace(2 * self.spacing, self.contact_modulus)
+        return self._coarser
 
     def __repr__(self) -> str:
         modulus = f"contact_modulus={self.contact_modulus:g} Pa"

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -64,6 +65,11 @@ ROUNDING = 128 * np.finfo(float).eps
 # error of sharp edges (measured on three scenes, by 0.3 dB); at 0 the rims of elastic contact grow
 # soft.
 LEVELLED = 0.3
+# A cold solve on a window of so many nodes begins with the contact of cells twice as wide, solved to
+# this tolerance. On 19 surfaces 400 to 1,024 nodes wide it takes 0.2 to 1.1 of the time; with 1e-2
+# it takes longer on 16 of them, and with 2e-4, or from 128 by 128 nodes on, it takes as long.
+CASCADE_NODES = 256 * 256
+CASCADE_TOLERANCE = 1e-3
 _NOTHING = np.empty((0, 0))
 NO_POSITION = _NOTHING, _NOTHING, 0, 0
 
@@ -243,10 +249,38 @@ def foundation(
 
 
 def _cold_start(half_space: HalfSpace, gap: Array, load: float, hardness: float) -> WarmStart:
-    """Start from a Winkler foundation that fits a contact of half the window's width."""
+    """Start from the contact of cells twice as wide on a wide window, else from a foundation.
+
+    This is the cascade of F. A. Bornemann and P. Deuflhard, Numer. Math. 75 (1996): the coarse
+    contact costs a fraction of a fine iteration and has all long waves of the pressure. The Winkler
+    foundation fits a contact of half the window's width.
+    """
+    if gap.size >= CASCADE_NODES and min(gap.shape) >= 2:
+        with suppress(ContactError):  # the fine contact says what is wrong in its own numbers
+            return _coarse_start(half_space, gap, load, hardness)
     radius = 0.25 * max(gap.shape) * half_space.spacing
     stiffness = 4 * half_space.contact_modulus / (np.pi * radius)
     return WarmStart(foundation(gap, load, half_space.spacing, stiffness, hardness))
+
+
+def _coarse_start(half_space: HalfSpace, gap: Array, load: float, hardness: float) -> WarmStart:
+    """Solve the contact of cells twice as wide, and give each node the pressure of its cell.
+
+    An odd last row or column is left out, and begins open.
+    """
+    rows = gap.shape[0] // 2
+    columns = gap.shape[1] // 2
+    cells = gap[: 2 * rows, : 2 * columns].reshape(rows, 2, columns, 2)
+    coarse = solve_contact(
+        half_space.coarser(),
+        cells.mean(axis=(1, 3)),
+        load,
+        hardness=hardness,
+        tolerance=CASCADE_TOLERANCE,
+    )
+    pressure = np.zeros(gap.shape)
+    pressure[: 2 * rows, : 2 * columns] = coarse.pressure.repeat(2, axis=0).repeat(2, axis=1)
+    return WarmStart(pressure)
 
 
 @ignoring_underflow
@@ -273,7 +307,8 @@ def solve_contact(
     load : float, N
         Normal load.
     start : WarmStart or None
-        Start of the iteration. Default: a Winkler foundation.
+        Start of the iteration. Default: a Winkler foundation, or on wide windows the contact of
+        cells twice as wide, whose iterations are not counted.
     hardness : float, Pa
         Maximum pressure. Default: infinite, purely elastic.
     shape : (m, n) array, m, or None
