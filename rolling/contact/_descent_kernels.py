@@ -147,19 +147,14 @@ def sweeps_of(iterations, stuck, nodes):
 
 
 @inlined()
-def convolve(system, block, moving, convolution, cells):
-    """Set the image to the deflection by the direction.
-
-    Few nodes that move deflect the candidates pair by pair, up to `most` pairs.
-    """
-    entry, _, most, kernel = convolution
-    transform, work, influence = system.transform, system.work, system.influence
-    few = moving * work.d.size <= most
-    if not (few and solver.sum_directly(transform, work.d, work.trial, influence, most)):
-        nodes = transform.node, cells
-        transforms.deflect_nodes(
-            kernel, entry, block, work.d, transform.unit, transform.image, nodes
-        )
+def convolve(system, block, convolution, cells):
+    """Set the image to the deflection by the direction."""
+    entry, _, kernel = convolution
+    transform = system.transform
+    nodes = transform.node, cells
+    transforms.deflect_nodes(
+        kernel, entry, block, system.work.d, transform.unit, transform.image, nodes
+    )
 
 
 @njit(cache=True)
@@ -181,9 +176,8 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
         violation that counts for a missing sum of pressures.
     half_space : tuple
         Deflection per pressure and coefficient with the fields of Stencils; the numbers that
-        describe the transforms, coefficients by distance or none, the pairs up to which these
-        serve, and the kernel of the transforms (see `deflect_nodes`); and the table of the far
-        field.
+        describe the transforms, coefficients by distance or none, and the kernel of the transforms
+        (see `deflect_nodes`); and the table of the far field.
     before : tuple
         Deflection of the window, pressure and deflection of the position before, and the row and
         column of the window where theirs begin. The last two solutions give the first direction,
@@ -222,7 +216,7 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
         cells = transforms.cells_of(listed, window[0].shape[1], block, subcells)
     blended = system.nodes.compliance.size > 0
     descents += 1
-    direction, moving = Direction(0.0, 0.0, 0.0, solver.FIRST_LENGTH), 0
+    direction = Direction(0.0, 0.0, 0.0, solver.FIRST_LENGTH)
     u, p_before, u_before, row, column = before
     nothing = p_before[:0]
     none = Solutions(nothing, nothing, nothing, nothing, row, column, block)
@@ -233,12 +227,11 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
         no = not leading
         rules = Rules(NEARLY_WHOLE, 0.0, 0.0, np.int64(FIRST_SWEEPS), no, no)
         step, direction = solver.iterate(system, direction, solutions, rules)
-        moving = step.free + step.bound
     snap = 0.0 if load_missed else 0.01 * allowed * system.stencil.stiffness
     # The snap is divided by the number of nodes, so that its sum makes no difference.
     share = listed.size
     if direction.slope < 0:
-        convolve(system, block, moving, convolution, cells)
+        convolve(system, block, convolution, cells)
         convolutions += 1
         iterations += 1
     minimum, nearly, end = np.inf, NEARLY_WHOLE, iterations + LONGEST
@@ -252,7 +245,7 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
         finishing = descents == 1 and not last
         rules = Rules(nearly, snap / share, within, sweeps, edges_move, finishing)
         step, direction = solver.iterate(system, direction, none, rules)
-        worst, moving = step.worst, step.free + step.bound
+        worst = step.worst
         if last or not worst > goal:
             break
         nearly = NEARLY_WHOLE_STALLED if worst > STALLED * minimum else NEARLY_WHOLE
@@ -265,7 +258,7 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
             iterations += 1
             break
         stuck = 0
-        convolve(system, block, moving, convolution, cells)
+        convolve(system, block, convolution, cells)
         convolutions += 1
         iterations += 1
     carried, exhausted = False, False

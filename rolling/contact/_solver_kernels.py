@@ -200,32 +200,6 @@ def find_direction(system, approach, free, bound, direction, plain):
     return Direction(slope, longest, zr, length), restarts, plain_steps
 
 
-@inlined()
-def sum_directly(transform, d, deflection, influence, most):
-    """Set the image to the deflection by the direction, pair by pair in single precision.
-
-    Return False, and leave the image as it is, where more than `most` pairs of a node that moves
-    and a candidate are there. `deflection` is overwritten.
-    """
-    coefficients, place = influence
-    moving = 0
-    for k in range(d.size):
-        moving += d[k] != 0.0
-    if moving * d.size > most:
-        return False
-    middle = coefficients.size // 2
-    deflection[:] = 0.0
-    for b in range(d.size):
-        if d[b] != 0.0:
-            change = transform.unit * d[b]
-            from_b = middle - np.int64(place[b])
-            for k in range(d.size):
-                deflection[k] += change * coefficients[from_b + np.int64(place[k])]
-    for k in range(d.size):
-        transform.image[transform.node[k]] = np.float32(deflection[k])
-    return True
-
-
 @njit(cache=True)
 def step_along(system, direction, nearly):
     """Step along the direction as far as the energy falls; return the step length alpha.

@@ -54,9 +54,6 @@ NEAR = 0.01
 REST = 4
 # Single precision, with an error of 1e-7 of the maximum deflection, serves no tighter tolerance.
 SINGLE_TOLERANCE = 1e-6
-# Few nodes deflect the candidates pair by pair, where the pairs are at most so many times the nodes
-# of the transforms: a pair takes 0.5 ns, and a transform forth and back 1.1 ns per node.
-DIRECT_PAIRS = 2
 # Share of the maximum gap that its rounding adds to the violation. Below 32 eps some solves still
 # converge, so the limit that is named is four times that.
 ROUNDING = 128 * np.finfo(float).eps
@@ -65,9 +62,9 @@ ROUNDING = 128 * np.finfo(float).eps
 # error of sharp edges (measured on three scenes, by 0.3 dB); at 0 the rims of elastic contact grow
 # soft.
 LEVELLED = 0.3
-# A cold solve on a window of so many nodes begins with the contact of cells twice as wide, solved to
-# this tolerance. On 19 surfaces 400 to 1,024 nodes wide it takes 0.2 to 1.1 of the time; with 1e-2
-# it takes longer on 16 of them, and with 2e-4, or from 128 by 128 nodes on, it takes as long.
+# A cold solve on a window of so many nodes begins with the contact of cells twice as wide, to this
+# tolerance. On 19 surfaces 400 to 1,024 nodes wide it takes 0.2 to 1.1 of the time. Tolerances
+# of 1e-2 take longer on 16 of them; 2e-4, or windows from 128 by 128 nodes on, take as long.
 CASCADE_NODES = 256 * 256
 CASCADE_TOLERANCE = 1e-3
 _NOTHING = np.empty((0, 0))
@@ -749,14 +746,13 @@ def _tables(
     count = found.listed.size
     (rows, columns) = found.block[2:]
     coefficients = transforms.influence()
-    pairs = DIRECT_PAIRS * transforms.size if transforms.single and coefficients.size else -1
     kernel = nodes_kernel(half_space.subcells, transforms.single)
     along = rows + 2 * BORDER
     across = columns + 2 * BORDER
     coarse_rows, coarse_columns, tile = coarse_grid(along, across)
     tables = (
         (half_space.unit, *stencils(half_space.unit)),
-        (transforms.entry, coefficients, pairs, kernel),
+        (transforms.entry, coefficients, kernel),
         far_field(coarse_rows, coarse_columns, tile),
     )
     size = along * across

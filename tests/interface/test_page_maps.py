@@ -49,7 +49,8 @@ FRAMES = """() => {
     act(now);
     if (!String(act).includes('tickFilm') || tap.currentTime === null) return; // paused
     tap.frames.push([Number(slider.value), tap.currentTime - (tap.outputLatency || 0)]);
-    if (Number(slider.value) > 20 && !tap.before) { // a slow browser may be at the end by the next frame
+    // A slow browser may be at the end by the next frame.
+    if (Number(slider.value) > 20 && !tap.before) {
       tap.before = tap.frames.length;
       document.querySelector('#film-play').click(); // pause
     }

@@ -15,7 +15,6 @@ from helpers import assert_solved, make_track, roll, rough, space_of
 
 from rolling.contact import _descent_kernels as kernels
 from rolling.contact import _solver_kernels
-from rolling.contact._transform_kernels import deflect_nodes
 from rolling.contact.march import march
 from rolling.contact.state import RollingContact
 
@@ -63,40 +62,6 @@ def test_without_a_last_step_the_load_is_exact(
     for state, other in zip(roll(track, 0, 3), undisturbed, strict=True):
         assert_solved(track, state)
         assert np.array_equal(state.pressure, other.pressure)
-
-
-def test_deflection_by_few_nodes_is_that_of_the_transforms(
-    track: RollingContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Summed pair by pair or transformed, a direction has the same deflection to 1e-6."""
-    errors: list[float] = []
-    convolve = kernels.convolve
-    directly = _solver_kernels.sum_directly
-    summed: list[bool] = []
-
-    def summing(*arguments: Any) -> bool:
-        summed.append(directly(*arguments))
-        return summed[-1]
-
-    def both(system: Any, block: tuple, moving: int, convolution: tuple, cells: Any) -> None:
-        image = system.transform.image
-        node = system.transform.node
-        summed.clear()
-        convolve(system, block, moving, convolution, cells)
-        if summed == [True]:
-            sums = image[node].copy()
-            entry, _, _, kernel = convolution
-            d = system.work.d
-            unit = system.transform.unit
-            deflect_nodes(kernel, entry, block, d, unit, image, (node, cells))
-            errors.append(np.abs(sums - image[node]).max() / np.abs(sums).max())
-
-    monkeypatch.setattr(kernels, "convolve", both)
-    monkeypatch.setattr(_solver_kernels, "sum_directly", summing)
-    for state in roll(track, 0, 4):
-        assert_solved(track, state)
-    assert len(errors) > 4
-    assert max(errors) < 1e-6
 
 
 def test_edges_ahead_of_a_step_are_closer_to_those_of_the_solution(
