@@ -79,7 +79,8 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     of candidates, and the first row and column of their block and its numbers of rows and columns,
     in whole cells of so many sub-cells along and across.
     """
-    nodes, columns = p.size, p.shape[1]
+    nodes = p.size
+    columns = p.shape[1]
     # Most words of eight marks are empty, and a whole word is read as fast as a mark.
     words = nodes // 8 + 1
     marks = np.zeros(8 * words, np.uint8)
@@ -93,7 +94,8 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
         mark_neighbours(marks[:nodes], columns, near[:nodes])
         marks = near
     resting = count_resting(pressure, hardness, marks) if lowest > -np.inf else 0.0
-    word, count = marks.view(np.uint64), 0
+    word = marks.view(np.uint64)
+    count = 0
     for w in range(words):
         if word[w]:
             for k in range(8 * w, min(8 * w + 8, nodes)):
@@ -102,12 +104,15 @@ def candidates(p, g, hardness, lowest, highest, neighbours, subcells, node):
     if count == 0:
         return resting, 0, 0, 0, 0, 0
     in_column = np.zeros(columns, np.uint8)
-    first_row, last_row = node[0] // columns, node[count - 1] // columns
+    first_row = node[0] // columns
+    last_row = node[count - 1] // columns
     for i in range(first_row, last_row + 1):
         or_line(marks[i * columns : (i + 1) * columns], in_column)
     across = np.flatnonzero(in_column)
-    row, column = first_row // subcells * subcells, across[0] // subcells * subcells
-    rows, columns = whole(last_row - row, subcells), whole(across[-1] - column, subcells)
+    row = first_row // subcells * subcells
+    column = across[0] // subcells * subcells
+    rows = whole(last_row - row, subcells)
+    columns = whole(across[-1] - column, subcells)
     return resting, count, row, column, rows, columns
 
 
@@ -126,21 +131,26 @@ def list_strips(place, rows, row, strips):
     The first node of each strip and the node after its last go into `strips`; their number is
     returned.
     """
-    first, last = 2 * row, (rows - 2) * row
+    first = 2 * row
+    last = (rows - 2) * row
     if rows * row < WIDE:
-        strips[0, 0], strips[0, 1] = first, last
+        strips[0, 0] = first
+        strips[0, 1] = last
         return 1
     words = rows * row // 8 + 1
-    marked, around = np.zeros(8 * words, np.uint8), np.zeros(8 * words, np.uint8)
+    marked = np.zeros(8 * words, np.uint8)
+    around = np.zeros(8 * words, np.uint8)
     for k in range(place.size):
         marked[place[k]] = 1
     for shift in (0, row, first, 3 * row, 4 * row):
         or_line(marked[shift:], around[first:last])
-    count, end = 0, 0
+    count = 0
+    end = 0
     word = around.view(np.uint64)
     for w in range(words):
         # from two nodes before the eight nodes of a word, or a word, to two nodes after them
-        begin, stop = max(8 * w - 8, first), min(8 * w + 10, last)
+        begin = max(8 * w - 8, first)
+        stop = min(8 * w + 10, last)
         if word[w] == 0 or stop <= end:
             continue
         if count == 0 or begin > end + STRIP_GAP:
@@ -191,8 +201,11 @@ def take_edges(system, listed, edge, shape, gap):
 
     `shape` is the undeformed gap as it continues within cells, `gap` that of the nodes.
     """
-    nodes, edges, place = system.nodes, system.edges, system.model.node
-    left, stiffness = system.model.softening.reshape(-1), system.model.stiffness
+    nodes = system.nodes
+    edges = system.edges
+    place = system.model.node
+    left = system.model.softening.reshape(-1)
+    stiffness = system.model.stiffness
     per_hardness = 2.0 / system.limits.hardness
     left[:] = 1.0
     for a in range(listed.size):
@@ -246,8 +259,12 @@ def move_edges(system, slack):
 
     Edges that would move by less than `slack` [m] stay. Returns the maximum change of a gap [m].
     """
-    p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
-    edge, between_nodes, field = system.edges.edge, system.edges.between_nodes, system.edges.field
+    p = system.nodes.p
+    g = system.nodes.g
+    compliance = system.nodes.compliance
+    edge = system.edges.edge
+    between_nodes = system.edges.between_nodes
+    field = system.edges.field
     place = system.stencil.node
     for k in range(p.size):
         field[place[k]] = g[k] + edge[k] - compliance[k] * p[k] + between_nodes[k]
@@ -260,9 +277,15 @@ def lead_edges(system):
 
     The gaps of the model follow the edges.
     """
-    p, compliance, place = system.nodes.p, system.nodes.compliance, system.stencil.node
-    edge, between_nodes, field = system.edges.edge, system.edges.between_nodes, system.edges.field
-    gap, stiffness, lifts = system.model.gap.reshape(-1), system.model.stiffness, system.work.trial
+    p = system.nodes.p
+    compliance = system.nodes.compliance
+    place = system.stencil.node
+    edge = system.edges.edge
+    between_nodes = system.edges.between_nodes
+    field = system.edges.field
+    gap = system.model.gap.reshape(-1)
+    stiffness = system.model.stiffness
+    lifts = system.work.trial
     softness = 1.0 / stiffness
     for k in range(p.size):
         at = place[k]
@@ -297,11 +320,18 @@ def follow_field(system, slack):
 
     Loops without branches and with few arrays take several nodes at once.
     """
-    p, g, compliance = system.nodes.p, system.nodes.g, system.nodes.compliance
-    edge, place, lifts = system.edges.edge, system.stencil.node, system.work.trial
+    p = system.nodes.p
+    g = system.nodes.g
+    compliance = system.nodes.compliance
+    edge = system.edges.edge
+    place = system.stencil.node
+    lifts = system.work.trial
     edges_in_field(place, system.stencil.row_length, system.edges, lifts)
-    per_hardness, highest, stiffness = 2.0 / system.limits.hardness, 0.0, system.model.stiffness
-    left, share_left = system.model.softening.reshape(-1), system.work.r
+    per_hardness = 2.0 / system.limits.hardness
+    highest = 0.0
+    stiffness = system.model.stiffness
+    left = system.model.softening.reshape(-1)
+    share_left = system.work.r
     for k in range(p.size):
         now = lifts[k] if abs(lifts[k] - edge[k]) > slack else edge[k]
         lifts[k] = (edge[k] - now) * (1.0 - per_hardness * p[k])

@@ -36,7 +36,9 @@ def project(p, g, approach, trial, sets, limits, d):
     Returns the slope of the energy along d [Pa m] and the maximum step length within the bounds, or
     (inf, 0) where the free nodes cannot take up the load.
     """
-    active, hardness, total = sets.active, limits.hardness, limits.total
+    active = sets.active
+    hardness = limits.hardness
+    total = limits.total
     bound = active[sets.free : sets.free + sets.bound]
     target = total - sum_of(p) + sum_listed(p, active[: sets.free]) + sum_listed(p, bound)
     target -= sum_listed(trial, bound)
@@ -73,7 +75,8 @@ def sum_listed(values, listed):
 @inlined(fused=True)
 def carried_by(values, shift, hardness):
     """Return the sum of shifted pressures within the bounds, and how many are between them."""
-    carried, moving = 0.0, 0.0
+    carried = 0.0
+    moving = 0.0
     for a in range(values.size):
         v = values[a] + shift
         carried += min(max(v, 0.0), hardness)
@@ -200,7 +203,8 @@ MAXIMA = 256  # maxima that are found at a time
 @inlined(fused=True)
 def sum_inside(p, values, hardness):
     """Return the number of pressures between the bounds, and the sum of their values."""
-    inside, total = 0.0, 0.0
+    inside = 0.0
+    total = 0.0
     for k in range(p.size):
         free = 0.0 < p[k] < hardness
         inside += 1.0 if free else 0.0
@@ -215,7 +219,8 @@ def middle_of_bounds(p, g, hardness):
     It is free where no pressure is between the bounds: above the highest capped node, and below the
     lowest open node.
     """
-    lowest_open, highest_capped = np.inf, -np.inf
+    lowest_open = np.inf
+    highest_capped = -np.inf
     for k in range(p.size):
         if p[k] <= 0.0:
             lowest_open = min(lowest_open, g[k])

@@ -36,7 +36,8 @@ SWEEPS = 4
 # Sweeps in each iteration on blocks of more than so many nodes. With 4 sweeps the last check
 # refuses a third of the descents on contacts 600 nodes wide at Ra 1 um; on smaller blocks 6 save
 # less time than they take.
-WIDE_SWEEPS, WIDE_BLOCK = 6, 300_000
+WIDE_SWEEPS = 6
+WIDE_BLOCK = 300_000
 # After so many iterations the preconditioned residual leads instead of the model, whose steps are
 # fewer but need not lower the energy.
 MODELLED = 15
@@ -67,9 +68,11 @@ def system_of(window, listed, block, numbers, half_space, memory):
     hardness, load, levelled, share, lift = numbers
     stencils, convolution, far_table = half_space
     unit, preconditioner, inverse, centre, own, common = stencils
-    entry, coefficients = convolution[0], convolution[1]
+    entry = convolution[0]
+    coefficients = convolution[1]
     doubles, singles, indices = memory
-    rows, columns = block[2] + 2 * BORDER, block[3] + 2 * BORDER
+    rows = block[2] + 2 * BORDER
+    columns = block[3] + 2 * BORDER
     blended = edge.size > 0
     compliant = listed.size if blended else 0
     soft_rows = rows if blended else 0
@@ -93,7 +96,9 @@ def system_of(window, listed, block, numbers, half_space, memory):
     strips = np.empty((rows * columns // search.STRIP + 1, 2), np.uint64)
     length, side = transforms.row_of(entry, block[3])
     row_lengths = (length, side), columns, 2 * (entry[transforms.WIDTH] // 2) + 1
-    corner, state, out = (block[0], block[1]), (p.reshape(-1), g.reshape(-1)), (v, index, strips)
+    corner = (block[0], block[1])
+    state = (p.reshape(-1), g.reshape(-1))
+    out = (v, index, strips)
     count = search.take_nodes(listed, p.shape[1], corner, row_lengths, rows, state, out)
     stiffness = 1 / (unit * OWN_COEFFICIENT)
     system = System(
@@ -210,7 +215,8 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
         _,
     ) = progress
     system = system_of(window, listed, block, numbers, half_space, memory)
-    convolution, pressures = half_space[1], window[0].reshape(-1)
+    convolution = half_space[1]
+    pressures = window[0].reshape(-1)
     cells = listed[:0]
     if subcells > 1:
         cells = transforms.cells_of(listed, window[0].shape[1], block, subcells)
@@ -234,7 +240,9 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
         convolve(system, block, convolution, cells)
         convolutions += 1
         iterations += 1
-    minimum, nearly, end = np.inf, NEARLY_WHOLE, iterations + LONGEST
+    minimum = np.inf
+    nearly = NEARLY_WHOLE
+    end = iterations + LONGEST
     while True:
         last = iterations >= MAX_ITERATIONS
         sweeps = sweeps_of(iterations, stuck, block[2] * block[3])
@@ -261,9 +269,11 @@ def descend(window, candidates, numbers, half_space, before, aims, progress, mem
         convolve(system, block, convolution, cells)
         convolutions += 1
         iterations += 1
-    carried, exhausted = False, False
+    carried = False
+    exhausted = False
     if not step.worst > goal:
-        carried, exhausted = carry(system, step), descents > 1
+        carried = carry(system, step)
+        exhausted = descents > 1
         load_missed = load_missed or not carried
     elif not direction.slope < 0:
         exhausted = True
@@ -294,7 +304,9 @@ def carry(system, step):
     A node that was put on a bound took its share of the load along. The last step or the free nodes
     make up for it, or else the nodes that are nearest to moving.
     """
-    nodes, limits, carried = system.nodes, system.limits, step.load
+    nodes = system.nodes
+    limits = system.limits
+    carried = step.load
     if carried == 0:
         carried = solver.carry_load(nodes, system.work, limits, step.approach)
     if abs(carried / limits.total - 1) <= 1e-13:
@@ -310,7 +322,8 @@ def restart(system):
     Pressures of the order of rounding errors can pass for free nodes and set the approach, so the
     projection becomes the state.
     """
-    p, trace = system.nodes.p, 0.0
+    p = system.nodes.p
+    trace = 0.0
     for k in range(p.size):
         p[k] += system.work.d[k]
         trace = max(trace, p[k])

@@ -74,7 +74,8 @@ def half_space_of_stencil() -> Array:
         Coefficients; the sum over all nodes of the plane is `1 / sum(stencil)`.
     """
     nodes = 4 * FORGOTTEN
-    wrapped, at = np.zeros((nodes, nodes)), np.arange(-2, 3)
+    wrapped = np.zeros((nodes, nodes))
+    at = np.arange(-2, 3)
     wrapped[at[:, None], at] = square_stencil()
     coefficients: Array = np.fft.irfft2(1.0 / np.fft.rfft2(wrapped).real)[:FORGOTTEN, :FORGOTTEN]
     return coefficients
@@ -132,7 +133,8 @@ def far_field(rows: int, columns: int, tile: int) -> NDArray[np.float32]:
         Rows of 2 columns - 1 coefficients, from negative to positive distances along and across,
         and as many zeros as columns at the end.
     """
-    along, across = np.arange(float(rows)) * tile, np.arange(float(columns)) * tile
+    along = np.arange(float(rows)) * tile
+    across = np.arange(float(columns)) * tile
     coefficients = love(along, across)
     near = half_space_of_stencil()[::tile, ::tile][:rows, :columns]
     coefficients[: near.shape[0], : near.shape[1]] -= near
@@ -199,7 +201,9 @@ def add_line(factor, line, out):
 def add_four_lines(factors, line, out):
     """Add multiples of the four lines that begin at the fourth, third, second and first number."""
     a, b, c, d = factors
-    one, two, three = np.uint64(1), np.uint64(2), np.uint64(3)
+    one = np.uint64(1)
+    two = np.uint64(2)
+    three = np.uint64(3)
     for k in range(np.uint64(out.size)):
         out[k] += (a * line[k + three] + b * line[k + two]) + (c * line[k + one] + d * line[k])
 
@@ -216,7 +220,8 @@ def share_line(share, line, here, below):
 @inlined(fused=True)
 def share_sum(shares, line):
     """Return the sum of a line without its shares, and that of its shares."""
-    whole, part = np.float32(0.0), np.float32(0.0)
+    whole = np.float32(0.0)
+    part = np.float32(0.0)
     for k in range(line.size):
         whole += line[k]
         part += shares[k] * line[k]
@@ -243,7 +248,9 @@ def restrict(values, tile, row_length, out):
     `out` is the flat coarse grid with rows of `row_length`.
     """
     rows, row = values.shape
-    here, below, shares = np.zeros(row, np.float32), np.zeros(row, np.float32), shares_of(tile)
+    here = np.zeros(row, np.float32)
+    below = np.zeros(row, np.float32)
+    shares = shares_of(tile)
     out[:] = 0.0
     for i in range((rows - 1) // tile + 2):
         for k in range(max(i * tile, BORDER), min((i + 1) * tile, rows - BORDER)):
@@ -263,7 +270,9 @@ def restrict(values, tile, row_length, out):
 def prolong(field, factor, tile, row_length, out):
     """Add a multiple of the bilinear interpolation of a flat coarse grid to the nodes."""
     rows, row = out.shape
-    here, below, shares = np.zeros(row, np.float32), np.zeros(row, np.float32), shares_of(tile)
+    here = np.zeros(row, np.float32)
+    below = np.zeros(row, np.float32)
+    shares = shares_of(tile)
     for i in range((rows - 1) // tile + 2):
         coarse = field[i * row_length :]
         for j in range((row - 1) // tile + 1):
@@ -304,16 +313,19 @@ def mark_free(strips, change, gap, low, high, softening, out):
     """
     for i in range(strips.shape[0]):
         for k in range(strips[i, 0], strips[i, 1]):
-            closing, share = change[k] - gap[k], np.float32(1.0)
+            closing = change[k] - gap[k]
+            share = np.float32(1.0)
             if softening.size:
-                closing, share = closing * softening[k], softening[k]
+                closing = closing * softening[k]
+                share = softening[k]
             out[k] = share if low[k] < closing < high[k] else np.float32(0.0)
 
 
 @inlined()
 def mean_of(weights, values):
     """Return the weighted mean of values on the coarse grid."""
-    total, sum_of_weights = 0.0, 0.0
+    total = 0.0
+    sum_of_weights = 0.0
     for k in range(weights.size):
         total += weights[k] * values[k]
         sum_of_weights += weights[k]
@@ -327,8 +339,14 @@ def answer(far):
     `far.stiffness` holds the numbers of free nodes before and their stiffness after. The approach
     answers as well, so that the sum of all loads stays.
     """
-    loads, known, stiffness, field = far.loads, far.known, far.stiffness, far.field
-    residual, direction, image, table = far.residual, far.direction, far.image, far.table
+    loads = far.loads
+    known = far.known
+    stiffness = far.stiffness
+    field = far.field
+    residual = far.residual
+    direction = far.direction
+    image = far.image
+    table = far.table
     free = 0.0
     for k in range(loads.size):
         loads[k] -= known[k]
@@ -344,7 +362,8 @@ def answer(far):
     answers[:] = 0.0
     direction[:] = 0.0
     copy_line(field, residual)
-    before, first = 0.0, 0.0
+    before = 0.0
+    first = 0.0
     for _ in range(ITERATIONS):
         mean = mean_of(stiffness, residual)
         square = 0.0

@@ -34,7 +34,9 @@ EDGE_SWEEPS = 1
 EDGES_LEAD = 0.35
 # Nodes that a sweep passes over at a time. Their sums, 12 kB, stay in the first cache.
 CHUNK = np.uint64(1024)
-ONE, TWO = np.uint64(1), np.uint64(2)  # signed numbers would turn indices into floats
+# signed numbers would turn indices into floats
+ONE = np.uint64(1)
+TWO = np.uint64(2)
 # Up to so many nodes jump to their bound at once. Each takes a pass over the nodes, and so many
 # passes take as long as a convolution.
 JUMPS = 48
@@ -43,8 +45,13 @@ JUMPS = 48
 @inlined()
 def fill(model, nodes, hardness, approach):
     """Set the grid to the state of the nodes; return the maximum violation [m] and the load."""
-    p, g, place, stiffness = nodes.p, nodes.g, model.node, model.stiffness
-    gap, low, high = model.gap.reshape(-1), model.low.reshape(-1), model.high.reshape(-1)
+    p = nodes.p
+    g = nodes.g
+    place = model.node
+    stiffness = model.stiffness
+    gap = model.gap.reshape(-1)
+    low = model.low.reshape(-1)
+    high = model.high.reshape(-1)
     model.change[:] = 0.0
     gap[:] = 0.0
     for k in range(p.size):
@@ -70,14 +77,20 @@ def extrapolate_model(model, nodes, hardness, present, solutions, pressure, heig
     `present` is the approach of the grid. Nodes off the previous window were unloaded, and their
     deflections count as unchanged. `pressure` and `height` are overwritten.
     """
-    compliance, place = nodes.compliance, model.node
-    change, gap, stiffness = model.change, model.gap, model.stiffness
+    compliance = nodes.compliance
+    place = model.node
+    change = model.change
+    gap = model.gap
+    stiffness = model.stiffness
     p, u, p_before, u_before, row, column, block = solutions
-    first, rows, columns = block[1], block[2], block[3]
+    first = block[1]
+    rows = block[2]
+    columns = block[3]
     a, b = shared(column, p_before.shape[1], first, first + columns)
     for i in range(rows):
         here = block[0] + i
-        changed, opened = change[i + BORDER, BORDER:], gap[i + BORDER, BORDER:]
+        changed = change[i + BORDER, BORDER:]
+        opened = gap[i + BORDER, BORDER:]
         copy_line(p[here, first : first + columns], changed[:columns])
         if row <= here < row + p_before.shape[0]:
             add_changes(
@@ -89,7 +102,8 @@ def extrapolate_model(model, nodes, hardness, present, solutions, pressure, heig
                 changed[a - first : b - first],
                 opened[a - first : b - first],
             )
-    changes, gaps = change.reshape(-1), gap.reshape(-1)
+    changes = change.reshape(-1)
+    gaps = gap.reshape(-1)
     for k in range(place.size):
         at = place[k]
         pressure[k] = nodes.p[k] + changes[at]
@@ -106,8 +120,11 @@ def lead_model(system, present, solutions):
     Changes of pressure and deflection belong together, so the model settles from their sum with the
     present state, whether that is feasible or not. The far field of the changes is in the gaps.
     """
-    model, far, work = system.model, system.far, system.work
-    gap, hardness = model.gap.reshape(-1), system.limits.hardness
+    model = system.model
+    far = system.far
+    work = system.work
+    gap = model.gap.reshape(-1)
+    hardness = system.limits.hardness
     approach = extrapolate_model(
         model, system.nodes, hardness, present, solutions, work.trial, work.r
     )
@@ -137,9 +154,16 @@ def sum_rows(moved, row, values, strip, begin, end, sums):
     after; off the strip they are zero. The centre is left out. `row` is the number of nodes in a
     row of the grid.
     """
-    b, c, d, e, f = values[1], values[2], values[3], values[4], values[5]
-    middle, side, second = sums[0], sums[1], sums[2]
-    before, after = begin - TWO, end + TWO
+    b = values[1]
+    c = values[2]
+    d = values[3]
+    e = values[4]
+    f = values[5]
+    middle = sums[0]
+    side = sums[1]
+    second = sums[2]
+    before = begin - TWO
+    after = end + TWO
     for j in (before, before + ONE, end, end + ONE):
         side[j - before] = 0.0
         second[j - before] = 0.0
@@ -159,7 +183,9 @@ def next_moves(begin, end, sums, low, high, softening, closing, moved):
     `closing` is the change of pressure that would close the gap. A move adds as much to the gap as
     to the node's own pressure, so that only moves of other nodes change it.
     """
-    middle, side, second = sums[0], sums[1], sums[2]
+    middle = sums[0]
+    side = sums[1]
+    second = sums[2]
     for k in range(begin, end):
         j = k - begin + TWO
         before = closing[k]
@@ -176,7 +202,9 @@ def next_moves(begin, end, sums, low, high, softening, closing, moved):
 @inlined(fused=True)
 def last_moves(begin, end, sums, low, high, softening, gap, change):
     """End the sweeps: set the changes of pressure and the gaps."""
-    middle, side, second = sums[0], sums[1], sums[2]
+    middle = sums[0]
+    side = sums[1]
+    second = sums[2]
     for k in range(begin, end):
         j = k - begin + TWO
         closing = gap[k]
@@ -210,16 +238,21 @@ def settle_model(model, sweeps):
     its strip. The border never moves, so that the end of one row does not act on the beginning of
     the next.
     """
-    row, strips = np.uint64(model.gap.shape[1]), model.strips
-    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
-    low, high = model.low.reshape(-1), model.high.reshape(-1)
+    row = np.uint64(model.gap.shape[1])
+    strips = model.strips
+    change = model.change.reshape(-1)
+    gap = model.gap.reshape(-1)
+    low = model.low.reshape(-1)
+    high = model.high.reshape(-1)
     softening = model.softening.reshape(-1)
     sums = np.empty((3, np.int64(CHUNK) + 4), np.float32)
-    moves, following = model.moved, model.following
+    moves = model.moved
+    following = model.following
     first_moves(strips, change, gap, low, high, softening, moves.reshape(-1))
     for sweep in range(1, sweeps + 1):
         clear_border(moves)
-        moved, moving = moves.reshape(-1), following.reshape(-1)
+        moved = moves.reshape(-1)
+        moving = following.reshape(-1)
         for i in range(strips.shape[0]):
             for begin in range(strips[i, 0], strips[i, 1], CHUNK):
                 end = min(begin + CHUNK, strips[i, 1])
@@ -239,8 +272,11 @@ def add_far_field(model, far, unit):
 
     `unit` is the deflection per pressure and coefficient [m/Pa].
     """
-    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
-    low, high, free = model.low.reshape(-1), model.high.reshape(-1), model.moved.reshape(-1)
+    change = model.change.reshape(-1)
+    gap = model.gap.reshape(-1)
+    low = model.low.reshape(-1)
+    high = model.high.reshape(-1)
+    free = model.moved.reshape(-1)
     mark_free(model.strips, change, gap, low, high, model.softening.reshape(-1), free)
     restrict(model.moved, far.tile, far.row_length, far.stiffness)
     restrict(model.change, far.tile, far.row_length, far.loads)
@@ -268,8 +304,10 @@ def settle(system, sweeps, edges_lead):
 @inlined()
 def changes_of(model, changes):
     """Set the changes of pressure that close the gaps of the nodes, whatever their bounds."""
-    place, soft = model.node, model.softening.reshape(-1)
-    change, gap = model.change.reshape(-1), model.gap.reshape(-1)
+    place = model.node
+    soft = model.softening.reshape(-1)
+    change = model.change.reshape(-1)
+    gap = model.gap.reshape(-1)
     for k in range(place.size):
         changes[k] = change[place[k]] - gap[place[k]]
     for k in range(place.size if soft.size else 0):
@@ -284,8 +322,10 @@ def targets_of(p, hardness, changes, trial, r_before):
     so that the processor takes several nodes at once.
     """
     for k in range(p.size):
-        low, high = np.float64(np.float32(-p[k])), np.float64(np.float32(hardness - p[k]))
-        is_low, is_high = changes[k] <= low, changes[k] >= high
+        low = np.float64(np.float32(-p[k]))
+        high = np.float64(np.float32(hardness - p[k]))
+        is_low = changes[k] <= low
+        is_high = changes[k] >= high
         target = min(max(p[k] + changes[k], 0.0), hardness)
         target = 0.0 if is_low else hardness if is_high else target
         inside = not (is_low | is_high)
@@ -300,8 +340,10 @@ def sort_nodes(system):
 
     Their targets go into the trial pressures. Returns the numbers of both.
     """
-    p, work = system.nodes.p, system.work
-    active, kind = work.active, work.r
+    p = system.nodes.p
+    work = system.work
+    active = work.active
+    kind = work.r
     free = 0
     bound = 0
     changes_of(system.model, kind)
@@ -324,8 +366,14 @@ def jump(system, free, bound):
 
     Their trial pressures become the pressures before, so that a second jump takes the first back.
     """
-    nodes, work, unit = system.nodes, system.work, system.transform.unit
-    p, g, compliance, trial, active = nodes.p, nodes.g, nodes.compliance, work.trial, work.active
+    nodes = system.nodes
+    work = system.work
+    unit = system.transform.unit
+    p = nodes.p
+    g = nodes.g
+    compliance = nodes.compliance
+    trial = work.trial
+    active = work.active
     coefficients, place = system.influence
     middle = coefficients.size // 2
     for a in range(free, free + bound):
@@ -348,9 +396,16 @@ def model_direction(system, approach, last, free, bound):
 
     Returns the Direction and the number of restarts.
     """
-    nodes, work, limits = system.nodes, system.work, system.limits
-    p, g, d = nodes.p, nodes.g, work.d
-    trial, active, r_before, target = work.trial, work.active, work.r_before, work.r
+    nodes = system.nodes
+    work = system.work
+    limits = system.limits
+    p = nodes.p
+    g = nodes.g
+    d = work.d
+    trial = work.trial
+    active = work.active
+    r_before = work.r_before
+    target = work.r
     zr = 0.0
     change = 0.0
     for a in range(free):
@@ -392,7 +447,8 @@ def follow_model(system, approach, last, sweeps, edges_lead, jumps):
     jumped = 0
     if jumps and 0 < bound <= min(JUMPS, free) and system.influence.coefficients.size:
         jump(system, free, bound)
-        jumped, bound = bound, 0
+        jumped = bound
+        bound = 0
     direction, restarts = model_direction(system, approach, last, free, bound)
     if jumped and not direction.slope < 0.0:
         jump(system, free, jumped)

@@ -22,7 +22,9 @@ import numpy as np
 from acoustics.arrays import Array
 
 ALIGNMENT = 64  # bytes; FFTW then finds the same plans wherever an array lies
-ESTIMATE, DESTROY_INPUT = 1 << 6, 1 << 0  # flags of FFTW
+# flags of FFTW
+ESTIMATE = 1 << 6
+DESTROY_INPUT = 1 << 0
 
 
 def zeros(shape: tuple[int, ...], dtype: str) -> Array:
@@ -79,7 +81,8 @@ class Plan:
 
         direction = "FFTW_BACKWARD" if backward else "FFTW_FORWARD"
         flags = ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")
-        self.address, self.execute = next(_numbers), _EXECUTE_HERE
+        self.address = next(_numbers)
+        self.execute = _EXECUTE_HERE
         _plans[self.address] = pyfftw.FFTW(
             source, target, axes=(axis,), direction=direction, flags=flags
         )
@@ -88,7 +91,8 @@ class Plan:
 
 def _strides(array: Array, axis: int) -> tuple[int, int]:
     """Return the numbers from one entry to the next along an axis, and along the other axis."""
-    along, across = array.strides[axis], array.strides[1 - axis]
+    along = array.strides[axis]
+    across = array.strides[1 - axis]
     return along // array.itemsize, across // array.itemsize
 
 
@@ -132,9 +136,11 @@ def _functions(kind: str) -> tuple[Any, Any, int] | None:
         execute = getattr(library, f"{prefix}_execute")
     except (OSError, AttributeError):
         return None
-    whole, place = ctypes.c_int, ctypes.c_void_p
+    whole = ctypes.c_int
+    place = ctypes.c_void_p
     layout = [place, place, whole, whole]
     plan.restype = place
     plan.argtypes = [whole, place, whole, *layout, *layout, whole, whole]
-    destroy.restype, destroy.argtypes = None, [place]
+    destroy.restype = None
+    destroy.argtypes = [place]
     return plan, destroy, ctypes.cast(execute, place).value or 0

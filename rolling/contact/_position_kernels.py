@@ -65,7 +65,8 @@ def measure(fields, numbers, sphere, highest, approach, blended, corner):
     spacing, radius, radius_across, x, y = sphere
     gap = max(windows.farthest_gap(highest, sphere, approach, blended) + highest, 0.0)
     reach = np.sqrt(2 * max(radius, radius_across) * gap) / spacing
-    row, column = x / spacing - corner[0], y / spacing - corner[1]
+    row = x / spacing - corner[0]
+    column = y / spacing - corner[1]
     # Below the hardness there is no patch that could end within a cell.
     yields = blended and p.max() >= hardness
     ends = edge if yields else edge[:0]
@@ -80,7 +81,8 @@ def measure(fields, numbers, sphere, highest, approach, blended, corner):
         first_column,
         last_column,
     ) = windows.measures(p, u, hardness, ends, levelled, row, column, reach)
-    rows, columns = last_row - first_row + 1, last_column - first_column + 1
+    rows = last_row - first_row + 1
+    columns = last_column - first_column + 1
     block = corner[0] + first_row, corner[1] + first_column, rows, columns
     return block, (count, capped, maximum, work, spacing * spread)
 
@@ -93,7 +95,8 @@ def share_of_the_sphere(gap, held, onward):
     both deflections are known, the share needs no convolution.
     """
     (p, u), (onward_p, onward_u) = held, onward
-    slope, curvature = 0.0, 0.0
+    slope = 0.0
+    curvature = 0.0
     for i in range(gap.shape[0]):
         for j in range(gap.shape[1]):
             towards = onward_p[i, j] - p[i, j]

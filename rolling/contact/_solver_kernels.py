@@ -63,8 +63,13 @@ def take_step(system, length):
 
     The pressures stay within the bounds.
     """
-    p, g, compliance, d = system.nodes.p, system.nodes.g, system.nodes.compliance, system.work.d
-    image, node, hardness = system.transform.image, system.transform.node, system.limits.hardness
+    p = system.nodes.p
+    g = system.nodes.g
+    compliance = system.nodes.compliance
+    d = system.work.d
+    image = system.transform.image
+    node = system.transform.node
+    hardness = system.limits.hardness
     nearly = hardness * (1.0 - 4e-16)  # a whole step to the hardness may miss it by rounding
     for k in range(p.size):
         v = max(p[k] + length * d[k], 0.0)
@@ -88,8 +93,11 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
     put there.
     """
     p, g, compliance, softening = nodes
-    grid, place, stiffness = stencil.grid, stencil.node, stencil.stiffness
-    r, active = work.r, work.active
+    grid = stencil.grid
+    place = stencil.node
+    stiffness = stencil.stiffness
+    r = work.r
+    active = work.active
     grid[:] = 0.0
     worst = 0.0
     free = 0
@@ -128,8 +136,12 @@ def find_residual(nodes, stencil, work, hardness, approach, snap):
 @inlined()
 def precondition(stencil, softening, work, free):
     """Set z to the inverse stencil of the half-space times the residual on the free nodes."""
-    values, grid, place, row_length = stencil.values, stencil.grid, stencil.node, stencil.row_length
-    active, z = work.active, work.trial
+    values = stencil.values
+    grid = stencil.grid
+    place = stencil.node
+    row_length = stencil.row_length
+    active = work.active
+    z = work.trial
     for a in range(free):
         k = active[a]
         at = np.int64(place[k])  # unsigned numbers refuse the minus of the row before
@@ -156,9 +168,16 @@ def find_direction(system, approach, free, bound, direction, plain):
 
     Returns the Direction and the numbers of restarts and of plain gradient steps (0 or 1 each).
     """
-    nodes, stencil, work, limits = system.nodes, system.stencil, system.work, system.limits
-    p, g, d, active = nodes.p, nodes.g, work.d, work.active
-    r, r_before = work.r, work.r_before
+    nodes = system.nodes
+    stencil = system.stencil
+    work = system.work
+    limits = system.limits
+    p = nodes.p
+    g = nodes.g
+    d = work.d
+    active = work.active
+    r = work.r
+    r_before = work.r_before
     trial = work.trial
     z = trial  # until the trial pressures replace it, node by node
     sets = Sets(active, free, bound)
@@ -240,8 +259,12 @@ def iterate(system, direction, solutions, rules):
     Returns the Step that was taken and the Direction to convolve. The load of the
     Step is the sum of the pressures after a last step by the model, or 0.
     """
-    nodes, limits, work, model = system.nodes, system.limits, system.work, system.model
-    allowed, sweeps = rules.allowed, rules.sweeps
+    nodes = system.nodes
+    limits = system.limits
+    work = system.work
+    model = system.model
+    allowed = rules.allowed
+    sweeps = rules.sweeps
     leading = solutions.p.size > 0
     alpha = step_along(system, direction, rules.nearly_whole) if direction.slope < 0.0 else 1.0
     lift = move_edges(system, EDGE_SLACK * allowed) if rules.edges_move else 0.0
@@ -259,7 +282,8 @@ def iterate(system, direction, solutions, rules):
             return Step(approach, worst, 0, 0, 0, 0, 0.0), direction
         if leading:
             approach = lead_model(system, approach, solutions)
-            length, edges_lead = 1.0, nodes.compliance.size > 0
+            length = 1.0
+            edges_lead = nodes.compliance.size > 0
         else:
             system.far.known[:] = 0.0
         last = Direction(direction.slope, direction.longest, direction.zr, length)

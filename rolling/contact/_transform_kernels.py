@@ -29,9 +29,12 @@ from rolling.contact._by_address import array_at, call
 from rolling.contact.compiling import address_of, inlined, njit
 
 # Empty arrays of the types of numbers at an address.
-_SINGLE, _SINGLE_COMPLEX = np.empty(0, np.float32), np.empty(0, np.complex64)
-_DOUBLE, _DOUBLE_COMPLEX = np.empty(0), np.empty(0, np.complex128)
-_WHOLE, _INDEX = np.empty(0, np.int64), np.empty(0, np.uint32)
+_SINGLE = np.empty(0, np.float32)
+_SINGLE_COMPLEX = np.empty(0, np.complex64)
+_DOUBLE = np.empty(0)
+_DOUBLE_COMPLEX = np.empty(0, np.complex128)
+_WHOLE = np.empty(0, np.int64)
+_INDEX = np.empty(0, np.uint32)
 GROUP = 4  # Plans for rows are made for multiples of so many lines.
 COLUMN_GAP = 4  # complex numbers between two lines of columns
 
@@ -41,10 +44,15 @@ COLUMN_GAP = 4  # complex numbers between two lines of columns
 LENGTH, WIDTH, SUBCELLS, HALF = range(4)
 # FFTW's function that executes a plan, plans of rows by the number of lines, and plans of columns,
 # of both halves where they are halved;
-EXECUTE, ROW_PLANS, FORWARD, BACKWARD = 4, 5, 6, 8
+EXECUTE = 4
+ROW_PLANS = 5
+FORWARD = 6
+BACKWARD = 8
 # and places of arrays.
 BLOCK, PAIRS, LINES, COLUMNS, MEAN, DIFFERENCE, SINES, COSINES, TURNS = range(10, 19)
-WEIGHTS, OWN_BLOCK, ENTRIES = 19, 20, 21
+WEIGHTS = 19
+OWN_BLOCK = 20
+ENTRIES = 21
 
 
 @inlined(fused=True)
@@ -62,7 +70,8 @@ def load(pressure: Array, out: Array) -> None:
     side = out.shape[2]
     nothing = np.zeros(columns)
     for i in range(out.shape[0]):
-        line, row = out[i].reshape(-1), side * i
+        line = out[i].reshape(-1)
+        row = side * i
         line[side * columns :] = 0.0
         first = pressure[row] if row < rows else nothing
         if side == 1:
@@ -77,7 +86,8 @@ def read(values: Array, unit: float, out: Array) -> None:
     """Set `out` to values times the unit; they have rows side by side as in `load`."""
     side = values.shape[2]
     for i in range(out.shape[0]):
-        line, row = values[i // side].reshape(-1), out[i]
+        line = values[i // side].reshape(-1)
+        row = out[i]
         if side == 1:
             for j in range(row.size):
                 row[j] = unit * line[j]
@@ -109,23 +119,34 @@ def multiply(numbers, mean, difference, sines, cosines, halved):
     halved : bool
         Whether columns are halved.
     """
-    length, middle = numbers.shape[0], mean.shape[1] - 1
+    length = numbers.shape[0]
+    middle = mean.shape[1] - 1
     n = 2 * middle
     for q in range(mean.shape[0]):
         opposite = (length - q) % length
         line = numbers[place_of(q, length, halved)]
         other = numbers[place_of(opposite, length, halved)]
-        s, d, sine, cosine = mean[q, 1:middle], difference[q, 1:middle], sines[q], cosines[q]
+        s = mean[q, 1:middle]
+        d = difference[q, 1:middle]
+        sine = sines[q]
+        cosine = cosines[q]
         multiply_opposites(line[2:n], other[n + 2 : 2 * n], s, d, sine, cosine)
         if opposite != q:
             multiply_opposites(other[2:n], line[n + 2 : 2 * n], s, d, -sine, cosine)
         for k in (0, n):  # columns that are opposite to themselves
-            turned, across = difference[q, k // 2] * sine, difference[q, k // 2] * cosine
-            here, there = mean[q, k // 2] - turned, mean[q, k // 2] + turned
-            a, b, c, d = line[k], line[k + 1], other[k + 1], other[k]
-            line[k], line[k + 1] = here * a + across * c, here * b + across * d
+            turned = difference[q, k // 2] * sine
+            across = difference[q, k // 2] * cosine
+            here = mean[q, k // 2] - turned
+            there = mean[q, k // 2] + turned
+            a = line[k]
+            b = line[k + 1]
+            c = other[k + 1]
+            d = other[k]
+            line[k] = here * a + across * c
+            line[k + 1] = here * b + across * d
             if opposite != q:
-                other[k + 1], other[k] = there * c + across * a, there * d + across * b
+                other[k + 1] = there * c + across * a
+                other[k] = there * d + across * b
 
 
 @inlined()
@@ -141,14 +162,22 @@ def multiply_opposites(line, other, mean, difference, sine, cosine):
     Both lines are real and imaginary parts in turn. i times a conjugate has both parts swapped, so
     that the opposite frequencies are just read backwards.
     """
-    one, two, last = np.uint64(1), np.uint64(2), np.uint64(other.size - 1)
+    one = np.uint64(1)
+    two = np.uint64(2)
+    last = np.uint64(other.size - 1)
     for k in range(np.uint64(mean.size)):
-        turned, across = difference[k] * sine, difference[k] * cosine
-        here, there = mean[k] - turned, mean[k] + turned
-        real, imaginary = two * k, two * k + one
-        opposite_imaginary, opposite_real = last - real, last - imaginary
-        a, b = line[real], line[imaginary]
-        c, d = other[opposite_imaginary], other[opposite_real]
+        turned = difference[k] * sine
+        across = difference[k] * cosine
+        here = mean[k] - turned
+        there = mean[k] + turned
+        real = two * k
+        imaginary = two * k + one
+        opposite_imaginary = last - real
+        opposite_real = last - imaginary
+        a = line[real]
+        b = line[imaginary]
+        c = other[opposite_imaginary]
+        d = other[opposite_real]
         line[real] = here * a + across * c
         line[imaginary] = here * b + across * d
         other[opposite_imaginary] = there * c + across * a
@@ -251,7 +280,9 @@ def transform(entry, rows, real, both):
 
     `entry` describes the transforms. `real` and `both` are arrays of their real and complex type.
     """
-    length, n, half = entry[LENGTH] // 2, entry[WIDTH], entry[HALF]
+    length = entry[LENGTH] // 2
+    n = entry[WIDTH]
+    half = entry[HALF]
     lines = lines_of(rows, entry[SUBCELLS], entry[LENGTH])
     row_plans = array_at(entry[ROW_PLANS], (-(-length // GROUP) + 1, 2), entry)
     row_forward, row_backward = row_plans[-(-lines // GROUP)]
@@ -288,9 +319,12 @@ def cells_of(node, columns, block, subcells):
     Cells count within a block of whole cells: its first row and column in the window, and its
     numbers of rows and columns.
     """
-    row, column, across = block[0], block[1], block[3] // subcells
+    row = block[0]
+    column = block[1]
+    across = block[3] // subcells
     seen = np.zeros(block[2] // subcells * across, np.uint8)
-    listed, count = np.empty(node.size, np.int64), 0
+    listed = np.empty(node.size, np.int64)
+    count = 0
     for a in range(node.size):
         i, j = divmod(node[a], columns)
         cell = (i - row) // subcells * across + (j - column) // subcells
@@ -305,7 +339,8 @@ def cells_of(node, columns, block, subcells):
 def loaded_cells(fine, side, listed):
     """List the cells with a loaded sub-cell; return their number."""
     r = len(side)
-    rows, columns = fine.shape[0] // r, fine.shape[1] // r
+    rows = fine.shape[0] // r
+    columns = fine.shape[1] // r
     load = np.empty(columns, fine.dtype)
     count = 0
     for i in range(rows):
@@ -344,7 +379,8 @@ def spread(fine, listed, weights, side, cells, own):
                     part[k, b] += weights[a, k] * p * share
         for k in range(3):
             for m in range(3):
-                pair, row = (i + k) >> 1, (i + k) & 1
+                pair = (i + k) >> 1
+                row = (i + k) & 1
                 total = cells[pair, j + m, row]
                 for b in range(r):
                     total += weights[b, m] * part[k, b]
@@ -355,13 +391,16 @@ def spread(fine, listed, weights, side, cells, own):
 def interpolate_all(cells, weights, fine):
     """Interpolate the deflections of cells on all sub-cells."""
     r = weights.shape[0]
-    rows, columns = fine.shape[0] // r, fine.shape[1] // r
+    rows = fine.shape[0] // r
+    columns = fine.shape[1] // r
     line = np.empty(columns + 2, fine.dtype)
     apart = np.empty((rows + 2, columns + 2), fine.dtype)
     for i in range(rows + 2):
         apart[i] = cells[i // 2, : columns + 2, i % 2]
     for i in range(rows):
-        above, middle, below = apart[i], apart[i + 1], apart[i + 2]
+        above = apart[i]
+        middle = apart[i + 1]
+        below = apart[i + 2]
         for a in range(r):
             w = weights[a]
             for j in range(columns + 2):
@@ -425,7 +464,8 @@ def transform_on_subcells(entry, rows, columns, listed, side, real, both):
 
     An empty list of cells stands for all cells.
     """
-    r, length = len(side), entry[LENGTH]
+    r = len(side)
+    length = entry[LENGTH]
     fine = array_at(entry[BLOCK], (rows, columns), real)
     cells = array_at(entry[PAIRS], (lines_of(rows, r, length), entry[WIDTH], 2), real)
     weights = array_at(entry[WEIGHTS], (r, 3), real)

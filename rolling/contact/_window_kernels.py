@@ -29,7 +29,8 @@ def undeformed_gap(heights, sphere, row, column, out):
     """
     spacing, radius, radius_across, x, y = sphere
     along, across = heights.shape
-    curvature, curvature_across = 0.5 / radius, 0.5 / radius_across
+    curvature = 0.5 / radius
+    curvature_across = 0.5 / radius_across
     rises = np.empty(out.shape[1])
     for j in range(rises.size):
         dy = (column + j) * spacing - y
@@ -37,7 +38,8 @@ def undeformed_gap(heights, sphere, row, column, out):
     for i in range(out.shape[0]):
         dx = (row + i) * spacing - x
         rise = dx * dx * curvature
-        z, line = heights[(row + i) % along], out[i]
+        z = heights[(row + i) % along]
+        line = out[i]
         node = column % across
         j = 0
         while j < line.size:  # each turn handles a stretch within one period
@@ -59,7 +61,8 @@ def cell_tops(heights, out):
     """Set `out` to the maximum height within the cell of each node, by the slope at the node."""
     along, across = heights.shape
     for i in range(along):
-        before, after = heights[i - 1], heights[(i + 1) % along]
+        before = heights[i - 1]
+        after = heights[(i + 1) % along]
         for j in range(across):
             rise = after[j] - before[j]
             tilt = heights[i, (j + 1) % across] - heights[i, j - 1]
@@ -75,7 +78,8 @@ def farthest_gap(highest, sphere, approach, blended):
     """
     if not blended:
         return approach
-    half, radius = 0.5 * sphere[0], min(sphere[1], sphere[2])
+    half = 0.5 * sphere[0]
+    radius = min(sphere[1], sphere[2])
     touching = max(approach + highest, 0.0)
     return approach + half * (half + np.sqrt(half * half + 2 * radius * touching)) / radius
 
@@ -97,7 +101,8 @@ def overlap(maxima, sphere, approach, load, blended):
     """
     heights, stretches, row_highest, highest = maxima
     spacing, radius, radius_across, x, y = sphere
-    approach, nowhere = farthest_gap(highest, sphere, approach, blended), (0, 0, 0, 0)
+    approach = farthest_gap(highest, sphere, approach, blended)
+    nowhere = (0, 0, 0, 0)
     reach2 = 2 * radius * (approach + highest)
     if reach2 <= 0.0:
         return nowhere
@@ -111,7 +116,8 @@ def overlap(maxima, sphere, approach, load, blended):
     # The first and the last row give the first columns. In the rows between them, only the nodes
     # beyond the columns so far can widen the block.
     empty = 1, 0
-    first_row, columns = low, empty
+    first_row = low
+    columns = empty
     while first_row <= high:
         columns = overlap_of_row(plate, sphere, first_row, empty)
         if columns[0] <= columns[1]:
@@ -133,7 +139,8 @@ def overlap(maxima, sphere, approach, load, blended):
     for i in range(middle - 1, first_row, -1):
         columns = overlap_of_row(plate, sphere, i, columns)
     border = 1 if blended else 0
-    rows, width = last_row - first_row + 1, columns[1] - columns[0] + 1
+    rows = last_row - first_row + 1
+    width = columns[1] - columns[0] + 1
     return first_row - border, columns[0] - border, rows + 2 * border, width + 2 * border
 
 
@@ -204,7 +211,8 @@ def search_row(row, rise, sphere, begin, end, step):
         else:
             last = max(end, j + stretch * STRETCH - node)
         # Where the highest node nearest to the sphere is not below, none of the stretch is.
-        here, there = j * spacing - y, last * spacing - y
+        here = j * spacing - y
+        there = last * spacing - y
         nearest = min(abs(here), abs(there)) if here * there > 0.0 else 0.0
         farthest = max(abs(here), abs(there))
         gap = rise + nearest**2 / (2 * radius_across) - tops[stretch]
@@ -256,10 +264,12 @@ def copy_block(source, target, row_offset, column_offset, continued):
     The target is 0 elsewhere, or that of the nearest node if `continued`.
     """
     target[:] = 0.0
-    last_row, last_column = source.shape[0] - 1, source.shape[1] - 1
+    last_row = source.shape[0] - 1
+    last_column = source.shape[1] - 1
     first, end = shared(column_offset, source.shape[1], 0, target.shape[1])
     for i in range(target.shape[0]):
-        row, line = source[min(max(i - row_offset, 0), last_row)], target[i]
+        row = source[min(max(i - row_offset, 0), last_row)]
+        line = target[i]
         if continued or 0 <= i - row_offset <= last_row:
             copy_line(row[first - column_offset : end - column_offset], line[first:end])
         if continued:
@@ -282,7 +292,8 @@ def sum_of_sizes(values):
 @njit(cache=True)
 def loaded_range(row):
     """Return the first loaded node of a row and the node after the last, or equal numbers."""
-    first, end = 0, row.size
+    first = 0
+    end = row.size
     while end - first >= AT_ONCE and sum_of_sizes(row[first : first + AT_ONCE]) == 0.0:
         first += AT_ONCE
     while first < end and row[first] == 0.0:
@@ -301,13 +312,18 @@ def reach(pressure):
     They are at least half the window, which must fit.
     """
     rows, columns = pressure.shape
-    first_row, last_row, first_column, end_column = rows, 0, columns, 1
+    first_row = rows
+    last_row = 0
+    first_column = columns
+    end_column = 1
     for i in range(rows):
         first, end = loaded_range(pressure[i])
         if first == end:
             continue
-        first_row, last_row = min(first_row, i), i
-        first_column, end_column = min(first_column, first), max(end_column, end)
+        first_row = min(first_row, i)
+        last_row = i
+        first_column = min(first_column, first)
+        end_column = max(end_column, end)
     return (
         max(last_row, rows - 1 - first_row, (rows + 1) // 2),
         max(end_column - 1, columns - 1 - first_column, (columns + 1) // 2),
@@ -329,15 +345,25 @@ def measures(pressure, deflection, hardness, edge, levelled, row, column, reach)
     the centre, is at most the square of the node's distance from it plus that of the spread, less
     1: with it even a node's own deflection is no less than `least_deflection`.
     """
-    count, capped, maximum, work = 0.0, 0.0, 0.0, 0.0
-    load, along, across, square = 0.0, 0.0, 0.0, 0.0
-    first_row, last_row, first_column, last_column = pressure.shape[0], -1, pressure.shape[1], -1
+    count = 0.0
+    capped = 0.0
+    maximum = 0.0
+    work = 0.0
+    load = 0.0
+    along = 0.0
+    across = 0.0
+    square = 0.0
+    first_row = pressure.shape[0]
+    last_row = -1
+    first_column = pressure.shape[1]
+    last_column = -1
     apart = np.arange(pressure.shape[1]) - column
     for i in range(pressure.shape[0]):
         first, end = loaded_range(pressure[i])
         if first == end:
             continue
-        p, u = pressure[i, first:end], deflection[i, first:end]
+        p = pressure[i, first:end]
+        u = deflection[i, first:end]
         touching, full, highest, pu, moments = measure_row(p, u, hardness, apart[first:end])
         if edge.size:
             crossing, in_contact, at_hardness = shares_of_row(
@@ -353,8 +379,10 @@ def measures(pressure, deflection, hardness, edge, levelled, row, column, reach)
         along += moments[0] * (i - row)
         across += moments[1]
         square += moments[2] + moments[0] * (i - row) ** 2
-        first_row, last_row = min(first_row, i), i
-        first_column, last_column = min(first_column, first), max(last_column, end - 1)
+        first_row = min(first_row, i)
+        last_row = i
+        first_column = min(first_column, first)
+        last_column = max(last_column, end - 1)
     spread = np.sqrt(1.0 + (square + 2.0 * reach * np.hypot(along, across)) / load)
     return count, capped, maximum, work, spread, first_row, last_row, first_column, last_column
 
@@ -365,8 +393,13 @@ def measure_row(p, u, hardness, apart):
 
     The sum of pressures and those of their first and second moments follow.
     """
-    count, capped, highest, work = 0.0, 0.0, 0.0, 0.0
-    load, moment, square = 0.0, 0.0, 0.0
+    count = 0.0
+    capped = 0.0
+    highest = 0.0
+    work = 0.0
+    load = 0.0
+    moment = 0.0
+    square = 0.0
     for k in range(p.size):
         count += 1.0 if p[k] > 0.0 else 0.0
         capped += 1.0 if p[k] >= hardness else 0.0
@@ -381,7 +414,9 @@ def measure_row(p, u, hardness, apart):
 @inlined(fused=True)
 def shares_of_row(p, edge, hardness, levelled):
     """Return the number of cells that edges cross, and of them in contact and at the hardness."""
-    crossing, in_contact, capped = 0.0, 0.0, 0.0
+    crossing = 0.0
+    in_contact = 0.0
+    capped = 0.0
     for k in range(p.size):
         crosses = (0.0 < p[k] < hardness) and edge[k] > 0.0
         half = edge[k] if crosses else 1.0
@@ -411,7 +446,8 @@ def node_work(old, offset, new, left_end, cell, work):
     work[:] = 0.0
     first = max(0, -column_offset)
     end = max(first, min(p_old.shape[1], work.shape[1] - column_offset))
-    a, b = first + column_offset, end + column_offset
+    a = first + column_offset
+    b = end + column_offset
     for i in range(max(0, -row_offset), min(p_old.shape[0], work.shape[0] - row_offset)):
         k = i + row_offset
         released, loaded = row_work(
@@ -431,7 +467,8 @@ def row_work(old, new, left_end, cell, work):
     """Set the work of a row of nodes as `node_work` does; return its sums."""
     p_old, u_old = old
     p_new, u_new = new
-    release, loading = 0.0, 0.0
+    release = 0.0
+    loading = 0.0
     for k in range(work.size):
         p = p_old[k] if left_end else 0.5 * (p_old[k] + p_new[k])
         w = p * (u_old[k] - u_new[k]) * cell
@@ -468,7 +505,8 @@ def extend_events(work, origin, step, open_event, table, count):
             w = work[i, j]
             if not w > 0.0:
                 continue
-            a, b = (row + i) % along, (column + j) % across
+            a = (row + i) % along
+            b = (column + j) % across
             event = open_event[a, b] - 1
             if event < 0 or last[event] != step:
                 event = count

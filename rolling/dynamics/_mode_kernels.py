@@ -43,7 +43,8 @@ def set_shapes(point, bodies, shape):
     """Set `shape` to the displacement g of each mode at a point [m]."""
     around = np.pi * point[1] / bodies.sides[1]
     waves = np.empty(max(1, bodies.counts[0] if bodies.counts.shape[0] else 0))
-    waves[0], before = sin(around), 0.0
+    waves[0] = sin(around)
+    before = 0.0
     for n in range(1, waves.shape[0]):
         waves[n] = 2.0 * cos(around) * waves[n - 1] - before
         before = waves[n - 1]
@@ -59,8 +60,11 @@ def set_shapes(point, bodies, shape):
 @inlined(fused=True)
 def free_modes(shape, bodies, elastic, kinetic):
     """Return displacement, its fall in a step without a force [m], and compliance [m/N]."""
-    fall, turn = bodies.fall, bodies.turn
-    start, back, compliance = 0.0, 0.0, 0.0
+    fall = bodies.fall
+    turn = bodies.turn
+    start = 0.0
+    back = 0.0
+    compliance = 0.0
     for i in range(shape.shape[0]):
         start += shape[i] * elastic[i]
         back += shape[i] * (fall[i] * elastic[i] - turn[i] * kinetic[i])
@@ -71,7 +75,9 @@ def free_modes(shape, bodies, elastic, kinetic):
 @njit(cache=True, fused=True)
 def move_modes(force, shape, bodies, elastic, kinetic):
     """Move the modes by a step under a constant force [N]."""
-    fall, turn, keep = bodies.fall, bodies.turn, bodies.keep
+    fall = bodies.fall
+    turn = bodies.turn
+    keep = bodies.keep
     for i in range(shape.shape[0]):
         left = elastic[i] - shape[i] * force
         speed = kinetic[i]

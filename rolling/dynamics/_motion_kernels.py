@@ -107,7 +107,8 @@ def on_piece(low, high, piece):
     Both are `high - low` times sums of like terms, so their quotient, the mean force, keeps its
     digits for the closest neighbours.
     """
-    a, b = low * low, high * high
+    a = low * low
+    b = high * high
     both = a * a + b * b
     fourth = both + low * high * (a + low * high + b)  # (high^5 - low^5) / (high - low)
     sixth = both * (a + b) + low * high * (both + a * b)  # (high^7 - low^7) / (high - low)
@@ -134,7 +135,8 @@ def energy_to(sigma, table, pieces):
 @njit(cache=True)
 def between(low, high, table, pieces):
     """Return energy [J] and approach [m] from sigma `low` to `high`, in any order."""
-    p, q = piece_of(low, table), piece_of(high, table)
+    p = piece_of(low, table)
+    q = piece_of(high, table)
     if p == q:
         return on_piece(low, high, pieces[p])
     sign = 1.0
@@ -207,7 +209,8 @@ def pressed(approach, sigma, push, give, table, pieces):
 
     The bracket is safe: the residual is negative at lift-off, and positive where no force acts.
     """
-    low, high = pieces[0, 2], approach + push
+    low = pieces[0, 2]
+    high = approach + push
     force = sigma**3
     new = high
     if sigma > 0.0:
@@ -251,15 +254,31 @@ def advance(state, load, bodies, places, points, table, record):
     track, the losses to plate and contact, and the range of U. The work of the track is the change
     of U from one step's law and point to the next.
     """
-    approach, velocity, plate = state.approach, state.velocity, state.plate
-    step, mass, mobility, modes = bodies.step, bodies.mass, bodies.mobility, state.modes
+    approach = state.approach
+    velocity = state.velocity
+    plate = state.plate
+    step = bodies.step
+    mass = bodies.mass
+    mobility = bodies.mobility
+    modes = state.modes
     yielding = step * step / (2.0 * mass) + step * mobility
-    back, compliance, drag = 0.0, 0.0, 0.0
+    back = 0.0
+    compliance = 0.0
+    drag = 0.0
     law = table.values[0].copy()
-    pieces, shape = np.empty((table.breaks.shape[0], 4)), np.empty(modes.shape[1])
-    first, energy, kinetic, lowest, highest = np.nan, np.nan, 0.0, np.inf, -np.inf
-    load_work, track_work, loss, contact_loss = 0.0, 0.0, 0.0, 0.0
-    modal, modal_energy = shape.shape[0] > 0, -0.5 * np.sum(modes * modes)
+    pieces = np.empty((table.breaks.shape[0], 4))
+    shape = np.empty(modes.shape[1])
+    first = np.nan
+    energy = np.nan
+    kinetic = 0.0
+    lowest = np.inf
+    highest = -np.inf
+    load_work = 0.0
+    track_work = 0.0
+    loss = 0.0
+    contact_loss = 0.0
+    modal = shape.shape[0] > 0
+    modal_energy = -0.5 * np.sum(modes * modes)
     for i in range(places.shape[0]):
         law_at(places[i], table, law)
         set_pieces(law, table, pieces)
@@ -279,17 +298,20 @@ def advance(state, load, bodies, places, points, table, record):
             track_work += stored - energy
         if bodies.contact_time > 0.0:
             drag = bodies.contact_time / step * stiffness_at(sigma, table, pieces)
-        push, end = step * velocity + give * load + back, 0.0
+        push = step * velocity + give * load + back
+        end = 0.0
         free = push
         if drag > 0.0:
-            push, give = push / (1.0 + give * drag), give / (1.0 + give * drag)
+            push = push / (1.0 + give * drag)
+            give = give / (1.0 + give * drag)
         new, mean = lifted(approach, stored, push, give, law[0])
         if np.isnan(new):
             new, end, mean = pressed(approach, sigma, push, give, table, pieces)
         if drag > 0.0:
             mean += drag * (new - approach)
             if mean < 0.0:  # surfaces that part faster than the contact springs back do not pull
-                new, mean = approach + free, 0.0
+                new = approach + free
+                mean = 0.0
                 end = root_of_force(new, table, pieces)
         energy = energy_to(end, table, pieces)
         gain = step * (load - mean) / mass
@@ -313,6 +335,7 @@ def advance(state, load, bodies, places, points, table, record):
         lowest = min(lowest, energy)
         highest = max(highest, energy)
     modal_energy += 0.5 * np.sum(modes * modes)
-    change, loss = kinetic + (energy - first) + modal_energy, loss - modal_energy
+    change = kinetic + (energy - first) + modal_energy
+    loss = loss - modal_energy
     energies = (change, load_work, track_work, loss, contact_loss, highest - lowest)
     return (approach, velocity, plate), energies
