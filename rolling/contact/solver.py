@@ -34,7 +34,7 @@ from rolling.contact._descent_kernels import MAX_ITERATIONS, descend
 from rolling.contact._far_field import coarse_grid, far_field, stencils
 from rolling.contact._system import BORDER, OWN_COEFFICIENT, Limits, Progress, Sets
 from rolling.contact._transform_kernels import nodes_kernel
-from rolling.contact.half_space import MAX_SIZE, Convolution, HalfSpace
+from rolling.contact.half_space import MAX_NODES, MAX_SIZE, Convolution, HalfSpace
 from rolling.contact.scratch import Scratch
 
 # The descent aims at this share of the tolerance. The rest allows for the difference between the
@@ -252,7 +252,8 @@ def _cold_start(half_space: HalfSpace, gap: Array, load: float, hardness: float)
     contact costs a fraction of a fine iteration and has all long waves of the pressure. The Winkler
     foundation fits a contact of half the window's width.
     """
-    if gap.size >= CASCADE_NODES and min(gap.shape) >= 2:
+    # Beyond MAX_NODES only starts whose pressures lie close together fit the transforms.
+    if gap.size >= CASCADE_NODES and min(gap.shape) >= 2 and max(gap.shape) <= MAX_NODES:
         with suppress(ContactError):  # the fine contact says what is wrong in its own numbers
             return _coarse_start(half_space, gap, load, hardness)
     radius = 0.25 * max(gap.shape) * half_space.spacing

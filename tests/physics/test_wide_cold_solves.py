@@ -92,3 +92,12 @@ def test_a_window_that_yields_nearly_as_a_whole_is_solved() -> None:
     contact = solve_contact(half_space, gap, load, hardness=1e9, tolerance=TOLERANCE)
     assert contact.load == pytest.approx(load, rel=1e-12)
     assert _violation(half_space, gap, contact, 1e9) <= 1.01 * TOLERANCE
+
+
+def test_a_window_longer_than_the_transforms_is_solved_on_a_single_peak() -> None:
+    """The mean of the coarse cells has no such peak, and would load the whole window."""
+    half_space = HalfSpace(SPACING, MODULUS)
+    gap = np.full((8, 13_000), 1e-6)
+    gap[4, 6_500] = 0.0
+    contact = solve_contact(half_space, gap, load=1e-6)
+    assert contact.contact_area == pytest.approx(SPACING**2)
