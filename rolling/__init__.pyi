@@ -8,10 +8,10 @@ from rolling.check.findings import Findings as Findings
 from rolling.contact import closed_forms as closed_forms
 from rolling.contact.half_space import HalfSpace as HalfSpace
 from rolling.contact.march import march as march
-from rolling.contact.solver import Contact as Contact
+from rolling.contact.single_contact import Contact as Contact
+from rolling.contact.single_contact import WarmStart as WarmStart
+from rolling.contact.single_contact import solve_contact as solve_contact
 from rolling.contact.solver import ContactError as ContactError
-from rolling.contact.solver import WarmStart as WarmStart
-from rolling.contact.solver import solve_contact as solve_contact
 from rolling.contact.state import ContactState as ContactState
 from rolling.contact.state import RollingContact as RollingContact
 from rolling.interface import Runs as Runs

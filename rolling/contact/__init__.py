@@ -5,8 +5,10 @@ Public modules:
 - `closed_forms`: Hertz contact, and the release of a smooth sphere.
 - `half_space`: pressure to deflection, Love's coefficients and the FFT convolution (`HalfSpace`);
   `subcells`: the same for pressures on parts of cells (`SubcellSpace`).
-- `solver`: one contact under a load (`solve_contact`, `WarmStart`, `ContactError`): judge, list
-  candidates, descend, check (`converge`), with blended edges (`solve`).
+- `solver`: the contact of a window: judge, list candidates, descend, check (`converge`), with
+  blended edges (`solve`), and its errors (`ContactError`).
+- `single_contact`: one contact under a load, from a caller's numbers (`solve_contact`, `WarmStart`,
+  `Contact`).
 - `state`: windows (`Window`), the rolling contact and its state at a position (`RollingContact`,
   `ContactState`).
 - `march`: the contact at successive positions, the choice of each window and the warm starts.

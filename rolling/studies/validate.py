@@ -25,7 +25,8 @@ from acoustics.radiation import AIR_KG_M3, SOUND_M_S
 from acoustics.rectangular_plate import own_resistance
 from acoustics.wav import SAMPLE_RATE_HZ as RATE_HZ
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.solver import ContactError, solve_contact
+from rolling.contact.single_contact import solve_contact
+from rolling.contact.solver import ContactError
 from rolling.dynamics import drop, of_scene
 from rolling.report import recording
 from rolling.results.run_result import Run

@@ -13,7 +13,7 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 from helpers import assert_solved, make_track, releases, roll, rough, space_of, step_energies
 
-from rolling.contact import solver
+from rolling.contact import single_contact
 from rolling.contact.state import RollingContact
 from rolling.surface.contact_of_scene import on_subcells
 from rolling.surface.refined import refined
@@ -171,9 +171,9 @@ def test_no_edge_is_no_change(coarse: RollingContact) -> None:
     track = replace(coarse, tolerance=1e-9)
     sharp = roll(track, 0, 0)[0]
     gap = track.gap(0, sharp.window)
-    start = solver.WarmStart(sharp.pressure, close=True)
+    start = single_contact.WarmStart(sharp.pressure, close=True)
     level = -sharp.deflection  # with it the deflected gap has no slope at all
-    again = solver.solve_contact(
+    again = single_contact.solve_contact(
         space_of(track), gap, track.load, start, HARDNESS, level, track.tolerance
     )
     assert not again.edge.any()
@@ -191,7 +191,7 @@ def test_a_single_contact_has_the_plastic_area_of_the_march(
     if is_blended:
         smooth = replace(track, heights=np.zeros_like(track.heights))
         shape = track.gap(0, state.window) if track.slopes else smooth.gap(0, state.window)
-    alone = solver.solve_contact(
+    alone = single_contact.solve_contact(
         space_of(track),
         track.gap(0, state.window),
         track.load,

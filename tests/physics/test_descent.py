@@ -11,7 +11,13 @@ import numpy as np
 import pytest
 from helpers import assert_solved, make_track, roll, rough, space_of
 
-from rolling.contact import _candidate_kernels, _condition_kernels, half_space, solver
+from rolling.contact import (
+    _candidate_kernels,
+    _condition_kernels,
+    half_space,
+    single_contact,
+    solver,
+)
 from rolling.contact._system import Progress
 from rolling.contact.half_space import HalfSpace
 from rolling.contact.march import march
@@ -232,11 +238,11 @@ def test_nodes_that_rest_by_mistake_are_released(calls: list[Call]) -> None:
     state = roll(track, 0, 0)[0]
     rng = np.random.default_rng(5)
     gap = track.gap(0, state.window) + 1e-7 * rng.standard_normal(state.pressure.shape)
-    cold = solver.solve_contact(space_of(track), gap, 10.0, hardness=1.5e9)
+    cold = single_contact.solve_contact(space_of(track), gap, 10.0, hardness=1.5e9)
     del calls[:]
     # Deflections that are too small by half claim a deeper overlap.
-    wrong = solver.WarmStart(state.pressure, 0.5 * state.deflection, close=True)
-    warm = solver.solve_contact(space_of(track), gap, 10.0, wrong, hardness=1.5e9)
+    wrong = single_contact.WarmStart(state.pressure, 0.5 * state.deflection, close=True)
+    warm = single_contact.solve_contact(space_of(track), gap, 10.0, wrong, hardness=1.5e9)
     _, node = _moving(track, gap, state.pressure, 0.5 * state.deflection, solver.REST)
     at_rest = (state.pressure.ravel() == 1.5e9) & ~np.isin(np.arange(gap.size), node)
     assert np.count_nonzero(at_rest & (warm.pressure.ravel() < 1.5e9)) > 10
@@ -253,7 +259,7 @@ def test_a_solve_that_takes_long_lets_python_hear_an_interrupt(calls: list[Call]
     """
     gap = 100.0 + 1e-6 * np.random.default_rng(3).standard_normal((160, 160))
     with pytest.raises(solver.ContactError, match="stopped after 1000 iterations"):
-        solver.solve_contact(HalfSpace(1e-6, 1e11), gap, 1.0, hardness=2e9, tolerance=1e-9)
+        single_contact.solve_contact(HalfSpace(1e-6, 1e11), gap, 1.0, hardness=2e9, tolerance=1e-9)
     ends = [call.iterations for call in calls]
     assert len(ends) >= 6
     assert max(b - a for a, b in pairwise([0, *ends])) <= 101

@@ -8,7 +8,8 @@ from helpers import STEEL, assert_solved, make_track, roll
 
 from rolling.contact import closed_forms
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.solver import ContactError, solve_contact
+from rolling.contact.single_contact import solve_contact
+from rolling.contact.solver import ContactError
 
 LOAD = 20.0
 RADIUS = 5e-3

@@ -21,7 +21,7 @@ from helpers import (
     step_energies,
 )
 
-from rolling.contact import closed_forms, recovery, solver
+from rolling.contact import closed_forms, recovery, single_contact, solver
 
 LOAD = 20.0
 RADIUS = 5e-3
@@ -109,11 +109,11 @@ def test_sphere_is_silent_in_solves_that_know_nothing_of_each_other(hardness: fl
         start = solver.foundation(
             e * rng.uniform(0.5, 2, e.shape), LOAD, track.spacing, 1e16, hardness
         )
-        answer = solver.solve_contact(
+        answer = single_contact.solve_contact(
             space,
             e,
             LOAD,
-            solver.WarmStart(start),
+            single_contact.WarmStart(start),
             hardness,
             tolerance=track.tolerance,
         )

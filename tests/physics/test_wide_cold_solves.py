@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from helpers import rough
 
-from rolling.contact import solver
+from rolling.contact import single_contact
 from rolling.contact.half_space import HalfSpace
-from rolling.contact.solver import Contact, ContactError, solve_contact
+from rolling.contact.single_contact import Contact, solve_contact
+from rolling.contact.solver import ContactError
 
 SPACING = 2e-6  # [m]
 MODULUS = 115e9  # [Pa]
@@ -67,7 +68,7 @@ def test_coarser_cells_change_the_start_alone(
     load = _load(260)
     arguments = {"hardness": 5e9, "shape": shape, "tolerance": TOLERANCE}
     cascade = solve_contact(half_space, gap, load, **arguments)
-    monkeypatch.setattr(solver, "CASCADE_NODES", 10**9)
+    monkeypatch.setattr(single_contact, "CASCADE_NODES", 10**9)
     foundation = solve_contact(half_space, gap, load, **arguments)
     allowed = TOLERANCE * foundation.max_deflection
     assert abs(cascade.approach - foundation.approach) <= 2 * allowed

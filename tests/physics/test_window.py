@@ -12,7 +12,7 @@ import pytest
 from hard_cases.gaussian_heights import gaussian
 from helpers import STEEL, assert_solved, make_track, releases, roll, rough, space_of
 
-from rolling.contact import solver
+from rolling.contact import single_contact, solver
 from rolling.contact.state import RollingContact, Window
 from rolling.surface.contact_of_scene import on_subcells
 
@@ -32,11 +32,11 @@ def test_window_twice_as_large_gives_the_same_answer(hardness: float) -> None:
         start = solver.foundation(
             e, track.load, track.spacing, 4 * STEEL / (np.pi * 20e-6), hardness
         )
-        solved = solver.solve_contact(
+        solved = single_contact.solve_contact(
             space_of(track),
             e,
             track.load,
-            solver.WarmStart(start),
+            single_contact.WarmStart(start),
             hardness,
             tolerance=track.tolerance,
         )
