@@ -252,7 +252,7 @@ def _compare(given: argparse.Namespace) -> int:
 def _surface(given: argparse.Namespace) -> int:
     """Describe measured heights, or the surface of a scene."""
     with progress.step(LOADING):
-        from rolling.commands import surface
+        from rolling.surface_command import surface
     paths = surface(
         given.source,
         given.overrides,

@@ -279,7 +279,7 @@ def test_little_memory_ends_in_a_sentence(
     def exhausted(*_: object, **__: object) -> int:
         raise MemoryError
 
-    monkeypatch.setattr("rolling.commands.surface", exhausted)
+    monkeypatch.setattr("rolling.surface_command.surface", exhausted)
     assert cli.main(["surface", str(scene)]) == 1
     assert "not enough memory" in capsys.readouterr().err
 

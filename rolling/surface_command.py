@@ -1,0 +1,206 @@
+"""The command `rolling surface`: parameters and picture of the heights of a scene or a file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.texts import printable
+from rolling.scene import file
+from rolling.scene.height_files import HeightFormatError, is_instrument
+from rolling.surface import character, measured
+from rolling.surface.character import PROFILE_NODES
+from rolling.surface.scene_surface import scene_surface
+from rolling.terminal import files, progress
+from rolling.terminal.files import FolderError
+from rolling.terminal.streams import wrapped
+
+
+def surface(
+    source: Path,
+    overrides: Sequence[str] = (),
+    spacing_um: float | None = None,
+    channel: str | None = None,
+    unit: str = "m",
+    xy_unit: str | None = None,
+    *,
+    save: Path | None = None,
+    out: Path | None = None,
+) -> list[Path]:
+    """Print the parameters of a surface by ISO 25178-2, and write them with a picture.
+
+    Parameters
+    ----------
+    source : Path. A scene, whose surface is described, or a file of measured heights.
+    overrides : sequence of str. Assignments such as "surface.level=plane", to a scene.
+    spacing_um, channel, unit, xy_unit : as in the section `surface` of a scene, of a file.
+    save : Path. File for the heights, in the format of its ending. Default: none.
+    out : Path. Folder of picture and table. Default: outputs/NAME-surface.
+
+    Raises
+    ------
+    SceneError, FolderError : bad input; nothing is written.
+    """
+    _refuse_taken(save, out)
+    is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
+    if is_scene:
+        if spacing_um or channel or unit != "m" or xy_unit:
+            raise FolderError(
+                "--spacing-um, --channel, --height-unit, --xy-unit: only for a file of heights"
+            )
+        described = _surface_of_scene(source, overrides)
+    else:
+        if overrides:
+            raise FolderError("--set: only goes with a scene")
+        described = _surface_of_file(source, spacing_um, channel, unit, xy_unit)
+    folder = out or Path("outputs") / f"{described.name}-surface"
+    with progress.step("computing the parameters, drawing the picture"):
+        lines, contents = _parameters_and_picture(described)
+    for name, content in contents.items():
+        path = folder / name
+        if path.exists() and path.read_bytes() != content:
+            raise FolderError(f"{path}: exists; take another folder, or remove it")
+    if save is not None:
+        _save_heights(save, described)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in contents.items():
+        files.write_bytes(folder / name, content)
+    if progress.is_quiet():
+        return [folder]
+    nodes = " x ".join(str(count) for count in described.heights.shape)
+    sides = " x ".join(str(step) for step in np.round(1e6 * described.steps, 6))
+    print(f"{printable(described.name)}: {nodes} nodes of {sides} um, {described.words}\n")
+    _print_character(described)
+    print("\n".join(["\nAll parameters of ISO 25178-2:", *lines]))
+    print(f"\nall files: {printable(str(folder))}")
+    return []
+
+
+def _print_character(described: _DescribedSurface) -> None:
+    """Print the numbers by which finishes are compared, and lines of a scene with the surface."""
+    numbers = character.character(described.heights, described.steps, described.is_periodic)
+    for sentence in character.sentences(numbers, described.pair):
+        print(wrapped(sentence, ""))
+    if described.file_keys:
+        print("\nIn a scene, this rolls over the file itself:")
+        print(f"  {character.line_of_file(described.file_keys)}")
+    nodes_across = described.heights.shape[1]
+    made = character.line_of_statistics(numbers, min(described.steps), nodes_across)
+    if made:
+        print("\nIn a scene, this makes a random surface of these Ra and 1/e lengths:")
+        print(f"  {made}")
+
+
+@dataclass(frozen=True)
+class _DescribedSurface:
+    """Surface that `rolling surface` describes.
+
+    name : str. Name of the scene or the file.
+    words : str. Words on its edges and nodes.
+    heights : (along, across) array, m. NaN where they are not measured.
+    steps : (2,) array, m. Spacing of the nodes along and across.
+    is_periodic : bool. Whether the surface closes, as that of a scene does.
+    pair : Pair. Ball and plate of the plasticity index.
+    file_keys : dict. Keys of the section `surface` of a scene with the file; empty for a scene.
+    """
+
+    name: str
+    words: str
+    heights: Array
+    steps: Array
+    is_periodic: bool
+    pair: character.Pair
+    file_keys: dict[str, Any]
+
+
+def _refuse_taken(save: Path | None, out: Path | None) -> None:
+    """Raise FolderError for a file of heights that exists, or a folder that is a file."""
+    for path in (save, out):
+        if path is not None and path.exists() and (path is save or not path.is_dir()):
+            raise FolderError(f"{path}: exists; take another name, or remove it")
+    if save is not None and not save.parent.is_dir():
+        raise FolderError(f"--save {save}: no such folder")
+
+
+def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface:
+    """Make the surface of a scene, and print the doubts about it."""
+    scene = file.read_scene(path, overrides)
+    if any(key.startswith(("surface", "sphere.surface")) for key in scene.sweep):
+        progress.line("the surface of the scene without its sweep; --set chooses other values")
+    surface = scene_surface(scene)
+    for doubt in surface.suspicions:
+        progress.line(f"warning: {doubt}")
+    return _DescribedSurface(
+        name=scene.name,
+        words="periodic",
+        heights=surface.heights,
+        steps=np.full(2, scene.spacing),
+        is_periodic=True,
+        pair=character.pair_of_scene(scene),
+        file_keys={},
+    )
+
+
+def _surface_of_file(
+    path: Path, spacing_um: float | None, channel: str | None, unit: str, xy_unit: str | None
+) -> _DescribedSurface:
+    """Read and level a file of heights, and print the doubts about it."""
+    heights, steps, doubts = measured.levelled(path, spacing_um, channel, unit, xy_unit)
+    for doubt in doubts:
+        progress.line(printable(f"warning: {path}: {doubt}"))
+    words = "less its least-squares plane"
+    gaps = np.count_nonzero(np.isnan(heights))
+    if gaps:
+        words += f", {gaps} unmeasured"
+    keys: dict[str, Any] = {"kind": "file", "path": path.as_posix()}
+    given = {"channel": channel, "spacing_um": spacing_um, "xy_unit": xy_unit}
+    keys |= {name: value for name, value in given.items() if value is not None}
+    if unit != "m":
+        keys["height_unit"] = unit
+    if gaps:
+        keys["unmeasured"] = "fill"
+    if not is_instrument(path):
+        keys["periodic"] = "blend"  # as a measurement, which does not close
+    if heights.shape[1] == 1:
+        keys["width_um"] = float(f"{PROFILE_NODES * 1e6 * steps[0]:.10g}")
+    return _DescribedSurface(
+        name=path.name,
+        words=words,
+        heights=heights,
+        steps=steps,
+        is_periodic=False,
+        pair=character.pair_of_steel(),
+        file_keys=keys,
+    )
+
+
+def _parameters_and_picture(described: _DescribedSurface) -> tuple[list[str], dict[str, bytes]]:
+    """Return the lines of the parameters of a surface, and its files by name."""
+    from rolling.figures.picture import csv_bytes
+    from rolling.figures.settings import left_out_if_it_fails
+    from rolling.figures.topography import parameter_lines, parameter_table, topography
+    from rolling.surface.parameters import is_upper_bound, parameters
+
+    heights = described.heights
+    steps = described.steps
+    values = parameters(heights, steps, described.is_periodic)
+    is_bound = is_upper_bound(heights, steps, described.is_periodic)
+    contents = {"surface.csv": csv_bytes(parameter_table(values, is_bound))}
+    with left_out_if_it_fails("surface.png"):
+        drawn = topography(described.name, values, heights, steps, described.is_periodic, is_bound)
+        contents["surface.png"] = drawn.file("png") or b""
+    return parameter_lines(values, is_bound), contents
+
+
+def _save_heights(path: Path, described: _DescribedSurface) -> None:
+    """Write the heights of a surface in the format of the ending of a path."""
+    along, across = described.steps
+    try:
+        measured.write(path, described.heights, (along, across))
+    except HeightFormatError as error:
+        raise FolderError(error.of(f"--save {path}")) from error
