@@ -11,6 +11,8 @@ laws, surfaces, sections
     sphere, plate, rolling, numerics, recovery, dynamics and sound, with units in names of keys
 height_files, height_grid
     heights from .npy, .npz, text and files of instruments; the nodes of their period
+grid_error, automatic_tolerance
+    what the grid leaves in the release, and the tolerance of the solver beside it
 quantities, rules
     the sections together and their quantities in SI; the rules that join them
 sweep, scene

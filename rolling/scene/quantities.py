@@ -11,6 +11,7 @@ from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
 from rolling.scene import library
+from rolling.scene.automatic_tolerance import automatic_tolerance
 from rolling.scene.height_grid import height_grid, refuse_turn
 from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
 from rolling.scene.messages import SceneError, dotted, fault, quoted
@@ -26,16 +27,6 @@ GRAVITY = 9.80665  # [m/s2]
 _FREE = 5 / 7  # of the force over the mass: a solid sphere that rolls has 7/5 of its mass
 HEARD_MODES_HZ = 30e3  # highest frequency of the modes of a plate with edges
 
-# Rule of `numerics.tolerance: auto`. The solver's error of the release over its fluctuation is
-# proportional to tolerance times deflection over roughness: a violation of the gap by that length
-# shows in a fluctuation that the roughness makes. At TOLERANCE it is -49 dB or less in all of 23
-# scenes (Ra 0.001 to 1 um, 0.3 to 100 N, elastic and yielding) whose roughness is a tenth of the
-# deflection or more, and rises to -22 dB, above the grid's error, on smoother surfaces. With the
-# rule it is -48.7 dB or less in all, and 20 dB or more below the grid's unless that is below -40.
-TOLERANCE = 1e-4
-MIN_TOLERANCE = 1e-6
-SMOOTH = 0.1  # rms roughness over Hertz deflection, below which the tolerance falls
-FILE_TOLERANCE = 2e-5  # for a height file, whose roughness the scene does not know
 PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$"
 DEFAULT_NAME = "scene"  # name of a scene that is built in Python
 NAME = (
@@ -355,19 +346,3 @@ def track_of(
         at = ("sphere", "surface", "faults")
         refuse_misplaced(ball.faults, turn * spacing_um, width_um, spacing_um, at)
     return track
-
-
-def automatic_tolerance(scene: SceneQuantities) -> float:
-    """Return the tolerance [-] of `auto`, with one digit, from roughness and Hertz deflection.
-
-    It is 1e-4, and less in proportion where the rms roughness of plate and sphere together is below
-    a tenth of the deflection. Faults and waves of the circumference do not count as roughness.
-    """
-    if scene.height_paths:
-        return FILE_TOLERANCE
-    rq = math.hypot(*(law.rq_m for law in scene.laws))
-    radius = math.sqrt(scene.radius * scene.radius_across)
-    deflection = (9 * scene.load**2 / (16 * radius * scene.contact_modulus**2)) ** (1 / 3)
-    tolerance = min(TOLERANCE, max(MIN_TOLERANCE, TOLERANCE * rq / deflection / SMOOTH))
-    digit = 10.0 ** math.floor(math.log10(tolerance) + 1e-9)
-    return float(f"{math.floor(tolerance / digit + 1e-9) * digit:.0e}")

@@ -443,7 +443,8 @@ class Numerics(Section):
         down to 1/16.
     tolerance : float or "auto"
         Allowed violation of the contact conditions, over the maximum deflection [-]. auto takes
-        1e-4, and less for smooth surfaces.
+        1e-4, less for smooth surfaces, and up to 1e-3 for random surfaces where the contact has few
+        steps or yields.
     edges : str
         Pressure where a yielding patch ends within a cell. blended: the cell bears the share that
         is in contact. sharp: it bears all or nothing.
