@@ -28,9 +28,9 @@ BELOW_GRID_DB = 10.0  # the solver's error of the release below the grid's
 # sphere as a whole.
 RELEASE_FACTOR = 4.0
 FLAT_FACTOR = 8.0
-# Above the usual tolerance the second difference of the approach, which a vibration follows,
-# decides. Its rms error is at most 6 % (-25 dB) of its rms where the tolerance times the square of
-# the contact radius in steps, with two weaker factors, is at most this number.
+# Above the usual tolerance the second difference of the approach decides, which the estimated
+# vibration follows. Its rms error is at most 6 % (-25 dB) of its rms where the tolerance times the
+# square of the contact radius in steps, with two weaker factors, is at most this number.
 APPROACH_LIMIT = 0.1
 
 
@@ -39,13 +39,15 @@ def automatic_tolerance(scene: SceneQuantities) -> float:
 
     It is 1e-4, and less in proportion where the rms roughness of plate and sphere together is below
     a tenth of the Hertz deflection. It rises, to 1e-3 at most, where the surface is random alone
-    and no pass changes it: there the error of the grid is known by a rule.
+    and no pass changes it: there the error of the grid is known by a rule. With dynamics it stays,
+    because a resonance may raise a small error of the approach to 0.3 dB of the level.
     """
     if scene.height_paths:
         return FILE
     roughness = math.hypot(*(law.rq_m for law in scene.laws))
     tolerance = max(LEAST, USUAL * min(1.0, roughness / _deflection(scene) / SMOOTH))
-    if scene.laws and not scene.faults and not scene.is_permanent:
+    is_quasi_static = scene.dynamics is None and not scene.is_permanent
+    if scene.laws and not scene.faults and is_quasi_static:
         tolerance = max(tolerance, _beside_grid(scene))
     digit = 10.0 ** math.floor(math.log10(tolerance) + 1e-9)
     return float(f"{math.floor(tolerance / digit + 1e-9) * digit:.0e}")

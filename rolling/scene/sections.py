@@ -443,8 +443,8 @@ class Numerics(Section):
         down to 1/16.
     tolerance : float or "auto"
         Allowed violation of the contact conditions, over the maximum deflection [-]. auto takes
-        1e-4, less for smooth surfaces, and up to 1e-3 for random surfaces where the contact has few
-        steps or yields.
+        1e-4, less for smooth surfaces, and without dynamics up to 1e-3 for random surfaces where
+        the contact is a few steps wide or yields.
     edges : str
         Pressure where a yielding patch ends within a cell. blended: the cell bears the share that
         is in contact. sharp: it bears all or nothing.

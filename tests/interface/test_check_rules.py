@@ -133,6 +133,8 @@ def test_the_grid_rule_holds_for_marches_on_every_fourth_node(overrides: list[st
         (["rolling.load_n=5", "surface.faults=[{kind: pit, at_mm: [1, 0], size_um: 40, "
           "depth_um: 1}]"], 1e-4),
         (["rolling.load_n=0.5", "numerics.step_nodes=0.25"], 1e-4),
+        (["rolling.load_n=5", "sphere.density_kg_m3=7850", "plate.density_kg_m3=7850",
+          "dynamics={}"], 1e-4),
         (["numerics.tolerance=0.003"], 0.003),
     ],
 )  # fmt: skip
