@@ -347,7 +347,7 @@ def save_run(run: Run, folder: Path | str, report: bool = True) -> Path:
         raise FolderError(f"{folder}: holds files; take another, as {folders.free_name(folder)}")
     folder.mkdir(parents=True, exist_ok=True)
     with folders.locked(folder):
-        scene = with_copy(run.scene, folder)
+        scene = with_copy(run.scene.with_auto_steps(), folder)
         folders.write_scene(folder, scene)
         (alone,) = folders.stored_runs(folder)
         write_run(replace(run, scene=scene, folder=folder, values={}))

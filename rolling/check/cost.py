@@ -119,7 +119,7 @@ def window_nodes(scene: Scene, rq: float) -> float:
     The window is up to 15 % narrower (see `RollingContact.overlap`).
     """
     side = math.sqrt(overlap_radius(scene, rq) * overlap_width(scene, rq))
-    return 2 * side / scene.spacing + max(1.0, scene.numerics.step_nodes)
+    return 2 * side / scene.spacing + max(1.0, scene.step_nodes)
 
 
 def subcells(scene: Scene) -> int:
@@ -311,4 +311,4 @@ def _events(scene: Scene) -> float:
         return 0.0
     across = 2 * overlap_width(scene, 0.0) / scene.spacing
     across = min(across, scene.track.n_along, scene.track.n_across)
-    return EVENTS_PER_NODE * across * scene.track.solved_steps * scene.numerics.step_nodes
+    return EVENTS_PER_NODE * across * scene.track.solved_steps * scene.step_nodes

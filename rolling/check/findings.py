@@ -342,7 +342,7 @@ def _turns(scene: Scene) -> Finding:
         nodes = track.turn_nodes
         if isinstance(scene.surface, HeightFile):
             nodes = math.lcm(track.plate_nodes, nodes)  # after which both close together
-        unit = math.lcm(nodes, max(1, math.ceil(scene.numerics.step_nodes)))
+        unit = math.lcm(nodes, max(1, math.ceil(scene.step_nodes)))
         least = math.ceil(track.distance / (unit * track.spacing) - 1e-9)
         distance = rounded(least * unit * track.spacing * 1e3, 8)
         value += f"; a rolling.distance_mm of {distance} closes"
@@ -361,6 +361,8 @@ def _march(scene: Scene) -> Iterator[Finding | Doubt]:
     if scene.numerics.tolerance == "auto":
         tolerance += " (auto)"
     yield from _window(scene, rq)
+    if scene.step_choice is not None:
+        yield Finding("step_choice", "step_nodes: auto", scene.step_choice.text)
     yield Finding("step_time", "time of a step", f"about {rounded(step_ms)} ms on 1 core")
     yield Finding("expected_time", "time of the march", time, seconds)
     yield Finding("tolerance", "tolerance", tolerance)
@@ -377,7 +379,7 @@ def _window(scene: Scene, rq: float) -> Iterator[Finding | Doubt]:
     track = scene.track
     width = 2 * cost.overlap_width(scene, rq)
     length = 2 * cost.overlap_radius(scene, rq)
-    ahead = max(1.0, scene.numerics.step_nodes)
+    ahead = max(1.0, scene.step_nodes)
     rows, columns = (reach / scene.spacing + ahead for reach in (length, width))
     yield Finding("window", "window", f"about {rows:.0f} x {columns:.0f} nodes")
     across = width

@@ -66,7 +66,7 @@ def _refuse_interleaved(scene: Scene) -> None:
     A lap would roll over each place several times.
     """
     track = scene.track
-    step = scene.numerics.step_nodes
+    step = scene.step_nodes
     if scene.is_permanent and track.solved_steps * step > track.n_along * (1 + 1e-9):
         place = scene.place("numerics.step_nodes")
         raise SceneError(

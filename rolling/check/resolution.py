@@ -20,6 +20,7 @@ from rolling.scene.scene import Scene
 from rolling.scene.sections import STEP_NODES
 from rolling.scene.surfaces import MadeSurface
 from rolling.scene.sweep import run_name
+from rolling.scene.track import MIN_SHARE
 
 KEY = "resolution"  # of the error of the release
 LEVEL_KEY = "grid"  # of what it leaves of the level
@@ -33,7 +34,6 @@ BANDS_DB = -32.0
 MAX_TRIED = 10_000  # numbers of nodes that a search for a spacing of few digits tries
 
 HEARING = (bands.NOMINAL_HZ[0], bands.NOMINAL_HZ[-1])  # [Hz]
-MIN_SHARE = 0.01  # share of a record; shorter stretches that are too slow for hearing are ignored
 
 DOUBTFUL_RADII = 0.25  # step over contact radius, above which a scene gets a warning
 MAX_RADII = 4.0  # step over contact radius, above which half of the release is lost
@@ -181,7 +181,7 @@ def _nyquist(scene: Scene) -> Iterator[Finding | Doubt]:
     name = "simulated Nyquist"
     hearing = si(HEARING[1], "Hz")
     wanted_speed = 2 * HEARING[1] * step
-    step_um = _usual_speed(scene, duration) / (2 * HEARING[1]) * 1e6
+    step_um = motion.usual_speed(duration) / (2 * HEARING[1]) * 1e6
     if motion.is_constant(duration):
         yield Finding("nyquist", name, si(high_hz, "Hz"))
         if fastest < wanted_speed:
@@ -209,23 +209,9 @@ def _nyquist(scene: Scene) -> Iterator[Finding | Doubt]:
         )
 
 
-def _usual_speed(scene: Scene, duration: float) -> float:
-    """Return the speed [m/s] that the sphere reaches for most of the record.
-
-    It rolls more slowly for less than `MIN_SHARE` of the record.
-    """
-    low = 0.0
-    high = scene.motion.fastest(duration)
-    for _ in range(60):
-        middle = (low + high) / 2
-        below = scene.motion.time_below(middle, duration) < MIN_SHARE * duration
-        low, high = (middle, high) if below else (low, middle)
-    return low or high
-
-
 def _grid_tone(scene: Scene) -> Iterator[Finding | Doubt]:
     """Name the tone of the grid that steps below a node make audible."""
-    if scene.numerics.step_nodes >= 1:
+    if scene.step_nodes >= 1:
         return
     motion = scene.motion
     duration = scene.duration
@@ -234,7 +220,7 @@ def _grid_tone(scene: Scene) -> Iterator[Finding | Doubt]:
         tone = f"{tone} to {si(motion.fastest(duration) / scene.spacing, 'Hz')}"
     yield Finding("grid_tone", "tone of the grid", tone)
     if motion.time_below(HEARING[1] * scene.spacing, duration) >= MIN_SHARE * duration:
-        spacing_um = _usual_speed(scene, duration) / HEARING[1] * 1e6
+        spacing_um = motion.usual_speed(duration) / HEARING[1] * 1e6
         yield Doubt(
             "grid_tone",
             f"tone of the grid: steps below one node sound a tone of the grid at {tone}",
@@ -282,7 +268,7 @@ def _fault(scene: Scene, radius: float) -> str:
     else:
         advice = finer(scene, longest * 1e6)
     return (
-        f"got {scene.numerics.step_nodes:g}, steps of {micrometres(scene.step)} um, "
+        f"got {scene.step_nodes:g}, steps of {micrometres(scene.step)} um, "
         f"{rounded(scene.step / radius, 3)} times the contact radius of "
         f"{rounded(radius * 1e6, 3)} um; allowed: steps of at most {MAX_RADII:g} times the "
         f"radius, {micrometres(longest)} um here; nearest: {advice}"

@@ -69,7 +69,7 @@ def pass_pieces(scene: Scene) -> list[tuple[int, int]]:
 
 def unrolled(scene: Scene, heights: Array, steps: int) -> Array:
     """Repeat heights by whole periods until a march of some steps covers no place twice."""
-    nodes = (steps + 2 * _width_steps(scene)) * scene.numerics.step_nodes
+    nodes = (steps + 2 * _width_steps(scene)) * scene.step_nodes
     return np.tile(heights, (math.ceil(nodes / len(heights)), 1))
 
 

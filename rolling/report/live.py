@@ -149,8 +149,9 @@ def played_scene(scene: Scene, speed_m_s: float) -> Data:
     Settings of the page become its keys. A distance instead of a duration keeps the track, and with
     it the surface, at every speed.
     """
-    data = scene.to_dict()
+    data = scene.with_auto_steps().to_dict()
     data.pop("sweep", None)
+    data["numerics"].pop("slowest_m_s", None)
     data["name"] = f"{scene.name[:57]}-played"  # a name has 64 letters at most
     rolling = data["rolling"]
     rolling.pop("duration_s", None)

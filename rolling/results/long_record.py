@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from acoustics.numbers import rounded
+from acoustics.numbers import micrometres, rounded, rounded_up
 from rolling.marches.result import Result, released_energy
 from rolling.scene.scene import Scene
 from rolling.sound import long_listening
@@ -60,9 +60,10 @@ def make_long_record(
 
     Raises
     ------
-    ListeningError : the sphere passes too many positions.
+    ListeningError : the sphere passes too many positions, or its steps are too long for the speed.
     """
     moved = scene if speed is None else with_speed(scene, speed, seconds)
+    _refuse_slow(scene, moved.motion.fastest(seconds))
     positions = float(moved.motion.distance(seconds)) / result.step
     most = defaults.MAX_LISTENED_POSITIONS
     if positions > most:
@@ -82,6 +83,17 @@ def make_long_record(
     record.numbers["seed"] = seed
     record.numbers["limits"] = _limits(record.numbers)
     return record
+
+
+def _refuse_slow(scene: Scene, fastest: float) -> None:
+    """Refuse a highest speed [m/s] at which the steps that `auto` chose do not hold hearing."""
+    choice = scene.step_choice
+    if choice is not None and fastest < choice.lowest:
+        raise ListeningError(
+            f"speed: got {rounded(fastest, 3)} m/s, and the steps of {micrometres(scene.step)} um"
+            f" hold hearing from {rounded_up(choice.lowest)} m/s on; for a slower sphere march"
+            " again, at that speed or with numerics.step_nodes 1"
+        )
 
 
 def refuse_long_record(seconds: float, speed: Speed | None, seed: int) -> None:

@@ -280,6 +280,7 @@ def _series_group(run: SolvedRun) -> FileGroup:
         "steps": result.steps,
         "solved_steps": result.solved_steps,
         "step_m": result.step,
+        "step_choice": run.scene.step_reason,
         "start_m": result.start,
     }
     return FileGroup(arrays, attributes)

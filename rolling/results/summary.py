@@ -303,11 +303,15 @@ def joint_error(scene: Scene, result: Result) -> float | None:
 
 
 def _effort(scene: Scene, result: Result) -> dict[str, Any]:
-    """Return the tolerance and the time of the march, which a march from a file lacks."""
+    """Return tolerance and steps, and the time of the march, which a march from a file lacks."""
     times = result.series["step_time"]
     times = times[np.isfinite(times)]
+    choice = scene.step_choice
     return {
         "tolerance": scene.tolerance,
+        "step_nodes": scene.step_nodes,
+        "step_choice": scene.step_reason,
+        "step_lowest_speed_m_s": choice.lowest if choice is not None and choice.lowest else None,
         "step_ms": float(np.median(times) * 1e3) if len(times) else None,
         "seconds": float(times.sum()),
     }

@@ -10,6 +10,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedSeq
 
 from acoustics.arrays import instance
+from acoustics.numbers import micrometres, rounded_up
 from acoustics.traps import ignoring_underflow
 from rolling.scene import library
 from rolling.scene.messages import Fault, Key, SceneError, key_of, quoted
@@ -196,7 +197,47 @@ def resound(scene: Scene, overrides: Sequence[str]) -> Scene:
     data = changed.data
     if scene.rolling.duration_s is not None and not faults:
         data["rolling"]["duration_s"] = _time_of_same_track(scene, data)
-    return Scene.from_dict(data, scene.folder, places, faults)
+    heard = Scene.from_dict(data, scene.folder, places, faults)
+    if scene.numerics.step_nodes != "auto":
+        return heard
+    return _with_steps_of(scene, heard)
+
+
+def _with_steps_of(scene: Scene, heard: Scene) -> Scene:
+    """Return the scene of a new sound with the steps that `auto` took for the stored runs.
+
+    A faster sphere would allow longer steps, and the stored ones stay. They do not hold hearing for
+    a slower sphere: raise SceneError with the lowest speed that they allow.
+    """
+    stored = [run for _, run in scene.runs()]
+    speeds = [run.step_choice.speed for run in stored if run.step_choice is not None]
+    if not speeds:
+        return heard
+    slowest = min(speeds)
+    if min(run.slowest_speed for _, run in heard.runs()) > slowest:
+        numerics = heard.numerics.model_copy(update={"slowest_m_s": slowest})
+        kept = heard.model_copy(update={"numerics": numerics})
+        is_the_same = [run.step_nodes for _, run in kept.runs()] == [
+            run.step_nodes for _, run in heard.runs()
+        ]
+        return heard if is_the_same else kept
+    longest = max(stored, key=_lowest_speed)  # the steps that the fewest speeds allow
+    if min(run.heard_speed for _, run in heard.runs()) < _lowest_speed(longest):
+        step_um = micrometres(longest.step)
+        lowest = rounded_up(_lowest_speed(longest))
+        raise SceneError(
+            [
+                f"{SET}: rolling.speed_m_s: the stored run has steps of {step_um} um, which hold"
+                f" hearing from {lowest} m/s on; for a slower sphere march again, with `rolling"
+                " run` at that speed or with --set numerics.step_nodes=1"
+            ]
+        )
+    return heard
+
+
+def _lowest_speed(run: Scene) -> float:
+    """Return the lowest speed [m/s] that the steps of a run allow where auto chose them."""
+    return 0.0 if run.step_choice is None else run.step_choice.lowest
 
 
 def _time_of_same_track(scene: Scene, changed: Mapping[str, Any]) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 
 from rolling.scene import library
 from rolling.scene.height_files import file_digest
-from rolling.scene.messages import quoted
+from rolling.scene.messages import plain_number, quoted
 from rolling.scene.scene import Scene
 from rolling.scene.sections import VIBRATING_PLATE
 from rolling.scene.sweep import product, run_name, with_paths, with_values
@@ -25,6 +25,7 @@ _NOT_CONTACT = {
     "sweep",
     "dynamics",
     "numerics.error_estimate",
+    "numerics.slowest_m_s",
     "rolling.speed_m_s",
     "rolling.duration_s",
     "rolling.distance_mm",
@@ -47,7 +48,11 @@ def contact_keys(scene: Scene) -> dict[str, Any]:
         for key, value in _flat(scene.model_dump(mode="json", exclude_none=True)).items()
         if key not in _NOT_CONTACT and key.partition(".")[0] not in _NOT_CONTACT
     }
-    keys |= {"numerics.tolerance": scene.tolerance, "rolling.load_n": scene.load}
+    keys |= {
+        "numerics.tolerance": scene.tolerance,
+        "numerics.step_nodes": scene.step_nodes,
+        "rolling.load_n": scene.load,
+    }
     if scene.is_permanent:
         keys["passes"] = scene.passes
     for section, path in scene.height_paths.items():
@@ -61,26 +66,31 @@ def contact_keys(scene: Scene) -> dict[str, Any]:
 
 
 def scene_identity(scene: Scene) -> str:
-    """Return the SHA-256 of all values of all runs; height files count with their digests."""
+    """Return the SHA-256 of all values of all runs; height files count with their digests.
+
+    Steps that `auto` chose count as the same number in the scene.
+    """
     return digest(list(_runs(scene)))
 
 
 def differences(old: Scene, new: Scene) -> list[str]:
     """List the keys where two scenes differ, as "key: got VALUE of new, has VALUE of old"."""
-    before = _flat(_with_whole_numbers(old.to_dict()))
-    after = _flat(_with_whole_numbers(new.to_dict()))
+    before = _flat(_with_whole_numbers(_with_chosen_steps(old)))
+    after = _flat(_with_whole_numbers(_with_chosen_steps(new)))
     keys = list(dict.fromkeys([*after, *before]))
     if before["surface.kind"] != after["surface.kind"]:
         keys = [key for key in keys if key == "surface.kind" or not key.startswith("surface.")]
     # A path of a height file stands at the end of a key, or in the swept section.
     keys = [key for key in keys if not ("surface.path" in key or key.split(".")[-1] == "path")]
+    if old.numerics.step_nodes == new.numerics.step_nodes == "auto":
+        keys.remove("numerics.step_nodes")  # the runs tell whether it chose the same
     lines = [
         f"{key}: got {quoted(after.get(key))}, has {quoted(before.get(key))}"
         for key in keys
         if before.get(key) != after.get(key)
     ]
     if lines:
-        return lines
+        return [*lines, *_other_steps(old, new)]
     old_runs = [name for name, _ in _runs(old)]
     new_runs = [name for name, _ in _runs(new)]
     if old_runs != new_runs:
@@ -106,9 +116,34 @@ def digest(values: Any) -> str:
 def _runs(scene: Scene) -> Iterator[tuple[str, Any]]:
     """Yield name and plain values of each run of a scene."""
     data = {name: value for name, value in scene.to_dict().items() if name != "sweep"}
-    for values, forms in product(scene.sweep):
+    for (values, forms), run in zip(product(scene.sweep), scene.runs(), strict=True):
         swept = with_paths(with_values(data, forms), lambda path: file_digest(scene.folder / path))
+        swept["numerics"] = {**swept["numerics"], "step_nodes": run.scene.step_nodes}
         yield run_name(values), _with_whole_numbers(swept)
+
+
+def _with_chosen_steps(scene: Scene) -> dict[str, Any]:
+    """Return the plain values of a scene, with a number for auto where all runs share it."""
+    data = scene.to_dict()
+    chosen = {run.scene.step_nodes for run in scene.runs()}
+    if len(chosen) == 1 and "numerics.step_nodes" not in scene.sweep:
+        data["numerics"] = {**data["numerics"], "step_nodes": chosen.pop()}
+    return data
+
+
+def _other_steps(old: Scene, new: Scene) -> Iterator[str]:
+    """Yield a line where a sweep grows by a run that is too slow for the steps of earlier runs."""
+    steps = {run_name(run.values): run.scene.step_nodes for run in new.runs()}
+    for values, scene in old.runs():
+        name = run_name(values)
+        if scene.sweep or steps.get(name, scene.step_nodes) == scene.step_nodes:
+            continue
+        yield (
+            f"numerics.step_nodes: auto takes {plain_number(steps[name])} for the slowest run, and"
+            f" {name} has {plain_number(scene.step_nodes)}: `--set numerics.step_nodes="
+            f"{plain_number(scene.step_nodes)}` keeps its march"
+        )
+        return
 
 
 def _with_whole_numbers(value: Any) -> Any:

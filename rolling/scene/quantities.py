@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, PrivateAttr, field_validator
 from pydantic_core import PydanticCustomError
 
 from acoustics.numbers import bracketed
-from rolling.scene import library
+from rolling.scene import library, step_rule
 from rolling.scene.automatic_tolerance import automatic_tolerance
 from rolling.scene.height_grid import height_grid, refuse_turn
 from rolling.scene.laws import HeightLaw, SurfaceFault, refuse_misplaced
@@ -125,7 +125,7 @@ class SceneQuantities(Section):
             The height file is missing or holds no heights, or the sphere never gets round it.
         """
         try:
-            track = track_of(self.sphere, self.surface, self.rolling, self.numerics, self.folder)
+            track = track_of(self.sphere, self.surface, self.rolling, self.step_nodes, self.folder)
             ball = self.sphere.surface
             if isinstance(ball, BallHeightFile):
                 refuse_turn(self.folder / ball.path, ball.path, track)
@@ -240,7 +240,38 @@ class SceneQuantities(Section):
     @property
     def step(self) -> float:
         """Distance from one position to the next [m]."""
-        return self.spacing * self.numerics.step_nodes
+        return self.spacing * self.step_nodes
+
+    @property
+    def step_nodes(self) -> float:
+        """Nodes from one position to the next, by the rule of `auto` unless there is a number."""
+        given = self.numerics.step_nodes
+        if isinstance(given, str):
+            return step_rule.choose(self, self.slowest_speed).nodes
+        return given
+
+    @property
+    def slowest_speed(self) -> float:
+        """Speed [m/s] for which `auto` chooses steps: the slowest that is heard, or less."""
+        given = self.numerics.slowest_m_s
+        return self.heard_speed if given is None else min(given, self.heard_speed)
+
+    @property
+    def heard_speed(self) -> float:
+        """Speed [m/s] that the sphere reaches for all but 1 % of the time."""
+        motion = self.motion
+        rolling = self.rolling
+        wanted = wanted_distance(
+            rolling.duration_s, rolling.distance_mm, rolling.resistance, motion
+        )
+        if wanted is None:  # once round a height file
+            return motion.usual_speed(motion.times[-1] or 1.0)
+        return motion.usual_speed(motion.duration(min(wanted.distance, motion.final_distance)))
+
+    @property
+    def node_track(self) -> Track:
+        """Positions of the sphere with steps of one node."""
+        return track_of(self.sphere, self.surface, self.rolling, 1.0, self.folder)
 
     @property
     def tolerance(self) -> float:
@@ -308,9 +339,12 @@ def plate_modes(plate: Plate) -> float:
 
 
 def track_of(
-    sphere: Sphere, surface: Surface, rolling: Rolling, numerics: Numerics, folder: Path
+    sphere: Sphere, surface: Surface, rolling: Rolling, step_nodes: float, folder: Path
 ) -> Track:
-    """Return the track over a surface; raise a fault for a wrong length or a misplaced fault."""
+    """Return the track over a surface in steps of some nodes.
+
+    A wrong length or a misplaced single fault raises a fault.
+    """
     motion = motion_of(sphere, rolling)
     wanted = wanted_distance(rolling.duration_s, rolling.distance_mm, rolling.resistance, motion)
     ball = sphere.surface
@@ -322,7 +356,7 @@ def track_of(
         track = file_track(
             nodes=grid.nodes,
             spacing=grid.spacing,
-            step_nodes=numerics.step_nodes,
+            step_nodes=step_nodes,
             motion=motion,
             wanted=wanted,
             turn_nodes=turn,
@@ -332,7 +366,7 @@ def track_of(
         track = made_track(
             n_across=surface.n_across,
             spacing=surface.spacing_um * 1e-6,
-            step_nodes=numerics.step_nodes,
+            step_nodes=step_nodes,
             motion=motion,
             wanted=wanted,
             turn_nodes=turn,

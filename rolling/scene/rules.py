@@ -98,7 +98,9 @@ def refuse_numerics(numerics: Numerics, sections: Sections) -> None:
             raise fault("missing; the surface of the sphere has the same", at="surface.spacing_um")
         refuse_ball(sphere.surface, sphere.radius_mm, surface.spacing_um)
     if rolling is not None and not isinstance(surface, HeightFile):
-        quantities.track_of(sphere, surface, rolling, numerics, Path())
+        given = numerics.step_nodes
+        step_nodes = 1.0 if isinstance(given, str) else given  # auto keeps the track of one node
+        quantities.track_of(sphere, surface, rolling, step_nodes, Path())
 
 
 def refuse_memory(numerics: Numerics, sections: Sections) -> None:

@@ -23,7 +23,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from rolling.scene import library, quantities, rules
+from rolling.scene import library, quantities, rules, step_rule
 from rolling.scene import sweep as sweeps
 from rolling.scene.messages import (
     MAX_FAULTS,
@@ -108,6 +108,7 @@ class Scene(quantities.SceneQuantities):
     check: ClassVar[Callable[..., Any]]
 
     _places: Mapping[Key, str] = PrivateAttr(default={(): "scene"})
+    _step_choice: step_rule.StepChoice | None = PrivateAttr(default=None)
 
     # Each rule sees the sections before its own that are valid.
 
@@ -283,7 +284,8 @@ class Scene(quantities.SceneQuantities):
     def runs(self) -> list[SweepRun]:
         """List the runs of the scene; the last swept key varies fastest.
 
-        A scene without a sweep is its own only run.
+        A scene without a sweep is its own only run. In place of `step_nodes: auto` each run has the
+        number of nodes that its own contact and the slowest speed of all runs allow.
 
         Raises
         ------
@@ -293,7 +295,45 @@ class Scene(quantities.SceneQuantities):
         faults, runs = self._judged_runs()
         if faults:
             raise _scene_error(faults, self._places, None if len(faults) > MAX_FAULTS else 0)
-        return runs
+        if all(isinstance(run.numerics.step_nodes, float) for _, run in runs):
+            return runs
+        slowest = min(run.slowest_speed for _, run in runs)
+        return [SweepRun(values, run._with_steps_for(slowest)) for values, run in runs]
+
+    @property
+    def step_choice(self) -> step_rule.StepChoice | None:
+        """Steps that `auto` chose, with the reason; None where the scene gave a number."""
+        if isinstance(self.numerics.step_nodes, str):
+            return step_rule.choose(self, self.slowest_speed)
+        return self._step_choice
+
+    @property
+    def step_reason(self) -> str:
+        """Words on who chose the length of the steps, and why."""
+        choice = self.step_choice
+        return "a number of the scene" if choice is None else f"auto, {choice.text}"
+
+    def _with_steps_for(self, slowest: float) -> Self:
+        """Return a scene with the steps that `auto` takes for a slowest speed [m/s]."""
+        if not isinstance(self.numerics.step_nodes, str):
+            return self
+        choice = step_rule.choose(self, slowest)
+        steps = {"step_nodes": choice.nodes, "slowest_m_s": None}
+        scene = self.model_copy(update={"numerics": self.numerics.model_copy(update=steps)})
+        scene._step_choice = choice
+        return scene
+
+    def with_auto_steps(self) -> Self:
+        """Return a run of a scene with `step_nodes: auto` where auto chose its steps.
+
+        It keeps the slowest speed of its sweep.
+        """
+        choice = self._step_choice
+        if choice is None:
+            return self
+        slowest = choice.speed if choice.speed < self.heard_speed else None
+        steps = {"step_nodes": "auto", "slowest_m_s": slowest}
+        return self.model_copy(update={"numerics": self.numerics.model_copy(update=steps)})
 
     def _judged_runs(self) -> tuple[list[Fault], list[SweepRun]]:
         """Return the faults of the runs, each once at its swept value, and the runs without any.

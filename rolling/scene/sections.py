@@ -415,18 +415,27 @@ MOST_TOLERANCE = 1e-1
 TOLERANCE = f"auto, or a number >= {rounded(LEAST_TOLERANCE)} and <= {rounded(MOST_TOLERANCE)}"
 
 
-def _step_nodes(value: float) -> float:
+STEPS = "auto, a whole number from 1 to 64, or one over a whole number down to 1/16"
+
+
+def _step_nodes(value: float | str) -> float | str:
     """Return the allowed value that a rounded value stands for, such as a third for 0.333333."""
+    if isinstance(value, str):
+        return value
     closest = min(STEP_NODES, key=lambda allowed: abs(math.log(value / allowed)))
     if abs(value / closest - 1) > 1e-5:
         raise fault(
-            f"got {plain_number(value)}, allowed: a whole number from 1 to 64, or one over a whole"
-            f" number down to 1/16; nearest: {plain_number(closest)}",
+            f"got {plain_number(value)}, allowed: {STEPS}; nearest: {plain_number(closest)}",
             at="numerics.step_nodes",
         )
     return closest
 
 
+StepNodes = Annotated[
+    float | Literal["auto"],
+    AfterValidator(_step_nodes),
+    *number_or("auto", STEPS, exclusiveMinimum=0),
+]
 Tolerance = Annotated[
     float | Literal["auto"],
     *number_or("auto", TOLERANCE, minimum=LEAST_TOLERANCE, maximum=MOST_TOLERANCE),
@@ -438,9 +447,13 @@ class Numerics(Section):
 
     Attributes
     ----------
-    step_nodes : float
+    step_nodes : float or "auto"
         Distance between two solved positions, in nodes [-]: 1 to 64, or one over a whole number
-        down to 1/16.
+        down to 1/16. auto takes 4, 2 or 1, the most that the slowest speed of the scene and its
+        sweep allows.
+    slowest_m_s : float, optional
+        Lowest speed [m/s] for which auto chooses steps, so that the run can be heard anew at this
+        speed. Default: the slowest that is heard in the scene and its sweep.
     tolerance : float or "auto"
         Allowed violation of the contact conditions, over the maximum deflection [-]. auto takes
         1e-4, less for smooth surfaces, and without dynamics up to 1e-3 for random surfaces where
@@ -465,7 +478,8 @@ class Numerics(Section):
     'auto'
     """
 
-    step_nodes: Annotated[float, AfterValidator(_step_nodes)] = Field(default=1.0, gt=0)
+    step_nodes: StepNodes = "auto"
+    slowest_m_s: float | None = Field(default=None, gt=0)
     tolerance: Tolerance = "auto"
     edges: Literal["sharp", "blended"] = "blended"
     subcells: Literal["auto", 1, 2, 4] = "auto"

@@ -16,6 +16,7 @@ from acoustics.numbers import rounded
 from rolling.scene.messages import fault, plain_number
 
 ROUNDING = 1e-9  # relative; a smaller excess over the last distance reached counts as rounding
+MIN_SHARE = 0.01  # share of a record; shorter stretches that are too slow for hearing are ignored
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,21 @@ class Motion:
     def fastest(self, duration: float) -> float:
         """Return the maximum speed [m/s] that is reached from the start to a time [s]."""
         return float(self._speeds_until(duration).max())
+
+    def usual_speed(self, duration: float) -> float:
+        """Return the speed [m/s] that the sphere reaches for most of the time up to `duration` [s].
+
+        It rolls more slowly for less than `MIN_SHARE` of this time.
+        """
+        low = 0.0
+        high = self.fastest(duration)
+        if self.is_constant(duration):
+            return high
+        for _ in range(60):
+            middle = (low + high) / 2
+            below = self.time_below(middle, duration) < MIN_SHARE * duration
+            low, high = (middle, high) if below else (low, middle)
+        return low or high
 
     def time_below(self, speed: float, duration: float) -> float:
         """Return the time [s] during which the sphere is slower than a speed [m/s].

@@ -78,7 +78,7 @@ def stretch_of(scene: Scene, duration_s: float) -> tuple[Scene, int]:
 
     The stretch is a closed lap of a generated surface. A height file is used unchanged.
     """
-    unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(scene.numerics.step_nodes)))
+    unit = math.lcm(round(STEP_NODES[-1]), max(1, math.ceil(scene.step_nodes)))
     track = scene.track
     motion = scene.motion
     rolled = float(motion.distance(duration_s))
@@ -102,7 +102,7 @@ def variants_of(scene: Scene, finest: int) -> list[Variant]:
     edges = numerics.edges if numerics.edges in all_edges else "sharp"
     own = Variant(
         times=1,
-        step_nodes=numerics.step_nodes,
+        step_nodes=scene.step_nodes,
         tolerance=scene.tolerance,
         edges=edges,
         precision=numerics.precision,

@@ -113,7 +113,7 @@ def _write(
 
 def quick_overrides(scene: Scene) -> list[str]:
     """Return the settings of the quick study: one surface, three loads, long steps, short track."""
-    step_nodes = defaults.QUICK_STRIDES * scene.numerics.step_nodes
+    step_nodes = defaults.QUICK_STRIDES * scene.step_nodes
     overrides = []
     if "surface.seed" in scene.sweep:
         overrides.append(f"sweep.surface.seed={list(range(1, defaults.QUICK_SEEDS + 1))}")

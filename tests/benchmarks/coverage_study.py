@@ -277,7 +277,7 @@ def reference(scene: rc.Scene, result: Result, vibration: Vibration) -> dict[str
 
 def _marched_finely(scene: rc.Scene) -> tuple[Array, Array]:
     """Return release [J] and approach [m] of a lap on the fine grid."""
-    variant = Variant(FINER, scene.numerics.step_nodes, TOLERANCE, scene.numerics.edges, "single")
+    variant = Variant(FINER, scene.step_nodes, TOLERANCE, scene.numerics.edges, "single")
     contact = variant_contact(scene, variant)
     steps = scene.track.lap_steps
     half_space = half_space_of(contact.spacing, contact.contact_modulus, contact.subcells)

@@ -114,7 +114,7 @@ def scene_of(name: str, **changes: Any) -> rc.Scene:
 
 def reference(scene: rc.Scene) -> tuple[Array, float]:
     """Return release and plastic area of the whole track on a fine grid at a tight tolerance."""
-    variant = Variant(FINEST, scene.numerics.step_nodes, TOLERANCE, scene.numerics.edges, "single")
+    variant = Variant(FINEST, scene.step_nodes, TOLERANCE, scene.numerics.edges, "single")
     series = march_variant(scene, variant, scene.track.n_along)
     return series["release_energy"], float(series["plastic_area"].mean())
 
