@@ -20,6 +20,10 @@ RISE = 1.5
 # The time of a step grows with this power of the sub-cells along the side of a cell: 2 x 2 took 2.2
 # to 3 times as long, 4 x 4 ten times.
 SUBCELL_POWER = 1.6
+# Longer steps start from less similar pressures. Steps of 2 nodes took 1.1 to 1.4 times as long as
+# steps of one, and steps of 4 nodes 1.3 to 2 times (six scenes, Ra 0.1 to 1 um, 2 to 60 N).
+STEP_POWER = 1 / 3
+LONGEST_STEP = 4.0  # [nodes], up to which this was measured
 # A step with its release at tolerance 1e-4 takes c (n/100)^k milliseconds on an overlap of n by n
 # nodes, of which the window leaves out up to a quarter. c and k follow the fits of
 # tests/benchmarks/step_cost.py, from 40 to 1,000 nodes, with an allowance of 10 to 30 % for
@@ -149,7 +153,9 @@ def expected_step_ms(window_nodes: float, subcells: int = 1, law: str = "sharp")
 def step_ms(scene: Scene) -> float:
     """Estimate the time of a step of a scene [ms] on one core; a height file is read."""
     rq = roughness(scene)[0]
-    return expected_step_ms(window_nodes(scene, rq), subcells(scene), step_law(scene, rq))
+    longer = math.pow(min(max(scene.step_nodes, 1.0), LONGEST_STEP), STEP_POWER)
+    own_ms = expected_step_ms(window_nodes(scene, rq), subcells(scene), step_law(scene, rq))
+    return own_ms * longer
 
 
 def lap_seconds(scene: Scene) -> float:

@@ -2,7 +2,7 @@
 
 import math
 
-from acoustics.numbers import bracketed, rounded
+from acoustics.numbers import bracketed, rounded, rounded_up
 from acoustics.radiation import RHO_C
 from acoustics.texts import printable
 from rolling.report.text import NOTHING
@@ -130,12 +130,21 @@ def _contact(run: Run) -> dict[str, str]:
         "sphere": f"R {radius} mm, {_of(sphere.material)}{elastic}",
         "plate": f"{_of(plate.material)}{bends}, {hardness}, {memory}",
         "surface": surface_words(scene),
-        "spacing and step": f"{scene.spacing * 1e6:g} µm, {scene.step * 1e6:g} µm",
+        "spacing and step": f"{scene.spacing * 1e6:g} µm, {_step(scene)}",
         "solver": (
             f"tolerance {rounded(scene.tolerance, 6)}, {scene.numerics.edges} edges, "
             f"{scene.numerics.precision} precision"
         ),
     }
+
+
+def _step(scene: Scene) -> str:
+    """Write the length of the steps, and the lowest speed that they allow where auto chose them."""
+    text = f"{scene.step * 1e6:g} µm"
+    choice = scene.step_choice
+    if choice is None or not choice.lowest:
+        return text
+    return f"{text} (auto, which hold hearing from {rounded_up(choice.lowest)} m/s on)"
 
 
 def _elastic(youngs_modulus_gpa: float, poissons_ratio: float) -> str:

@@ -79,6 +79,7 @@ def live_of(run: Run) -> Data | None:
         "hearBall": scene.sound.ball,
         "fullScale": peak / PEAK or 1.0,
         "level": run.record_laeq_db,
+        "longStep": run.result.step if scene.step_nodes > 1 else None,
     }
     if vibration is None:
         _add_release(data, run)

@@ -32,7 +32,7 @@ SAFETY_DB = 3.0  # rms error of the rule
 # approach of the smooth contact over rms roughness.
 MAX_RADII = 0.25
 MAX_SMOOTHNESS = 25.0
-MIN_MARGIN = 1.25  # of the Nyquist frequency of the steps over the end of hearing
+MIN_MARGIN = 1.5  # of the Nyquist frequency of the steps over the end of hearing
 # Error of the release [dB of its fluctuation]: of steps as long as the contact radius, per decade
 # of the step, and per decade of the approach over the roughness.
 CONTACT_DB = -19.0

@@ -23,6 +23,7 @@ surface:
   {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2, width_um: 64,
    seed: 1}
 rolling: {load_n: 20, speed_m_s: 0.1, distance_mm: 1}
+numerics: {step_nodes: 1}
 dynamics: {}
 sound: {source: vibration}
 """

@@ -27,6 +27,7 @@ plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, density_kg_m3: 7850, thick
 surface: {kind: gaussian, roughness_ra_um: 0.05, correlation_length_um: 10, spacing_um: 2,
   width_um: 160, seed: 3}
 rolling: {load_n: 1, speed_m_s: 0.3, distance_mm: 0.48}
+numerics: {step_nodes: 1}
 dynamics: {}
 sound: {source: vibration}
 """

@@ -31,6 +31,7 @@ plate: {youngs_modulus_gpa: 210, poissons_ratio: 0.3, density_kg_m3: 7850, thick
 surface: {kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2,
   width_um: 128, seed: 1}
 rolling: {load_n: 20, speed_m_s: 0.1, distance_mm: 6}
+numerics: {step_nodes: 1}
 dynamics: {}
 """
 EDGES = {"plate.length_mm": 300, "plate.width_mm": 400, "plate.contact_mm": [129, 148]}

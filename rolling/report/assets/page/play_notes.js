@@ -9,6 +9,14 @@ export function showModes({ modes, of, costDb } = { modes: 0, of: 0, costDb: 0 }
   $("#play-modes").textContent = modes < of ? `${kept}: the level changes by ${cost} dB.` : "";
 }
 
+/** Say up to which frequency long steps [m] hold at a speed [m/s]; nothing for steps of a node, or at rest. */
+export function showBand(longStep, speed) {
+  const hertz = speed / (2 * longStep), um = Number((1e6 * longStep).toPrecision(4));
+  const band = hertz < 1000 ? `${Number(hertz.toPrecision(3))} Hz` : `${Number((1e-3 * hertz).toPrecision(3))} kHz`;
+  const text = `Steps of ${um} µm hold up to ${band} at ${Number(speed.toPrecision(3))} m/s.`;
+  $("#play-band").textContent = longStep && speed > 0 ? text : "";
+}
+
 /** Show a message of the engine; an empty one hides the note. */
 export function sayPlayed(text) {
   $("#play-note").textContent = text;

@@ -6,6 +6,7 @@ import { SETTINGS, SLIDER_STEP, isLive, roundedIn, shareAt, textOf, valueAt } fr
 import { askSettings, rollOn, sendVolume } from "./play_sound.js";
 import { drawSpectrum, showStrip } from "./play_meter.js";
 import { showExport } from "./play_export.js";
+import { showBand } from "./play_notes.js";
 import { wakeStage } from "./play_view.js";
 import { isPlayable } from "../engine/effort.js";
 
@@ -62,6 +63,7 @@ export function showRun() {
 /** Show the settings and apply them: the speed glides, and other settings are prepared again. */
 function takeSettings() {
   SETTINGS.filter(({ name }) => isLive(name, liveOf())).forEach(showSetting);
+  showBand(liveOf().longStep, live.settings.speed);
   rollOn();
   askSettings();
   showExport();
