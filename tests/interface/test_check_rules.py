@@ -195,8 +195,8 @@ def test_a_tolerance_above_the_usual_leaves_the_level(
     ],
 )
 def test_the_tolerance_is_the_same_for_all_tracks_over_a_surface(change: list[str]) -> None:
-    light = "rolling.load_n=5"
-    assert loads(WIDE, [light, *change]).tolerance == loads(WIDE, [light]).tolerance == 2e-4
+    light = ["rolling.load_n=5", "numerics.step_nodes=1"]  # the step counts, and auto may change it
+    assert loads(WIDE, [*light, *change]).tolerance == loads(WIDE, light).tolerance == 2e-4
 
 
 def test_the_number_of_the_automatic_tolerance_is_the_same_march() -> None:
