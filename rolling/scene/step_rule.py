@@ -70,7 +70,7 @@ def choose(scene: SceneQuantities, speed: float) -> StepChoice:
         if lowest[nodes] <= speed and scene.node_track.n_along % nodes == 0:
             step_um = micrometres(nodes * scene.spacing)
             least = rounded_up(lowest[nodes])
-            text = f"{nodes} nodes: {step_um} um hold hearing from {least} m/s on"
+            text = f"{nodes} nodes: steps of {step_um} um hold hearing from {least} m/s on"
             return StepChoice(float(nodes), lowest[nodes], speed, text)
     least_nodes = min(CHOICES)
     if smoothness(scene) > MAX_SMOOTHNESS:

@@ -427,6 +427,25 @@ def test_sliders_end_where_the_modes_of_a_plate_are_too_many(playing, pages) -> 
     assert is_playable and "takes too long" in refusal
 
 
+def test_the_band_of_long_steps_stands_beside_the_shown_speed(opened, pages, tmp_path) -> None:
+    """Steps of a node have no such line."""
+    text = pages("flying").read_text(encoding="utf-8")
+    assert '"longStep":null' in text
+    long = tmp_path / "long.html"
+    long.write_text(text.replace('"longStep":null', '"longStep":8e-06'), encoding="utf-8")
+    with opened(long) as page:
+        words = page.text_content("#play-band")
+        set_slider(page, "speed", 0)
+        at_rest = page.text_content("#play-band")
+        set_slider(page, "speed", 0.9)
+        speed = keys(page)["rolling"]["speed_m_s"]
+        faster = page.text_content("#play-band")
+    assert words == "Steps of 8 µm hold up to 6.25 kHz at 0.1 m/s." and not at_rest
+    assert f" at {speed:g} m/s." in faster and words != faster
+    with opened(pages("flying")) as page:
+        assert not page.text_content("#play-band")
+
+
 @pytest.mark.slow
 def test_the_audio_context_rests_after_the_ball(playing) -> None:
     """Without sound it is suspended; the next roll wakes it with the settings made meanwhile."""

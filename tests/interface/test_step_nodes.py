@@ -50,7 +50,7 @@ def folder_of(tmp_path: Path, *overrides: str) -> Path:
 # ---- the rule
 
 
-@pytest.mark.law("steps: a faster sphere never has shorter steps")
+@pytest.mark.law("steps: a faster sphere never has shorter steps.")
 @pytest.mark.parametrize(
     "overrides",
     [
@@ -136,7 +136,7 @@ def test_a_rolling_out_sphere_counts_until_it_is_slow() -> None:
 # ---- the error
 
 
-@pytest.mark.law("steps: at auto the level keeps to that of steps of one node within 0.05 dB")
+@pytest.mark.law("steps: at auto the level keeps to that of steps of one node within 0.05 dB.")
 @pytest.mark.parametrize("overrides", [[], [MEDIUM], ["plate.hardness_gpa="]])
 def test_the_level_is_that_of_steps_of_a_node(overrides: list[str]) -> None:
     """The rule was not fitted to these scenes."""
@@ -166,7 +166,7 @@ def test_auto_is_the_number_that_it_takes_to_the_last_bit() -> None:
 # ---- sweeps
 
 
-@pytest.mark.law("steps: the slowest speed of a sweep decides, and its runs share a march")
+@pytest.mark.law("steps: the slowest speed of a sweep decides, and its runs share a march.")
 def test_the_slowest_speed_of_a_sweep_decides() -> None:
     swept = scene_of("sweep.rolling.speed_m_s=[0.5, 3, 1]")
     runs = [run for _, run in swept.runs()]

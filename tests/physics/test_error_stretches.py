@@ -280,7 +280,7 @@ def test_a_faster_ball_hears_less_of_the_grid() -> None:
         .replace("roughness_ra_um: 0.1", "roughness_ra_um: 0.05")
         .replace("load_n: 0.1", "load_n: 0.5")
         + "dynamics: {release: false}\nsound: {source: vibration}\n",
-        ["rolling.duration_s=0.008"],
+        ["rolling.duration_s=0.008", "numerics.step_nodes=1"],
         "s.yaml",
     )
     result = march_all(scene)
