@@ -28,6 +28,8 @@ rolling: {load_n: 4, speed_m_s: 2, distance_mm: 1.2}
 """
 SLOW = "rolling.speed_m_s=0.1"
 MEDIUM = "rolling.speed_m_s=0.5"
+BODIES = ["sphere.density_kg_m3=7850", "plate.density_kg_m3=7850", "plate.thickness_mm=5"]
+BODIES += ["dynamics={}"]
 
 
 def scene_of(*overrides: str) -> Scene:
@@ -92,6 +94,7 @@ def test_the_lengths_by_speed() -> None:
         ["surface.roughness_ra_um=0.001"],
         ["rolling.load_n=0.001"],
         ["rolling.speed_m_s=[[0, 0.05], [0.2, 3]]"],
+        [*BODIES, "rolling.load_n=0.7"],
     ],
     ids=[
         "sharp",
@@ -104,10 +107,12 @@ def test_the_lengths_by_speed() -> None:
         "too smooth",
         "small contact",
         "from slow",
+        "may bounce",
     ],
 )
 def test_steps_stay_at_a_node_where_longer_ones_were_not_measured(overrides: list[str]) -> None:
     assert run_of("rolling.speed_m_s=5").step_nodes == 4
+    assert run_of("rolling.speed_m_s=5", *BODIES).step_nodes == 4
     run = run_of("rolling.speed_m_s=5", *overrides)
     assert run.step_nodes == 1 and run.step_choice is not None
     assert run.step_choice.text.startswith("1 node: ")
