@@ -51,11 +51,17 @@ SITE = {
     "quickstart": ["sweep=", "rolling.duration_s=0.05", "numerics.error_estimate=false", BRIEF],
     "accelerating": [],
 }
-# With ROLLING_SHORT_SITE in the environment, as in the tests, these tracks are shorter still.
+# With ROLLING_SHORT_SITE in the environment, as in the tests, these tracks are shorter and coarser
+# still, and one process marches them. The marble's track lasts until it has landed.
+IS_SHORT = bool(os.environ.get("ROLLING_SHORT_SITE"))
 SHORT = {
-    "steel-sheet": ["rolling.distance_mm=1.5"],
-    "marble-rolling-out": ["rolling.distance_mm=1.5"],
+    "steel-sheet": ["rolling.distance_mm=1.5", "surface.spacing_um=4"],
+    "marble-dropped": ["surface.spacing_um=8", BRIEF],
+    "marble-rolling-out": ["rolling.distance_mm=1.5", "surface.spacing_um=3", BRIEF],
+    "ball-with-pit": ["surface.spacing_um=6"],
     "bearing-grades": ["surface.spacing_um=8"],
+    "quickstart": ["rolling.duration_s=0.02"],
+    "accelerating": ["rolling.distance_mm=2", BRIEF],
 }
 CARD = "title", "stem", "vibration", "released", "played", "word", "reason"
 ITEM = re.compile(r"^- `([\w-]+)`: (.*)$", re.MULTILINE)
@@ -148,7 +154,7 @@ def site() -> Path:
 
 def _scenes() -> dict[str, list[str]]:
     """Return the scenes that the site runs, with their settings."""
-    short = SHORT if os.environ.get("ROLLING_SHORT_SITE") else {}
+    short = SHORT if IS_SHORT else {}
     return {name: [*settings, *short.get(name, ())] for name, settings in SITE.items()}
 
 
@@ -159,7 +165,7 @@ def _make_site(folder: Path) -> None:
     from rolling.run.folder import stored_runs
     from rolling.run.solving import open_runs
 
-    made(_scenes(), folder, workers=0, report=False)
+    made(_scenes(), folder, workers=1 if IS_SHORT else 0, report=False)
     cards: dict[str, list[dict[str, str]]] = {}
     for name in SITE:
         for run in open_runs(stored_runs(folder / name)):

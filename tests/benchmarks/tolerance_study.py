@@ -43,6 +43,7 @@ plate: {{youngs_modulus_gpa: 210, poissons_ratio: 0.3}}
 surface: {{kind: gaussian, roughness_ra_um: 0.1, correlation_length_um: 10, spacing_um: 2,
           width_um: 512, seed: 1}}
 rolling: {{load_n: 20, speed_m_s: {SPEED}, distance_mm: 3}}
+numerics: {{step_nodes: 1}}
 """
 
 
