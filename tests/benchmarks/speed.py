@@ -1,6 +1,6 @@
 """The speed targets, each measured beside a yardstick of the same run.
 
-The script writes speed.json and speed.md, and prints the table. It takes three minutes; README.md
+The script writes speed.json and speed.md, and prints the table. It takes five minutes; README.md
 defines the rows.
 
 python tests/benchmarks/speed.py [--quick] [--aspher PYTHON] [--slippy PYTHON] [--out FOLDER]
