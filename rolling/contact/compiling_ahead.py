@@ -35,7 +35,7 @@ def compile_step() -> None:
         (_FIELD,) * 5,
         (_WHOLE, _BLOCK, 1),
         (1.0,) * 5,
-        (stencils, (_WHOLE, _SINGLES, 0, 0), _SINGLES),
+        (stencils, (_WHOLE, _SINGLES, 0), _SINGLES),
         (_FIELD, _FIELD, _FIELD, 0, 0),
         (1.0, 1.0),
         tuple(Progress()),
