@@ -279,7 +279,7 @@ def iterate(system, direction, solutions, rules):
         edges_lead = lift > EDGES_LEAD * worst
         ends = worst <= allowed and not leading
         if ends and not rules.finishing:
-            return Step(approach, worst, 0, 0, 0, 0, 0.0), direction
+            return Step(approach, worst, 0, 0, 0, 0.0), direction
         if leading:
             approach = lead_model(system, approach, solutions)
             length = 1.0
@@ -293,11 +293,11 @@ def iterate(system, direction, solutions, rules):
         descends = following.slope < 0.0
         if ends:
             load = take_whole_step(nodes.p, work.d, limits.hardness) if descends else 0.0
-            return Step(approach, worst, free, bound, restarts, 0, load), last
+            return Step(approach, worst, bound, restarts, 0, load), last
         if leading:
             following = Direction(following.slope, following.longest, 0.0, direction.length)
         if descends or leading:
-            return Step(approach, worst, free, bound, restarts, 0, 0.0), following
+            return Step(approach, worst, bound, restarts, 0, 0.0), following
         length = 1.0
         direction = Direction(0.0, 0.0, 0.0, length)
     worst, free, bound = find_residual(
@@ -311,7 +311,7 @@ def iterate(system, direction, solutions, rules):
         direction, restarts, plain_steps = find_direction(
             system, approach, free, bound, last, plain
         )
-    return Step(approach, worst, free, bound, restarts, plain_steps, 0.0), direction
+    return Step(approach, worst, bound, restarts, plain_steps, 0.0), direction
 
 
 @inlined()

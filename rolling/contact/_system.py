@@ -187,7 +187,6 @@ class Step(NamedTuple):
 
     approach: float  # [m]
     worst: float  # maximum violation of the contact conditions [m]
-    free: int  # number of candidates that may move freely
     bound: int  # number of candidates that go to a bound
     restarts: int  # 1 if the next direction is a restart
     plain_steps: int  # 1 if the next direction is a plain gradient

@@ -309,11 +309,6 @@ class Convolution:
             self._plans += plans
 
     @property
-    def size(self) -> int:
-        """Number of nodes of the padded transforms."""
-        return int(self.entry[kernels.LENGTH] * self.entry[kernels.WIDTH])
-
-    @property
     def nbytes(self) -> int:
         """Memory of the arrays [bytes]."""
         arrays = [self.real, self._lines, *self._factors]

@@ -217,10 +217,9 @@ def _with_steps_of(scene: Scene, heard: Scene) -> Scene:
     if min(run.slowest_speed for _, run in heard.runs()) > slowest:
         numerics = heard.numerics.model_copy(update={"slowest_m_s": slowest})
         kept = heard.model_copy(update={"numerics": numerics})
-        is_the_same = [run.step_nodes for _, run in kept.runs()] == [
-            run.step_nodes for _, run in heard.runs()
-        ]
-        return heard if is_the_same else kept
+        kept_steps = [run.step_nodes for _, run in kept.runs()]
+        heard_steps = [run.step_nodes for _, run in heard.runs()]
+        return heard if kept_steps == heard_steps else kept
     longest = max(stored, key=_lowest_speed)  # the steps that the fewest speeds allow
     if min(run.heard_speed for _, run in heard.runs()) < _lowest_speed(longest):
         step_um = micrometres(longest.step)
