@@ -8,6 +8,7 @@ from typing import Any
 from acoustics.numbers import rounded, rounded_down, si
 from rolling.check import cost, resolution
 from rolling.check.doubt import Doubt, Finding, Severity
+from rolling.dynamics.smooth_contact import semi_axes
 from rolling.scene.height_files import is_instrument
 from rolling.scene.height_grid import read
 from rolling.scene.laws import HeightLaw, SelfAffineLaw
@@ -50,6 +51,7 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
             yield Doubt(step.step, f"{name}: {step.warning}", Severity.TRUST)
     yield Finding("level", "tilt", tilt_text(surface.levelling))
     yield from _seam(scene, surface.levelling)
+    yield from _seam_across(scene, surface.levelling)
     yield from _form(surface)
 
 
@@ -165,6 +167,29 @@ def _seam(scene: Scene, levelling: Levelling) -> Iterator[Finding | Doubt]:
             Severity.INDICATIVE,
             advice="roll over the middle of the file only (rolling.start_um, rolling.duration_s), "
             "or set surface.periodic to blend",
+        )
+
+
+def _seam_across(scene: Scene, levelling: Levelling) -> Iterator[Finding | Doubt]:
+    """Judge the distance of a track beside the middle from the edge of the file."""
+    if scene.across_nodes == 0:
+        return
+    width = scene.track.n_across * scene.spacing
+    from_edge = abs(scene.across_nodes * scene.spacing - width / 2)
+    name = "track across"
+    place = f"{si(from_edge, 'm')} from the edge of the surface"
+    yield Finding("seam_across", name, place)
+    reach = semi_axes(scene)[1]
+    if from_edge < reach and levelling.seams[1].stands_out:
+        farthest_um = 1e6 * (width / 2 - reach)
+        yield Doubt(
+            "seam_across",
+            f"{name}: it lies {place}, and the contact reaches {si(reach, 'm')} to either side."
+            " The file is no period of a surface across, so the contact lies on the step from one"
+            " edge to the other",
+            Severity.INDICATIVE,
+            advice=f"choose a rolling.across_um of at most {rounded_down(farthest_um)} either way,"
+            " or set surface.periodic to blend",
         )
 
 

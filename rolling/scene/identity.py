@@ -53,6 +53,9 @@ def contact_keys(scene: Scene) -> dict[str, Any]:
         "numerics.step_nodes": scene.step_nodes,
         "rolling.load_n": scene.load,
     }
+    del keys["rolling.across_um"]
+    if scene.across_nodes:
+        keys["across_nodes"] = scene.across_nodes
     if scene.is_permanent:
         keys["passes"] = scene.passes
     for section, path in scene.height_paths.items():

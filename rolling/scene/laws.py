@@ -288,7 +288,7 @@ class SurfaceFault(Section):
         volume of the hole. bump: a rounded hill. scratch: a line. groove: a line across the whole
         surface. step: a rise over size_um.
     at_mm : list of float, optional
-        Place (x, y) [mm]. x counts along the surface from its start, y from the line of the sphere.
+        Place (x, y) [mm]. x counts along the surface from its start, y from its middle line.
     count : int, optional
         Number of equal faults at random places, in place of at_mm
     seed : int, optional
@@ -394,6 +394,6 @@ def refuse_misplaced(
             raise fault(
                 f"got [{plain_number(x)}, {plain_number(y)}], which is beyond the surface, allowed:"
                 f" x from 0 to {rounded(length_um * 1e-3, 6)} mm, y within"
-                f" {rounded(width_um * 5e-4, 6)} mm of the line of the sphere",
+                f" {rounded(width_um * 5e-4, 6)} mm of the middle line",
                 at=(*at, number, "at_mm"),
             )

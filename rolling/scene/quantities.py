@@ -300,6 +300,12 @@ class SceneQuantities(Section):
         """First position along the track [m]."""
         return self.rolling.start_um * 1e-6
 
+    @property
+    def across_nodes(self) -> int:
+        """Nodes across from the middle line of the plate's surface to the track, over its width."""
+        nodes = round(self.rolling.across_um * 1e-6 / self.spacing)
+        return nodes % self.track.n_across
+
 
 def mass(sphere: Sphere) -> float:
     """Return the mass of a sphere [kg], of steel without a density."""

@@ -374,6 +374,9 @@ class Rolling(Section):
         Distance rolled [mm], in place of a duration. Every speed then meets the same surface.
     start_um : float
         Start position along the track [um]
+    across_um : float
+        Distance of the track from the middle line of the plate's surface [um], rounded to whole
+        nodes. The surface is periodic across, and its faults keep their places in it.
     passes : int, optional
         Number of passes over the track, each on the surface that the pass before left. The record
         is the last. More than 1 needs plate.plasticity: permanent.
@@ -392,6 +395,7 @@ class Rolling(Section):
     duration_s: float | None = Field(default=None, gt=0)
     distance_mm: float | None = Field(default=None, gt=0)
     start_um: float = 0.0
+    across_um: float = 0.0
     passes: int | None = Field(default=None, ge=1, le=MAX_PASSES)
 
     @model_validator(mode="after")

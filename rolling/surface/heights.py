@@ -218,7 +218,7 @@ RIM = 4.0  # radii of a dent within which its rim dies out
 def add_faults(heights: Array, faults: Sequence[SurfaceFault], spacing: float) -> None:
     """Add faults to periodic heights (along, across) [m] in place.
 
-    A fault at y = 0 lies on the line of the sphere, in the middle of the width.
+    A fault at y = 0 lies on the middle line of the width.
     """
     along, across = heights.shape
     line = np.zeros(along)  # of faults that cross the whole surface

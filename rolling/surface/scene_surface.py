@@ -3,7 +3,8 @@
 March, statistics and pictures take the heights from this module. The last surface is kept, because
 most runs of a sweep share it, and small ones before it, so that a sweep may alternate between them.
 In pure rolling each place of the sphere meets the place of the plate that it rolled to, so both
-surfaces add up to one that does not move: z(x, y) = plate(x, y) + sphere(x mod 2 pi R, y).
+surfaces add up to one that does not move: z(x, y) = plate(x, y) + sphere(x mod 2 pi R, y). A track
+beside the middle of the plate's surface is made by moving the heights of the plate.
 """
 
 from collections.abc import Iterator, Sequence
@@ -101,6 +102,7 @@ def identity(scene: Scene) -> tuple[Any, ...]:
     return (
         scene.surface.model_dump_json(),
         of_ball,
+        scene.across_nodes,
         scene.folder,
         track.n_along,
         track.n_across,
@@ -120,6 +122,7 @@ def _make(scene: Scene) -> SceneSurface:
     plate, plane, effects = _plate(scene)
     described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
     add_faults(plate, scene.surface.faults or (), scene.spacing)
+    plate = under_track(scene, plate)
     if scene.sphere.surface is None:
         return SceneSurface(
             heights=plate,
@@ -144,6 +147,16 @@ def _make(scene: Scene) -> SceneSurface:
         made=described | described_ball,
         suspicions=suspicions,
     )
+
+
+def under_track(scene: Scene, plate: Array) -> Array:
+    """Move the heights of a plate across, so that its track lies in the middle of the width.
+
+    Everything that follows knows a track in the middle only. The surface of a sphere does not move.
+    """
+    if scene.across_nodes == 0:
+        return plate
+    return np.roll(plate, -scene.across_nodes, axis=1)
 
 
 def _ra(heights: Array) -> float:
