@@ -3,7 +3,7 @@
 import errno
 import signal
 from collections import Counter, defaultdict, deque
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
@@ -54,6 +54,8 @@ class RunFiles:
     pieces : Path. Folder for the files of pieces.
     stored : mapping. Runs that are done, by contact identity; their marches are taken.
     film : bool. Whether runs get a slow motion.
+    finish : function. It makes the sound of a complete run from its folder, label and result, and
+        writes its files, in a process of the pool.
     """
 
     runs: Sequence[RunFolder]
@@ -61,6 +63,7 @@ class RunFiles:
     pieces: Path
     stored: Mapping[str, RunFolder]
     film: bool
+    finish: Callable[[RunFolder, str, Result], None] = finish_run
 
 
 class FinishedRun(NamedTuple):
@@ -244,7 +247,7 @@ class RunLoop:
         run = self._files.runs[number]
         task = Task(
             key=("finish", str(number)),
-            function=finish_run,
+            function=self._files.finish,
             arguments=(run, self._files.labels[number], result),
         )
         self._wanting[task.key] = [number]

@@ -187,7 +187,7 @@ def vibrate(
         motion = of_scene.motion(scene, law)
     chain = of_scene.chain_over(scene, law)
     closed = whole_laps and bool(motion.settled)
-    force, pressures = _radiated_by_motion(scene, motion, closed)
+    force, pressures = radiated_by_motion(scene, motion, closed)
     pressure = pressures[0]
     levels = level.sound_levels(pressure, wav.SAMPLE_RATE_HZ, highest, closed)
     combed = None
@@ -225,7 +225,7 @@ def vibrate(
     )
 
 
-def _radiated_by_motion(
+def radiated_by_motion(
     scene: Scene, motion: BodyMotion, closed: bool, listeners: int | None = None
 ) -> tuple[Array, Array]:
     """Return force fluctuation [N] and pressures [Pa], (listeners, samples), of a motion."""
@@ -264,7 +264,7 @@ def _step_error(
     if laeq_db is None or (motion.laps + 1) * len(motion.force_n) > MAX_STEPS:
         return None
     twice = of_scene.motion(scene, law, 2 * motion.time_step_s)
-    _, pressures = _radiated_by_motion(scene, twice, closed, listeners=1)
+    _, pressures = radiated_by_motion(scene, twice, closed, listeners=1)
     coarse = level.sound_levels(pressures[0], wav.SAMPLE_RATE_HZ).laeq_db
     if coarse is None:
         return UNKNOWN_DB

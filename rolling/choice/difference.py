@@ -1,0 +1,223 @@
+"""Difference of two candidates over pairs of specimens, its ± and how sure its sign is.
+
+The scatter of the pairs is taken from the first six of them. It decides how many pairs the wanted ±
+needs, and it stays when they are there: a rule that stops when the scatter of all pairs happens to
+look small would promise too much (Stein's two-stage procedure).
+
+References
+----------
+C. Stein, A two-sample test for a linear hypothesis whose power is independent of the variance,
+Annals of Mathematical Statistics 16, 1945, 243-258. B. L. Welch, The generalization of Student's
+problem, Biometrika 34, 1947, 28-35, for the degrees of freedom of a sum of parts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.stats import t as student
+
+from acoustics.arrays import Array
+from rolling.choice.heard import Heard
+
+FIRST_PAIRS = 6  # whose scatter is that of all pairs
+FEWEST_PAIRS = 2  # that have a scatter
+SURE = 0.95  # from which on a candidate is surely quieter
+ONE_SIGMA = 0.8413447460685429  # share of a normal distribution below one standard deviation
+MOST_FREEDOM = 1e6  # from which on Student's distribution is normal
+
+
+class PairedMean(NamedTuple):
+    """Mean over pairs, its standard error, and the degrees of freedom of that."""
+
+    mean: float
+    error: float
+    freedom: float
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """Difference of the levels of two candidates, first less second.
+
+    Attributes
+    ----------
+    pairs : int
+        Number of pairs of specimens.
+    db : float or None, dB
+        Mean difference of what a listener would hear; None where one of them makes no sound.
+    uncertainty_db : float or None, dB
+        Standard uncertainty by Student's t; None for a single pair.
+    sureness : float or None
+        Probability that the sign of the difference is right; None without an uncertainty.
+    parts_db : dict, dB
+        Parts of the uncertainty by their origin: scatter of the pairs, loss factor, grid,
+        instrument. Student's t widens them together.
+    released_db, released_uncertainty_db : float or None, dB
+        The same for the released power, whose sign says nothing of what is heard.
+    band_db, band_uncertainty_db : (31,) arrays, dB
+        The same by third octave, NaN where it is unknown.
+    """
+
+    pairs: int
+    db: float | None
+    uncertainty_db: float | None
+    sureness: float | None
+    parts_db: dict[str, float]
+    released_db: float | None
+    released_uncertainty_db: float | None
+    band_db: Array
+    band_uncertainty_db: Array
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether the sign is right with 95 % probability."""
+        return self.sureness is not None and self.sureness >= SURE
+
+
+def difference(
+    first: Sequence[Heard], second: Sequence[Heard], instrument_db: float = 0.0
+) -> Difference:
+    """Return the difference of two candidates that are heard on the same specimens.
+
+    Parameters
+    ----------
+    first, second : sequences of Heard
+        What is heard of each specimen, in the same order.
+    instrument_db : float, dB
+        Standard uncertainty of the difference from what an instrument could not see. Default: 0.
+    """
+    pairs = list(zip(first, second, strict=True))
+    # Pairs and loss factors. The one factor that a scene states stands beside two of the other's.
+    apart = np.array([level_db(one.squares) - level_db(other.squares) for one, other in pairs])
+    bands = np.array([level_db(one.bands) - level_db(other.bands) for one, other in pairs])
+    band_db, band_uncertainty_db = _by_band(bands.mean(axis=1))
+    released_db, released_uncertainty_db = _released(pairs)
+    db = None
+    uncertainty_db = None
+    sureness = None
+    parts_db: dict[str, float] = {}
+    if np.all(np.isfinite(apart)):
+        of_pairs = paired_mean(apart.mean(axis=1))
+        db = of_pairs.mean
+        parts_db = {
+            "scatter": of_pairs.error,
+            "loss_factor": float(np.ptp(apart.mean(axis=0))) / 2,
+            "grid": _grid_part(pairs),
+            "instrument": instrument_db,
+        }
+        if math.isfinite(of_pairs.error):
+            total = math.hypot(*parts_db.values())
+            freedom = joint_freedom(of_pairs, total)
+            uncertainty_db = total * student_factor(freedom)
+            sureness = 1.0 if total == 0 else float(student.cdf(abs(db) / total, freedom))
+    return Difference(
+        pairs=len(pairs),
+        db=db,
+        uncertainty_db=uncertainty_db,
+        sureness=sureness,
+        parts_db=parts_db,
+        released_db=released_db,
+        released_uncertainty_db=released_uncertainty_db,
+        band_db=band_db,
+        band_uncertainty_db=band_uncertainty_db,
+    )
+
+
+# ---- statistics
+
+
+def level_db(squares: Array) -> Array:
+    """Return levels [dB] of mean squares over 1 Pa2; that of silence is minus infinity."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(10.0 * np.log10(squares))
+
+
+def paired_mean(values: Array) -> PairedMean:
+    """Return the mean of values over pairs, with the scatter of the first six.
+
+    The error is NaN for a single pair.
+    """
+    mean = float(np.mean(values))
+    first = values[:FIRST_PAIRS]
+    if len(first) < FEWEST_PAIRS:
+        return PairedMean(mean=mean, error=math.nan, freedom=math.nan)
+    scatter = float(np.std(first, ddof=1))
+    return PairedMean(
+        mean=mean,
+        error=scatter / math.sqrt(len(values)),
+        freedom=float(len(first) - 1),
+    )
+
+
+def joint_freedom(of_pairs: PairedMean, total: float) -> float:
+    """Return the degrees of freedom of a total uncertainty, of which the pairs are one part."""
+    if not of_pairs.error > 0:
+        return MOST_FREEDOM
+    return min(MOST_FREEDOM, of_pairs.freedom * (total / of_pairs.error) ** 4)
+
+
+def student_factor(freedom: float) -> float:
+    """Return the factor by which an error holds the mean with the probability of one sigma."""
+    return float(student.ppf(ONE_SIGMA, freedom))
+
+
+def pairs_needed(values: Array, wanted_db: float) -> int:
+    """Return the pairs after which the ± of a mean is a wanted one [dB], by Student's t."""
+    of_pairs = paired_mean(values)
+    scatter = of_pairs.error * math.sqrt(len(values))
+    if not scatter > 0:
+        return len(values)
+    return math.ceil((student_factor(of_pairs.freedom) * scatter / wanted_db) ** 2)
+
+
+# ---- parts of a difference
+
+
+def _by_band(values: Array) -> tuple[Array, Array]:
+    """Return mean and standard uncertainty of differences by band, (pairs, 31) [dB]."""
+    means = np.full(values.shape[1], np.nan)
+    errors = np.full(values.shape[1], np.nan)
+    for band, of_band in enumerate(values.T):
+        if not np.all(np.isfinite(of_band)):
+            continue
+        of_pairs = paired_mean(of_band)
+        means[band] = of_pairs.mean
+        if math.isfinite(of_pairs.error):
+            errors[band] = of_pairs.error * student_factor(of_pairs.freedom)
+    return means, errors
+
+
+def _released(pairs: Sequence[tuple[Heard, Heard]]) -> tuple[float | None, float | None]:
+    """Return the mean difference of the released powers, and its standard uncertainty [dB]."""
+    apart = []
+    for one, other in pairs:
+        if one.released_power_db is None or other.released_power_db is None:
+            return None, None
+        apart.append(one.released_power_db - other.released_power_db)
+    of_pairs = paired_mean(np.array(apart))
+    if not math.isfinite(of_pairs.error):
+        return of_pairs.mean, None
+    return of_pairs.mean, of_pairs.error * student_factor(of_pairs.freedom)
+
+
+def _grid_part(pairs: Sequence[tuple[Heard, Heard]]) -> float:
+    """Return the error of a difference [dB] from the grid, 0 where no scene asks for it.
+
+    Levels are not corrected for the error of the grid, so its mean difference counts whole.
+    """
+    apart = []
+    spreads = []
+    for one, other in pairs:
+        if one.grid_error_db is None or other.grid_error_db is None:
+            return 0.0
+        apart.append(one.grid_error_db - other.grid_error_db)
+        spreads.append(
+            math.hypot(
+                one.grid_error_uncertainty_db or 0.0, other.grid_error_uncertainty_db or 0.0
+            )
+        )
+    return math.hypot(float(np.mean(apart)), float(np.mean(spreads)) / math.sqrt(len(pairs)))

@@ -1,0 +1,139 @@
+"""Specimens: surfaces, or places on a measured surface, on which every candidate is heard.
+
+Candidates are compared on the same seeds, so that what their surfaces share cancels. A measured
+surface has no seed. Tracks beside each other across the scan, and stretches along it, take the
+place of seeds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from rolling.choice.candidates import Candidate
+from rolling.dynamics.smooth_contact import semi_axes
+from rolling.scene.scene import Scene
+
+MAX_SPECIMENS = 60
+FEWEST = 4  # pairs that a ± needs
+SEED_KEYS = ("surface.seed", "sphere.surface.seed")
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0  # places in this order are far apart at any count
+
+
+class Place(NamedTuple):
+    """Place of a track on a measured surface, from the start and middle of the scene [um]."""
+
+    along_um: float
+    across_um: float
+
+
+class Places(NamedTuple):
+    """Places on the measured surface of a candidate.
+
+    places : list of Place. The places, in an order in which the first ones are far apart.
+    overlap : bool. Whether the tracks overlap, because the scan has no room for enough of them.
+    """
+
+    places: list[Place]
+    overlap: bool
+
+
+class Specimens:
+    """Scenes of the candidates on specimen 1, 2, 3, ...
+
+    Attributes
+    ----------
+    count : int
+        Number of specimens that there are.
+    noun : str
+        What the specimens are: surfaces, or places of the scan.
+    overlap : bool
+        Whether the places of a scan overlap.
+    """
+
+    def __init__(self, candidates: Sequence[Candidate]) -> None:
+        """Find out what varies from specimen to specimen."""
+        self._candidates = candidates
+        self._places = [_places(one.scene) for one in candidates]
+        measured = [found for found in self._places if found is not None]
+        random = any(seed_keys(one.scene) for one in candidates)
+        self.overlap = any(found.overlap for found in measured)
+        self.count = MAX_SPECIMENS if random and not measured else 1
+        self.noun = "surfaces"
+        if measured:
+            self.count = min(MAX_SPECIMENS, *(len(found.places) for found in measured))
+            self.noun = "places of the scans" if len(measured) > 1 else "places of the scan"
+        self._first_seed = _first_seed(candidates)
+
+    def changes(self, candidate: int, number: int) -> dict[str, Any]:
+        """Return the values that make a candidate the specimen of a number, from 0 on."""
+        scene = self._candidates[candidate].scene
+        changes: dict[str, Any] = {}
+        for key in seed_keys(scene):
+            changes[key] = self._first_seed + number
+        found = self._places[candidate]
+        if found is not None:
+            place = found.places[number]
+            changes["rolling.start_um"] = scene.rolling.start_um + place.along_um
+            changes["rolling.across_um"] = scene.rolling.across_um + place.across_um
+        return changes
+
+    def scene(self, candidate: int, number: int) -> Scene:
+        """Return the scene of a candidate on the specimen of a number, from 0 on."""
+        scene = self._candidates[candidate].scene
+        return scene.with_(self.changes(candidate, number)).runs()[0].scene
+
+
+def seed_keys(scene: Scene) -> list[str]:
+    """Return the keys of the seeds that a scene has."""
+    keys = []
+    if hasattr(scene.surface, "seed"):
+        keys.append("surface.seed")
+    if hasattr(scene.sphere.surface, "seed"):
+        keys.append("sphere.surface.seed")
+    return keys
+
+
+def _first_seed(candidates: Sequence[Candidate]) -> int:
+    """Return the seed of the first specimen, that of the first candidate that has one."""
+    for one in candidates:
+        for section in (one.scene.surface, one.scene.sphere.surface):
+            if hasattr(section, "seed"):
+                return int(section.seed)
+    return 1
+
+
+def _places(scene: Scene) -> Places | None:
+    """Return the places on a measured surface; None for a surface that the program makes.
+
+    Tracks that are a contact width apart have little in common. A track round the whole scan has
+    no other stretch along it.
+    """
+    if scene.surface.kind != "file":
+        return None
+    track = scene.track
+    _, half_width = semi_axes(scene)
+    width = track.n_across * track.spacing
+    rows = max(1, int(width / (2.0 * half_width)))
+    columns = max(1, track.lap_steps // track.steps)
+    overlap = rows * columns < FEWEST
+    if overlap:
+        rows = min(FEWEST, track.n_across)
+    places = []
+    for row in range(rows):
+        for column in range(columns):
+            along = column * track.lap_steps * track.step / columns
+            places.append(Place(along_um=1e6 * along, across_um=1e6 * row * width / rows))
+    return Places(places=_far_apart(places), overlap=overlap)
+
+
+def _far_apart(places: Sequence[Place]) -> list[Place]:
+    """Return places in an order in which neighbours in the list are far apart on the surface."""
+    left = list(places)
+    ordered = []
+    at = 0.0
+    while left:
+        ordered.append(left.pop(int(at * len(left))))
+        at = (at + _GOLDEN) % 1.0
+    return ordered
