@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from rolling.scene.scene import Scene
 from rolling.sound import radiators
 
 MAX_CANDIDATES = 24
+LONGEST_NAME = 80  # letters of the name of a folder
 SHORT_S = 0.2  # records that are shorter have to last equally long
 SAME_DURATION = 0.01  # relative; tracks are whole nodes, so durations differ a little
 LOSS_KEY = "plate.contact_loss_factor"
@@ -37,6 +39,16 @@ class Candidate:
     scene: Scene
     loss_factors: tuple[float, ...]
     added: str
+
+    @property
+    def folder_name(self) -> str:
+        """Name of the folder of its specimens."""
+        return slug(self.label)[:LONGEST_NAME]
+
+
+def slug(label: str) -> str:
+    """Write a label in letters that every file system takes."""
+    return re.sub(r"[^A-Za-z0-9.=-]+", "_", label.replace("µ", "u")).strip("._") or "candidate"
 
 
 def candidates_of(scenes: Sequence[Scene]) -> list[Candidate]:
@@ -75,9 +87,11 @@ def _runs_of(scene: Scene) -> list[RunFolder]:
 def _labels(runs: Sequence[RunFolder]) -> list[str]:
     """Name candidates by their scenes where these differ, otherwise by what differs in them."""
     names = [run.scene.name for run in runs]
-    if len(set(names)) == len(names):
-        return names
-    return labels.labels(runs)
+    if len(set(names)) < len(names):
+        names = labels.labels(runs)
+    if len({slug(name)[:LONGEST_NAME].lower() for name in names}) < len(names):
+        return [f"{number}: {name}" for number, name in enumerate(names, start=1)]
+    return names
 
 
 def _without_faults(run: RunFolder) -> RunFolder:

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from acoustics.arrays import Array
+from acoustics.radiation import P_REF_PA
 from rolling.choice.heard import Heard
 
 FIRST_PAIRS = 6  # whose scatter is that of all pairs
@@ -92,8 +93,9 @@ def difference(
     """
     pairs = list(zip(first, second, strict=True))
     # Pairs and loss factors. The one factor that a scene states stands beside two of the other's.
-    apart = np.array([level_db(one.squares) - level_db(other.squares) for one, other in pairs])
-    bands = np.array([level_db(one.bands) - level_db(other.bands) for one, other in pairs])
+    with np.errstate(invalid="ignore"):  # two silences have no difference
+        apart = np.array([level_db(one.squares) - level_db(other.squares) for one, other in pairs])
+        bands = np.array([level_db(one.bands) - level_db(other.bands) for one, other in pairs])
     band_db, band_uncertainty_db = _by_band(bands.mean(axis=1))
     released_db, released_uncertainty_db = _released(pairs)
     db = None
@@ -131,9 +133,9 @@ def difference(
 
 
 def level_db(squares: Array) -> Array:
-    """Return levels [dB] of mean squares over 1 Pa2; that of silence is minus infinity."""
+    """Return levels [dB re 20 uPa] of mean squares [Pa2]; that of silence is minus infinity."""
     with np.errstate(divide="ignore"):
-        return np.asarray(10.0 * np.log10(squares))
+        return np.asarray(10.0 * np.log10(squares / P_REF_PA**2))
 
 
 def paired_mean(values: Array) -> PairedMean:

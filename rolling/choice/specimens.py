@@ -40,7 +40,7 @@ class Places(NamedTuple):
 
 
 class Specimens:
-    """Scenes of the candidates on specimen 1, 2, 3, ...
+    """What varies from specimen to specimen of some candidates.
 
     Attributes
     ----------
@@ -53,36 +53,37 @@ class Specimens:
     """
 
     def __init__(self, candidates: Sequence[Candidate]) -> None:
-        """Find out what varies from specimen to specimen."""
-        self._candidates = candidates
-        self._places = [_places(one.scene) for one in candidates]
-        measured = [found for found in self._places if found is not None]
-        random = any(seed_keys(one.scene) for one in candidates)
-        self.overlap = any(found.overlap for found in measured)
-        self.count = MAX_SPECIMENS if random and not measured else 1
-        self.noun = "surfaces"
-        if measured:
-            self.count = min(MAX_SPECIMENS, *(len(found.places) for found in measured))
-            self.noun = "places of the scans" if len(measured) > 1 else "places of the scan"
+        """Find out what varies."""
+        measured = []
+        is_random = False
+        for one in candidates:
+            found = _places(one.scene)
+            if found is not None:
+                measured.append(found)
+            if seed_keys(one.scene):
+                is_random = True
         self._first_seed = _first_seed(candidates)
+        self.overlap = any(found.overlap for found in measured)
+        self.noun = "surfaces"
+        self.count = MAX_SPECIMENS if is_random else 1
+        if measured:
+            self.noun = "places of the scan" if len(measured) == 1 else "places of the scans"
+            self.count = min(MAX_SPECIMENS, *(len(found.places) for found in measured))
 
-    def changes(self, candidate: int, number: int) -> dict[str, Any]:
-        """Return the values that make a candidate the specimen of a number, from 0 on."""
-        scene = self._candidates[candidate].scene
+    def scene(self, candidate: Candidate, number: int) -> Scene:
+        """Return the scene of a candidate on the specimen of a number, from 0 on."""
+        scene = candidate.scene
         changes: dict[str, Any] = {}
         for key in seed_keys(scene):
             changes[key] = self._first_seed + number
-        found = self._places[candidate]
+        found = _places(scene)
         if found is not None:
             place = found.places[number]
             changes["rolling.start_um"] = scene.rolling.start_um + place.along_um
             changes["rolling.across_um"] = scene.rolling.across_um + place.across_um
-        return changes
-
-    def scene(self, candidate: int, number: int) -> Scene:
-        """Return the scene of a candidate on the specimen of a number, from 0 on."""
-        scene = self._candidates[candidate].scene
-        return scene.with_(self.changes(candidate, number)).runs()[0].scene
+        if changes:
+            scene = scene.with_(changes)
+        return scene.runs()[0].scene
 
 
 def seed_keys(scene: Scene) -> list[str]:

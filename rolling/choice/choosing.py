@@ -1,0 +1,242 @@
+"""Choose between scenes: march pairs of specimens until the difference is known well enough."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from rolling.check import refusals
+from rolling.choice import words
+from rolling.choice.candidates import Candidate, candidates_of
+from rolling.choice.choice import Choice, Contender
+from rolling.choice.difference import FIRST_PAIRS, difference, pairs_needed
+from rolling.choice.heard import Specimen, read_heard
+from rolling.choice.solving import solve
+from rolling.choice.specimens import FEWEST, Specimens
+from rolling.run import folder as folders
+from rolling.run.executor import ended_by_signal
+from rolling.run.pools import Pool, local_pool
+from rolling.scene.height_files import read_regular
+from rolling.scene.identity import digest, scene_identity
+from rolling.scene.scene import Scene
+from rolling.terminal import files, progress
+from rolling.terminal.files import FolderError
+
+WITHIN_DB = 1.0  # wanted ± of a difference
+MINUTES = 10.0  # after which no more pairs begin
+BATCH = 6  # pairs between two looks at the clock
+LEAST_SHARE = 0.5  # of the wanted ± that the scatter of the pairs gets in any case
+CHOICE = "choice.json"
+FORMAT = "rolling-contact-noise choice, format 1"
+MAX_CHOICE = 10_000_000  # bytes of its file
+
+
+class Budget(NamedTuple):
+    """How long a choice goes on.
+
+    within_db : float, dB. The wanted ± of a difference.
+    minutes : float. Time after which no more pairs begin; the first four are always heard.
+    """
+
+    within_db: float = WITHIN_DB
+    minutes: float = MINUTES
+
+
+def default_folder(name: str, scenes: Sequence[Scene]) -> Path:
+    """Return the folder of a choice that is given without --out."""
+    return Path("outputs") / f"{name}-{digest([scene_identity(one) for one in scenes])[:8]}"
+
+
+def choose_scenes(
+    scenes: Sequence[Scene],
+    folder: Path | None = None,
+    budget: Budget = Budget(),
+    workers: int = 0,
+) -> Choice:
+    """Choose between scenes; a folder keeps what is done.
+
+    Parameters
+    ----------
+    scenes : sequence of Scene. Scenes, or one with a sweep or with single faults.
+    folder : Path. Folder of the choice. Default: outputs/choice-DIGITS.
+    budget : Budget. How long it goes on.
+    workers : int. Number of processes; 0: one per core.
+
+    Raises
+    ------
+    SceneError : the scenes are not comparable, or cannot run.
+    FolderError : the folder holds another choice.
+    ContactError : a contact has no solution.
+    OSError, KeyboardInterrupt : as `rolling.commands.run_scene`; finished pieces are kept.
+    """
+    candidates = candidates_of(scenes)
+    target = folder or default_folder("choice", [one.scene for one in candidates])
+    with open_choice(candidates, target, workers) as work:
+        return _until_known(work, candidates, budget)
+
+
+# ---- the work
+
+
+class Work:
+    """Specimens of candidates, solved in the folder of a choice as far as they are asked for.
+
+    Attributes
+    ----------
+    specimens : Specimens
+        What varies from specimen to specimen.
+    folder : Path
+        Folder of the choice.
+    """
+
+    def __init__(
+        self, candidates: Sequence[Candidate], folder: Path, pool: Pool, bar: progress.Bar
+    ) -> None:
+        self.specimens = Specimens(candidates)
+        self.folder = folder
+        self._pool = pool
+        self._bar = bar
+        self._known: dict[Path, Specimen] = {}
+
+    def hear(self, candidates: Sequence[Candidate], count: int) -> list[Contender]:
+        """Return what is heard of the first specimens of candidates; solve what is missing."""
+        wanted = []
+        names = []
+        for number in range(count):
+            for one in candidates:
+                wanted.append(self._specimen(one, number))
+                names.append(f"{one.label}, specimen {number + 1}")
+        solve(
+            folder=self.folder,
+            specimens=wanted,
+            labels=names,
+            stored=[*self._known.values()],
+            pool=self._pool,
+            bar=self._bar,
+        )
+        contenders = []
+        for one in candidates:
+            own = [self._specimen(one, number) for number in range(count)]
+            heard = [read_heard(specimen) for specimen in own]
+            contenders.append(Contender(candidate=one, heard=heard, specimens=own))
+        return contenders
+
+    def _specimen(self, candidate: Candidate, number: int) -> Specimen:
+        """Return a specimen of a candidate, which may not be solved yet."""
+        place = self.folder / candidate.folder_name / f"{number + 1:02d}"
+        if place not in self._known:
+            self._known[place] = Specimen(
+                values={},
+                scene=self.specimens.scene(candidate, number),
+                folder=place,
+                loss_factors=candidate.loss_factors,
+            )
+        return self._known[place]
+
+
+@contextmanager
+def open_choice(
+    candidates: Sequence[Candidate], folder: Path, workers: int = 0
+) -> Iterator[Work]:
+    """Open the folder of a choice, with a pool of processes.
+
+    Raises
+    ------
+    SceneError : a candidate cannot run here.
+    FolderError : the folder holds something else, or another command works on it.
+    """
+    scenes = [one.scene.runs()[0].scene for one in candidates]
+    for scene in scenes:
+        refusals.refuse(scene, workers, folder)
+    refusals.refuse_few_addresses(scenes)
+    _refuse_foreign(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    with ExitStack() as stack:
+        stack.enter_context(folders.locked(folder))
+        if not (folder / CHOICE).is_file():
+            files.write_json(folder / CHOICE, {"format": FORMAT})
+        bar = stack.enter_context(progress.Bar(0.0, "marches"))
+        pool = stack.enter_context(local_pool(workers, scenes * FEWEST))
+        stack.enter_context(ended_by_signal())
+        yield Work(candidates, folder, pool, bar)
+
+
+def _refuse_foreign(folder: Path) -> None:
+    """Raise FolderError for a folder that holds something else than a choice."""
+    if not folder.exists() and not folder.is_symlink():
+        return
+    if not folder.is_dir():
+        raise FolderError(f"{folder}: not a folder")
+    if not any(path.name != folders.LOCK for path in folder.iterdir()):
+        return
+    try:
+        stored = json.loads(read_regular(folder / CHOICE, MAX_CHOICE))
+        is_choice = stored["format"] == FORMAT
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        is_choice = False
+    if not is_choice:
+        free = folders.free_name(folder)
+        raise FolderError(f"{folder}: holds no choice; take another --out, such as {free}")
+
+
+def _until_known(work: Work, candidates: Sequence[Candidate], budget: Budget) -> Choice:
+    """Hear pairs until each difference is known well enough, or time or specimens end."""
+    began = time.monotonic()
+    count = min(FEWEST, work.specimens.count)
+    while True:
+        contenders = work.hear(candidates, count)
+        choice = _choice(work, contenders, budget)
+        progress.line(f"{count} {choice.noun}: {words.in_short(choice)}")
+        needed = pairs_needed_of(choice)
+        if needed <= count:
+            return choice
+        if count == work.specimens.count:
+            return replace(choice, limit=f"there are no more {choice.noun}")
+        if time.monotonic() - began > 60 * budget.minutes:
+            return replace(choice, limit=f"the limit of {budget.minutes:g} minutes was reached")
+        count = min(needed, count + BATCH, work.specimens.count)
+
+
+def _choice(work: Work, contenders: Sequence[Contender], budget: Budget) -> Choice:
+    """Return the present answer: the contenders in order, and how much louder each is."""
+    ordered = sorted(contenders, key=lambda contender: contender.level_db)
+    quietest = ordered[0]
+    differences = []
+    for other in ordered[1:]:
+        differences.append(difference(other.heard, quietest.heard))
+    return Choice(
+        contenders=ordered,
+        differences=differences,
+        noun=work.specimens.noun,
+        overlap=work.specimens.overlap,
+        limit="",
+        within_db=budget.within_db,
+        folder=work.folder,
+    )
+
+
+def pairs_needed_of(choice: Choice) -> int:
+    """Return the number of pairs after which every ± of a choice is the wanted one.
+
+    More pairs lower the scatter only. It gets at least half of the wanted ±, whatever the other
+    parts are.
+    """
+    if choice.pairs < FIRST_PAIRS:
+        return FIRST_PAIRS
+    needed = choice.pairs
+    quietest = choice.contenders[0]
+    for other, apart in zip(choice.contenders[1:], choice.differences, strict=True):
+        if apart.db is None:
+            continue
+        others = math.hypot(*(db for part, db in apart.parts_db.items() if part != "scatter"))
+        left = math.sqrt(max(0.0, choice.within_db**2 - others**2))
+        wanted_db = max(left, LEAST_SHARE * choice.within_db)
+        values = other.levels_db - quietest.levels_db
+        needed = max(needed, pairs_needed(values, wanted_db))
+    return needed

@@ -1,0 +1,91 @@
+"""Solve the specimens of a choice that its folder lacks, on all cores."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from rolling.choice.heard import Specimen, finish_specimen, write_heard
+from rolling.contact.solver import ContactError
+from rolling.marches.piece import contact_identity
+from rolling.results import result_file
+from rolling.results.run_folder import RESULT
+from rolling.run import folder as folders
+from rolling.run.executor import RunFiles, RunLoop
+from rolling.run.pools import Pool
+from rolling.terminal import files, progress, system_errors
+
+
+def solve(
+    folder: Path,
+    specimens: Sequence[Specimen],
+    labels: Sequence[str],
+    stored: Sequence[Specimen],
+    pool: Pool,
+    bar: progress.Bar,
+) -> None:
+    """Solve specimens that are not heard yet, and write their files.
+
+    Parameters
+    ----------
+    folder : Path. Folder of the choice.
+    specimens, labels : sequences. The specimens, and what they are called in messages.
+    stored : sequence of Specimen. Specimens that may be done, whose marches are taken.
+    pool : Pool. Its processes march.
+    bar : Bar. It receives the expected time of pieces [s].
+
+    Raises
+    ------
+    ContactError : a specimen has no solution. Finished ones are kept.
+    OSError, KeyboardInterrupt : as `RunLoop`. Finished pieces are kept.
+    """
+    lacking = []
+    names = []
+    for specimen, name in zip(specimens, labels, strict=True):
+        if specimen.is_done and not specimen.is_heard:  # a kill came between the two
+            write_heard(specimen, result_file.read_result(specimen.folder / RESULT, specimen.scene))
+        if not specimen.is_heard:
+            files.make_below(folder, specimen.folder)
+            if not folders.refuse_other(specimen.folder, specimen.scene):
+                folders.write_scene(specimen.folder, specimen.scene)
+            lacking.append(specimen)
+            names.append(name)
+    if not lacking:
+        return
+    sources: dict[str, Specimen] = {}
+    for specimen in stored:
+        if specimen.is_done:
+            sources.setdefault(contact_identity(specimen.scene), specimen)
+    marches = [contact_identity(specimen.scene) for specimen in lacking]
+    unfinished = Counter(marches)
+    run_files = RunFiles(
+        runs=lacking,
+        labels=names,
+        pieces=folder / folders.PIECES,
+        stored=sources,
+        film=False,
+        finish=finish_specimen,
+    )
+    loop = RunLoop([specimen.scene for specimen in lacking], bar, run_files)
+    with _kept_advice(folder):
+        for number, _ in loop.finished_runs(pool):
+            unfinished[marches[number]] -= 1
+            if unfinished[marches[number]] == 0:
+                folders.drop_pieces(folder, marches[number])
+    for number, reason in loop.failures.items():
+        raise ContactError(f"{names[number]}: {reason}")
+
+
+@contextmanager
+def _kept_advice(folder: Path) -> Iterator[None]:
+    """Say what is kept where the work is interrupted or a disk is full."""
+    advice = f"finished pieces are kept in {folder}; the same command goes on"
+    try:
+        yield
+    except OSError as error:
+        raise OSError(f"{system_errors.sentence(error)}\n{advice}") from error
+    except KeyboardInterrupt:
+        progress.line(advice)
+        raise

@@ -1,0 +1,184 @@
+"""Sentences of a choice, made last from its numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from acoustics.arrays import Array
+from acoustics.bands import BAND_NAMES
+from acoustics.numbers import rounded
+from acoustics.texts import printable
+from rolling.choice.candidates import LOSS_FACTORS
+from rolling.choice.choice import Choice, Contender
+from rolling.choice.difference import SURE, Difference
+from rolling.results.answer import uncertain
+
+PROBABLE = 0.8  # probability from which on a candidate is probably quieter
+WHERE_SHARE = 0.8  # of the difference of the energies that lies between two named frequencies
+_OVER = 0.999  # probabilities above are not told apart
+_OTHERS = {
+    "loss_factor": (
+        f"the loss factor of the contact, which no scene states ({LOSS_FACTORS[0]:g} to"
+        f" {LOSS_FACTORS[1]:g}); measure it, or give plate.contact_loss_factor"
+    ),
+    "grid": "the error of the grid; choose a smaller surface.spacing_um",
+    "instrument": "what the instrument could not see",
+}
+
+
+def sentences(choice: Choice) -> list[str]:
+    """Return the answer: who is quieter and how sure, where the difference lies, and one doubt."""
+    lines = [_verdict(choice)]
+    lines += _where(choice)
+    lines += _doubt(choice)
+    return lines
+
+
+def in_short(choice: Choice) -> str:
+    """Return the present answer for a line of progress."""
+    quietest, other, apart = _first_two(choice)
+    if apart.db is None:
+        return _silence(choice)
+    number = uncertain(apart.db, apart.uncertainty_db)
+    return f"{quietest.label} is {number} dB(A) quieter than {other.label}"
+
+
+# ---- the verdict
+
+
+class _FirstTwo(NamedTuple):
+    """The quietest contender, the next one, and their difference."""
+
+    quietest: Contender
+    other: Contender
+    apart: Difference
+
+
+def _first_two(choice: Choice) -> _FirstTwo:
+    """Return the two contenders between which a choice decides."""
+    return _FirstTwo(choice.contenders[0], choice.contenders[1], choice.differences[0])
+
+
+def _verdict(choice: Choice) -> str:
+    """Say which candidate is quieter than the next one, by how much, and how sure that is."""
+    quietest, other, apart = _first_two(choice)
+    if apart.db is None:
+        return f"{_capital(_silence(choice))}."
+    quiet = printable(quietest.label)
+    loud = printable(other.label)
+    count = f"{apart.pairs} {choice.noun}"
+    if apart.pairs == 1:
+        return (
+            f"{_capital(quiet)} is {apart.db:.1f} dB(A) quieter than {loud}. Nothing is random in"
+            " these scenes, so they are compared once, and the difference has no ±."
+        )
+    number = uncertain(apart.db, apart.uncertainty_db)
+    sure = f"{probability(apart.sureness)} sure"
+    if apart.is_sure:
+        return (
+            f"{_capital(quiet)} is {number} dB(A) quieter than {loud} ({count}; {sure} that it is"
+            " quieter)."
+        )
+    if apart.sureness is not None and apart.sureness >= PROBABLE:
+        return (
+            f"{_capital(quiet)} is probably quieter than {loud}, by {number} dB(A) ({count};"
+            f" {sure}, and {SURE:.0%} would decide)."
+        )
+    return (
+        f"Which of {quiet} and {loud} is quieter stays open: they differ by {number} dB(A)"
+        f" ({count}; {sure} that {quiet} is quieter)."
+    )
+
+
+def _silence(choice: Choice) -> str:
+    """Say that a contender makes no sound, so that there is no difference of levels."""
+    silent = [one.label for one in choice.contenders if not math.isfinite(one.level_db)]
+    names = " and ".join(map(printable, silent))
+    return f"{names} makes no sound within hearing, so there is no difference in decibels"
+
+
+def probability(sureness: float | None) -> str:
+    """Write a probability in whole percent, rounded down."""
+    if sureness is None:
+        return "un"
+    if sureness > _OVER:
+        return "over 99.9 %"
+    return f"{math.floor(100 * sureness)} %"
+
+
+def _capital(text: str) -> str:
+    """Return a text that begins with a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
+# ---- where the difference lies, and what limits it
+
+
+def _where(choice: Choice) -> Iterator[str]:
+    """Say between which frequencies most of the difference lies."""
+    quietest, other, apart = _first_two(choice)
+    if apart.db is None or not apart.is_sure:
+        return
+    edges = frequencies_of_difference(mean_bands(other) - mean_bands(quietest))
+    if edges is not None:
+        yield f"The difference lies {edges}."
+
+
+def mean_bands(contender: Contender) -> Array:
+    """Return the mean A-weighted squares of a contender by third octave, (31,) [Pa2]."""
+    return np.asarray(np.mean([one.bands.mean(axis=0) for one in contender.heard], axis=0))
+
+
+def frequencies_of_difference(squares: Array) -> str | None:
+    """Say in which third octaves most of a difference of energies lies; None without any.
+
+    They are the fewest neighbouring bands that hold 80 % of it.
+    """
+    known = np.nan_to_num(squares)
+    total = float(known.sum())
+    if not total > 0:
+        return None
+    sums = np.append(0.0, np.cumsum(known))
+    for width in range(1, len(known) + 1):
+        held = sums[width:] - sums[:-width]
+        first = int(np.argmax(held))
+        if held[first] >= WHERE_SHARE * total:
+            last = first + width - 1
+            if width == 1:
+                return f"in the third octave at {hertz(BAND_NAMES[first])}"
+            return f"between {hertz(BAND_NAMES[first])} and {hertz(BAND_NAMES[last])}"
+    return None
+
+
+def hertz(name: str) -> str:
+    """Write the nominal frequency of a third octave with its unit."""
+    frequency = float(name)
+    if frequency >= 1000:
+        return f"{rounded(frequency / 1000, 3)} kHz"
+    return f"{name} Hz"
+
+
+def _doubt(choice: Choice) -> Iterator[str]:
+    """Say what limits the ± where it is above the wanted one, with its size."""
+    apart = max(choice.differences, key=lambda one: one.uncertainty_db or 0.0)
+    if apart.uncertainty_db is None:
+        return
+    if choice.overlap:
+        yield (
+            f"The scan has room for fewer than {choice.pairs} tracks, so they overlap, and the ±"
+            " is too small: measure a larger field."
+        )
+    if apart.uncertainty_db <= choice.within_db:
+        return
+    part, size = max(apart.parts_db.items(), key=lambda item: item[1])
+    if part != "scatter":
+        yield f"Of the ±, {size:.1f} dB come from {_OTHERS[part]}."
+    elif choice.limit:
+        yield (
+            f"The ± is above the wanted {choice.within_db:g} dB, because {choice.limit}; it falls"
+            " with the root of their number."
+        )
