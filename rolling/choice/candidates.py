@@ -79,8 +79,8 @@ def candidates_of(scenes: Sequence[Scene]) -> list[Candidate]:
 def _runs_of(scene: Scene) -> list[RunFolder]:
     """Return the runs of a scene; seeds that it sweeps are no candidates."""
     if SEED in scene.sweep:
-        first = scene.runs()[0].scene.surface
-        scene = scene.with_({SEED: getattr(first, "seed")})
+        seed = labels.value_at(scene.runs()[0].scene, SEED)
+        scene = scene.with_({SEED: seed})
     return [RunFolder(values, run.with_auto_steps(), Path()) for values, run in scene.runs()]
 
 
@@ -128,7 +128,7 @@ def candidate(label: str, scene: Scene) -> Candidate:
         scene = radiators.with_bodies(scene)
     elif scene.dynamics.release is None:
         changes["dynamics.release"] = False  # the release under the constant load tells enough
-    loss_factors = LOSS_FACTORS
+    loss_factors: tuple[float, ...] = LOSS_FACTORS
     if scene.plate.contact_loss_factor is not None:
         loss_factors = (scene.plate.contact_loss_factor,)
     else:

@@ -48,6 +48,9 @@ class Budget(NamedTuple):
     minutes: float = MINUTES
 
 
+USUAL = Budget()
+
+
 def default_folder(name: str, scenes: Sequence[Scene]) -> Path:
     """Return the folder of a choice that is given without --out."""
     return Path("outputs") / f"{name}-{digest([scene_identity(one) for one in scenes])[:8]}"
@@ -56,7 +59,7 @@ def default_folder(name: str, scenes: Sequence[Scene]) -> Path:
 def choose_scenes(
     scenes: Sequence[Scene],
     folder: Path | None = None,
-    budget: Budget = Budget(),
+    budget: Budget = USUAL,
     workers: int = 0,
 ) -> Choice:
     """Choose between scenes; a folder keeps what is done.
@@ -84,7 +87,7 @@ def choose_scenes(
 # ---- the work
 
 
-class Work:
+class OpenChoice:
     """Specimens of candidates, solved in the folder of a choice as far as they are asked for.
 
     Attributes
@@ -143,7 +146,7 @@ class Work:
 @contextmanager
 def open_choice(
     candidates: Sequence[Candidate], folder: Path, workers: int = 0
-) -> Iterator[Work]:
+) -> Iterator[OpenChoice]:
     """Open the folder of a choice, with a pool of processes.
 
     Raises
@@ -164,7 +167,7 @@ def open_choice(
         bar = stack.enter_context(progress.Bar(0.0, "marches"))
         pool = stack.enter_context(local_pool(workers, scenes * FEWEST))
         stack.enter_context(ended_by_signal())
-        yield Work(candidates, folder, pool, bar)
+        yield OpenChoice(candidates, folder, pool, bar)
 
 
 def _refuse_foreign(folder: Path) -> None:
@@ -185,7 +188,7 @@ def _refuse_foreign(folder: Path) -> None:
         raise FolderError(f"{folder}: holds no choice; take another --out, such as {free}")
 
 
-def _until_known(work: Work, candidates: Sequence[Candidate], budget: Budget) -> Choice:
+def _until_known(work: OpenChoice, candidates: Sequence[Candidate], budget: Budget) -> Choice:
     """Hear pairs until each difference is known well enough, or time or specimens end."""
     began = time.monotonic()
     count = min(FEWEST, work.specimens.count)
@@ -203,7 +206,7 @@ def _until_known(work: Work, candidates: Sequence[Candidate], budget: Budget) ->
         count = min(needed, count + BATCH, work.specimens.count)
 
 
-def _choice(work: Work, contenders: Sequence[Contender], budget: Budget) -> Choice:
+def _choice(work: OpenChoice, contenders: Sequence[Contender], budget: Budget) -> Choice:
     """Return the present answer: the contenders in order, and how much louder each is."""
     ordered = sorted(contenders, key=lambda contender: contender.level_db)
     quietest = ordered[0]

@@ -218,8 +218,6 @@ def _grid_part(pairs: Sequence[tuple[Heard, Heard]]) -> float:
             return 0.0
         apart.append(one.grid_error_db - other.grid_error_db)
         spreads.append(
-            math.hypot(
-                one.grid_error_uncertainty_db or 0.0, other.grid_error_uncertainty_db or 0.0
-            )
+            math.hypot(one.grid_error_uncertainty_db or 0.0, other.grid_error_uncertainty_db or 0.0)
         )
     return math.hypot(float(np.mean(apart)), float(np.mean(spreads)) / math.sqrt(len(pairs)))

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from rolling.choice.candidates import Candidate
 from rolling.dynamics.smooth_contact import semi_axes
+from rolling.results import labels
 from rolling.scene.scene import Scene
 
 MAX_SPECIMENS = 60
@@ -88,20 +89,14 @@ class Specimens:
 
 def seed_keys(scene: Scene) -> list[str]:
     """Return the keys of the seeds that a scene has."""
-    keys = []
-    if hasattr(scene.surface, "seed"):
-        keys.append("surface.seed")
-    if hasattr(scene.sphere.surface, "seed"):
-        keys.append("sphere.surface.seed")
-    return keys
+    return [key for key in SEED_KEYS if labels.value_at(scene, key) is not None]
 
 
 def _first_seed(candidates: Sequence[Candidate]) -> int:
     """Return the seed of the first specimen, that of the first candidate that has one."""
     for one in candidates:
-        for section in (one.scene.surface, one.scene.sphere.surface):
-            if hasattr(section, "seed"):
-                return int(section.seed)
+        for key in seed_keys(one.scene):
+            return int(labels.value_at(one.scene, key))
     return 1
 
 

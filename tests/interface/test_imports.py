@@ -24,7 +24,7 @@ FLOORS = {
         ("results",),
         ("figures", "run"),
         ("plot", "report"),
-        ("commands", "studies", "surface_command"),
+        ("choice", "commands", "studies", "surface_command"),
         ("cli", "interface"),
     ),
     "acoustics": (
