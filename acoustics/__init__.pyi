@@ -2,6 +2,10 @@
 
 from acoustics import plots as plots
 from acoustics import wav as wav
+from acoustics.audibility import Audibility as Audibility
+from acoustics.audibility import audible_difference as audible_difference
+from acoustics.audibility import default_room_db as default_room_db
+from acoustics.audibility import room_noise as room_noise
 from acoustics.bands import BAND_NAMES as BAND_NAMES
 from acoustics.bands import EDGES_HZ as EDGES_HZ
 from acoustics.bands import MID_HZ as MID_HZ

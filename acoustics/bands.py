@@ -1,5 +1,7 @@
 """Third-octave bands from 20 Hz to 20 kHz: edges, sums of line power, uncertainty."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,6 +33,8 @@ AUDIBLE_HZ: tuple[float, float] = (float(EDGES_HZ[0]), float(EDGES_HZ[-1]))
 MIN_BT = 5.0
 MIN_DURATION_S = 1e-12  # of a record
 MAX_DURATION_S = 1e12  # of a record
+MIN_ROOM_DB = -20.0  # of a third octave of the noise of a room
+MAX_ROOM_DB = 120.0  # of a third octave of the noise of a room
 # A band whose level is off by more is marked in plots and tables [dB].
 OFF_DB = 1.0
 
@@ -138,3 +142,12 @@ def reliable(duration_s: float) -> NDArray[np.bool_]:
     """
     duration_s = within("duration_s", duration_s, MIN_DURATION_S, MAX_DURATION_S)
     return np.asarray(BANDWIDTH_HZ * duration_s >= MIN_BT)
+
+
+def nearest_nominal(frequency_hz: float) -> float:
+    """Return the nominal mid frequency nearest to a frequency by their ratio [Hz]."""
+    if not frequency_hz > 0:
+        return NOMINAL_HZ[0]
+    if math.isinf(frequency_hz):
+        return NOMINAL_HZ[-1]
+    return min(NOMINAL_HZ, key=lambda nominal: abs(math.log(nominal / frequency_hz)))

@@ -5,13 +5,17 @@ for 5 % of the time, is what listeners judge it by (Zwicker and Fastl).
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 
 import numpy as np
 
 from acoustics.arrays import Array, refuse_masked
 from acoustics.spectrum import checked_record
 from acoustics.traps import ignoring_underflow
+
+INSTALL = 'pip install "rolling-contact-noise[loudness]"'
 
 MIN_RATE_HZ = 48000  # mosqito would resample lower rates
 
@@ -20,13 +24,16 @@ MIN_RATE_HZ = 48000  # mosqito would resample lower rates
 _PLAYED_S = 4.0
 
 # ISO 532-1:2017, method 2, is defined at this rate.
-_VARYING_RATE_HZ = 48000
+VARYING_RATE_HZ = 48000
 # [s] for which a loop is played for its loudness in time. The second half is judged, in which the
 # filters have settled.
 _PLAYED_IN_TIME_S = 1.0
 # [s] of silence after an open record, in which the loudness of its end rises and fades.
 _AFTER_S = 0.2
 _FRAME_S = 0.002  # of mosqito's loudness in time
+_FINE_FRAMES = 4  # of 0.5 ms, in which mosqito computes
+# [s] of sound that are computed together; each second takes 30 MB.
+_TOGETHER_S = 16.0
 _N5_SHARE = 0.05  # of the time
 
 
@@ -77,9 +84,7 @@ def loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) -> Loudnes
     ISO 532-1:2017, method 1, for stationary sounds; DIN 45692:2009 for sharpness.
     """
     refuse_masked("pressure_pa", pressure_pa)
-    from acoustics import matplotlib_import
-
-    matplotlib_import.ensure()  # because mosqito imports matplotlib
+    _import_mosqito()
     from mosqito.sq_metrics import loudness_zwst, sharpness_din_from_loudness
 
     record = checked_record(pressure_pa, sample_rate_hz)
@@ -151,16 +156,9 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
     ed., Springer 2007, 8.7, for N5.
     """
     refuse_masked("pressure_pa", pressure_pa)
-    from acoustics import matplotlib_import
-
-    matplotlib_import.ensure()  # because mosqito imports matplotlib
-    from mosqito.sq_metrics import loudness_zwtv
-
     record = checked_record(pressure_pa, sample_rate_hz)
-    if sample_rate_hz != _VARYING_RATE_HZ:
-        raise ValueError(
-            f"loudness in time needs a sample rate of {_VARYING_RATE_HZ} Hz, got {sample_rate_hz:g}"
-        )
+    _import_mosqito()
+    _check_varying_rate(sample_rate_hz)
     # the onset of a mean would be heard as a bang
     fluctuation = record - np.mean(record)
     if not np.any(fluctuation):
@@ -170,19 +168,124 @@ def varying_loudness(pressure_pa: Array, sample_rate_hz: float, closed: bool) ->
         rounds = max(2, math.ceil(_PLAYED_IN_TIME_S / duration))
         played = np.tile(fluctuation, rounds)
         before = rounds // 2
-        first = round(before * duration / _FRAME_S)
+        first_s = before * duration
         judged_s = (rounds - before) * duration
     else:
         played = np.append(fluctuation, np.zeros(round(_AFTER_S * sample_rate_hz)))
-        first = 0
+        first_s = 0.0
         judged_s = duration
-    try:
-        sone = loudness_zwtv(played, int(sample_rate_hz), field_type="free")[0]
-    except ValueError:  # a third octave is too loud
+    courses = loudness_in_time([played], sample_rate_hz)
+    if courses is None:
         return VaryingLoudness(None, None)
-    # The loudest frames are counted until they last for 5 % of the record. The ear is slow, so some
-    # of them may lie in the silence after a short record.
-    loudest = np.sort(sone[first:])[::-1]
+    sone = courses[0]
     return VaryingLoudness(
-        n5_sone=float(loudest[int(_N5_SHARE * judged_s / _FRAME_S)]), max_sone=float(loudest[0])
+        n5_sone=n5_sone(sone, first_s, judged_s),
+        max_sone=float(np.max(sone[round(first_s / _FRAME_S) :])),
     )
+
+
+def n5_sone(sone: Array, first_s: float, judged_s: float) -> float:
+    """Return N5 of a course of loudness in time [sone].
+
+    The loudest frames are counted until they last for 5 % of `judged_s`. The ear is slow, so some
+    of them may lie after a short record.
+
+    Parameters
+    ----------
+    sone : array (frames,), sone. Loudness, from `loudness_in_time`.
+    first_s : float, s. Start of the part that is judged.
+    judged_s : float, s. Duration of the sound.
+    """
+    loudest = np.sort(sone[round(first_s / _FRAME_S) :])[::-1]
+    return float(loudest[int(_N5_SHARE * judged_s / _FRAME_S)])
+
+
+def loudness_in_time(records: Sequence[Array], sample_rate_hz: float) -> list[Array] | None:
+    """Return the loudness of records of equal length in frames of 2 ms [sone].
+
+    Nearly all time goes into the decay of the loudness, which mosqito advances by 1/48 ms for all
+    bands of a record at once. It takes as long for the bands of many records, so records go
+    through it together.
+
+    Parameters
+    ----------
+    records : sequence of arrays (n,), Pa. Sound pressures of equal length, without a mean.
+    sample_rate_hz : float, Hz. Sample rate, 48 kHz.
+
+    Returns
+    -------
+    list of arrays (frames,), sone
+        None if a third octave up to 250 Hz exceeds 120 dB, where the method does not hold.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If mosqito is not installed.
+    ValueError
+        For another sample rate.
+
+    References
+    ----------
+    ISO 532-1:2017, method 2.
+    """
+    _import_mosqito()
+    _check_varying_rate(sample_rate_hz)
+    together = max(1, int(_TOGETHER_S * sample_rate_hz / len(records[0])))
+    courses: list[Array] = []
+    try:
+        for first in range(0, len(records), together):
+            courses += _loudness_of_group(records[first : first + together])
+    except ValueError:  # a third octave is too loud
+        return None
+    return courses
+
+
+def _loudness_of_group(records: Sequence[Array]) -> list[Array]:
+    """Return the loudness in time of records that mosqito computes together [sone].
+
+    A release of mosqito that has its steps elsewhere computes one record after the other.
+    """
+    from mosqito.sq_metrics import loudness_zwtv
+
+    try:
+        from mosqito.sq_metrics.loudness.loudness_zwst._calc_slopes import _calc_slopes
+        from mosqito.sq_metrics.loudness.loudness_zwst._main_loudness import _main_loudness
+        from mosqito.sq_metrics.loudness.loudness_zwtv._nonlinear_decay import _nl_loudness
+        from mosqito.sq_metrics.loudness.loudness_zwtv._temporal_weighting import (
+            _temporal_weighting,
+        )
+        from mosqito.sq_metrics.loudness.loudness_zwtv._third_octave_levels import (
+            _third_octave_levels,
+        )
+    except ImportError:
+        return [loudness_zwtv(record, VARYING_RATE_HZ, field_type="free")[0] for record in records]
+    core = []
+    for record in records:
+        third_octaves_db = _third_octave_levels(record, VARYING_RATE_HZ)[0]
+        core.append(_main_loudness(third_octaves_db, "free"))
+    decayed = np.split(_nl_loudness(np.concatenate(core)), len(records))
+    courses = []
+    for bands in decayed:
+        total = _calc_slopes(bands)[0]
+        courses.append(_temporal_weighting(total)[::_FINE_FRAMES])
+    return courses
+
+
+def _import_mosqito() -> None:
+    """Import mosqito; raise ModuleNotFoundError with the command that installs it."""
+    if find_spec("mosqito") is None:
+        raise ModuleNotFoundError(
+            f"loudness needs the package mosqito, which is not installed; {INSTALL}", name="mosqito"
+        )
+    from acoustics import matplotlib_import
+
+    matplotlib_import.ensure()  # because mosqito imports matplotlib
+    import mosqito.sq_metrics  # noqa: F401
+
+
+def _check_varying_rate(sample_rate_hz: float) -> None:
+    """Raise ValueError for a sample rate for which method 2 is not defined."""
+    if sample_rate_hz != VARYING_RATE_HZ:
+        raise ValueError(
+            f"loudness in time needs a sample rate of {VARYING_RATE_HZ} Hz, got {sample_rate_hz:g}"
+        )

@@ -208,7 +208,7 @@ def _values(field: Json) -> str:
     if "anyOf" in field:
         return " or ".join(_values(part) for part in field["anyOf"] if part.get("type") != "null")
     if "patternProperties" in field:
-        return "amplitude by order"
+        return field["title"]
     if "items" in field:
         kind = field["items"].get("type", "section")
         return "list of pairs" if "prefixItems" in field["items"] else f"list of {kind}s"

@@ -11,6 +11,12 @@ from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, model_validator
 
+from acoustics.bands import (
+    BAND_NAMES,
+    MAX_ROOM_DB,
+    MIN_ROOM_DB,
+    nearest_nominal,
+)
 from acoustics.numbers import rounded
 from rolling.scene import library, messages
 from rolling.scene.messages import MATERIALS, fault, is_number, numbers, plain_number, quoted
@@ -577,6 +583,41 @@ Listeners = Annotated[
 ]
 
 
+_ROOM = "levels in dB by nominal mid frequency of third octaves, as in {63: 25, 125: 22}"
+
+
+def _room(value: Any) -> Any:
+    """Return the third octaves of a room by the names of their bands, lowest first."""
+    if not isinstance(value, dict) or not value:
+        raise fault(f"got {quoted(value)}, allowed: {_ROOM}")
+    levels: dict[str, float] = {}
+    for key, level in value.items():
+        try:
+            frequency_hz = float(key)
+        except (TypeError, ValueError):
+            raise fault(f"got the frequency {quoted(key)}, allowed: {_ROOM}") from None
+        name = f"{frequency_hz:g}"
+        if name not in BAND_NAMES:
+            closest = nearest_nominal(frequency_hz)
+            raise fault(
+                f"got the frequency {quoted(key)}, allowed: nominal mid frequencies of third "
+                f"octaves from 20 to 20000 Hz; nearest: {closest:g}"
+            )
+        if not (is_number(level) and MIN_ROOM_DB <= level <= MAX_ROOM_DB):
+            words = f"a level from {MIN_ROOM_DB:g} to {MAX_ROOM_DB:g} dB re 20 uPa"
+            raise fault(f"{name} Hz: got {quoted(level)}, allowed: {words}")
+        levels[name] = float(level)
+    return {name: levels[name] for name in BAND_NAMES if name in levels}
+
+
+_ROOM_LEVEL = {"type": "number", "minimum": MIN_ROOM_DB, "maximum": MAX_ROOM_DB}
+_ROOM_LEVELS = {"type": "object", "minProperties": 1, "additionalProperties": False} | {
+    "patternProperties": {r"^[0-9.]+$": _ROOM_LEVEL},
+    "title": "level by frequency",
+}
+Room = Annotated[dict[str, float], BeforeValidator(_room), WithJsonSchema(_ROOM_LEVELS)]
+
+
 class Sound(Section):
     """Source, listener, and conversion of release power to sound pressure.
 
@@ -606,6 +647,10 @@ class Sound(Section):
     loudness : bool
         Whether loudness (ISO 532-1) and sharpness (DIN 45692) are reported. Where the sound is not
         steady, they are N5 and the maximum of the loudness in time. It needs the package mosqito.
+    room_db : dict, optional
+        Noise of the listener's room, in which differences are audible or not: levels of third
+        octaves [dB re 20 uPa] by nominal mid frequency, as in {63: 25, 125: 22}. Missing bands are
+        silent. No level of a run includes it. Default: pink noise of 30 dB(A), 50 Hz to 10 kHz.
 
     Examples
     --------
@@ -622,6 +667,7 @@ class Sound(Section):
     gain_pa_per_w_m2: float | None = Field(default=None, gt=0)
     listen_s: float | None = Field(default=None, ge=0.1, le=120)
     loudness: bool = False
+    room_db: Room | None = None
 
     @model_validator(mode="after")
     def _check_free_factors(self) -> Self:

@@ -312,7 +312,8 @@ def _orders(value: Any) -> Any:
 
 _AMPLITUDE = {"type": "number", "exclusiveMinimum": 0}
 _AMPLITUDES = {"type": "object", "minProperties": 1, "additionalProperties": False} | {
-    "patternProperties": {r"^[0-9]+$": _AMPLITUDE}
+    "patternProperties": {r"^[0-9]+$": _AMPLITUDE},
+    "title": "amplitude by order",
 }
 Waviness = Annotated[dict[int, float], BeforeValidator(_orders), WithJsonSchema(_AMPLITUDES)]
 Grading = Annotated[
