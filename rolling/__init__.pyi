@@ -5,6 +5,8 @@ from rolling import plot as plot
 from rolling.check.doubt import Doubt as Doubt
 from rolling.check.doubt import Finding as Finding
 from rolling.check.findings import Findings as Findings
+from rolling.choice.choice import Choice as Choice
+from rolling.choice.difference import Difference as Difference
 from rolling.contact import closed_forms as closed_forms
 from rolling.contact.half_space import HalfSpace as HalfSpace
 from rolling.contact.march import march as march
@@ -16,6 +18,7 @@ from rolling.contact.state import ContactState as ContactState
 from rolling.contact.state import RollingContact as RollingContact
 from rolling.interface import Runs as Runs
 from rolling.interface import SweepError as SweepError
+from rolling.interface import choose as choose
 from rolling.interface import live as live
 from rolling.interface import open_run as open_run
 from rolling.interface import save_run as save_run

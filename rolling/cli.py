@@ -241,6 +241,21 @@ def _listen(given: argparse.Namespace) -> int:
     return _print_paths(listen(given.folder, given.seconds, given.speed, given.seed))
 
 
+def _choose(given: argparse.Namespace) -> int:
+    """Say which of some scenes is quieter."""
+    from rolling.scene import file
+
+    scenes = [file.read_scene(scene, given.overrides) for scene in given.scenes]
+    with progress.step(LOADING):
+        from rolling.choice.choosing import Budget, choose_scenes
+        from rolling.choice.command import print_choice, write_choice
+    budget = Budget(within_db=given.within_db, minutes=given.minutes)
+    choice = choose_scenes(scenes, given.out, budget, given.workers)
+    write_choice(choice)
+    print_choice(choice)
+    return OK
+
+
 def _compare(given: argparse.Namespace) -> int:
     """Compare a run with a recording."""
     with progress.step(LOADING):
@@ -332,6 +347,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "report": _report,
     "gallery": _gallery,
     "listen": _listen,
+    "choose": _choose,
     "compare": _compare,
     "surface": _surface,
     "accuracy": _accuracy,

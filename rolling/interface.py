@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import base64
 import sys
+import tempfile
 import webbrowser
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,7 +38,18 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
-__all__ = ["Runs", "SweepError", "live", "open_run", "save_run", "simulate", "simulate_sweep"]
+    from rolling.choice.choice import Choice
+
+__all__ = [
+    "Runs",
+    "SweepError",
+    "choose",
+    "live",
+    "open_run",
+    "save_run",
+    "simulate",
+    "simulate_sweep",
+]
 
 PLAY_IT = "play-it"  # the section of the page where the ball is rolled by hand
 
@@ -271,6 +284,80 @@ def _simulated(
         return simulate_runs(scene, workers, progress)
     except KeyboardInterrupt:
         raise Interrupted("the simulation was interrupted, and nothing of it is kept") from None
+
+
+@ignoring_underflow
+def choose(
+    scenes: Scene | Sequence[Scene],
+    within_db: float = defaults.WITHIN_DB,
+    minutes: float = defaults.CHOICE_MINUTES,
+    folder: Path | str | None = None,
+    workers: int = 0,
+    progress: bool | None = None,
+) -> Choice:
+    """Choose the quietest of some scenes, and say by how much and how sure that is.
+
+    All scenes are heard on the same random surfaces, or at several places of their scans, and each
+    difference has its scatter over these pairs as a ±. Pairs are added until it is the wanted one.
+
+    Parameters
+    ----------
+    scenes : Scene or sequence of Scene
+        The candidates. One scene with a sweep has a candidate for each run, one with single faults
+        is compared with itself without them.
+    within_db : float, dB
+        Wanted standard uncertainty of the differences. Default: 1.
+    minutes : float
+        Time after which no more pairs begin; four are always heard. Default: 10.
+    folder : Path or str
+        Folder that keeps the runs of all specimens; a choice that was interrupted goes on there.
+        Default: none, and only the numbers are kept.
+    workers, progress : int, bool
+        As in `simulate`.
+
+    Returns
+    -------
+    choice : Choice
+        Candidates in order, differences, sentences, table and plot.
+
+    Raises
+    ------
+    SceneError
+        The scenes are not comparable, or one of them cannot run.
+    FolderError
+        The folder holds something else.
+    ContactError
+        A contact has no solution.
+    KeyboardInterrupt
+        Ctrl-C was pressed.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> words = ["sweep.plate.thickness_mm=[3, 10]", "dynamics={}", "plate.material=steel-100cr6"]
+    >>> words += ["sphere.material=steel-100cr6", "rolling.load_n=1", "rolling.duration_s=0.02"]
+    >>> choice = rolling.choose(rolling.read_scene("quickstart", words), workers=1, progress=False)
+    >>> choice.contenders[0].label, choice.differences[0].is_sure
+    ('thickness 10 mm', True)
+
+    References
+    ----------
+    C. Stein, Annals of Mathematical Statistics 16, 1945, 243-258, for the number of pairs.
+    """
+    from rolling.choice.choosing import Budget, choose_scenes
+
+    listed = [scenes] if isinstance(scenes, Scene) else list(scenes)
+    for scene in listed:
+        instance("scenes", scene, Scene)
+    budget = Budget(within_db=within_db, minutes=minutes)
+    with ExitStack() as stack:
+        if progress is False:
+            stack.enter_context(terminal.begin(terminal.Level.QUIET))
+        if folder is None:
+            kept = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "choice"
+        else:
+            kept = Path(folder)
+        return choose_scenes(listed, kept, budget, workers)
 
 
 @ignoring_underflow

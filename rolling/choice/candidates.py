@@ -88,10 +88,21 @@ def _labels(runs: Sequence[RunFolder]) -> list[str]:
     """Name candidates by their scenes where these differ, otherwise by what differs in them."""
     names = [run.scene.name for run in runs]
     if len(set(names)) < len(names):
-        names = labels.labels(runs)
+        names = _swept_names(runs) or labels.labels(runs)
     if len({slug(name)[:LONGEST_NAME].lower() for name in names}) < len(names):
         return [f"{number}: {name}" for number, name in enumerate(names, start=1)]
     return names
+
+
+def _swept_names(runs: Sequence[RunFolder]) -> list[str]:
+    """Return the names among which one swept key chooses, of files without their ending."""
+    values = [tuple(run.values.values()) for run in runs]
+    if not all(len(value) == 1 and isinstance(value[0], str) for value in values):
+        return []
+    names = [str(value[0]) for value in values]
+    if all("surface.path" in run.values for run in runs):
+        names = [Path(name).stem for name in names]
+    return names if len(set(names)) == len(names) else []
 
 
 def _without_faults(run: RunFolder) -> RunFolder:

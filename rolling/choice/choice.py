@@ -1,89 +1,74 @@
-"""Answer of a choice: contenders with what is heard of them, and how much louder each is."""
+"""Answer to the question which of some scenes is quieter, with its sentences, table and picture."""
 
 from __future__ import annotations
 
+import html
 from dataclasses import dataclass
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
+from acoustics.traps import ignoring_underflow
+from rolling.choice import table, words
+from rolling.choice.comparison import Comparison
 
-from acoustics.arrays import Array
-from rolling.choice.candidates import Candidate
-from rolling.choice.difference import Difference, level_db
-from rolling.choice.heard import Heard, Specimen
-
-
-@dataclass(frozen=True, eq=False)
-class Contender:
-    """A candidate with what is heard of its specimens.
-
-    Attributes
-    ----------
-    candidate : Candidate
-        Label and scene.
-    heard : list of Heard
-        What is heard of each specimen.
-    specimens : list of Specimen
-        Their runs and folders.
-    """
-
-    candidate: Candidate
-    heard: list[Heard]
-    specimens: list[Specimen]
-
-    @property
-    def label(self) -> str:
-        """What the candidate is called."""
-        return self.candidate.label
-
-    @property
-    def levels_db(self) -> Array:
-        """(specimens,) dB(A). What a listener would hear of each specimen."""
-        return np.array([level_db(one.squares).mean() for one in self.heard])
-
-    @property
-    def level_db(self) -> float:
-        """Mean level of the vibration over specimens, dB(A); minus infinity for silence."""
-        return float(self.levels_db.mean())
-
-    @property
-    def released_power_db(self) -> float | None:
-        """Mean level of the released power, dB(A)."""
-        levels = [one.released_power_db for one in self.heard if one.released_power_db is not None]
-        return float(np.mean(levels)) if levels else None
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
 
 
-@dataclass(frozen=True, eq=False)
-class Choice:
+@ignoring_underflow
+@dataclass(frozen=True, eq=False, repr=False)
+class Choice(Comparison):
     """Answer to the question which of some scenes is quieter.
 
     Attributes
     ----------
     contenders : list of Contender
-        Candidates, the quietest first.
+        Candidates, the quietest first, each with `label` and `levels_db`, the levels of what a
+        listener would hear of its specimens, dB(A).
     differences : list of Difference
-        Of each contender after the first from the quietest: how much louder it is.
-    noun : str
-        What the specimens are: surfaces, or places of the scan.
-    overlap : bool
-        Whether the places of a scan overlap.
-    limit : str
-        Why no more pairs were heard although the ± is above the wanted one; empty if it is not.
-    within_db : float, dB
-        The wanted ±.
-    folder : Path
-        Folder of the choice.
+        How much louder each candidate after the first is than the quietest: `db`, its standard
+        `uncertainty_db`, the `sureness` of its sign, and `parts_db`, where the ± comes from.
+    noun, overlap, limit, within_db, folder
+        As in `Comparison`.
     """
 
-    contenders: list[Contender]
-    differences: list[Difference]
-    noun: str
-    overlap: bool
-    limit: str
-    within_db: float
-    folder: Path
-
     @property
-    def pairs(self) -> int:
-        """Number of specimens on which every candidate was heard."""
-        return len(self.contenders[0].heard)
+    def sentences(self) -> list[str]:
+        """Who is quieter, by how much and how sure; where the difference lies; one doubt."""
+        return words.sentences(self)
+
+    def table(self) -> pd.DataFrame:
+        """Tabulate the candidates, the quietest first.
+
+        Returns
+        -------
+        table : pandas.DataFrame
+            Mean levels of vibration and released power, dB(A); how much louder each is than the
+            quietest, with its ± and where that comes from.
+        """
+        return table.frame(self)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw how much louder each candidate is than the quietest, by third octave, with ±.
+
+        Parameters
+        ----------
+        ax : Axes
+            Axes of matplotlib. Default: new ones.
+
+        Returns
+        -------
+        ax : Axes
+        """
+        from rolling.choice.picture import draw_difference
+        from rolling.figures.picture import axes_of
+
+        return draw_difference(self, axes_of(ax))
+
+    def __repr__(self) -> str:
+        return "\n".join([*self.sentences, table.lines(self)])
+
+    def _repr_html_(self) -> str:
+        """Write sentences and table for a notebook."""
+        paragraphs = "".join(f"<p>{html.escape(text)}</p>" for text in self.sentences)
+        return f"{paragraphs}<pre>{html.escape(table.lines(self))}</pre>"

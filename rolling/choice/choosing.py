@@ -14,7 +14,8 @@ from typing import NamedTuple
 from rolling.check import refusals
 from rolling.choice import words
 from rolling.choice.candidates import Candidate, candidates_of
-from rolling.choice.choice import Choice, Contender
+from rolling.choice.choice import Choice
+from rolling.choice.comparison import Contender
 from rolling.choice.difference import FIRST_PAIRS, difference, pairs_needed
 from rolling.choice.heard import Specimen, read_heard
 from rolling.choice.solving import solve
@@ -25,11 +26,9 @@ from rolling.run.pools import Pool, local_pool
 from rolling.scene.height_files import read_regular
 from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
-from rolling.terminal import files, progress
+from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
 
-WITHIN_DB = 1.0  # wanted ± of a difference
-MINUTES = 10.0  # after which no more pairs begin
 BATCH = 6  # pairs between two looks at the clock
 LEAST_SHARE = 0.5  # of the wanted ± that the scatter of the pairs gets in any case
 CHOICE = "choice.json"
@@ -44,8 +43,8 @@ class Budget(NamedTuple):
     minutes : float. Time after which no more pairs begin; the first four are always heard.
     """
 
-    within_db: float = WITHIN_DB
-    minutes: float = MINUTES
+    within_db: float = defaults.WITHIN_DB
+    minutes: float = defaults.CHOICE_MINUTES
 
 
 USUAL = Budget()

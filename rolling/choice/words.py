@@ -13,7 +13,7 @@ from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.choice.candidates import LOSS_FACTORS
-from rolling.choice.choice import Choice, Contender
+from rolling.choice.comparison import Comparison, Contender
 from rolling.choice.difference import SURE, Difference
 from rolling.results.answer import uncertain
 
@@ -30,7 +30,7 @@ _OTHERS = {
 }
 
 
-def sentences(choice: Choice) -> list[str]:
+def sentences(choice: Comparison) -> list[str]:
     """Return the answer: who is quieter and how sure, where the difference lies, and one doubt."""
     lines = [_verdict(choice)]
     lines += _where(choice)
@@ -38,7 +38,7 @@ def sentences(choice: Choice) -> list[str]:
     return lines
 
 
-def in_short(choice: Choice) -> str:
+def in_short(choice: Comparison) -> str:
     """Return the present answer for a line of progress."""
     quietest, other, apart = _first_two(choice)
     if apart.db is None:
@@ -58,34 +58,34 @@ class _FirstTwo(NamedTuple):
     apart: Difference
 
 
-def _first_two(choice: Choice) -> _FirstTwo:
+def _first_two(choice: Comparison) -> _FirstTwo:
     """Return the two contenders between which a choice decides."""
     return _FirstTwo(choice.contenders[0], choice.contenders[1], choice.differences[0])
 
 
-def _verdict(choice: Choice) -> str:
+def _verdict(choice: Comparison) -> str:
     """Say which candidate is quieter than the next one, by how much, and how sure that is."""
     quietest, other, apart = _first_two(choice)
     if apart.db is None:
-        return f"{_capital(_silence(choice))}."
+        return f"{capital(_silence(choice))}."
     quiet = printable(quietest.label)
     loud = printable(other.label)
     count = f"{apart.pairs} {choice.noun}"
     if apart.pairs == 1:
         return (
-            f"{_capital(quiet)} is {apart.db:.1f} dB(A) quieter than {loud}. Nothing is random in"
+            f"{capital(quiet)} is {apart.db:.1f} dB(A) quieter than {loud}. Nothing is random in"
             " these scenes, so they are compared once, and the difference has no ±."
         )
     number = uncertain(apart.db, apart.uncertainty_db)
     sure = f"{probability(apart.sureness)} sure"
     if apart.is_sure:
         return (
-            f"{_capital(quiet)} is {number} dB(A) quieter than {loud} ({count}; {sure} that it is"
+            f"{capital(quiet)} is {number} dB(A) quieter than {loud} ({count}; {sure} that it is"
             " quieter)."
         )
     if apart.sureness is not None and apart.sureness >= PROBABLE:
         return (
-            f"{_capital(quiet)} is probably quieter than {loud}, by {number} dB(A) ({count};"
+            f"{capital(quiet)} is probably quieter than {loud}, by {number} dB(A) ({count};"
             f" {sure}, and {SURE:.0%} would decide)."
         )
     return (
@@ -94,7 +94,7 @@ def _verdict(choice: Choice) -> str:
     )
 
 
-def _silence(choice: Choice) -> str:
+def _silence(choice: Comparison) -> str:
     """Say that a contender makes no sound, so that there is no difference of levels."""
     silent = [one.label for one in choice.contenders if not math.isfinite(one.level_db)]
     names = " and ".join(map(printable, silent))
@@ -110,7 +110,7 @@ def probability(sureness: float | None) -> str:
     return f"{math.floor(100 * sureness)} %"
 
 
-def _capital(text: str) -> str:
+def capital(text: str) -> str:
     """Return a text that begins with a capital letter."""
     return text[:1].upper() + text[1:]
 
@@ -118,7 +118,7 @@ def _capital(text: str) -> str:
 # ---- where the difference lies, and what limits it
 
 
-def _where(choice: Choice) -> Iterator[str]:
+def _where(choice: Comparison) -> Iterator[str]:
     """Say between which frequencies most of the difference lies."""
     quietest, other, apart = _first_two(choice)
     if apart.db is None or not apart.is_sure:
@@ -162,7 +162,44 @@ def hertz(name: str) -> str:
     return f"{name} Hz"
 
 
-def _doubt(choice: Choice) -> Iterator[str]:
+def notes(choice: Comparison) -> list[str]:
+    """Return what was assumed, and what the released power says; as few lines as possible."""
+    found = []
+    added = dict.fromkeys(one.candidate.added for one in choice.contenders if one.candidate.added)
+    if added:
+        found.append(
+            f"The scenes have no section dynamics: the vibration is that of {' and '.join(added)}."
+        )
+    if any(len(one.candidate.loss_factors) > 1 for one in choice.contenders):
+        low, high = LOSS_FACTORS
+        found.append(
+            f"The loss factor of the contact is not stated, so each is heard at {low:g} and"
+            f" {high:g}, and half of what this changes is in the ±."
+        )
+    apart = choice.differences[0] if choice.differences else None
+    if apart is not None and apart.is_sure and (apart.released_db or 0.0) < 0:
+        found.append(
+            "The released power is higher for the quieter one: it is an upper bound, and its order"
+            " is not that of what one hears."
+        )
+    return found
+
+
+def parts(choice: Comparison) -> list[str]:
+    """Return where the ± of each difference comes from, for --verbose."""
+    found = []
+    for other, apart in zip(choice.contenders[1:], choice.differences, strict=True):
+        sizes = [
+            f"{name.replace('_', ' ')} {size:.2f} dB"
+            for name, size in apart.parts_db.items()
+            if size > 0
+        ]
+        if sizes:
+            found.append(f"± of {printable(other.label)}: {', '.join(sizes)}")
+    return found
+
+
+def _doubt(choice: Comparison) -> Iterator[str]:
     """Say what limits the ± where it is above the wanted one, with its size."""
     apart = max(choice.differences, key=lambda one: one.uncertainty_db or 0.0)
     if apart.uncertainty_db is None:

@@ -8,6 +8,10 @@ FEW_RUNS = 20  # of more, on the terminal
 FINEST = 4  # divisor of the spacing for the reference
 ACCURACY_SECONDS = 0.045  # [s] of rolling: no third octave from 100 Hz is empty
 
+# `rolling choose`
+WITHIN_DB = 1.0  # wanted ± of a difference
+CHOICE_MINUTES = 10.0  # after which no more pairs begin
+
 # `rolling listen`
 LISTENED_SECONDS = 20.0
 MIN_LISTENED_SECONDS = 0.1

@@ -47,6 +47,7 @@ def build(version: str) -> argparse.ArgumentParser:
     _add_report(commands)
     _add_gallery(commands)
     _add_listen(commands)
+    _add_choose(commands)
     _add_compare(commands)
     _add_surface(commands)
     _add_accuracy(commands)
@@ -248,6 +249,45 @@ def _add_listen(commands: Any) -> None:
         metavar="N",
         help="number of the random continuation (default 0)",
     )
+
+
+def _add_choose(commands: Any) -> None:
+    choose = _command(
+        commands,
+        name="choose",
+        help="say which of some scenes is quieter, and how sure that is",
+        answer="Which one is quieter, by how much, and how sure is that? The command hears all "
+        "scenes on the same random surfaces, or at several places of their scans, until the "
+        "difference is known. The same command goes on where it stopped, and adds surfaces to "
+        "what is there.",
+    )
+    choose.add_argument(
+        "scenes",
+        type=arguments.path,
+        nargs="+",
+        metavar="SCENE",
+        help=f"{LONG_SCENE}; one scene with a sweep or with single faults is enough",
+    )
+    _add_set(choose)
+    choose.add_argument(
+        "--within",
+        dest="within_db",
+        type=arguments.positive,
+        default=defaults.WITHIN_DB,
+        metavar="DB",
+        help=f"add surfaces until the difference is known within ± DB (default"
+        f" {defaults.WITHIN_DB:g})",
+    )
+    choose.add_argument(
+        "--minutes",
+        type=arguments.positive,
+        default=defaults.CHOICE_MINUTES,
+        metavar="M",
+        help="add no more surfaces after M minutes; four are always heard (default"
+        f" {defaults.CHOICE_MINUTES:g})",
+    )
+    _add_out(choose, help="folder of the choice (default: outputs/choice-DIGITS)")
+    _add_workers(choose)
 
 
 def _add_compare(commands: Any) -> None:

@@ -1,0 +1,89 @@
+"""Numbers of a choice: contenders with what is heard of them, and how much louder each is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from acoustics.arrays import Array
+from rolling.choice.candidates import Candidate
+from rolling.choice.difference import Difference, level_db
+from rolling.choice.heard import Heard, Specimen
+
+
+@dataclass(frozen=True, eq=False)
+class Contender:
+    """A candidate with what is heard of its specimens.
+
+    Attributes
+    ----------
+    candidate : Candidate
+        Label and scene.
+    heard : list of Heard
+        What is heard of each specimen.
+    specimens : list of Specimen
+        Their runs and folders.
+    """
+
+    candidate: Candidate
+    heard: list[Heard]
+    specimens: list[Specimen]
+
+    @property
+    def label(self) -> str:
+        """What the candidate is called."""
+        return self.candidate.label
+
+    @property
+    def levels_db(self) -> Array:
+        """(specimens,) dB(A). What a listener would hear of each specimen."""
+        return np.array([level_db(one.squares).mean() for one in self.heard])
+
+    @property
+    def level_db(self) -> float:
+        """Mean level of the vibration over specimens, dB(A); minus infinity for silence."""
+        return float(self.levels_db.mean())
+
+    @property
+    def released_power_db(self) -> float | None:
+        """Mean level of the released power, dB(A)."""
+        levels = [one.released_power_db for one in self.heard if one.released_power_db is not None]
+        return float(np.mean(levels)) if levels else None
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Contenders of a choice, and their differences.
+
+    Attributes
+    ----------
+    contenders : list of Contender
+        Candidates, the quietest first.
+    differences : list of Difference
+        Of each contender after the first from the quietest: how much louder it is.
+    noun : str
+        What the specimens are: surfaces, or places of the scan.
+    overlap : bool
+        Whether the places of a scan overlap.
+    limit : str
+        Why no more pairs were heard although the ± is above the wanted one; empty if it is not.
+    within_db : float, dB
+        The wanted ±.
+    folder : Path
+        Folder of the choice.
+    """
+
+    contenders: list[Contender]
+    differences: list[Difference]
+    noun: str
+    overlap: bool
+    limit: str
+    within_db: float
+    folder: Path
+
+    @property
+    def pairs(self) -> int:
+        """Number of specimens on which every candidate was heard."""
+        return len(self.contenders[0].heard)
