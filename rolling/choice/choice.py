@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from acoustics.traps import ignoring_underflow
 from rolling.choice import table, words
-from rolling.choice.comparison import Comparison
+from rolling.choice.comparison import ChoiceNumbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @ignoring_underflow
 @dataclass(frozen=True, eq=False, repr=False)
-class Choice(Comparison):
+class Choice(ChoiceNumbers):
     """Answer to the question which of some scenes is quieter.
 
     Attributes
@@ -29,7 +29,7 @@ class Choice(Comparison):
         How much louder each candidate after the first is than the quietest: `db`, its standard
         `uncertainty_db`, the `sureness` of its sign, and `parts_db`, where the ± comes from.
     noun, overlap, limit, within_db, folder
-        As in `Comparison`.
+        As in `ChoiceNumbers`.
     """
 
     @property

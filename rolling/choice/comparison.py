@@ -54,7 +54,7 @@ class Contender:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ChoiceNumbers:
     """Contenders of a choice, and their differences.
 
     Attributes

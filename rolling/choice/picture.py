@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from acoustics.arrays import Array
 from acoustics.bands import MID_HZ
 from acoustics.plot_style import COLOURS, band_ticks, curve_style, gridded, level_limits
-from rolling.choice.comparison import Comparison
+from rolling.choice.comparison import ChoiceNumbers
 from rolling.choice.difference import Difference, level_db
 from rolling.choice.words import capital, in_short, mean_bands
 from rolling.figures.picture import DPI, WIDTH_IN, Picture, drawable
@@ -20,9 +20,10 @@ from rolling.figures.settings import own_settings
 
 HEIGHT_IN = 6.0
 FAINT_DB = 30.0  # below the loudest third octave; fainter ones do not decide what is heard
+SHOWN_DB = 60.0  # below it; the axes begin with the first third octave that is louder
 
 
-def draw_spectra(choice: Comparison, ax: Axes) -> Axes:
+def draw_spectra(choice: ChoiceNumbers, ax: Axes) -> Axes:
     """Draw what is heard of each candidate by third octave, as means over the specimens."""
     levels = [level_db(mean_bands(contender)) for contender in choice.contenders]
     for number, contender in enumerate(choice.contenders):
@@ -30,11 +31,11 @@ def draw_spectra(choice: Comparison, ax: Axes) -> Axes:
         ax.plot(MID_HZ, levels[number], label=drawable(contender.label), markersize=3.5, **look)
     ax.set_ylim(*level_limits(level for one in levels for level in one))
     gridded(ax, ylabel="vibration, dB(A)")
-    _scale(ax)
+    _scale(ax, choice)
     return ax
 
 
-def draw_difference(choice: Comparison, ax: Axes) -> Axes:
+def draw_difference(choice: ChoiceNumbers, ax: Axes) -> Axes:
     """Draw how much louder each candidate is than the quietest, with ± by third octave.
 
     Third octaves that are 30 dB below the loudest are left out.
@@ -47,7 +48,7 @@ def draw_difference(choice: Comparison, ax: Axes) -> Axes:
         _draw_band(ax, apart, is_heard, number, len(choice.contenders))
     ax.axhline(0.0, color="0.3", linewidth=0.8)
     gridded(ax, ylabel=f"louder than {drawable(quietest.label)}, dB", xlabel="third octave, Hz")
-    _scale(ax)
+    _scale(ax, choice)
     return ax
 
 
@@ -61,16 +62,19 @@ def _draw_band(ax: Axes, apart: Difference, is_heard: Array, number: int, count:
     ax.fill_between(MID_HZ, low, high, color=look.get("color", COLOURS[1]), alpha=0.2, linewidth=0)
 
 
-def _scale(ax: Axes) -> None:
-    """Name third octaves along a logarithmic axis."""
+def _scale(ax: Axes, choice: ChoiceNumbers) -> None:
+    """Name third octaves along a logarithmic axis, from the first that is not far too faint."""
+    levels = np.array([level_db(mean_bands(contender)) for contender in choice.contenders])
+    loudest = np.nan_to_num(levels, nan=-np.inf).max(axis=0)
+    first = int(np.argmax(loudest > loudest.max() - SHOWN_DB))
     ax.set_xscale("log")
-    ax.set_xlim(MID_HZ[0] / 1.1, MID_HZ[-1] * 1.1)
     band_ticks(ax)
     ax.minorticks_off()
+    ax.set_xlim(MID_HZ[first] / 1.1, MID_HZ[-1] * 1.1)
 
 
 @own_settings()
-def picture(choice: Comparison) -> Picture:
+def picture(choice: ChoiceNumbers) -> Picture:
     """Draw spectra and difference above each other."""
     figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=DPI)
     figure.set_layout_engine("constrained", w_pad=0.12, h_pad=0.08)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rolling.choice.comparison import Comparison
+from rolling.choice.comparison import ChoiceNumbers
 from rolling.choice.words import probability
 from rolling.results.answer import uncertain
 from rolling.terminal.streams import columns
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def rows(choice: Comparison) -> list[dict[str, Any]]:
+def rows(choice: ChoiceNumbers) -> list[dict[str, Any]]:
     """Return the numbers of each candidate by the names of their columns.
 
     The differences are those from the quietest candidate, and None in its own row.
@@ -51,7 +51,7 @@ def rows(choice: Comparison) -> list[dict[str, Any]]:
     return found
 
 
-def frame(choice: Comparison) -> pd.DataFrame:
+def frame(choice: ChoiceNumbers) -> pd.DataFrame:
     """Return the table as a DataFrame."""
     import pandas as pd
 
@@ -68,7 +68,7 @@ HEADS = (
 )
 
 
-def cells(choice: Comparison) -> list[list[str]]:
+def cells(choice: ChoiceNumbers) -> list[list[str]]:
     """Return head and rows of the table in words."""
     found = [[*HEADS]]
     for row in rows(choice):
@@ -90,7 +90,7 @@ def cells(choice: Comparison) -> list[list[str]]:
     return found
 
 
-def lines(choice: Comparison) -> str:
+def lines(choice: ChoiceNumbers) -> str:
     """Write the table in columns for a terminal, without the difference of released powers."""
     _, *found = cells(choice)
     heads = [

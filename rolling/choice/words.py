@@ -13,7 +13,7 @@ from acoustics.bands import BAND_NAMES
 from acoustics.numbers import rounded
 from acoustics.texts import printable
 from rolling.choice.candidates import LOSS_FACTORS
-from rolling.choice.comparison import Comparison, Contender
+from rolling.choice.comparison import ChoiceNumbers, Contender
 from rolling.choice.difference import SURE, Difference
 from rolling.results.answer import uncertain
 
@@ -30,7 +30,7 @@ _OTHERS = {
 }
 
 
-def sentences(choice: Comparison) -> list[str]:
+def sentences(choice: ChoiceNumbers) -> list[str]:
     """Return the answer: who is quieter and how sure, where the difference lies, and one doubt."""
     lines = [_verdict(choice)]
     lines += _where(choice)
@@ -38,7 +38,7 @@ def sentences(choice: Comparison) -> list[str]:
     return lines
 
 
-def in_short(choice: Comparison) -> str:
+def in_short(choice: ChoiceNumbers) -> str:
     """Return the present answer for a line of progress."""
     quietest, other, apart = _first_two(choice)
     if apart.db is None:
@@ -58,12 +58,12 @@ class _FirstTwo(NamedTuple):
     apart: Difference
 
 
-def _first_two(choice: Comparison) -> _FirstTwo:
+def _first_two(choice: ChoiceNumbers) -> _FirstTwo:
     """Return the two contenders between which a choice decides."""
     return _FirstTwo(choice.contenders[0], choice.contenders[1], choice.differences[0])
 
 
-def _verdict(choice: Comparison) -> str:
+def _verdict(choice: ChoiceNumbers) -> str:
     """Say which candidate is quieter than the next one, by how much, and how sure that is."""
     quietest, other, apart = _first_two(choice)
     if apart.db is None:
@@ -94,7 +94,7 @@ def _verdict(choice: Comparison) -> str:
     )
 
 
-def _silence(choice: Comparison) -> str:
+def _silence(choice: ChoiceNumbers) -> str:
     """Say that a contender makes no sound, so that there is no difference of levels."""
     silent = [one.label for one in choice.contenders if not math.isfinite(one.level_db)]
     names = " and ".join(map(printable, silent))
@@ -118,7 +118,7 @@ def capital(text: str) -> str:
 # ---- where the difference lies, and what limits it
 
 
-def _where(choice: Comparison) -> Iterator[str]:
+def _where(choice: ChoiceNumbers) -> Iterator[str]:
     """Say between which frequencies most of the difference lies."""
     quietest, other, apart = _first_two(choice)
     if apart.db is None or not apart.is_sure:
@@ -162,7 +162,7 @@ def hertz(name: str) -> str:
     return f"{name} Hz"
 
 
-def notes(choice: Comparison) -> list[str]:
+def notes(choice: ChoiceNumbers) -> list[str]:
     """Return what was assumed, and what the released power says; as few lines as possible."""
     found = []
     added = dict.fromkeys(one.candidate.added for one in choice.contenders if one.candidate.added)
@@ -185,7 +185,7 @@ def notes(choice: Comparison) -> list[str]:
     return found
 
 
-def parts(choice: Comparison) -> list[str]:
+def parts(choice: ChoiceNumbers) -> list[str]:
     """Return where the ± of each difference comes from, for --verbose."""
     found = []
     for other, apart in zip(choice.contenders[1:], choice.differences, strict=True):
@@ -199,7 +199,7 @@ def parts(choice: Comparison) -> list[str]:
     return found
 
 
-def _doubt(choice: Comparison) -> Iterator[str]:
+def _doubt(choice: ChoiceNumbers) -> Iterator[str]:
     """Say what limits the ± where it is above the wanted one, with its size."""
     apart = max(choice.differences, key=lambda one: one.uncertainty_db or 0.0)
     if apart.uncertainty_db is None:
