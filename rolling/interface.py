@@ -334,11 +334,11 @@ def choose(
     Examples
     --------
     >>> import rolling
-    >>> words = ["sweep.plate.thickness_mm=[3, 10]", "dynamics={}", "plate.material=steel-100cr6"]
-    >>> words += ["sphere.material=steel-100cr6", "rolling.load_n=1", "rolling.duration_s=0.02"]
-    >>> choice = rolling.choose(rolling.read_scene("quickstart", words), workers=1, progress=False)
-    >>> choice.contenders[0].label, choice.differences[0].is_sure
-    ('thickness 10 mm', True)
+    >>> words = ["sweep.surface.roughness_ra_um=[0.05, 0.2]", "rolling.duration_s=0.005"]
+    >>> scene = rolling.read_scene("quickstart", [*words, "rolling.load_n=1"])
+    >>> choice = rolling.choose(scene, within_db=3, workers=1, progress=False)
+    >>> choice.contenders[0].label, choice.differences[0].pairs >= 6
+    ('Ra 0.05 µm', True)
 
     References
     ----------

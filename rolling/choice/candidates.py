@@ -22,7 +22,7 @@ SAME_DURATION = 0.01  # relative; tracks are whole nodes, so durations differ a 
 LOSS_KEY = "plate.contact_loss_factor"
 LOSS_FACTORS = (0.005, 0.02)  # of a contact whose scene states none
 # Keys of the listener, which have the same value in all candidates.
-LISTENER_KEYS = ("sound.distance_m", "sound.listener_mm", "sound.ball")
+LISTENER_KEYS = ("sound.distance_m", "sound.listener_mm", "sound.ball", "sound.room_db")
 
 
 @dataclass(frozen=True, eq=False)

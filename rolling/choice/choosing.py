@@ -20,12 +20,19 @@ from rolling.choice.difference import FIRST_PAIRS, difference, pairs_needed
 from rolling.choice.heard import Specimen, read_heard
 from rolling.choice.solving import solve
 from rolling.choice.specimens import FEWEST, Specimens
+from rolling.results.run_result import read_run
 from rolling.run import folder as folders
 from rolling.run.executor import ended_by_signal
 from rolling.run.pools import Pool, local_pool
 from rolling.scene.height_files import read_regular
 from rolling.scene.identity import digest, scene_identity
 from rolling.scene.scene import Scene
+from rolling.sound.heard_in_room import (
+    MOST_SPECIMENS,
+    HeardDifference,
+    HeardRecord,
+    heard_difference,
+)
 from rolling.terminal import defaults, files, progress
 from rolling.terminal.files import FolderError
 
@@ -80,7 +87,9 @@ def choose_scenes(
     candidates = candidates_of(scenes)
     target = folder or default_folder("choice", [one.scene for one in candidates])
     with open_choice(candidates, target, workers) as work:
-        return _until_known(work, candidates, budget)
+        choice = _until_known(work, candidates, budget)
+        with progress.step("listening to both in the noise of the room"):
+            return replace(choice, audible=_audible(choice))
 
 
 # ---- the work
@@ -221,6 +230,27 @@ def _choice(work: OpenChoice, contenders: Sequence[Contender], budget: Budget) -
         within_db=budget.within_db,
         folder=work.folder,
     )
+
+
+def _audible(choice: Choice) -> tuple[HeardDifference, ...]:
+    """Judge whether each candidate after the first is heard to differ from the quietest."""
+    quietest, *others = choice.contenders
+    records = _records(quietest)
+    room_db = quietest.candidate.scene.sound.room_db
+    judged = []
+    for other in others:
+        names = (other.label, quietest.label)
+        judged.append(heard_difference(_records(other), records, room_db, names))
+    return tuple(judged)
+
+
+def _records(contender: Contender) -> list[HeardRecord]:
+    """Return the sound of the first specimens of a candidate."""
+    records = []
+    for specimen in contender.specimens[:MOST_SPECIMENS]:
+        sound = read_run(specimen, contender.label).sound
+        records.append(HeardRecord(sound.pressure, sound.sample_rate, sound.closed))
+    return records
 
 
 def pairs_needed_of(choice: Choice) -> int:

@@ -91,6 +91,7 @@ def as_json(choice: Choice) -> dict[str, Any]:
         "sentences": choice.sentences,
         "candidates": candidates,
         "differences": [_difference_as_json(apart) for apart in choice.differences],
+        "audible": [heard.text for heard in choice.audible],
         "within_db": choice.within_db,
         "limit": choice.limit,
         "specimens": choice.noun,

@@ -11,6 +11,7 @@ from acoustics.arrays import Array
 from rolling.choice.candidates import Candidate
 from rolling.choice.difference import Difference, level_db
 from rolling.choice.heard import Heard, Specimen
+from rolling.sound.heard_in_room import HeardDifference
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +74,8 @@ class ChoiceNumbers:
         The wanted ±.
     folder : Path
         Folder of the choice.
+    audible : tuple of HeardDifference
+        Whether each difference is audible in the noise of the room.
     """
 
     contenders: list[Contender]
@@ -82,6 +85,7 @@ class ChoiceNumbers:
     limit: str
     within_db: float
     folder: Path
+    audible: tuple[HeardDifference, ...] = ()
 
     @property
     def pairs(self) -> int:

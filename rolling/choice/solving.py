@@ -68,7 +68,8 @@ def solve(
         film=False,
         finish=finish_specimen,
     )
-    loop = RunLoop([specimen.scene for specimen in lacking], bar, run_files)
+    with progress.step("estimating the time of the marches"):
+        loop = RunLoop([specimen.scene for specimen in lacking], bar, run_files)
     with _kept_advice(folder):
         for number, _ in loop.finished_runs(pool):
             unfinished[marches[number]] -= 1

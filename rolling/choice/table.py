@@ -34,6 +34,9 @@ def rows(choice: ChoiceNumbers) -> list[dict[str, Any]]:
             "louder_db": None,
             "louder_uncertainty_db": None,
             "sureness": None,
+            "audible": None,
+            "n5_difference_percent": None,
+            "n5_difference_uncertainty_percent": None,
             "released_power_db": contender.released_power_db,
             "released_power_higher_db": None,
             "released_power_higher_uncertainty_db": None,
@@ -46,6 +49,12 @@ def rows(choice: ChoiceNumbers) -> list[dict[str, Any]]:
             row["released_power_higher_uncertainty_db"] = apart.released_uncertainty_db
             for part, size in apart.parts_db.items():
                 row[f"{part}_part_db"] = size if math.isfinite(size) else None
+        if number and choice.audible:
+            judged = choice.audible[number - 1].audibility
+            if judged is not None:
+                row["audible"] = judged.verdict
+                row["n5_difference_percent"] = judged.difference_percent
+                row["n5_difference_uncertainty_percent"] = judged.uncertainty_percent
         row["specimens"] = len(contender.heard)
         found.append(row)
     return found
@@ -63,6 +72,7 @@ HEADS = (
     "vibration, mean, dB(A)",
     "louder than the quietest, dB(A)",
     "sure",
+    "in the room",
     "released power, upper bound, dB(A)",
     "higher than of the quietest, dB",
 )
@@ -81,6 +91,7 @@ def cells(choice: ChoiceNumbers) -> list[list[str]]:
                 _uncertain(row["vibration_db"], None),
                 _uncertain(row["louder_db"], row["louder_uncertainty_db"]),
                 sure,
+                row["audible"] or "-",
                 _uncertain(row["released_power_db"], None),
                 _uncertain(
                     row["released_power_higher_db"], row["released_power_higher_uncertainty_db"]
@@ -94,8 +105,8 @@ def lines(choice: ChoiceNumbers) -> str:
     """Write the table in columns for a terminal, without the difference of released powers."""
     _, *found = cells(choice)
     heads = [
-        ["", "vibration", "louder than", "sure", "released power"],
-        ["", "mean, dB(A)", "the quietest, dB(A)", "", "upper bound, dB(A)"],
+        ["", "vibration", "louder than", "sure", "in the room", "released power"],
+        ["", "mean, dB(A)", "the quietest, dB(A)", "", "", "upper bound, dB(A)"],
     ]
     return columns([*heads, *(row[:-1] for row in found)])
 

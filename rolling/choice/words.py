@@ -34,6 +34,8 @@ def sentences(choice: ChoiceNumbers) -> list[str]:
     """Return the answer: who is quieter and how sure, where the difference lies, and one doubt."""
     lines = [_verdict(choice)]
     lines += _where(choice)
+    if choice.audible:
+        lines.append(choice.audible[0].text)
     lines += _doubt(choice)
     return lines
 

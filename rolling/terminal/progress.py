@@ -32,11 +32,13 @@ class _Command:
     """State of a command.
 
     level : Level. Amount of text; None in a program of somebody else, which runs no command.
+    is_in_step : bool. Whether a step goes on, whose line stands for the steps in it.
     has_reported_compiling : bool. Whether the line of the compilation was printed.
     has_solved : bool. Whether there are results that an error leaves behind.
     """
 
     level: Level | None = None
+    is_in_step: bool = False
     has_reported_compiling: bool = False
     has_solved: bool = False
 
@@ -119,15 +121,23 @@ def compiling() -> None:
 
 @contextmanager
 def step(text: str) -> Iterator[None]:
-    """Print a line for a step that takes longer than a moment; add its time if verbose."""
+    """Print a line for a step that takes longer than a moment; add its time if verbose.
+
+    A step in another step has no line before its time.
+    """
+    command = _current()
+    is_inner = command.is_in_step
+    command.is_in_step = True
     timer = threading.Timer(PATIENCE, line, (text,))
     timer.daemon = True
     began = time.monotonic()
-    timer.start()
+    if not is_inner:
+        timer.start()
     try:
         yield
     finally:
         timer.cancel()
+        command.is_in_step = is_inner
         detail(f"{text}: {time.monotonic() - began:.2f} s")
 
 
