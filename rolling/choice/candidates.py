@@ -11,6 +11,7 @@ from typing import Any
 from rolling.results import labels
 from rolling.results.labels import SEED
 from rolling.results.run_folder import RunFolder
+from rolling.scene import step_rule
 from rolling.scene.messages import SceneError, plain_number, quoted
 from rolling.scene.scene import Scene
 from rolling.sound import radiators
@@ -68,7 +69,7 @@ def candidates_of(scenes: Sequence[Scene]) -> list[Candidate]:
     names = _labels(runs)
     if len(runs) == 1:
         runs = [runs[0], _without_faults(runs[0])]
-        names = ["with faults", "without faults"]
+        names = ["the scene with faults", "the scene without faults"]
     candidates = [candidate(name, run.scene) for name, run in zip(names, runs, strict=True)]
     faults = [*_incomparable(candidates)]
     if faults:
@@ -153,13 +154,20 @@ def candidate(label: str, scene: Scene) -> Candidate:
 
 
 def _with_shared_steps(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Let `step_nodes: auto` take the slowest speed of all, so that equal contacts share steps."""
+    """Give candidates with `step_nodes: auto` the shortest steps that it takes for any of them.
+
+    Equal contacts then share their marches, and other steps do not pass for other sounds.
+    """
     slowest = min(one.scene.slowest_speed for one in candidates)
+    automatic = [one for one in candidates if one.scene.numerics.step_nodes == "auto"]
+    if not automatic:
+        return list(candidates)
+    nodes = min(step_rule.choose(one.scene, slowest).nodes for one in automatic)
     shared = []
     for one in candidates:
         scene = one.scene
-        if scene.numerics.step_nodes == "auto" and scene.slowest_speed > slowest:
-            scene = scene.with_({"numerics.slowest_m_s": slowest})
+        if one in automatic:
+            scene = scene.with_({"numerics.step_nodes": nodes, "numerics.slowest_m_s": None})
         shared.append(replace(one, scene=scene))
     return shared
 

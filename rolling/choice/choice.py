@@ -30,6 +30,16 @@ class Choice(ChoiceNumbers):
         `uncertainty_db`, the `sureness` of its sign, and `parts_db`, where the ± comes from.
     noun, overlap, limit, within_db, folder
         As in `ChoiceNumbers`.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> pit = rolling.SurfaceFault(kind="pit", at_mm=(0.5, 0), size_um=80, depth_um=2)
+    >>> smooth = rolling.Smooth(spacing_um=4, width_um=256, faults=[pit])
+    >>> scene = rolling.read_scene("quickstart", ["rolling.load_n=1", "rolling.duration_s=0.01"])
+    >>> choice = rolling.choose(scene.with_(surface=smooth), workers=1, progress=False)
+    >>> choice.table().candidate.to_list()
+    ['the scene without faults', 'the scene with faults']
     """
 
     @property

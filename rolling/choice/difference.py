@@ -61,6 +61,18 @@ class Difference:
         The same for the released power, whose sign says nothing of what is heard.
     band_db, band_uncertainty_db : (31,) arrays, dB
         The same by third octave, NaN where it is unknown.
+
+    Examples
+    --------
+    >>> import numpy as np, rolling
+    >>> unknown = np.full(31, np.nan)
+    >>> apart = rolling.Difference(
+    ...     pairs=6, db=2.1, uncertainty_db=0.8, sureness=0.97, parts_db={"scatter": 0.72},
+    ...     released_db=-1.0, released_uncertainty_db=0.1,
+    ...     band_db=unknown, band_uncertainty_db=unknown,
+    ... )
+    >>> apart.is_sure
+    True
     """
 
     pairs: int
