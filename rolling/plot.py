@@ -16,6 +16,7 @@ from rolling.figures.article import max_level_over_load, spectra_over_load
 from rolling.figures.contact import ball_surface, contact_pressure, recovery_events, surface
 from rolling.figures.levels import levels
 from rolling.figures.origins import modulation, running_in, wavelengths
+from rolling.figures.places import places
 from rolling.figures.sound import power_density, release_power, spectrogram, spectrum, third_octaves
 from rolling.figures.sweep import contact_areas, mean_third_octaves
 from rolling.figures.vibration import contact_filter, contact_force, mobilities, sources
@@ -23,6 +24,6 @@ from rolling.figures.vibration import contact_filter, contact_force, mobilities,
 __all__ = [
     "ball_surface", "contact_areas", "contact_filter", "contact_force", "contact_pressure",
     "levels", "max_level_over_load", "mean_third_octaves", "mobilities", "modulation",
-    "power_density", "recovery_events", "release_power", "running_in", "sources",
+    "places", "power_density", "recovery_events", "release_power", "running_in", "sources",
     "spectra_over_load", "spectrogram", "spectrum", "surface", "third_octaves", "wavelengths",
 ]  # fmt: skip

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from pandas import DataFrame
 
 from acoustics.traps import ignoring_underflow
-from rolling.figures import article, contact, levels, origins, sound, sweep, vibration
+from rolling.figures import article, contact, levels, origins, places, sound, sweep, vibration
 from rolling.figures.picture import Picture, csv_bytes, listed, picture, slug
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.results.run_result import Run
@@ -121,6 +121,9 @@ COMPARING = {
     "spectrum": FigureKind(sound.spectrum, sound.spectrum_table),
     "levels": FigureKind(levels.levels, levels.level_table, _has_swept_key),
     "contact_areas": FigureKind(sweep.contact_areas, sweep.area_table, _has_swept_key),
+    "places": FigureKind(
+        places.places, places.place_table, places.has_places, is_unasked=places.are_tracks
+    ),
     "mean_third_octaves": FigureKind(sweep.mean_third_octaves, sweep.seed_table, sweep.has_seeds),
     "max_level_over_load": FigureKind(
         article.max_level_over_load,

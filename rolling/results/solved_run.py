@@ -21,6 +21,7 @@ from rolling.results.long_record import ListeningError
 from rolling.results.run_folder import RunFolder
 from rolling.sound.contact_sound import ContactSound, contact_sound, middle_speeds
 from rolling.sound.long_listening import Listening
+from rolling.sound.places import SoundByPlace, sound_by_place
 from rolling.sound.vibration_sound import Vibration
 from rolling.sound.wavelengths import WavelengthOctave, wavelength_octaves
 from rolling.surface.scene_surface import scene_surface
@@ -86,6 +87,15 @@ class SolvedRun(RunFolder):
             heights = self.result.heights_after_passes(scene_surface(self.scene).heights)
         approach = self.result.series["approach"]
         return wavelength_octaves(self.scene, self.sound, heights, approach)
+
+    @cached_property
+    def sound_by_place(self) -> SoundByPlace | None:
+        """Level of each patch of the track, or None for a run that is silent or falls.
+
+        Its `position` [m] counts along the surface, and its `level_db` is LAeq while the ball
+        crosses a patch. By energy the levels add up to LAeq of the record.
+        """
+        return sound_by_place(self.scene, self.sound, self.vibration)
 
     @property
     def laps(self) -> float:
