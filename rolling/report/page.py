@@ -4,10 +4,12 @@ This module gathers the content of the page as plain text, numbers and data URIs
 behaviour are in `assets/`.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
 from acoustics.bands import BAND_NAMES
@@ -15,7 +17,7 @@ from acoustics.plot_style import PREFIXES
 from acoustics.texts import printable
 from rolling import __version__
 from rolling.check.doubt import Doubt
-from rolling.figures.catalogue import SINGLE, comparing_pictures, single_picture
+from rolling.figures.catalogue import COMPARING, SINGLE, comparing_pictures, single_picture
 from rolling.figures.picture import Picture
 from rolling.figures.settings import left_out_if_it_fails
 from rolling.report import assumed, film, live, maps, records, text
@@ -151,6 +153,11 @@ class RunView:
     live: dict[str, Any] | None
     curves: list[Chart]
 
+    @property
+    def is_measured(self) -> bool:
+        """Whether the surface of the plate was read from a file, or has faults."""
+        return self.run.scene.height_path is not None or bool(self.run.scene.surface.faults)
+
 
 def _views(runs: Sequence[Run]) -> list[RunView]:
     """Return the runs as the page shows them."""
@@ -191,7 +198,24 @@ def _pictures(run: Run, number: int, runs: Sequence[Run]) -> dict[str, Chart]:
         with left_out_if_it_fails(f"{name} of {run.label}"):
             if picture is not None:
                 pictures[name] = _exhibit(picture) | {"run": number}
+    with left_out_if_it_fails(f"places of {run.label}"):
+        if run.sound_by_place is not None:
+            pictures["places"] = _places(run) | {"run": number}
     return pictures
+
+
+def _places(run: Run) -> Chart:
+    """Return the chart of the sound by place of a run, with the times of its patches."""
+    places = run.sound_by_place
+    assert places is not None  # as the caller has checked
+    chart = _exhibit(COMPARING["places"].picture("places", [run]))
+    patches = []
+    for middle, begin, end in zip(places.position, places.first_s, places.left_s, strict=True):
+        if math.isfinite(begin):
+            edges = 1e6 * (middle + places.length * np.array([-0.5, 0.5]))
+            patch = {"from": edges[0], "to": edges[1], "begin": begin, "end": end}
+            patches.append({key: round(float(value), 6) for key, value in patch.items()})
+    return chart | {"patches": patches}
 
 
 def _film_curves(run: Run, number: int) -> list[Chart]:

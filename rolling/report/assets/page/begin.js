@@ -8,6 +8,7 @@ import { copy, roundOf, saveRecord } from "./records.js";
 import { showStill, timeOfMap } from "./contact.js";
 import { playFilm, realTime, seekFilm, seekFilmTo, showFilm, showRate, stopFilm } from "./film.js";
 import { openCharts } from "./chart.js";
+import { playPatch } from "./places.js";
 import { beginTest, endTest, pressTest, showDifference } from "./compare.js";
 import { takeRun } from "./play_panel.js";
 import { beginPlaying } from "./play_hand.js";
@@ -72,6 +73,7 @@ function listen() {
   const on = (selector, type, act) => $$(selector).forEach((element) => element.addEventListener(type, () => act(element)));
   document.addEventListener("keydown", onKey);
   document.addEventListener("chart-seek", onChartSeek);
+  document.addEventListener("chart-place", ({ detail }) => playPatch(detail));
   on("[data-play]", "click", toggle);
   on("#seek", "input", (slider) => seek(Number(slider.value)));
   on("#volume", "input", (slider) => state.master && glide(state.master, Number(slider.value)));

@@ -44,7 +44,7 @@ export function openChart(figure, chart) {
   const plot = { figure, chart, points: pointsOf(chart), places: null, reading: null };
   plot.view = { x: viewOf(chart.x), y: chart.y.map(viewOf), hidden: new Set() };
   chart.offsets = offsetsOf(chart);
-  plot.svg = drawn("svg", { role: "img", tabindex: 0, "aria-label": `${chart.title}: ${chart.note}. Arrow keys read values, + and - zoom.` });
+  plot.svg = drawn("svg", { role: "img", tabindex: 0, "aria-label": `${chart.title}: ${chart.note}. Arrow keys read values, + and - zoom.${chart.patches ? " Enter plays a patch." : ""}` });
   plot.output = make("output", { class: "reading", hidden: "" });
   figure.querySelector(".plot").replaceChildren(plot.svg, plot.output);
   figure.plot = plot;

@@ -123,6 +123,10 @@ export function listenTo(plot) {
     start = null;
     if (wasPressed && dragged) zoomTo(plot, ...ends);
     else if (wasPressed && chart.second) seekAt(plot, x);
+    else if (wasPressed && chart.patches) {
+      readAt(plot, { x, y });
+      hearAt(plot, x);
+    }
     else readAt(plot, { x, y });
   });
   on("pointercancel", () => { start = null; });
@@ -145,7 +149,7 @@ function showDragged({ svg, output, places: { box } }, from, to) {
   svg.querySelector(".over").append(drawn("rect", { x: Math.min(from, to), y: box.top, width: Math.abs(to - from), height: box.bottom - box.top, class: "dragged" }));
 }
 
-/** Act on a key and tell whether it acts: arrows read, + and - zoom, Escape shows the whole. */
+/** Act on a key and tell whether it acts: arrows read, + and - zoom, Escape shows the whole, Space and Enter play a patch. */
 function byKey(plot, key) {
   const { places: { box, x }, points, view, chart, reading } = plot, { x: at, y } = reading ?? { x: (box.left + box.right) / 2, y: box.top };
   const factor = { "+": 0.5, "=": 0.5, "-": 2 }[key];
@@ -159,7 +163,8 @@ function byKey(plot, key) {
     const after = reading ? pixels.find((pixel) => pixel > at + STEP) ?? last : first, before = pixels.findLast((pixel) => pixel < at - STEP) ?? first;
     const next = { ArrowLeft: before, ArrowRight: after, Home: first, End: last }[key];
     if (next !== undefined) readAt(plot, { x: next, y });
-  } else return false;
+  } else if (chart.patches && [" ", "Enter"].includes(key)) hearAt(plot, at);
+  else return false;
   return true;
 }
 
@@ -167,6 +172,14 @@ function byKey(plot, key) {
 
 function seekAt({ chart: { run, second }, figure, places }, pixel) {
   figure.dispatchEvent(new CustomEvent("chart-seek", { bubbles: true, detail: { run, time: places.x.value(pixel) * second } }));
+}
+
+// ---- charts over places ----
+
+/** Ask for the sound of the patch at a pixel. */
+function hearAt({ chart: { run, patches, x }, figure, places }, pixel) {
+  const along = places.x.value(pixel), patch = patches.find(({ from, to }) => along >= from && along < to);
+  if (patch) figure.dispatchEvent(new CustomEvent("chart-place", { bubbles: true, detail: { run, patch, place: quantity((patch.from + patch.to) / 2, x.unit) } }));
 }
 
 /** Move the playhead of a chart over time to a time in seconds. */
