@@ -8,14 +8,16 @@ from __future__ import annotations
 import math
 import sys
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from acoustics.bands import BAND_NAMES, MID_HZ
 from acoustics.numbers import byte_size, rounded, si
 from acoustics.traps import ignoring_underflow
+from acoustics.weighting import a_weighting_db
 from rolling.check import (
     comb,
     cost,
@@ -330,6 +332,15 @@ def _track(scene: Scene) -> Iterator[Finding]:
     yield Finding("distance", "distance rolled", f"{si(track.distance, 'm')}{closed}")
     yield Finding("duration", "duration", si(duration, "s"))
     yield Finding("samples", "sound samples", f"{round(duration * cost.SAMPLE_RATE)}")
+    if scene.sound.room_db is not None:
+        yield Finding("room", "room noise", f"{_room_laeq_db(scene.sound.room_db):.0f} dB(A)")
+
+
+def _room_laeq_db(room_db: Mapping[str, float]) -> float:
+    """Return the A-weighted level of third octaves, weighted at their mid frequencies [dB(A)]."""
+    weighting_db = a_weighting_db(MID_HZ)
+    levels_db = [level + weighting_db[BAND_NAMES.index(name)] for name, level in room_db.items()]
+    return 10.0 * math.log10(sum(10.0 ** (level / 10.0) for level in levels_db))
 
 
 def _turns(scene: Scene) -> Finding:

@@ -69,6 +69,14 @@ def test_the_room_changes_no_contact_and_stays_in_the_scene():
     assert "room_db" not in scene.to_dict()["sound"]
 
 
+def test_the_check_states_the_level_of_the_room():
+    # 30 dB at 1 kHz alone, where the weighting is zero.
+    scene = quickstart().with_({"sound.room_db": {1000: 30}, "sweep": {}})
+    findings = {finding.quantity: finding.value for finding in scene.check(solve=False)}
+    assert findings["room noise"] == "30 dB(A)"
+    assert "room noise" not in {row.quantity for row in quickstart().check(solve=False)}
+
+
 @pytest.mark.parametrize(
     ("room", "message"),
     [
