@@ -2,7 +2,7 @@
 
 `python tests/benchmarks/audibility_table.py` hears the vibration of three scenes at levels from 5
 to 57.5 dB(A) in the default room of 30 dB(A). It prints by how much a sound of each level must grow
-until N5 of room and sound grows by 4 % and by 8 %. Five minutes of one core; it needs mosqito.
+until N5 of room and sound grows by 4 % and by 8 %. Seven minutes of one core; it needs mosqito.
 """
 
 from __future__ import annotations
