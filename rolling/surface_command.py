@@ -13,8 +13,11 @@ from acoustics.arrays import Array
 from acoustics.texts import printable
 from rolling.scene import file
 from rolling.scene.height_files import HeightFormatError, is_instrument
+from rolling.scene.surfaces import Instrument
+from rolling.scene.track import MIN_NODES
 from rolling.surface import character, measured
 from rolling.surface.character import PROFILE_NODES
+from rolling.surface.instrument import faded, sight
 from rolling.surface.scene_surface import scene_surface
 from rolling.terminal import files, progress
 from rolling.terminal.files import FolderError
@@ -29,6 +32,7 @@ def surface(
     unit: str = "m",
     xy_unit: str | None = None,
     *,
+    tip_radius_um: float | None = None,
     save: Path | None = None,
     out: Path | None = None,
 ) -> list[Path]:
@@ -39,6 +43,7 @@ def surface(
     source : Path. A scene, whose surface is described, or a file of measured heights.
     overrides : sequence of str. Assignments such as "surface.level=plane", to a scene.
     spacing_um, channel, unit, xy_unit : as in the section `surface` of a scene, of a file.
+    tip_radius_um : float, um. Radius of the tip of the stylus that measured a file. Default: none.
     save : Path. File for the heights, in the format of its ending. Default: none.
     out : Path. Folder of picture and table. Default: outputs/NAME-surface.
 
@@ -49,15 +54,16 @@ def surface(
     _refuse_taken(save, out)
     is_scene = source.suffix.lower() in ("", ".yaml", ".yml")
     if is_scene:
-        if spacing_um or channel or unit != "m" or xy_unit:
+        if spacing_um or channel or unit != "m" or xy_unit or tip_radius_um:
             raise FolderError(
-                "--spacing-um, --channel, --height-unit, --xy-unit: only for a file of heights"
+                "--spacing-um, --channel, --height-unit, --xy-unit, --tip-radius-um: only for a "
+                "file of heights"
             )
         described = _surface_of_scene(source, overrides)
     else:
         if overrides:
             raise FolderError("--set: only goes with a scene")
-        described = _surface_of_file(source, spacing_um, channel, unit, xy_unit)
+        described = _surface_of_file(source, spacing_um, channel, unit, xy_unit, tip_radius_um)
     folder = out or Path("outputs") / f"{described.name}-surface"
     with progress.step("computing the parameters, drawing the picture"):
         lines, contents = _parameters_and_picture(described)
@@ -86,6 +92,8 @@ def _print_character(described: _DescribedSurface) -> None:
     numbers = character.character(described.heights, described.steps, described.is_periodic)
     for sentence in character.sentences(numbers, described.pair):
         print(wrapped(sentence, ""))
+    if described.sight:
+        print(wrapped(described.sight, ""))
     if described.file_keys:
         print("\nIn a scene, this rolls over the file itself:")
         print(f"  {character.line_of_file(described.file_keys)}")
@@ -107,6 +115,7 @@ class _DescribedSurface:
     is_periodic : bool. Whether the surface closes, as that of a scene does.
     pair : Pair. Ball and plate of the plasticity index.
     file_keys : dict. Keys of the section `surface` of a scene with the file; empty for a scene.
+    sight : str. What the instrument sees of a file; empty where there is nothing to say.
     """
 
     name: str
@@ -116,6 +125,7 @@ class _DescribedSurface:
     is_periodic: bool
     pair: character.Pair
     file_keys: dict[str, Any]
+    sight: str = ""
 
 
 def _refuse_taken(save: Path | None, out: Path | None) -> None:
@@ -147,7 +157,12 @@ def _surface_of_scene(path: Path, overrides: Sequence[str]) -> _DescribedSurface
 
 
 def _surface_of_file(
-    path: Path, spacing_um: float | None, channel: str | None, unit: str, xy_unit: str | None
+    path: Path,
+    spacing_um: float | None,
+    channel: str | None,
+    unit: str,
+    xy_unit: str | None,
+    tip_radius_um: float | None,
 ) -> _DescribedSurface:
     """Read and level a file of heights, and print the doubts about it."""
     heights, steps, doubts = measured.levelled(path, spacing_um, channel, unit, xy_unit)
@@ -168,6 +183,10 @@ def _surface_of_file(
         keys["periodic"] = "blend"  # as a measurement, which does not close
     if heights.shape[1] == 1:
         keys["width_um"] = float(f"{PROFILE_NODES * 1e6 * steps[0]:.10g}")
+    instrument = None
+    if tip_radius_um is not None:
+        instrument = Instrument(tip_radius_um=tip_radius_um)
+        keys["instrument"] = {"tip_radius_um": tip_radius_um}
     return _DescribedSurface(
         name=path.name,
         words=words,
@@ -176,7 +195,23 @@ def _surface_of_file(
         is_periodic=False,
         pair=character.pair_of_steel(),
         file_keys=keys,
+        sight=_sight_words(heights, steps, instrument),
     )
+
+
+def _sight_words(heights: Array, steps: Array, instrument: Instrument | None) -> str:
+    """Write what an instrument sees of measured heights; empty where there is nothing to say.
+
+    Without an instrument only noise is told that stands out of the spectrum. Nodes that are not
+    square are resampled by a run, and the spectrum is not taken before.
+    """
+    is_profile = heights.shape[1] == 1
+    if len(heights) < MIN_NODES or not (is_profile or abs(steps[1] / steps[0] - 1) < 1e-3):
+        return ""
+    seen = sight(faded(heights), float(steps[0]), instrument)
+    if instrument is None and not seen.noise:
+        return ""
+    return f"The measuring instrument sees {seen.words}."
 
 
 def _parameters_and_picture(described: _DescribedSurface) -> tuple[list[str], dict[str, bytes]]:

@@ -103,8 +103,10 @@ def _by_page(schema: Json) -> dict[str, dict[str, Json]]:
     sections = _sections("", schema, schema)
     bodies = {title: sections[title] for title in sections if ":" not in title}
     faults = {"faults": bodies.pop("faults")}
+    of_files = {"surface.instrument": bodies.pop("surface.instrument")}
     kinds = {title: sections[title] for title in sections if ":" in title}
-    kinds = dict(sorted(kinds.items(), key=lambda kind: kind[0].startswith("sphere"))) | faults
+    kinds = dict(sorted(kinds.items(), key=lambda kind: kind[0].startswith("sphere")))
+    kinds |= of_files | faults
     return {"scene-file.md": {"Keys": schema} | bodies, "surface-keys.md": kinds}
 
 

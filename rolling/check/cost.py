@@ -263,7 +263,7 @@ def _window_memory(scene: Scene) -> float:
         rq, _ = grid_error.law_roughness(scene)
     nodes = min(window_nodes(scene, rq), 2.0 * max(track.n_along, track.n_across)) ** 2
     size = (WINDOW + WINDOW_SUBCELL * grid_error.law_subcells(scene) ** 2) * nodes
-    if scene.numerics.error_estimate:
+    if scene.numerics.error_estimate or getattr(scene.surface, "instrument", None) is not None:
         size *= ESTIMATE
     return size
 

@@ -5,11 +5,12 @@ do not depend on the speed of a machine.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rolling.check import cost
 from rolling.scene.scene import Scene
-from rolling.surface.scene_surface import has_detail
+from rolling.scene.surfaces import HeightFile
+from rolling.surface.scene_surface import has_detail, scene_surface
 
 SHARE = 0.25  # maximum cost of the estimate over the cost of the run
 # Expected time [s] of one core up to which the estimate is marched whatever its share of the run.
@@ -36,6 +37,17 @@ LEVELS = ("tight", "fine", "coarse")  # marches of a stretch, beside the run its
 # which would shorten all stretches.
 DETAIL = "detail"
 DETAILED = 4  # stretches that are marched on it
+# Levels of a measured surface: with the law of its spectrum below the cut-off of the instrument,
+# and, at half the spacing, as it was measured.
+WITH_LAW = "with_law"
+MEASURED = "measured"
+# Spacings of the shortest wave of the instrument, from which the scene's own grid holds enough of
+# the waves that are missing. A finer instrument needs half the spacing.
+MIN_CUTOFF_NODES = 3.0
+INSTRUMENT_STRETCHES = 4
+# Steps of the run over those of a stretch of the instrument, at least, on the own and a finer grid.
+INSTRUMENT_SHARE = 4
+INSTRUMENT_FINE_SHARE = 6
 
 
 @dataclass(frozen=True)
@@ -65,7 +77,9 @@ def level_cost(scene: Scene, level: str, power: float = COST_POWER) -> float:
     """
     if level == "coarse":  # at twice the spacing and the scene's own tolerance
         return math.pow(2.0, -power)
-    if level == DETAIL:  # at half the spacing and the scene's own tolerance
+    if level in (WITH_LAW, MEASURED) and not needs_finer_grid(scene):
+        return 1.0
+    if level in (DETAIL, WITH_LAW, MEASURED):  # at half the spacing and the scene's own tolerance
         return math.pow(2.0, power)
     # The number of iterations is proportional to the logarithm of the tolerance.
     tighter = math.log(tight_tolerance(scene)) / math.log(scene.tolerance)
@@ -104,6 +118,70 @@ def layout(scene: Scene) -> Layout | None:
     if has_detail(scene):
         marches += [(first, DETAIL) for first in firsts[:: max(1, count // DETAILED)][:DETAILED]]
     return Layout(steps, firsts, marches)
+
+
+def needs_finer_grid(scene: Scene) -> bool:
+    """Return whether the waves that an instrument does not see are too short for the own grid."""
+    seen = scene_surface(scene).seen
+    return seen is not None and seen.cutoff < MIN_CUTOFF_NODES * scene.spacing
+
+
+def instrument_layout(scene: Scene) -> Layout | None:
+    """Return the stretches that tell what the instrument of a measurement leaves uncertain.
+
+    They are those of the error estimate, if the scene asks for it. It is None without an
+    instrument, without a law, on a plate that remembers, under a sphere with a surface of its own,
+    whose short waves are not those of the file, and on a track that is too short.
+    """
+    if not has_instrument(scene) or scene.is_permanent or scene.sphere.surface is not None:
+        return None
+    seen = scene_surface(scene).seen
+    if seen is None or seen.law is None:
+        return None
+    estimate = layout(scene)
+    if estimate is None:
+        solved = scene.track.solved_steps
+        share = INSTRUMENT_FINE_SHARE if needs_finer_grid(scene) else INSTRUMENT_SHARE
+        steps = min(max(solved // share, MIN_STEPS), MAX_STEPS)
+        slots = solved // steps
+        if slots < INSTRUMENT_STRETCHES:
+            return None
+        firsts = tuple(
+            k * slots // INSTRUMENT_STRETCHES * steps for k in range(INSTRUMENT_STRETCHES)
+        )
+    else:
+        steps = estimate.steps
+        every = max(1, len(estimate.firsts) // INSTRUMENT_STRETCHES)
+        firsts = estimate.firsts[::every][:INSTRUMENT_STRETCHES]
+    levels = [WITH_LAW]
+    if needs_finer_grid(scene):
+        levels.append(MEASURED)
+    return Layout(steps, firsts, [(first, level) for first in firsts for level in levels])
+
+
+def has_instrument(scene: Scene) -> bool:
+    """Return whether a scene states the instrument of its measurement."""
+    surface = scene.surface
+    return isinstance(surface, HeightFile) and surface.instrument is not None
+
+
+def marches(scene: Scene) -> Layout | None:
+    """Return all marches of stretches of a scene, those of estimate and instrument together."""
+    estimate = layout(scene)
+    instrument = instrument_layout(scene)
+    if estimate is None or instrument is None:
+        return estimate or instrument
+    return replace(estimate, marches=estimate.marches + instrument.marches)
+
+
+def instrument_seconds(scene: Scene) -> float:
+    """Return the expected time [s] of the stretches of the instrument on one core; 0 without."""
+    stretches = instrument_layout(scene)
+    if stretches is None:
+        return 0.0
+    power = cost.STEP_LAWS[cost.step_law(scene, cost.roughness(scene)[0])][1]
+    per_step = sum(level_cost(scene, level, power) for _, level in stretches.marches)
+    return (stretches.steps + COLD_STEPS) * per_step * cost.step_ms(scene) * 1e-3
 
 
 def shortest_seconds(scene: Scene) -> float:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from rolling.check.probe import Probe
 
 # Keys of the rows of marches whose time follows that of the track.
-OTHER_MARCHES = ("error_estimate", "force_law", vibration.OWN_MARCH)
+OTHER_MARCHES = ("error_estimate", "instrument_marches", "force_law", vibration.OWN_MARCH)
 # Keys of doubts that stand beside every level, and are no warnings.
 BESIDE_LEVELS = (*level.SOURCES, resolution.LEVEL_KEY)
 RUNS_ABREAST = 5  # columns of the table
@@ -383,6 +383,9 @@ def _march(scene: Scene) -> Iterator[Finding | Doubt]:
         reason = error_cost.too_short(scene) or "a smooth surface makes no sound"
         value = cost.computing(seconds) if seconds else f"none: {reason}"
         yield Finding("error_estimate", "error estimate", value, seconds)
+    if seconds := error_cost.instrument_seconds(scene):
+        value = cost.computing(seconds)
+        yield Finding("instrument_marches", "marches for unseen waves", value, seconds)
 
 
 def _window(scene: Scene, rq: float) -> Iterator[Finding | Doubt]:

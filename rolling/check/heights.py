@@ -50,6 +50,7 @@ def rules(scene: Scene) -> Iterator[Finding | Doubt]:
         if step.warning:
             yield Doubt(step.step, f"{name}: {step.warning}", Severity.TRUST)
     yield Finding("level", "tilt", tilt_text(surface.levelling))
+    yield from _instrument(surface)
     yield from _seam(scene, surface.levelling)
     yield from _seam_across(scene, surface.levelling)
     yield from _form(surface)
@@ -144,6 +145,29 @@ def _resolution(surface: SceneSurface) -> Iterator[Finding | Doubt]:
             Severity.INDICATIVE,
             advice="; ".join(advice),
         )
+
+
+def _instrument(surface: SceneSurface) -> Iterator[Finding | Doubt]:
+    """State what the instrument sees, and warn of noise that the ball would roll over."""
+    seen = surface.seen
+    if seen is None:
+        return
+    name = "measuring instrument"
+    yield Finding("instrument", name, f"sees {seen.words}")
+    if seen.limit == "noise":
+        yield Doubt(
+            "instrument",
+            f"{name}: below {si(seen.cutoff, 'm')} the file shows {seen.noise_words}",
+            Severity.INDICATIVE,
+            advice="the run tells how much of the levels it is; average measurements, or set "
+            f"surface.s_filter_um to at least {rounded_up_um(seen.cutoff)}",
+        )
+
+
+def rounded_up_um(length: float) -> str:
+    """Write a length [m] in um with two digits, rounded up."""
+    exponent = math.floor(math.log10(length * 1e6)) - 1
+    return f"{math.ceil(length * 1e6 / 10.0**exponent - 1e-9) * 10.0**exponent:.6g}"
 
 
 def _seam(scene: Scene, levelling: Levelling) -> Iterator[Finding | Doubt]:

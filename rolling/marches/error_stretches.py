@@ -3,7 +3,8 @@
 Each stretch is marched from a cold start over the positions of the run: on the run's grid at a
 tight tolerance, at half the spacing and the tight tolerance, and at twice the spacing. Where the
 law of a generated surface goes on below the spacing, some are marched with its detail at half the
-spacing.
+spacing. Where a scene states the instrument of a measurement, some are marched with the law of the
+measured spectrum in place of the waves that the instrument does not see.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import numpy as np
 
 from acoustics.arrays import Array
 from rolling.check import error_cost
-from rolling.check.error_cost import DETAIL
+from rolling.check.error_cost import DETAIL, MEASURED, WITH_LAW
 from rolling.marches.piece import Piece
 from rolling.marches.result import ErrorStretches, Result
 from rolling.scene.scene import Scene
@@ -27,7 +28,7 @@ from rolling.sound.radiators import roughness_gain
 
 def stretch_pieces(scene: Scene, result: Result) -> list[Piece]:
     """Return the marches of stretches that the estimate of a complete run lacks."""
-    layout = error_cost.layout(scene)
+    layout = error_cost.marches(scene)
     if layout is None:
         return []
     marched: Container[tuple[int, str]] = ()
@@ -51,7 +52,7 @@ def stretch_pieces(scene: Scene, result: Result) -> list[Piece]:
 
 def own_stretches(scene: Scene, result: Result) -> ErrorStretches | None:
     """Return the marches of stretches that a run needs, without those of another run."""
-    layout = error_cost.layout(scene)
+    layout = error_cost.marches(scene)
     stretches = result.stretches
     if layout is None or stretches is None or stretches.steps != layout.steps:
         return None
@@ -116,6 +117,39 @@ def detail_powers(scene: Scene, result: Result) -> BandPowers | None:
     )
 
 
+def instrument_powers(scene: Scene, result: Result, source: str) -> BandPowers | None:
+    """Compute the band powers as measured (own) and with the law of the spectrum (fine).
+
+    They are those of the approach that a vibration follows, without its gain, or of the release.
+    None where the stretches are not marched.
+    """
+    layout = error_cost.instrument_layout(scene)
+    stretches = result.stretches
+    if layout is None or stretches is None or stretches.steps != layout.steps:
+        return None
+    marches = stretches.marches
+    if any(key not in marches or marches[key].fault for key in layout.marches):
+        return None
+    is_approach = source == "vibration"
+    fine = _signals(scene, result, layout.firsts, WITH_LAW, is_approach)
+    if error_cost.needs_finer_grid(scene):
+        own = _signals(scene, result, layout.firsts, MEASURED, is_approach)
+    else:
+        series = result.series["approach" if is_approach else "release_energy"]
+        own = np.array([series[first : first + layout.steps] for first in layout.firsts])
+    signals = StretchSignals(
+        own=own,
+        tight=own,
+        fine=fine,
+        coarse=own,
+        step=result.step,
+        speeds=np.array([_speeds(scene, result, first) for first in layout.firsts]),
+        tolerance_ratio=1.0,
+        gain=np.ones_like if is_approach else None,
+    )
+    return error_estimate.band_powers(signals)
+
+
 def plastic_areas(scene: Scene, result: Result, level: str) -> Array:
     """Return the mean area at the hardness on a level [m2] of each stretch of a run."""
     assert result.stretches is not None
@@ -124,11 +158,22 @@ def plastic_areas(scene: Scene, result: Result, level: str) -> Array:
     return np.array([marches[first, level].plastic_area for first in firsts])
 
 
-def _signals(scene: Scene, result: Result, firsts: Sequence[int], level: str) -> Array:
-    """Return the release [J] or the approach [m] of stretches on a level."""
+def _signals(
+    scene: Scene,
+    result: Result,
+    firsts: Sequence[int],
+    level: str,
+    is_approach: bool | None = None,
+) -> Array:
+    """Return the release [J] or the approach [m] of stretches on a level.
+
+    By default it is that of the source of the sound.
+    """
     assert result.stretches is not None
     marches = [result.stretches.marches[first, level] for first in firsts]
-    if scene.sound.source == "vibration":
+    if is_approach is None:
+        is_approach = scene.sound.source == "vibration"
+    if is_approach:
         return np.array([march.approach[:-1] for march in marches])
     return np.array([march.release for march in marches])
 

@@ -24,7 +24,7 @@ from rolling.scene.messages import SceneError
 from rolling.scene.scene import Scene
 from rolling.surface.contact_of_scene import rolling_contact
 from rolling.surface.refined import cells_of_patch
-from rolling.surface.scene_surface import continued_rows, heights
+from rolling.surface.scene_surface import continued_rows, heights, measured_rows
 
 # Side of a cell on a level, in the run's cells.
 SIDES = {"tight": 1.0, "fine": 0.5, "coarse": 2.0, "detail": 0.5}
@@ -176,16 +176,23 @@ def _virgin_contact(piece: Piece) -> RollingContact:
     return contact
 
 
+def _side(scene: Scene, level: str) -> float:
+    """Return the side of a cell on a level, in the run's cells."""
+    if level in SIDES:
+        return SIDES[level]
+    return 0.5 if error_cost.needs_finer_grid(scene) else 1.0
+
+
 def level_contact(scene: Scene, level: str, first: int, steps: int) -> RollingContact:
     """Return the contact of a stretch on a level of accuracy, on the patch of surface around it.
 
     Position 0 of the contact is the first position of the stretch. All levels have the run's number
     of sub-cells per cell. The level "detail" has flat cells with the surface of the law at half the
-    spacing.
+    spacing, and so have "with_law" and "measured" where the own grid is too coarse for the law.
     """
     whole = rolling_contact(scene)
     surface = heights(scene)
-    side = SIDES[level]
+    side = _side(scene, level)
     spacing = whole.cell_spacing
     # Twice the radius of overlap holds the highest peaks, and a few nodes hold the run-in.
     rq, _ = cost.roughness(scene)
@@ -201,12 +208,17 @@ def level_contact(scene: Scene, level: str, first: int, steps: int) -> RollingCo
         slopes = False
         finer = continued_rows(scene, row, rows)
         cells = cells_of_patch(finer, 0, len(finer), 1.0, whole.subcells, slopes)
+    elif level in (error_cost.WITH_LAW, error_cost.MEASURED):
+        slopes = whole.slopes and side == 1
+        finer = measured_rows(scene, row, rows, round(1 / side), level == error_cost.WITH_LAW)
+        cells = cells_of_patch(finer, 0, len(finer), 1.0, whole.subcells, slopes)
     else:
         slopes = whole.slopes
         cells = cells_of_patch(surface, row, rows, side, whole.subcells, slopes)
-    # Flat cells begin where the cells of the run begin, and places count from a centre.
+    # Flat cells begin where the cells of the run begin, and places count from a centre. The nodes
+    # of a surface with a law begin on a row.
     off_centre = 0.0
-    if not slopes:
+    if not slopes and level not in (error_cost.WITH_LAW, error_cost.MEASURED):
         off_centre = (side - 1) / 2 * spacing
     tolerance = scene.tolerance
     if level in ("tight", "fine"):

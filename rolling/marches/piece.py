@@ -40,7 +40,8 @@ class Piece:
     first, last : int. First and last position.
     load : float, N. Load of the kinds "load" and "judge".
     forces : (positions,) array, N. Load at each position of a lap of the kind "moving".
-    level : str. Level of the kind "error": "tight", "fine", "coarse" or "detail".
+    level : str. Level of the kind "error": "tight", "fine", "coarse", "detail", "with_law" or
+        "measured".
     stride : int. Positions from one map to the next of the kind "film".
     number : int. Index of the pass of the kind "pass".
     sunk : (along, across) array, m. Depth of the plate before the piece. Default: a virgin plate.

@@ -19,6 +19,7 @@ from rolling.dynamics.comb import COMB_MOST_DB
 from rolling.dynamics.of_scene import BENT, NEAR_SPEEDS
 from rolling.marches.result import MovingRelease
 from rolling.results import notes
+from rolling.results.instrument_spread import part_db
 from rolling.results.run_errors import total_errors_db
 from rolling.scene.scene import Scene
 from rolling.sound.contact_sound import ContactSound, solver_doubt
@@ -42,6 +43,7 @@ ERRORS = (
     "solver_error",
     "force_law_error",
     "subgrid",
+    "instrument",
 )
 # Doubts about a vibration before it is computed, which its own numbers replace.
 _FORECASTS = ("force_ratio", "impacts_yield", "comb")
@@ -326,6 +328,33 @@ def _errors(scene: Scene, summary: Mapping[str, Any]) -> Iterator[Doubt]:
     if detail is not None:
         text = f"the surface below its spacing changes LAeq by up to {rounded(detail)} dB"
         yield sized("subgrid", text, detail)
+    if "instrument" in summary:
+        yield instrument(summary, summary["source"])
+
+
+def instrument(summary: Mapping[str, Any], source: str) -> Doubt:
+    """Return what the instrument of a measurement leaves of the level of a source."""
+    numbers = summary["instrument"]
+    cutoff = si(numbers["cutoff_m"], "m")
+    part = part_db(summary, source)
+    if part is None:
+        text = f"what the measuring instrument did not see below {cutoff} leaves an unknown error"
+        if numbers["reason"]:
+            text += f", because {numbers['reason']}"
+        return Doubt("instrument", text, Severity.INDICATIVE)
+    size = rounded_up(part)
+    if numbers["limit"] == "noise":
+        share = rounded(100 * numbers["noise_over_sq"])
+        text = (
+            f"noise of the measuring instrument, {si(numbers['noise_m'], 'm')} rms or {share} % of "
+            f"Sq, and the waves below {cutoff} that it hides change the level by up to {size} dB"
+        )
+    else:
+        text = (
+            f"waves below {cutoff}, which the measuring instrument did not see, leave up to {size} "
+            "dB"
+        )
+    return sized("instrument", text, part)
 
 
 def _grid(scene: Scene, summary: Mapping[str, Any]) -> Doubt:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 import rolling
 from acoustics import wav
 from acoustics.bands import MID_HZ
-from rolling.check.error_cost import DETAIL, LEVELS
+from rolling.check.error_cost import DETAIL, LEVELS, MEASURED, WITH_LAW, has_instrument
 from rolling.marches.observers import (
     EVENT_COLUMNS,
     MOVING_SERIES,
@@ -27,6 +28,7 @@ from rolling.marches.passes import Passes
 from rolling.marches.result import ErrorStretches, LoadMarches, MovingRelease, Result, StretchMarch
 from rolling.results.solved_run import SolvedRun
 from rolling.scene import file as scene_file
+from rolling.scene.scene import Scene
 from rolling.sound.vibration_sound import Vibration
 
 if TYPE_CHECKING:
@@ -174,7 +176,7 @@ DEFINITION: dict[str, dict[str, Variable]] = {
 COORDINATES = ("time", "position_time")  # beside the arrays that are named as their dimension
 
 
-def fixed_lengths(result: Result) -> dict[str, int]:
+def fixed_lengths(scene: Scene, result: Result) -> dict[str, int]:
     """Return the lengths of the dimensions that the scene of a result fixes."""
     lengths = {
         "step": result.steps,
@@ -182,7 +184,7 @@ def fixed_lengths(result: Result) -> dict[str, int]:
         "place": result.solved_steps + 1,
         "place_step": result.solved_steps,
         "axis": 2,
-        "level": len(_LEVELS),
+        "level": len(_levels_of(scene)),
         "band": len(MID_HZ),
     }
     if result.passes is not None:
@@ -219,7 +221,7 @@ def groups_of(run: SolvedRun) -> dict[str, FileGroup]:
     if run.events is not None:
         groups["events"] = FileGroup(run.events)
     if result.stretches is not None:
-        groups["error_estimate"] = _stretches_group(result.stretches)
+        groups["error_estimate"] = _stretches_group(result.stretches, _levels_of(run.scene))
     if result.slow_motion is not None:
         groups["slow_motion"] = _film_group(result.slow_motion)
     if result.load_marches is not None:
@@ -370,13 +372,15 @@ def _read_events(group: FileGroup) -> Arrays:
 # ---- error estimate and film
 
 _LEVELS = (*LEVELS, DETAIL)  # that of detail is NaN where a stretch is not marched on it
+# Levels of a scene that states an instrument; each is NaN where a stretch is not marched on it.
+_INSTRUMENT_LEVELS = (*_LEVELS, WITH_LAW, MEASURED)
 
 
-def _stretches_group(stretches: ErrorStretches) -> FileGroup:
+def _stretches_group(stretches: ErrorStretches, levels: Sequence[str]) -> FileGroup:
     """Return the marches by stretch and level, and the reasons of those that failed."""
     firsts = sorted({first for first, _ in stretches.marches})
     none = StretchMarch.none(stretches.steps)
-    marches = [[stretches.marches.get((k, level), none) for level in _LEVELS] for k in firsts]
+    marches = [[stretches.marches.get((k, level), none) for level in levels] for k in firsts]
     arrays = {
         "first": np.array(firsts),
         "release_energy": np.array([[march.release for march in row] for row in marches]),
@@ -387,17 +391,23 @@ def _stretches_group(stretches: ErrorStretches) -> FileGroup:
     return FileGroup(arrays, {"faults": json.dumps(faults)})
 
 
+def _levels_of(scene: Scene) -> tuple[str, ...]:
+    """Return the levels that the file of a scene has room for."""
+    return _INSTRUMENT_LEVELS if has_instrument(scene) else _LEVELS
+
+
 def _read_stretches(group: FileGroup) -> ErrorStretches:
     """Return the marches of stretches, whose time is not stored."""
     arrays = group.arrays
     faults = json.loads(group.attributes["faults"])
     stretches = ErrorStretches(steps=arrays["release_energy"].shape[2])
+    levels = _INSTRUMENT_LEVELS[: arrays["plastic_area"].shape[1]]
     for row, first in enumerate(arrays["first"].tolist()):
-        for column, level in enumerate(_LEVELS):
+        for column, level in enumerate(levels):
             area = float(arrays["plastic_area"][row, column])
             fault = faults[row][column]
-            if level == DETAIL and not fault and np.isnan(area):
-                continue  # this stretch is not marched with detail
+            if not fault and np.isnan(area):
+                continue  # this stretch is not marched on this level
             stretches.marches[first, level] = StretchMarch(
                 release=arrays["release_energy"][row, column],
                 approach=arrays["approach"][row, column],

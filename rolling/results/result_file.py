@@ -113,7 +113,7 @@ def read_result(path: Path, scene: Scene) -> Result:
             _refuse_format(path, root_attributes)
             if root_attributes.get("identity") != result.identity:
                 raise FolderError(f"{path}: solved for another scene or surface")
-            groups = _bounded_groups(file, fixed_lengths(result), most_bytes)
+            groups = _bounded_groups(file, fixed_lengths(scene, result), most_bytes)
         fill_result(result, groups)
     except FolderError:
         raise

@@ -146,13 +146,13 @@ def _estimate(run: SolvedRun) -> RunErrors:
 def _reason_against(run: SolvedRun) -> str:
     """Explain why a run has no estimate; empty where it has one."""
     if run.vibration is not None and run.sound.source == "vibration":
-        reason = _not_linear(run.vibration)
+        reason = not_linear(run.vibration)
         if reason:
             return reason
     return _reason(run.scene, run.result, run.sound)
 
 
-def _not_linear(vibration: Vibration) -> str:
+def not_linear(vibration: Vibration) -> str:
     """Explain that no linear chain carries an error to the sound; empty where one does."""
     if vibration.motion.flight_share > 0:
         words = "contact is lost"

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple
 
-from acoustics.numbers import bracketed, decibels_a, micrometres, rounded
+from acoustics.numbers import bracketed, decibels_a, micrometres, rounded, rounded_up, si
 from rolling.check import resolution
 from rolling.check.doubt import Severity
 from rolling.results import verdict
@@ -54,7 +54,7 @@ def doubt_lines(runs: Sequence[RunFolder]) -> list[str]:
     if not solved:
         return []
     lines = [*_missing(solved), *_largest_doubts(solved)]
-    lines += [_grid_and_solver(solved), _surface(solved)]
+    lines += [_grid_and_solver(solved), *_instrument(solved), _surface(solved)]
     return [folded(line) for line in lines if line]
 
 
@@ -220,6 +220,25 @@ def _grid_and_solver(runs: Solved) -> str:
         return f"grid and solver: errors not measured ({why})"
     size = max(LEAST_DB, math.ceil(100 * max(errors)) / 100)  # no error prints as 0.00 dB
     return f"grid and solver: errors below {size:g} dB"
+
+
+def _instrument(runs: Solved) -> list[str]:
+    """Write in one line what the instruments of measurements leave of both numbers of runs."""
+    lines = dict[str, None]()
+    for _, summary in runs:
+        numbers = summary.get("instrument")
+        if numbers is None:
+            continue
+        text = f"measuring instrument: sees waves above {si(numbers['cutoff_m'], 'm')}"
+        if numbers["noise_m"]:
+            share = rounded(100 * numbers["noise_over_sq"])
+            text += f", noise {si(numbers['noise_m'], 'm')} rms ({share} % of Sq)"
+        for name in ("vibration", "released_power"):
+            spread = numbers[f"{name}_spread_db"]
+            words = "unknown" if spread is None else f"± {rounded_up(spread)} dB"
+            text += f"; {name.replace('_', ' ')} {words}"
+        lines[text] = None
+    return [*lines]
 
 
 def _surface(runs: Solved) -> str:

@@ -33,6 +33,7 @@ from rolling.marches.stiffness import solved_stiffness
 from rolling.results import verdict
 from rolling.results.description import runs_sentence
 from rolling.results.doubts import doubts
+from rolling.results.instrument_spread import instrument_numbers, part_db
 from rolling.results.run_errors import error_numbers, known, known_bands
 from rolling.results.solved_run import SolvedRun
 from rolling.scene.scene import Scene
@@ -62,17 +63,19 @@ def summarize(run: SolvedRun, release: ContactSound) -> dict[str, Any]:
     law = _force_law(run)
     moving = result.moving if scene.moves_release else None
     stiffness = _solved_stiffness(run)
+    instrument = instrument_numbers(run)
     summary = {
         **_scene(run),
         **_levels(run, is_event),
         **_uncertainty(run),
-        **error_numbers(run, _uncertainty_parts(run, law, band)),
+        **error_numbers(run, _uncertainty_parts(run, law, band, instrument)),
         **_band(band),
         **_loudness(run, is_event),
         **_record(sound, release),
         **_contact(scene, result),
         **_effort(scene, result),
         **_surface(surface),
+        **instrument,
         **_turns(scene, surface, sound),
         "wavelength_octaves": [octave._asdict() for octave in run.wavelength_octaves],
     }
@@ -168,7 +171,10 @@ def _uncertainty(run: SolvedRun) -> dict[str, Any]:
 
 
 def _uncertainty_parts(
-    run: SolvedRun, law: Mapping[str, Any], band: MissingBand | None
+    run: SolvedRun,
+    law: Mapping[str, Any],
+    band: MissingBand | None,
+    instrument: Mapping[str, Any],
 ) -> dict[str, float | None]:
     """Return the uncertainties of LAeq [dB] by their origin, but for grid and solver."""
     parts: dict[str, float | None] = {"record": run.sound.uncertainty.laeq_db}
@@ -179,6 +185,9 @@ def _uncertainty_parts(
             parts["force_law"] = law_error
     if band is not None:
         parts["band"] = float(np.hypot(band.error_db, band.uncertainty_db))
+    of_instrument = part_db(instrument, run.sound.source)
+    if of_instrument is not None:
+        parts["instrument"] = of_instrument
     return parts
 
 

@@ -8,7 +8,7 @@ from rolling.check import level
 from rolling.check.doubt import Doubt, Severity, sized
 from rolling.results import description
 from rolling.results.answer import loses_contact_in_estimate, released_power, vibration
-from rolling.results.doubts import ERRORS
+from rolling.results.doubts import ERRORS, instrument
 from rolling.results.notes import HEADLINE
 
 Runs = Sequence[tuple[str, Mapping[str, Any]]]  # label and summary of each run
@@ -112,6 +112,8 @@ def of_vibration(summary: Mapping[str, Any]) -> Verdict | None:
     shared = [doubt for doubt in doubts if doubt.key not in (*OF_RELEASE, *ERRORS)]
     if answer.how == "estimated":
         shared.append(_estimate(summary))
+    if "instrument" in summary:
+        shared.append(instrument(summary, "vibration"))
     return _judged(shared)
 
 

@@ -16,6 +16,7 @@ from rolling.scene import library
 from rolling.scene.height_files import TRIPLES, is_instrument
 from rolling.scene.laws import Roughness, SelfAffineLaw, SurfaceFault, SurfaceKind
 from rolling.scene.messages import TABLES, fault, is_number, plain_number, quoted
+from rolling.scene.models import Section
 from rolling.scene.track import MAX_NODES, MIN_NODES
 
 
@@ -140,6 +141,41 @@ class Smooth(MadeSurface):
     faults: list[SurfaceFault] | None = None
 
 
+class Instrument(Section):
+    """Instrument that measured the heights of a file: its limits at short waves.
+
+    Attributes
+    ----------
+    tip_radius_um : float, optional
+        Radius of the tip of a stylus [um]. Default: no stylus.
+    sampling_um : float, optional
+        Distance of independent points [um]: the sampling interval, or half of the shortest wave
+        that optics resolve. Default: the spacing of the file.
+    noise_nm : float, optional
+        Rms noise of a height [nm]. Default: the noise that the spectrum shows.
+
+    Examples
+    --------
+    >>> import rolling
+    >>> scan = rolling.HeightFile(path="scan.sdf", instrument={"tip_radius_um": 2})
+    >>> scan.instrument.tip_radius_um
+    2.0
+    """
+
+    SECTION: ClassVar[str] = "surface.instrument"
+
+    tip_radius_um: float | None = Field(default=None, ge=0.01, le=1000)
+    sampling_um: float | None = Field(default=None, ge=0.001, le=10000)
+    noise_nm: float | None = Field(default=None, ge=0.001, le=100000)
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if self.tip_radius_um is None and self.sampling_um is None and self.noise_nm is None:
+            words = "at least one of tip_radius_um, sampling_um and noise_nm"
+            raise fault(f"got nothing, allowed: {words}", at=self.SECTION)
+        return self
+
+
 class HeightFile(SurfaceKind):
     """Surface read from a file: one period of it, or a measurement that is made periodic.
 
@@ -184,6 +220,9 @@ class HeightFile(SurfaceKind):
     width_um : float, optional
         Width [um] across the track that a profile of one line gets: a whole number of nodes, at
         least 8.
+    instrument : Instrument, optional
+        Instrument of the measurement. With it, the run states how uncertain its levels are because
+        the instrument could not see short waves.
 
     Examples
     --------
@@ -209,6 +248,7 @@ class HeightFile(SurfaceKind):
     periodic: Literal["blend", "mirror", "none"] | None = None
     overlap_um: float | None = Field(default=None, gt=0)
     width_um: float | None = Field(default=None, gt=0)
+    instrument: Instrument | None = None
     faults: list[SurfaceFault] | None = None
 
     @model_validator(mode="after")

@@ -18,6 +18,7 @@ from scipy.special import ndtri, stdtrit
 from acoustics.arrays import Array
 from acoustics.bands import BAND_NAMES, BANDWIDTH_HZ, EDGES_HZ, NOMINAL_HZ, third_octave_mean_square
 from acoustics.level import SoundLevels
+from acoustics.weighting import a_weighting_db
 
 # Limits of the order of convergence in an extrapolation, by trial on three scenes. Levels of whole
 # tracks fell at orders from 1.1 to 2.5 from 2 um over 1 um to 0.5 um, where the three grids of an
@@ -34,6 +35,8 @@ MIN_LINES = 2  # minimum number of lines of a stretch in a band with its own est
 # by 4/9 with its neighbours and by 1/36 with the lines after them, 1 + 2 (4/9 + 1/36).
 HANN_LINES = 35 / 18
 GAIN_POINTS = 16  # frequencies of a band at which a gain is averaged
+REPLACED_LINES = 24  # minimum number of lines of a group of bands where a surface is replaced
+REPLACED_POINTS = 128  # of them where a surface is replaced, so that none misses a resonance
 JUDGED_HZ = 1000.0, 16000.0  # bands whose standard error is judged
 SOUND_SHARE = 1e-4  # a band with less than this share of the fluctuation carries no sound
 _FIRST_LINE = 2  # below this line the Hann window mixes the mean into the lines
@@ -191,11 +194,11 @@ def band_powers(signals: StretchSignals) -> BandPowers:
     )
 
 
-def _mean_gain(gain: Gain | None) -> Array:
+def _mean_gain(gain: Gain | None, points: int = GAIN_POINTS) -> Array:
     """Return the mean power gain of each band, 1 for a release."""
     if gain is None:
         return np.ones(len(BAND_NAMES))
-    within = (np.arange(GAIN_POINTS) + 0.5) / GAIN_POINTS
+    within = (np.arange(points) + 0.5) / points
     low = np.asarray(EDGES_HZ[:-1])
     width = np.asarray(BANDWIDTH_HZ)
     frequency = low[:, None] + width[:, None] * within
@@ -241,6 +244,70 @@ def detail_errors(powers: BandPowers, record: RecordLevels) -> Array:
     spread = np.sqrt(_line_scatter(powers, record).of_error)
     doubt = DOUBT * (1.0 - 1.0 / refinement_factor(DEFAULT_ORDER))
     return np.stack([errors, np.hypot(spread, doubt * errors)])
+
+
+def replaced_errors(
+    powers: BandPowers, own_factor: bool, factor: float, gain: Gain | None = None
+) -> Array:
+    """Return the errors of levels from stretches of a surface (own) and of another one (fine).
+
+    Parameters
+    ----------
+    powers : BandPowers. Powers of the signals over both surfaces on the same grid, without a gain.
+    own_factor : bool. As in `RecordLevels`.
+    factor : float. Whole error over the difference on this grid; 1 if the grid holds all of it.
+    gain : callable. Power gain from the signals to the sound. Its mean over a band counts, because
+        the few lines of stretches may miss a sharp resonance. Default: none.
+
+    Returns
+    -------
+    (2, bands + 1) array, dB
+        Errors of the bands and of LAeq, and their standard uncertainties by a jackknife over the
+        stretches. NaN: no sound.
+    """
+    white = _mean_gain(gain, REPLACED_POINTS)
+    weights = 10 ** (a_weighting_db(np.array(NOMINAL_HZ)) / 10)
+
+    groups = _wide_groups(powers)
+
+    def errors(total: Array) -> Array:
+        """Return the errors of the bands and of LAeq for sums over some stretches."""
+        power = total[_FINE] * white
+        difference = np.full(len(BAND_NAMES), np.nan)
+        for group in groups:
+            own, fine = total[[_OWN, _FINE]][:, group]
+            solved = (own > 0) & (fine > 0)
+            if solved.any():
+                # The mean of logarithms favours neither surface, and no loud band.
+                ratio = 10.0 * np.log10(own[solved] / fine[solved])
+                lines = np.maximum(powers.lines[group][solved], 1)
+                difference[group] = factor * np.average(ratio, weights=lines)
+        known = np.where(np.isfinite(difference), power, np.nan)
+        of_laeq = -_sum_error(known * weights, -difference)
+        shift = 0.0
+        if own_factor:
+            shift = 0.5 * _sum_error(known, -difference)
+        return np.append(difference, of_laeq) + shift
+
+    value = errors(powers.sums.sum(axis=0))
+    return np.stack([value, _jackknife(powers.sums, errors)])
+
+
+def _wide_groups(powers: BandPowers) -> list[list[int]]:
+    """Join groups of bands until each has REPLACED_LINES lines in all stretches together."""
+    wide = list[list[int]]()
+    group = list[int]()
+    for narrow in powers.groups:
+        group += narrow
+        if len(powers.sums) * powers.lines[group].sum() >= REPLACED_LINES:
+            wide.append(group)
+            group = []
+    if group:
+        if wide:
+            wide[-1] = wide[-1] + group
+        else:
+            wide.append(group)
+    return wide
 
 
 def level_errors(powers: BandPowers, record: RecordLevels) -> LevelErrors:

@@ -231,7 +231,9 @@ def _flow(keys: Mapping[str, Any]) -> str:
 
 
 def _scalar(value: Any) -> str:
-    """Write a value as YAML."""
+    """Write a value as YAML, a section in braces."""
+    if isinstance(value, Mapping):
+        return f"{{{_flow(value)}}}"
     if isinstance(value, float):
         return f"{value:g}" if float(f"{value:g}") == value else repr(value)
     if isinstance(value, str) and not value.replace("_", "a").replace("-", "a").isalnum():

@@ -24,8 +24,10 @@ from rolling.scene.track import Track
 from rolling.surface import heights as surface
 from rolling.surface import levelling, made, markers, measured, preparation
 from rolling.surface.heights import Statistics, add_faults
+from rolling.surface.instrument import InstrumentSight, sight, with_law
 from rolling.surface.levelling import Levelling
 from rolling.surface.preparation import Effect
+from rolling.surface.refined import cells_of_patch
 from rolling.terminal import progress
 
 
@@ -43,6 +45,7 @@ class SceneSurface:
     made: dict[str, Any] = field(default_factory=dict)  # by key in the summary
     # A sentence for each doubt about the height files: marks of points, columns and units.
     suspicions: tuple[str, ...] = ()
+    seen: InstrumentSight | None = None  # by the instrument of a file, if the scene states one
 
     @cached_property
     def statistics(self) -> Statistics:
@@ -120,6 +123,7 @@ def _making(scene: Scene) -> str:
 def _make(scene: Scene) -> SceneSurface:
     """Make the surface of plate and sphere of a scene."""
     plate, plane, effects = _plate(scene)
+    seen = _seen(scene, plate)
     described = made.described("surface_made", plate, scene.spacing, scene.surface.law)
     add_faults(plate, scene.surface.faults or (), scene.spacing)
     plate = under_track(scene, plate)
@@ -131,6 +135,7 @@ def _make(scene: Scene) -> SceneSurface:
             preparation=effects,
             made=described,
             suspicions=tuple(_suspicions(scene)),
+            seen=seen,
         )
     try:
         ball, described_ball = ball_heights(scene, scene.sphere.surface)
@@ -146,6 +151,7 @@ def _make(scene: Scene) -> SceneSurface:
         part_ra=part_ra,
         made=described | described_ball,
         suspicions=suspicions,
+        seen=seen,
     )
 
 
@@ -157,6 +163,18 @@ def under_track(scene: Scene, plate: Array) -> Array:
     if scene.across_nodes == 0:
         return plate
     return np.roll(plate, -scene.across_nodes, axis=1)
+
+
+def _seen(scene: Scene, plate: Array) -> InstrumentSight | None:
+    """Find what the instrument of a file sees of the plate; None where the scene states none."""
+    path = scene.height_path
+    if not isinstance(scene.surface, surfaces.HeightFile) or path is None:
+        return None
+    if scene.surface.instrument is None:
+        return None
+    steps = height_grid(path, scene.surface).steps
+    file_spacing = steps[0] if scene.surface.width_um is not None else max(steps)
+    return sight(plate, scene.spacing, scene.surface.instrument, file_spacing)
 
 
 def _ra(heights: Array) -> float:
@@ -214,6 +232,23 @@ def continued_rows(scene: Scene, first: int, rows: int) -> Array:
     patch = whole[(first + np.arange(rows)) % len(whole)]
     seed = (scene.laws[0].seed, first % len(whole), rows)
     return made.continued(patch, scene.spacing, [(law.rq_m, law) for law in scene.laws], seed)
+
+
+def measured_rows(scene: Scene, first: int, rows: int, finer: int, law: bool) -> Array:
+    """Return rows of a measured surface [m], with or without the law below the cut-off.
+
+    The nodes are `finer` times as dense. The waves of the law stand in place of those that the
+    instrument does not see, and its noise is removed with them.
+    """
+    surface_of_scene = scene_surface(scene)
+    seen = surface_of_scene.seen
+    assert seen is not None  # only asked for with an instrument
+    whole = surface_of_scene.heights
+    patch = whole[(first + np.arange(rows)) % len(whole)]
+    dense = cells_of_patch(patch, 0, len(patch), 1 / finer, 1, smooth=True)
+    if not law:
+        return dense
+    return with_law(dense, scene.spacing / finer, seen, (first % len(whole), rows))
 
 
 # ---- surface of a sphere

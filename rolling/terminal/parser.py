@@ -355,6 +355,12 @@ def _add_surface(commands: Any) -> None:
         help="unit of x and y of an .xyz file (default: that of the heights)",
     )
     surface.add_argument(
+        "--tip-radius-um",
+        type=arguments.positive,
+        metavar="UM",
+        help="radius of the tip of the stylus, for the waves that it traced",
+    )
+    surface.add_argument(
         "--save",
         type=arguments.path,
         metavar="OUT",
