@@ -151,7 +151,7 @@ def solved(scene: dict[str, Any], heights: Array, spacing: float, keys: dict[str
     return rc.simulate(rc.Scene.from_dict(values), workers=1, progress=False).summary
 
 
-def levels(first: int, last: int) -> None:
+def levels(first: int, last: int, only: str) -> None:
     """Print the errors and the uncertainties of all cases, and count them."""
     counts: dict[str, list[float]] = {}
     for seed in range(first, last + 1):
@@ -162,6 +162,8 @@ def levels(first: int, last: int) -> None:
             print(f"{seed}: no contact: {error}", flush=True)
             continue
         for made in measurements(drawn):
+            if only not in made.name:
+                continue
             keys = {"instrument": made.instrument}
             numbers = solved(drawn.scene, made.heights, made.spacing, keys)
             seen = numbers["instrument"]
@@ -228,8 +230,9 @@ if __name__ == "__main__":
     parser.add_argument("first", type=int)
     parser.add_argument("last", type=int)
     parser.add_argument("--cutoff", action="store_true")
+    parser.add_argument("--only", default="", help="part of the name of the measurements")
     given = parser.parse_args()
     if given.cutoff:
         cutoffs(given.first, given.last)
     else:
-        levels(given.first, given.last)
+        levels(given.first, given.last, given.only)
