@@ -127,7 +127,7 @@ def difference(
             total = math.hypot(*parts_db.values())
             freedom = joint_freedom(of_pairs, total)
             uncertainty_db = total * student_factor(freedom)
-            sureness = 1.0 if total == 0 else float(student.cdf(abs(db) / total, freedom))
+            sureness = _sureness(db, total, freedom)
     return Difference(
         pairs=len(pairs),
         db=db,
@@ -139,6 +139,13 @@ def difference(
         band_db=band_db,
         band_uncertainty_db=band_uncertainty_db,
     )
+
+
+def _sureness(db: float, total: float, freedom: float) -> float:
+    """Return the probability that the sign of a difference [dB] with a total error is right."""
+    if total > 0:
+        return float(student.cdf(abs(db) / total, freedom))
+    return 1.0 if db else 0.5
 
 
 # ---- statistics

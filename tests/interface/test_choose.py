@@ -1,0 +1,181 @@
+"""`rolling choose` and `rc.choose`: files, what is kept, and refusals before anything is written."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+import rolling as rc
+from rolling import cli
+from rolling.choice import choosing
+from rolling.choice.candidates import candidate
+from tests.support.commands import tree
+
+SCENE = """\
+name: {name}
+sphere: {{radius_mm: 3, material: steel-100cr6}}
+plate: {{material: steel-100cr6, thickness_mm: {thickness}, contact_loss_factor: 0.01}}
+surface: {{kind: gaussian, roughness_ra_um: {ra}, correlation_length_um: 12, spacing_um: 3, width_um: 192, seed: 1}}
+rolling: {{load_n: 1, speed_m_s: 0.1, distance_mm: 1}}
+dynamics: {{}}
+{more}
+"""  # noqa: E501
+
+
+def write(folder: Path, name: str, ra: float = 0.2, thickness: float = 3, more: str = "") -> str:
+    """Write a small scene, and return its path."""
+    path = folder / f"{name}.yaml"
+    path.write_text(SCENE.format(name=name, ra=ra, thickness=thickness, more=more))
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def chosen(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Choose between two finishes, in a folder that tests read."""
+    folder = tmp_path_factory.mktemp("chosen")
+    scenes = [write(folder, "ground", ra=0.2), write(folder, "lapped", ra=0.05)]
+    out = folder / "out"
+    assert cli.main(["choose", *scenes, "--within", "9", "--out", str(out), "-q"]) == 0
+    return out
+
+
+def test_a_choice_leaves_its_answer_in_files(chosen: Path) -> None:
+    stored = json.loads((chosen / "choice.json").read_text())
+    assert stored["differences"][0]["pairs"] == 6
+    labels = [one["label"] for one in stored["candidates"]]
+    assert sorted(labels) == ["ground", "lapped"]
+    for name in ("choice.html", "choice.csv", "choice.png", "ground.wav", "lapped.wav"):
+        assert (chosen / name).is_file()
+    page = (chosen / "choice.html").read_text()
+    assert stored["sentences"][0].split(" (")[0].replace("&", "&amp;") in page
+
+
+def test_sounds_of_a_choice_have_one_gain(chosen: Path) -> None:
+    """The ratio of the WAVs is that of the calibrated records."""
+    peaks = []
+    for name in ("ground", "lapped"):
+        sound, _ = soundfile.read(chosen / f"{name}.wav")
+        calibrated, _ = soundfile.read(chosen / name / "01" / "signal.wav")
+        peaks.append(np.abs(sound).max() / np.abs(calibrated).max())
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)
+
+
+def test_a_specimen_is_a_run(chosen: Path) -> None:
+    run = rc.open_run(chosen / "ground" / "02")
+    assert run.scene.surface.seed == 2
+
+
+def test_the_same_command_solves_nothing_again(
+    chosen: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("a march began")
+
+    monkeypatch.setattr("rolling.choice.solving.RunLoop", refuse)
+    scenes = [str(chosen.parent / f"{name}.yaml") for name in ("ground", "lapped")]
+    before = (chosen / "ground" / "01" / "result.h5").stat().st_mtime_ns
+    assert cli.main(["choose", *scenes, "--within", "9", "--out", str(chosen), "-q"]) == 0
+    assert (chosen / "ground" / "01" / "result.h5").stat().st_mtime_ns == before
+
+
+def test_an_interrupted_choice_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scenes = [write(tmp_path, "ground"), write(tmp_path, "lapped", ra=0.05)]
+    words = ["choose", *scenes, "--within", "9", "--out", str(tmp_path / "out"), "--workers", "1"]
+    finished = []
+    hear = choosing.OpenChoice.hear
+
+    def hear_some(self: choosing.OpenChoice, candidates: list, count: int) -> list:
+        if finished:
+            raise KeyboardInterrupt
+        finished.append(count)
+        return hear(self, candidates, count)
+
+    monkeypatch.setattr(choosing.OpenChoice, "hear", hear_some)
+    assert cli.main(words) == 130
+    kept = sorted((tmp_path / "out").glob("*/*/heard.json"))
+    assert len(kept) == 2 * choosing.FEWEST
+    before = [path.stat().st_mtime_ns for path in kept]
+    monkeypatch.setattr(choosing.OpenChoice, "hear", hear)
+    assert cli.main(words) == 0
+    assert [path.stat().st_mtime_ns for path in kept] == before
+    assert len(sorted((tmp_path / "out").glob("*/*/heard.json"))) == 12
+
+
+def test_a_candidate_that_shares_the_contact_costs_no_march(tmp_path: Path) -> None:
+    scene = rc.read_scene(write(tmp_path, "thin"))
+    both = [candidate("thin", scene), candidate("thick", scene.with_(thickness_mm=9))]
+    with choosing.open_choice(both, tmp_path / "out", workers=1) as work:
+        thin, thick = work.hear(both, 1)
+    times = [rc.open_run(one.specimens[0].folder).series["step_time"] for one in (thin, thick)]
+    np.testing.assert_array_equal(times[0], times[1])  # of the same march
+    assert thin.level_db != thick.level_db
+
+
+def test_python_keeps_the_numbers_alone(tmp_path: Path) -> None:
+    scene = rc.read_scene(write(tmp_path, "ground"))
+    scenes = [scene, scene.with_(name="lapped", roughness_ra_um=0.05)]
+    choice = rc.choose(scenes, within_db=9, workers=1, progress=False)
+    assert choice.contenders[0].level_db <= choice.contenders[1].level_db
+    frame = choice.table()
+    assert frame["louder_db"][1] == pytest.approx(choice.differences[0].db)
+    assert choice.plot().get_xlabel() == "third octave, Hz"
+    assert not choice.folder.exists()
+
+
+# ---- refusals
+
+
+@pytest.mark.parametrize(
+    ("more", "other", "key"),
+    [
+        ("", "sound: {distance_m: 2}", "sound.distance_m"),
+        ("", "sound: {room_db: {1000: 30}}", "sound.room_db"),
+    ],
+)
+def test_other_listeners_are_refused_by_their_key(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], more: str, other: str, key: str
+) -> None:
+    scenes = [write(tmp_path, "one", more=more), write(tmp_path, "other", more=other)]
+    assert cli.main(["choose", *scenes, "--out", str(tmp_path / "out")]) == 2
+    assert key in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_short_records_of_other_lengths_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [write(tmp_path, "one"), "--set", "sweep={rolling.distance_mm: [1, 2]}"]
+    assert cli.main(["choose", *words, "--out", str(tmp_path / "out")]) == 2
+    assert "rolling.duration_s" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_one_scene_leaves_nothing_to_choose(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["choose", write(tmp_path, "one"), "--out", str(tmp_path / "out")]) == 2
+    assert "nothing to choose between" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_of_somebody_else_stays_as_it_is(tmp_path: Path) -> None:
+    scenes = [write(tmp_path, "ground"), write(tmp_path, "lapped", ra=0.05)]
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "thesis.txt").write_text("mine")
+    before = tree(tmp_path / "out")
+    assert cli.main(["choose", *scenes, "--out", str(tmp_path / "out")]) == 2
+    assert tree(tmp_path / "out") == before
+
+
+def test_damaged_numbers_are_named(tmp_path: Path, chosen: Path) -> None:
+    from rolling.choice.heard import Specimen, read_heard
+
+    stored = rc.open_run(chosen / "ground" / "01")
+    specimen = Specimen({}, stored.scene, tmp_path, loss_factors=(0.01,))
+    (tmp_path / "heard.json").write_text('{"squares_pa2": [1]}')
+    with pytest.raises(rc.FolderError, match="heard.json"):
+        read_heard(specimen)

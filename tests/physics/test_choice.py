@@ -1,0 +1,207 @@
+"""Laws of a choice: pairs, their ±, its parts, and where a difference lies."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rolling as rc
+from acoustics.bands import BAND_NAMES
+from rolling.choice.candidates import LOSS_FACTORS, candidate, candidates_of
+from rolling.choice.difference import (
+    FIRST_PAIRS,
+    difference,
+    paired_mean,
+    pairs_needed,
+    student_factor,
+)
+from rolling.choice.heard import Heard
+from rolling.choice.specimens import FEWEST, Specimens
+from rolling.choice.words import frequencies_of_difference
+from rolling.dynamics.smooth_contact import semi_axes
+
+SMALL = {
+    "name": "small",
+    "sphere": {"radius_mm": 3, "material": "steel-100cr6"},
+    "plate": {"material": "steel-100cr6", "thickness_mm": 3},
+    "surface": {
+        "kind": "gaussian",
+        "roughness_ra_um": 0.2,
+        "correlation_length_um": 12,
+        "spacing_um": 3,
+        "width_um": 192,
+        "seed": 5,
+    },
+    "rolling": {"load_n": 1, "speed_m_s": 0.1, "distance_mm": 1.5},
+    "dynamics": {},
+}
+
+
+def heard(levels_db: list[float], band: str = "1000", grid_db: float | None = None) -> Heard:
+    """Make what is heard of a specimen whose sound lies in one third octave, by loss factor."""
+    squares = (20e-6) ** 2 * 10 ** (np.array(levels_db) / 10)
+    bands = np.zeros((len(levels_db), len(BAND_NAMES)))
+    bands[:, BAND_NAMES.index(band)] = squares
+    return Heard(
+        loss_factors=tuple(LOSS_FACTORS[: len(levels_db)]),
+        squares=squares,
+        bands=bands,
+        released_power_db=70.0,
+        grid_error_db=grid_db,
+        grid_error_uncertainty_db=None if grid_db is None else 0.0,
+    )
+
+
+def scan(folder: Path) -> rc.Scene:
+    """Write a scan of 1.2 x 1 mm, and return a scene of it."""
+    heights = 1e-7 * np.random.default_rng(3).normal(size=(300, 256))
+    np.save(folder / "scan.npy", heights)
+    surface = {"kind": "file", "path": str(folder / "scan.npy"), "spacing_um": 4}
+    return rc.Scene.from_dict(
+        SMALL | {"surface": surface, "rolling": {"load_n": 1, "speed_m_s": 0.1}}
+    )
+
+
+# ---- statistics
+
+
+def test_what_pairs_share_cancels() -> None:
+    shared = np.random.default_rng(1).normal(0, 5, 6)
+    apart = difference(
+        [heard([float(db) + 3]) for db in shared], [heard([float(db)]) for db in shared]
+    )
+    assert apart.db == pytest.approx(3)
+    assert apart.uncertainty_db == pytest.approx(0, abs=1e-9)
+    assert apart.is_sure
+
+
+def test_uncertainty_is_that_of_student() -> None:
+    values = [1.0, 2.0, 4.0, 1.5, 0.5, 3.0]
+    apart = difference([heard([db]) for db in values], [heard([0.0])] * 6)
+    error = np.std(values, ddof=1) / math.sqrt(6)
+    assert apart.uncertainty_db == pytest.approx(student_factor(5) * error)
+    assert apart.parts_db["scatter"] == pytest.approx(error)
+    assert student_factor(5) == pytest.approx(1.11, abs=0.01)
+
+
+def test_equal_candidates_differ_by_nothing_and_are_not_sure() -> None:
+    same = [heard([20.0])] * 6
+    apart = difference(same, same)
+    assert apart.db == 0 and not apart.is_sure
+
+
+def test_half_of_what_the_loss_factor_changes_is_in_the_uncertainty() -> None:
+    first = [heard([12.0, 16.0])] * 6
+    second = [heard([10.0, 10.0])] * 6
+    apart = difference(first, second)
+    assert apart.db == pytest.approx(4)
+    assert apart.parts_db["loss_factor"] == pytest.approx(2)
+    assert apart.uncertainty_db == pytest.approx(2, rel=0.01)
+
+
+def test_a_stated_loss_factor_stands_beside_both_of_the_other() -> None:
+    apart = difference([heard([12.0])] * 6, [heard([10.0, 8.0])] * 6)
+    assert apart.db == pytest.approx(3)
+    assert apart.parts_db["loss_factor"] == pytest.approx(1)
+
+
+def test_errors_of_the_grid_count_as_far_as_they_differ() -> None:
+    first = [heard([12.0], grid_db=1.5)] * 6
+    second = [heard([10.0], grid_db=0.5)] * 6
+    assert difference(first, second).parts_db["grid"] == pytest.approx(1)
+    assert difference(first, first).parts_db["grid"] == 0
+
+
+def test_silence_has_no_difference() -> None:
+    apart = difference([heard([-math.inf])] * 6, [heard([10.0])] * 6)
+    assert apart.db is None and not apart.is_sure
+
+
+@pytest.mark.parametrize("scatter_db", [0.5, 1.5, 3.0])
+def test_stated_uncertainties_hold_although_the_scatter_decides_the_count(
+    scatter_db: float,
+) -> None:
+    """The rule of the program, with normal pairs: coverage 68 % and 92 % (Student, 5 degrees)."""
+    rng = np.random.default_rng(7)
+    ratios = []
+    for _ in range(3000):
+        values = rng.normal(0, scatter_db, 400)
+        count = max(FIRST_PAIRS, pairs_needed(values[:FIRST_PAIRS], 1.0))
+        mean = paired_mean(values[: min(count, 400)])
+        ratios.append(abs(mean.mean) / (student_factor(mean.freedom) * mean.error))
+    assert np.mean(np.array(ratios) < 1) == pytest.approx(0.683, abs=0.03)
+    assert np.mean(np.array(ratios) < 2) == pytest.approx(0.922, abs=0.02)
+
+
+def test_more_scatter_needs_more_pairs() -> None:
+    values = np.array([0.0, 1.0, 2.0, 0.5, 1.5, 1.0])
+    assert pairs_needed(4 * values, 1.0) > pairs_needed(2 * values, 1.0) > 0
+
+
+# ---- where a difference lies
+
+
+def test_frequencies_hold_most_of_the_difference() -> None:
+    squares = np.zeros(31)
+    squares[BAND_NAMES.index("4000")] = 5
+    squares[BAND_NAMES.index("5000")] = 4
+    squares[BAND_NAMES.index("200")] = 1
+    assert frequencies_of_difference(squares) == "between 4 kHz and 5 kHz"
+    assert frequencies_of_difference(-squares) is None
+
+
+# ---- candidates and specimens
+
+
+def test_candidates_meet_the_same_seeds() -> None:
+    scene = rc.Scene.from_dict(SMALL)
+    both = candidates_of([scene, scene.with_(name="fine", roughness_ra_um=0.1, seed=9)])
+    specimens = Specimens(both)
+    for number in range(3):
+        seeds = {specimens.scene(one, number).surface.seed for one in both}
+        assert seeds == {5 + number}
+
+
+def test_a_sweep_over_seeds_makes_no_candidates() -> None:
+    scene = rc.Scene.from_dict(SMALL)
+    swept = scene.with_(sweep={"surface.roughness_ra_um": [0.1, 0.2], "surface.seed": [1, 2]})
+    assert [one.label for one in candidates_of([swept])] == ["Ra 0.1 µm", "Ra 0.2 µm"]
+
+
+def test_a_scene_without_dynamics_gets_its_bodies() -> None:
+    data = {key: value for key, value in SMALL.items() if key != "dynamics"}
+    data["plate"] = {"material": "steel-100cr6"}
+    one = candidate("one", rc.Scene.from_dict(data))
+    assert one.scene.dynamics is not None
+    assert "10 mm plate" in one.added
+    assert one.loss_factors == LOSS_FACTORS
+
+
+def test_candidates_of_one_surface_share_their_contact() -> None:
+    from rolling.marches.piece import contact_identity
+
+    scene = rc.Scene.from_dict(SMALL)
+    thick = scene.with_(name="thick", thickness_mm=8)
+    fast = scene.with_(name="fast", speed_m_s=1.0)
+    specimens = Specimens(candidates_of([scene, thick]))
+    found = {contact_identity(specimens.scene(one, 0)) for one in candidates_of([scene, thick])}
+    assert len(found) == 1
+    steps = {one.scene.numerics.step_nodes for one in candidates_of([scene, thick])}
+    assert len(steps) == 1
+    with pytest.raises(rc.SceneError, match="duration"):
+        candidates_of([scene, fast])
+
+
+def test_places_of_a_scan_are_a_contact_width_apart(tmp_path: Path) -> None:
+    scene = scan(tmp_path)
+    (one, _) = candidates_of([scene, scene.with_(name="heavier", load_n=1.1 * scene.load)])
+    specimens = Specimens([one])
+    assert specimens.count >= FEWEST
+    across = sorted(
+        specimens.scene(one, number).rolling.across_um for number in range(specimens.count)
+    )
+    width_um = 2e6 * semi_axes(one.scene)[1]
+    assert np.diff(across).min() >= width_um * (1 - 1e-9)
